@@ -1,0 +1,11 @@
+//! Wheel and rail profiles in, contact stiffness law out.
+//!
+//! The modules stand in the order of the pipeline: a module uses only those
+//! above it.
+
+pub mod units;
+pub mod error;
+pub mod monitor;
+pub mod law;
+pub mod scenario;
+pub mod history;
