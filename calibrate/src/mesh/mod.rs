@@ -19,6 +19,24 @@
 
 use nalgebra::{Point2, Point3};
 
+use crate::error::{InputError, Result};
+
+mod block;
+// mod bodies;
+mod quality;
+mod section_mesh;
+mod sizing;
+mod smoothing;
+mod sweep;
+mod triangulation;
+mod vtu;
+
+pub use block::{BlockOptions, mesh_block};
+// pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
+pub use quality::{Quality, quality};
+pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
+pub use sweep::{extrude, revolve};
+pub use vtu::{Cells, Field, write_vtu};
 
 /// Tensor grid of the surface nodes in which contact can take place.
 ///
@@ -163,9 +181,105 @@ impl MeshOptions {
     }
 }
 
-#[allow(dead_code)]
+impl MeshOptions {
+    /// Sizes of a section whose largest element is `largest`.
+    #[must_use]
+    pub fn sizes(&self, largest: f64) -> SectionSizes {
+        SectionSizes {
+            layers: self.layers,
+            first_layer: self.first_layer,
+            layer_growth: self.layer_growth,
+            growth: self.section_growth,
+            largest,
+        }
+    }
+
+    /// Refuses values no mesh can be made with.
+    fn check(&self) -> Result<()> {
+        let lengths = [
+            ("contact_element", self.contact_element),
+            ("window_half_length", self.window_half_length),
+            ("first_layer", self.first_layer),
+            ("rail_section_element", self.rail_section_element),
+            ("wheel_section_element", self.wheel_section_element),
+            ("rail_length_element", self.rail_length_element),
+            ("wheel_arc_element", self.wheel_arc_element),
+        ];
+        for (name, length) in lengths {
+            if !(length.is_finite() && length > 0.0) {
+                return Err(InputError::new(
+                    format!("mesh.{name}"),
+                    format!("{} mm", length * 1e3),
+                    "a length above zero",
+                    "give the size of the elements in mm",
+                )
+                .into());
+            }
+        }
+        let ratios =
+            [("layer_growth", self.layer_growth, 1.0), ("growth", self.growth, 1.0), ("section_growth", self.section_growth, 0.0)];
+        for (name, ratio, least) in ratios {
+            if !(ratio.is_finite() && ratio >= least) {
+                return Err(InputError::new(
+                    format!("mesh.{name}"),
+                    ratio,
+                    format!("a number from {least} on"),
+                    "elements grow away from the contact zone",
+                )
+                .into());
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Signed area of the triangle `a`, `b`, `c`: positive when counter-clockwise
 /// with the first coordinate to the right and the second up.
 fn signed_area(a: &Point2<f64>, b: &Point2<f64>, c: &Point2<f64>) -> f64 {
     0.5 * (b - a).perp(&(c - a))
+}
+#[cfg(test)]
+mod dev {
+    use super::*;
+    fn read(path: &str, ycol: usize, zcol: usize, f: impl Fn(f64) -> f64) -> Vec<Point2<f64>> {
+        std::fs::read_to_string(path).unwrap().lines().filter(|l| !l.starts_with('#') && !l.starts_with('y'))
+            .map(|l| { let c: Vec<&str> = l.split(',').collect(); Point2::new(c[ycol].parse::<f64>().unwrap()*1e-3, f(c[zcol].parse::<f64>().unwrap())*1e-3) }).collect()
+    }
+    fn outline(poly: Vec<Point2<f64>>, from: impl Fn(&Point2<f64>)->bool, to: Point2<f64>, below: f64, h: f64) -> SectionOutline {
+        let _=below;
+        let k = poly.iter().position(&from).unwrap();
+        let mut p: Vec<_> = poly[k..].iter().chain(&poly[..k]).copied().collect();
+        p.push(p[0]);
+        let line = sizing::Polyline::new(&p);
+        let n=40000; let tend=(0..n).map(|i| line.length()*i as f64/n as f64).min_by(|a,b| (line.point(*a)-to).norm().total_cmp(&(line.point(*b)-to).norm())).unwrap();
+        let e = 2*(tend/2.0/h).ceil() as usize;
+        let fine = (0..=e).map(|i| { let s=tend*i as f64/e as f64; let d=line.point((s+2e-4).min(line.length()))-line.point((s-2e-4).max(0.)); let d=d.normalize(); SurfacePoint{point: line.point(s), inward: nalgebra::Vector2::new(-d.y,d.x)*below, s}}).collect();
+        let m=4000; let rest=(0..=m).map(|i| line.point(tend+(line.length()-tend)*i as f64/m as f64)).collect();
+        SectionOutline{fine, rest}
+    }
+    fn dump(name:&str, m:&SectionMesh){
+        let n3: Vec<Point3<f64>>=m.nodes.iter().map(|p| Point3::new(0.0,p.x,p.y)).collect();
+        let q: Vec<f64>=m.quads.iter().map(|q| triangulation::smallest_sine(&m.nodes,q)).collect();
+        write_vtu(std::path::Path::new(name),&n3,Cells::Quads(&m.quads),&[],&[Field::Scalar("q",&q)]).unwrap();
+        println!("{name}: nodes {} quads {} minSJ {:.3} mean {:.3} area {:.6e} contact {}", m.nodes.len(), m.quads.len(), m.min_scaled_jacobian(), q.iter().sum::<f64>()/q.len() as f64, m.area(), m.contact.len());
+    }
+    #[test]
+    fn dev_sections() {
+        for g in [0.3,0.5,0.7,0.9,1.2] { let mut o=MeshOptions::default(); o.section_growth=g; println!("growth {g}");
+        let f="/work/shared/facts/geometry/";
+        let p=read(&format!("{f}rail_60E1_polyline.csv"),0,1,|z| -z);
+        let ol=outline(p.clone(), |p| p.x < -0.036 && p.y<0.0205, Point2::new(0.022,0.001603),1.0,o.contact_element);
+        let t=std::time::Instant::now();
+        let m=mesh_section(&ol,&o.sizes(o.rail_section_element)).unwrap(); println!("{:?}",t.elapsed()); dump("/tmp/rail2d.vtu",&m);dump(&format!("/tmp/rail2d{g}.vtu"),&m);
+        for (n,file,r0) in [("a","wheel_generic_straight_860.csv",430.0),("b","wheel_generic_Sweb_920.csv",460.0)] {
+        let p=read(&format!("{f}{file}"),0,1,|r| r-r0);
+        let area=|p:&Vec<Point2<f64>>| (1..p.len()-1).map(|k| signed_area(&p[0],&p[k],&p[k+1])).sum::<f64>();
+        println!("area sign {}", area(&p));
+        let to=*p.iter().filter(|p| p.x> -0.0415 && p.x< -0.0385 && p.y<0.016).min_by(|a,b| (a.y-0.015).abs().total_cmp(&(b.y-0.015).abs())).unwrap();
+        let to2=*p.iter().filter(|p| p.y.abs()<0.01).min_by(|a,b| (a.x-0.032).abs().total_cmp(&(b.x-0.032).abs())).unwrap();
+        let mut p=p; if area(&p)>0.0 {p.reverse();}
+        let ol=outline(p.clone(), |q| *q==to, to2,-1.0,o.contact_element);
+        let m=mesh_section(&ol,&o.sizes(o.wheel_section_element)).unwrap(); dump(&format!("/tmp/wheel2d{n}.vtu"),&m);
+        }}
+    }
 }
