@@ -265,7 +265,7 @@ mod dev {
     }
     #[test]
     fn dev_sections() {
-        for g in [0.3,0.5,0.7,0.9,1.2] { let mut o=MeshOptions::default(); o.section_growth=g; println!("growth {g}");
+        for g in [0.2,0.25,0.3,0.35,0.4] { let mut o=MeshOptions::default(); o.section_growth=g; println!("growth {g}");
         let f="/work/shared/facts/geometry/";
         let p=read(&format!("{f}rail_60E1_polyline.csv"),0,1,|z| -z);
         let ol=outline(p.clone(), |p| p.x < -0.036 && p.y<0.0205, Point2::new(0.022,0.001603),1.0,o.contact_element);

@@ -24,7 +24,10 @@ const SIZE_STEP: f64 = 1e-3;
 /// elements across after the division.
 const EDGE_TO_THICKNESS: f64 = 1.15;
 /// Edge of the coarse mesh as part of the radius of curvature of the outline.
-const EDGE_TO_RADIUS: f64 = 1.0;
+const EDGE_TO_RADIUS: f64 = 0.8;
+
+/// How far a node of the outline may slide, as part of the distance to the next.
+const SLIDE: f64 = 0.3;
 
 /// A point of the fine part of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -239,7 +242,7 @@ impl<'a> Builder<'a> {
 
     /// Sizes of the coarse mesh, so twice those of the elements.
     fn size_field(&self) -> SizeField {
-        let mut field = SizeField::new(self.sizes.growth, 2.0 * self.sizes.largest);
+        let mut field = SizeField::new(2.0 * self.sizes.growth, 2.0 * self.sizes.largest);
         // From the layers: the edges of their lower side and of their ends.
         let stride = self.sizes.layers + 1;
         let columns = self.outline.fine.len();
@@ -295,7 +298,13 @@ impl<'a> Builder<'a> {
                 if last && piece == knots.len() - 2 {
                     break; // the first node of the layers
                 }
-                let freedom = if last { Freedom::Fixed } else { Freedom::Slides(*t) };
+                let freedom = if last {
+                    Freedom::Fixed
+                } else {
+                    let range =
+                        (t - SLIDE * (t - positions[k - 1]), t + SLIDE * (positions[k + 1] - t));
+                    Freedom::Slides { at: *t, range }
+                };
                 let point = self.rest.point(*t);
                 loop_nodes.push(self.add(point, freedom));
             }

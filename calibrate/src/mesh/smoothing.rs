@@ -4,8 +4,8 @@
 //! nearest to squares, as measured by `(|a|² + |b|²) / (2 a×b)` at each corner
 //! with the edges `a` and `b` (one for a square corner, infinite for a flat
 //! one). A move is taken only when it lowers the sum of the fourth powers and
-//! does not leave the worst corner around worse than both it was and
-//! [`GOOD_ENOUGH`].
+//! does not leave the worst corner around worse than both it was and a sine of
+//! 0.7; so the worst element never gets worse.
 
 use nalgebra::{Point2, Vector2};
 
@@ -24,8 +24,13 @@ const LAST_STEP: f64 = 0.005;
 pub(super) enum Freedom {
     /// Not at all.
     Fixed,
-    /// Along the outline; the value is its arc length there.
-    Slides(f64),
+    /// Along the outline: arc length there, now, least and most.
+    Slides {
+        /// Arc length at which the node is.
+        at: f64,
+        /// Range of arc lengths it keeps to, so that the spacing stays near the wanted one.
+        range: (f64, f64),
+    },
     /// Anywhere.
     Free,
 }
@@ -64,13 +69,13 @@ pub(super) fn smooth(
                         start + offset
                     })
                 }
-                Freedom::Slides(t) => {
+                Freedom::Slides { at, range } => {
                     let directions = [Vector2::new(1.0, 0.0), Vector2::new(-1.0, 0.0)];
                     let mut offset = Vector2::zeros();
                     let moved = search(nodes, quads, &around[v], v, &mut offset, &directions, |_, offset| {
-                        outline.point(t + offset.x)
+                        outline.point((at + offset.x).clamp(range.0, range.1))
                     });
-                    freedom[v] = Freedom::Slides(t + offset.x);
+                    freedom[v] = Freedom::Slides { at: (at + offset.x).clamp(range.0, range.1), range };
                     moved
                 }
             };
@@ -103,7 +108,8 @@ fn search(
             let previous = nodes[v];
             nodes[v] = place(&start, &trial);
             let (value, corner) = measure(nodes, quads, around);
-            if value < best * (1.0 - LEAST_GAIN) && (worst_corner <= 0.0 || corner >= worst_corner.min(GOOD_ENOUGH)) {
+            let tolerable = worst_corner <= 0.0 || corner >= worst_corner.min(GOOD_ENOUGH);
+            if value < best * (1.0 - LEAST_GAIN) && tolerable {
                 *offset = trial;
                 best = value;
                 worst_corner = corner;
