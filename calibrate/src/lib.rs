@@ -9,4 +9,7 @@ pub mod monitor;
 pub mod law;
 pub mod scenario;
 pub mod history;
+pub mod profile;
+pub mod section;
+pub mod placement;
 pub mod mesh;

@@ -22,7 +22,7 @@ use nalgebra::{Point2, Point3};
 use crate::error::{InputError, Result};
 
 mod block;
-// mod bodies;
+mod bodies;
 mod quality;
 mod section_mesh;
 mod sizing;
@@ -32,7 +32,7 @@ mod triangulation;
 mod vtu;
 
 pub use block::{BlockOptions, mesh_block};
-// pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
+pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
 pub use quality::{Quality, quality};
 pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
 pub use sweep::{extrude, revolve};
@@ -237,49 +237,4 @@ impl MeshOptions {
 /// with the first coordinate to the right and the second up.
 fn signed_area(a: &Point2<f64>, b: &Point2<f64>, c: &Point2<f64>) -> f64 {
     0.5 * (b - a).perp(&(c - a))
-}
-#[cfg(test)]
-mod dev {
-    use super::*;
-    fn read(path: &str, ycol: usize, zcol: usize, f: impl Fn(f64) -> f64) -> Vec<Point2<f64>> {
-        std::fs::read_to_string(path).unwrap().lines().filter(|l| !l.starts_with('#') && !l.starts_with('y'))
-            .map(|l| { let c: Vec<&str> = l.split(',').collect(); Point2::new(c[ycol].parse::<f64>().unwrap()*1e-3, f(c[zcol].parse::<f64>().unwrap())*1e-3) }).collect()
-    }
-    fn outline(poly: Vec<Point2<f64>>, from: impl Fn(&Point2<f64>)->bool, to: Point2<f64>, below: f64, h: f64) -> SectionOutline {
-        let _=below;
-        let k = poly.iter().position(&from).unwrap();
-        let mut p: Vec<_> = poly[k..].iter().chain(&poly[..k]).copied().collect();
-        p.push(p[0]);
-        let line = sizing::Polyline::new(&p);
-        let n=40000; let tend=(0..n).map(|i| line.length()*i as f64/n as f64).min_by(|a,b| (line.point(*a)-to).norm().total_cmp(&(line.point(*b)-to).norm())).unwrap();
-        let e = 2*(tend/2.0/h).ceil() as usize;
-        let fine = (0..=e).map(|i| { let s=tend*i as f64/e as f64; let d=line.point((s+2e-4).min(line.length()))-line.point((s-2e-4).max(0.)); let d=d.normalize(); SurfacePoint{point: line.point(s), inward: nalgebra::Vector2::new(-d.y,d.x)*below, s}}).collect();
-        let m=4000; let rest=(0..=m).map(|i| line.point(tend+(line.length()-tend)*i as f64/m as f64)).collect();
-        SectionOutline{fine, rest}
-    }
-    fn dump(name:&str, m:&SectionMesh){
-        let n3: Vec<Point3<f64>>=m.nodes.iter().map(|p| Point3::new(0.0,p.x,p.y)).collect();
-        let q: Vec<f64>=m.quads.iter().map(|q| triangulation::smallest_sine(&m.nodes,q)).collect();
-        write_vtu(std::path::Path::new(name),&n3,Cells::Quads(&m.quads),&[],&[Field::Scalar("q",&q)]).unwrap();
-        println!("{name}: nodes {} quads {} minSJ {:.3} mean {:.3} area {:.6e} contact {}", m.nodes.len(), m.quads.len(), m.min_scaled_jacobian(), q.iter().sum::<f64>()/q.len() as f64, m.area(), m.contact.len());
-    }
-    #[test]
-    fn dev_sections() {
-        for g in [0.2,0.25,0.3,0.35,0.4] { let mut o=MeshOptions::default(); o.section_growth=g; println!("growth {g}");
-        let f="/work/shared/facts/geometry/";
-        let p=read(&format!("{f}rail_60E1_polyline.csv"),0,1,|z| -z);
-        let ol=outline(p.clone(), |p| p.x < -0.036 && p.y<0.0205, Point2::new(0.022,0.001603),1.0,o.contact_element);
-        let t=std::time::Instant::now();
-        let m=mesh_section(&ol,&o.sizes(o.rail_section_element)).unwrap(); println!("{:?}",t.elapsed()); dump("/tmp/rail2d.vtu",&m);dump(&format!("/tmp/rail2d{g}.vtu"),&m);
-        for (n,file,r0) in [("a","wheel_generic_straight_860.csv",430.0),("b","wheel_generic_Sweb_920.csv",460.0)] {
-        let p=read(&format!("{f}{file}"),0,1,|r| r-r0);
-        let area=|p:&Vec<Point2<f64>>| (1..p.len()-1).map(|k| signed_area(&p[0],&p[k],&p[k+1])).sum::<f64>();
-        println!("area sign {}", area(&p));
-        let to=*p.iter().filter(|p| p.x> -0.0415 && p.x< -0.0385 && p.y<0.016).min_by(|a,b| (a.y-0.015).abs().total_cmp(&(b.y-0.015).abs())).unwrap();
-        let to2=*p.iter().filter(|p| p.y.abs()<0.01).min_by(|a,b| (a.x-0.032).abs().total_cmp(&(b.x-0.032).abs())).unwrap();
-        let mut p=p; if area(&p)>0.0 {p.reverse();}
-        let ol=outline(p.clone(), |q| *q==to, to2,-1.0,o.contact_element);
-        let m=mesh_section(&ol,&o.sizes(o.wheel_section_element)).unwrap(); dump(&format!("/tmp/wheel2d{n}.vtu"),&m);
-        }}
-    }
 }

@@ -27,7 +27,7 @@ const EDGE_TO_THICKNESS: f64 = 1.15;
 const EDGE_TO_RADIUS: f64 = 0.8;
 
 /// How far a node of the outline may slide, as part of the distance to the next.
-const SLIDE: f64 = 0.3;
+const SLIDE: f64 = 0.5;
 
 /// A point of the fine part of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
