@@ -421,6 +421,8 @@ mod tests {
         assert!(mesh.min_scaled_jacobian() > 0.3, "{}", mesh.min_scaled_jacobian());
         let inside = |p: &&Point2<f64>| (p.y - 90e-3).abs() < 20e-3;
         let on_outline = mesh.boundary.iter().map(|&v| &mesh.nodes[v]).filter(inside).count();
+        // Elements as long as the web is half thick: 40 mm on either side in steps of up to 8.6 mm.
+        assert!(on_outline >= 8, "{on_outline} nodes on the sides of the web");
         let all = mesh.nodes.iter().filter(inside).count();
         assert!(
             all > on_outline + on_outline / 3,
