@@ -411,7 +411,7 @@ mod tests {
     }
 
     #[test]
-    fn a_curved_web_is_two_elements_thick() {
+    fn a_curved_web_keeps_its_area() {
         let outline = head_on_a_web(40e-3);
         let mesh = mesh_section(&outline, &SIZES).unwrap();
         let exact = 80e-3 * 30e-3 + 15e-3 * 120e-3;
@@ -419,11 +419,16 @@ mod tests {
         // the two sides of the web err in opposite senses.
         assert!((mesh.area() / exact - 1.0).abs() < 0.25 * 1e-4 / (12.0 * 40e-3) / exact, "{}", mesh.area());
         assert!(mesh.min_scaled_jacobian() > 0.3, "{}", mesh.min_scaled_jacobian());
-        let inside = |p: &&Point2<f64>| (p.y - 90e-3).abs() < 20e-3;
+    }
+
+    #[test]
+    fn a_web_has_two_elements_across_and_none_much_longer_than_half_its_thickness() {
+        let mesh = mesh_section(&head_on_a_web(0.0), &SectionSizes { largest: 50e-3, ..SIZES }).unwrap();
+        let inside = |p: &&Point2<f64>| (p.y - 90e-3).abs() < 30e-3;
         let on_outline = mesh.boundary.iter().map(|&v| &mesh.nodes[v]).filter(inside).count();
-        // Elements as long as the web is half thick: 40 mm on either side in steps of up to 8.6 mm.
-        assert!(on_outline >= 8, "{on_outline} nodes on the sides of the web");
         let all = mesh.nodes.iter().filter(inside).count();
+        // Steps of up to 8.6 mm on two sides of 60 mm; a third row of nodes in the middle.
+        assert!(on_outline >= 12, "{on_outline} nodes on the sides of the web");
         assert!(
             all > on_outline + on_outline / 3,
             "{all} nodes in the web, {on_outline} of them on its sides"
