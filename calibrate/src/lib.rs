@@ -7,5 +7,6 @@ pub mod units;
 pub mod error;
 pub mod monitor;
 pub mod law;
+pub mod analytic;
 pub mod scenario;
 pub mod history;
