@@ -10,3 +10,6 @@ pub mod law;
 pub mod analytic;
 pub mod scenario;
 pub mod history;
+pub mod profile;
+pub mod section;
+pub mod placement;
