@@ -1,1 +1,3 @@
-//! placeholder
+//! Simulates with the fitted law, and verifies it against the solid model.
+
+pub mod beam;
