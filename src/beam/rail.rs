@@ -119,8 +119,8 @@ impl RailBeam {
     }
 
     /// Interpolates inside the elements with the cubic Hermite functions of eq. 9 instead of the
-    /// element's own functions. The two agree at the nodes; in short elements, where shear
-    /// dominates, Hermite functions bend where the element does not.
+    /// element's own functions. The two agree at the nodes; in between, in short elements, where
+    /// shear dominates, their flexibilities differ by about one per cent.
     #[must_use]
     pub fn with_hermite_functions(mut self) -> Self {
         self.hermite = true;
