@@ -9,3 +9,4 @@ pub mod monitor;
 pub mod law;
 pub mod scenario;
 pub mod history;
+pub mod mesh;
