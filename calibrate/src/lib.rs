@@ -10,3 +10,5 @@ pub mod law;
 pub mod scenario;
 pub mod history;
 pub mod mesh;
+pub mod solid;
+pub mod superelement;

@@ -162,7 +162,7 @@ fn dissection_order(mesh: &HexMesh, interior: &[bool]) -> Result<Vec<usize>> {
         active: 0,
         reason: StopReason::Singular,
     };
-    let pattern = CscPattern::new(nodes.len(), &starts, &indices).map_err(|_| failed())?;
+    let pattern = CscPattern::new(nodes.len(), &starts, &indices).ok_or_else(failed)?;
     let order = metis_order(&pattern).map_err(|_| failed())?;
     Ok(order.iter().map(|&i| nodes[i as usize]).collect())
 }
