@@ -257,7 +257,8 @@ fn best_exponent(points: &Points) -> Result<f64> {
         .unwrap_or(0);
     // The smallest reachable tolerance: near an exact law the sum of squares
     // has no rounding floor, and Brent may go beyond the usual root of epsilon.
-    let solver = BrentOpt::new(at(best.saturating_sub(1)), at((best + 1).min(SCAN))).set_tolerance(1e-12, 1e-13);
+    let solver =
+        BrentOpt::new(at(best.saturating_sub(1)), at((best + 1).min(SCAN))).set_tolerance(1e-12, 1e-13);
     let failure = |iteration, residual| {
         Error::from(NumericsError {
             stage: "law fit".into(),

@@ -26,9 +26,13 @@ fn loads() -> Vec<f64> {
 #[test]
 fn published_law_matches_table() {
     let law = StiffnessLaw::published();
-    for (kilonewton, millimetre, stiffness) in
-        [(10.0, 0.0237, 542.0), (50.0, 0.0825, 785.0), (85.0, 0.1242, 888.0), (100.0, 0.1408, 922.0), (150.0, 0.1924, 1014.0)]
-    {
+    for (kilonewton, millimetre, stiffness) in [
+        (10.0, 0.0237, 542.0),
+        (50.0, 0.0825, 785.0),
+        (85.0, 0.1242, 888.0),
+        (100.0, 0.1408, 922.0),
+        (150.0, 0.1924, 1014.0),
+    ] {
         // Half a unit of the last printed digit.
         let (half_digit_mm, half_digit_stiffness) = (0.00005, 0.5);
         assert!((law.displacement(kilonewton * 1e3) * 1e3 - millimetre).abs() <= half_digit_mm);
