@@ -19,6 +19,24 @@
 
 use nalgebra::{Point2, Point3};
 
+use crate::error::{InputError, Result};
+
+mod block;
+mod bodies;
+mod quality;
+mod section_mesh;
+mod sizing;
+mod smoothing;
+mod sweep;
+mod triangulation;
+mod vtu;
+
+pub use block::{BlockOptions, mesh_block};
+pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
+pub use quality::{Quality, quality};
+pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
+pub use sweep::{extrude, revolve};
+pub use vtu::{Cells, Field, write_vtu};
 
 /// Tensor grid of the surface nodes in which contact can take place.
 ///
@@ -163,7 +181,58 @@ impl MeshOptions {
     }
 }
 
-#[allow(dead_code)]
+impl MeshOptions {
+    /// Sizes of a section whose largest element is `largest`.
+    #[must_use]
+    pub fn sizes(&self, largest: f64) -> SectionSizes {
+        SectionSizes {
+            layers: self.layers,
+            first_layer: self.first_layer,
+            layer_growth: self.layer_growth,
+            growth: self.section_growth,
+            largest,
+        }
+    }
+
+    /// Refuses values no mesh can be made with.
+    fn check(&self) -> Result<()> {
+        let lengths = [
+            ("contact_element", self.contact_element),
+            ("window_half_length", self.window_half_length),
+            ("first_layer", self.first_layer),
+            ("rail_section_element", self.rail_section_element),
+            ("wheel_section_element", self.wheel_section_element),
+            ("rail_length_element", self.rail_length_element),
+            ("wheel_arc_element", self.wheel_arc_element),
+        ];
+        for (name, length) in lengths {
+            if !(length.is_finite() && length > 0.0) {
+                return Err(InputError::new(
+                    format!("mesh.{name}"),
+                    format!("{} mm", length * 1e3),
+                    "a length above zero",
+                    "give the size of the elements in mm",
+                )
+                .into());
+            }
+        }
+        let ratios =
+            [("layer_growth", self.layer_growth, 1.0), ("growth", self.growth, 1.0), ("section_growth", self.section_growth, 0.0)];
+        for (name, ratio, least) in ratios {
+            if !(ratio.is_finite() && ratio >= least) {
+                return Err(InputError::new(
+                    format!("mesh.{name}"),
+                    ratio,
+                    format!("a number from {least} on"),
+                    "elements grow away from the contact zone",
+                )
+                .into());
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Signed area of the triangle `a`, `b`, `c`: positive when counter-clockwise
 /// with the first coordinate to the right and the second up.
 fn signed_area(a: &Point2<f64>, b: &Point2<f64>, c: &Point2<f64>) -> f64 {
