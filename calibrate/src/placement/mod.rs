@@ -1,0 +1,180 @@
+//! Rail and wheel in the track: inclination, gauge, and the wheel lowered until it just touches.
+//!
+//! World frame: y from the track centre to the field side of the right rail, z down from the highest point of
+//! the placed rail.
+
+mod touch;
+
+use nalgebra::{Point2, Rotation2, Vector2};
+
+use crate::error::{InputError, Result};
+use crate::profile::ProfileCurve;
+use crate::profile::root::bracketed_newton;
+use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
+use crate::section::RailSection;
+use crate::units::MILLIMETRE;
+
+pub use touch::{Touch, touch};
+
+/// Where rails and wheels stand in the track.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrackGeometry {
+    /// Distance of the gauge faces, m.
+    pub gauge: f64,
+    /// Depth below the top of the inclined rail at which the gauge is measured, m.
+    pub gauge_height: f64,
+    /// Distance of the flange backs of a wheelset, m.
+    pub flange_back: f64,
+    /// Slope by which the rail leans towards the track centre, for instance 1/40.
+    pub inclination: f64,
+    /// Lateral shift of the wheelset, m, positive towards the field side of the right rail.
+    pub lateral_shift: f64,
+}
+
+impl TrackGeometry {
+    /// Standard gauge: 1435 mm measured 14 mm below the top, flange backs 1360 mm, inclination 1:40, no shift.
+    pub fn standard() -> Self {
+        Self {
+            gauge: 1.435,
+            gauge_height: 0.014,
+            flange_back: 1.360,
+            inclination: 1.0 / 40.0,
+            lateral_shift: 0.0,
+        }
+    }
+
+    /// Lateral position of the right wheel's tape circle, m.
+    ///
+    /// ```
+    /// use railspring_calibrate::placement::TrackGeometry;
+    /// assert!((TrackGeometry::standard().tape_y() - 0.750).abs() < 1e-15);
+    /// ```
+    pub fn tape_y(&self) -> f64 {
+        0.5 * self.flange_back + TAPE_CIRCLE_FROM_FLANGE_BACK + self.lateral_shift
+    }
+
+    /// Checks every value against what a track can have.
+    ///
+    /// # Errors
+    /// [`InputError`] naming the key of the first value out of range.
+    pub fn check(&self) -> Result<()> {
+        let in_millimetres = [
+            ("track.gauge_mm", self.gauge, 300.0, 3000.0),
+            ("track.gauge_height_mm", self.gauge_height, 1.0, 30.0),
+            ("track.flange_back_mm", self.flange_back, 250.0, 3000.0),
+            ("track.lateral_shift_mm", self.lateral_shift, -100.0, 100.0),
+        ];
+        for (key, value, least, greatest) in in_millimetres {
+            if !(least..=greatest).contains(&(value / MILLIMETRE)) {
+                return Err(InputError::new(
+                    key,
+                    format!("{} mm", value / MILLIMETRE),
+                    format!("{least} to {greatest} mm"),
+                    "check the value and its unit",
+                )
+                .into());
+            }
+        }
+        if !(-0.2..=0.2).contains(&self.inclination) {
+            return Err(InputError::new(
+                "track.inclination",
+                self.inclination,
+                "a slope between -0.2 and 0.2",
+                "give the slope, for instance 0.025 for 1:40",
+            )
+            .into());
+        }
+        Ok(())
+    }
+}
+
+/// A rail in the track: world point = R(angle) · profile point + origin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedRail {
+    /// Running surface in the world frame; the arc length is that of the section's running curve.
+    pub curve: ProfileCurve,
+    /// Rotation, rad, from y towards z; negative for a rail that leans towards the track centre.
+    pub angle: f64,
+    /// World position of the origin of the profile frame, m.
+    pub origin: Point2<f64>,
+}
+
+impl PlacedRail {
+    /// World point of a point of the profile frame.
+    pub fn to_world(&self, p: &Point2<f64>) -> Point2<f64> {
+        Rotation2::new(self.angle) * p + self.origin.coords
+    }
+
+    /// Point of the profile frame at a world point.
+    pub fn to_profile(&self, p: &Point2<f64>) -> Point2<f64> {
+        Rotation2::new(-self.angle) * (p - self.origin.coords)
+    }
+}
+
+/// Inclines the right rail towards the track centre, raises it until its highest point lies at z = 0, and moves
+/// it sideways until its gauge face lies at half the gauge in the depth where the gauge is measured.
+///
+/// # Errors
+/// [`InputError`] for a track geometry out of range, or a running surface that does not reach down to the depth
+/// of the gauge.
+///
+/// ```
+/// use railspring_calibrate::placement::{TrackGeometry, place_rail};
+/// use railspring_calibrate::section::rail_section;
+/// let rail = place_rail(&rail_section("60E1")?, &TrackGeometry::standard())?;
+/// let gauge_face = rail.curve.s_at_y(0.7175).unwrap();
+/// assert!((rail.curve.point(gauge_face).y - 0.014).abs() < 1e-12);
+/// # Ok::<(), railspring_calibrate::error::Error>(())
+/// ```
+pub fn place_rail(section: &RailSection, track: &TrackGeometry) -> Result<PlacedRail> {
+    track.check()?;
+    let angle = -track.inclination.atan();
+    let inclined = section.running.transformed(angle, Vector2::zeros());
+    let top_interval_and_s = highest_point(&inclined);
+    let top = inclined.point(top_interval_and_s.1);
+
+    // From the top back along the gauge side: the first point as deep as the gauge is measured.
+    let depth = |s: f64| inclined.point(s).y - top.y - track.gauge_height;
+    let knots = inclined.knots();
+    let below = (0..=top_interval_and_s.0).rev().find(|&i| depth(knots[i]) >= 0.0).ok_or_else(|| {
+        InputError::new(
+            "track.gauge_height_mm",
+            format!("{} mm", track.gauge_height / MILLIMETRE),
+            "a depth that the gauge side of the rail profile reaches",
+            "measure the gauge less deep, or give a profile that goes on further down the gauge side",
+        )
+    })?;
+    let condition = |s: f64| {
+        let (p, t) = inclined.evaluate(s);
+        (top.y + track.gauge_height - p.y, -t.y)
+    };
+    let gauge_s = bracketed_newton(condition, knots[below], knots[below + 1]);
+    let origin = Point2::new(0.5 * track.gauge - inclined.point(gauge_s).x, -top.y);
+    Ok(PlacedRail { curve: section.running.transformed(angle, origin.coords), angle, origin })
+}
+
+/// Interval and arc length of the point with the smallest z; the first of several.
+fn highest_point(curve: &ProfileCurve) -> (usize, f64) {
+    let knots = curve.knots();
+    let mut best = (0, 0.0, f64::INFINITY);
+    for i in 0..knots.len() {
+        let z = curve.point(knots[i]).y;
+        if z < best.2 {
+            best = (i, knots[i], z);
+        }
+    }
+    // The minimum lies in one of the two intervals beside the highest knot, if not on it.
+    for first in [best.0.saturating_sub(1), best.0.min(knots.len() - 2)] {
+        let (s0, s1) = (knots[first], knots[first + 1]);
+        // The tangent before the end of the interval, which may be a kink.
+        let inside = s1 - 1e-9 * (s1 - s0);
+        let slope = |s: f64| curve.evaluate(s).1.y;
+        if slope(s0) < 0.0 && slope(inside) > 0.0 {
+            let s = bracketed_newton(|s| (slope(s), curve.curvature(s)), s0, inside);
+            if curve.point(s).y < best.2 {
+                best = (first, s, curve.point(s).y);
+            }
+        }
+    }
+    (best.0.min(knots.len() - 2), best.1)
+}

@@ -1,0 +1,203 @@
+//! The first touch of a wheel that is lowered vertically onto a rail.
+
+use std::cell::Cell;
+
+use nalgebra::Point2;
+use parry2d_f64::math::Vector;
+use parry2d_f64::shape::Polyline;
+
+use super::PlacedRail;
+use crate::error::{InputError, Result};
+use crate::profile::ProfileCurve;
+use crate::profile::root::bracketed_newton;
+use crate::units::MILLIMETRE;
+
+/// Where a lowered wheel first touches the rail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// World z of the lowest point of the tape circle, m: the wheel's profile origin.
+    pub tape_z: f64,
+    /// Arc length of the touching point on the rail, m.
+    pub rail_s: f64,
+    /// Arc length of the touching point on the wheel, m.
+    pub wheel_s: f64,
+    /// The touching point in the world frame.
+    pub point: Point2<f64>,
+    /// Inclination of the common tangent against the horizontal, rad, positive where it falls towards the track
+    /// centre: small on the tread, about 1.22 (70°) on the flange.
+    pub contact_angle: f64,
+}
+
+/// One pair of curve intervals and the vertical gap of their chords.
+struct Candidate {
+    rail: usize,
+    wheel: usize,
+    gap: f64,
+}
+
+/// Lowers the wheel profile `wheel` (profile frame), its tape circle at the world position `tape_y` (m), onto
+/// the rail until it just touches.
+///
+/// The vertical gap is smallest at the touch. The bounding-volume hierarchies of the two polylines through the
+/// curves' knots yield the pairs of intervals whose chords come closest over the whole overlap; on these the gap
+/// of the smooth curves is minimised to round-off.
+///
+/// # Errors
+/// [`InputError`] with the key `track.lateral_shift_mm` if the wheel misses the rail, or would hang on an end of
+/// one of the two curves.
+pub fn touch(rail: &PlacedRail, wheel: &ProfileCurve, tape_y: f64) -> Result<Touch> {
+    let rail = &rail.curve;
+    let candidates = candidates(rail, wheel, tape_y);
+    let mut best: Option<(f64, f64, f64)> = None;
+    for candidate in &candidates {
+        let found = least_gap(rail, wheel, tape_y, candidate);
+        if best.is_none_or(|b| found.0 < b.0 || (found.0 == b.0 && found.1 < b.1)) {
+            best = Some(found);
+        }
+    }
+    let missed = |what: &str| {
+        InputError::new(
+            "track.lateral_shift_mm",
+            format!("tape circle at y = {:.3} mm", tape_y / MILLIMETRE),
+            "a position at which the running surfaces of wheel and rail touch",
+            format!("{what}; reduce the lateral shift, or check gauge and flange back distance"),
+        )
+    };
+    let (tape_z, rail_s, wheel_s) = best.ok_or_else(|| missed("the wheel misses the rail"))?;
+    // SOLVER: an end counts as touched within a nanometre.
+    const AT_END: f64 = 1e-9;
+    let at_end = |curve: &ProfileCurve, s: f64| s < AT_END || s > curve.length() - AT_END;
+    if at_end(rail, rail_s) || at_end(wheel, wheel_s) {
+        return Err(missed("the wheel misses the rail and hangs on the end of a profile").into());
+    }
+    let tangent = rail.tangent(rail_s);
+    Ok(Touch {
+        tape_z,
+        rail_s,
+        wheel_s,
+        point: rail.point(rail_s),
+        contact_angle: (-tangent.y).atan2(tangent.x),
+    })
+}
+
+/// Pairs of intervals that may hold the smallest gap, in the order of the two curves.
+fn candidates(rail: &ProfileCurve, wheel: &ProfileCurve, tape_y: f64) -> Vec<Candidate> {
+    let (rail_chords, wheel_chords) = (chords(rail), chords(wheel));
+    // A curve may leave its chords by the sagitta.
+    let slack = largest_sagitta(rail) + largest_sagitta(wheel);
+    let best = Cell::new(f64::INFINITY);
+    // A pair of boxes is worth opening if they overlap laterally and may come closer than the best chords.
+    let promising = rail_chords.bvh().leaf_pairs(wheel_chords.bvh(), |a, b| {
+        let (a, b) = (a.aabb(), b.aabb());
+        let overlap = a.mins.x <= b.maxs.x + tape_y && b.mins.x + tape_y <= a.maxs.x;
+        overlap && a.mins.y - b.maxs.y <= best.get() + slack
+    });
+    let mut found = Vec::new();
+    for (rail_interval, wheel_interval) in promising {
+        let (r, w) = (rail_chords.segment(rail_interval), wheel_chords.segment(wheel_interval));
+        if let Some(gap) = chord_gap([r.a, r.b], [w.a, w.b], tape_y) {
+            best.set(best.get().min(gap));
+            found.push(Candidate { rail: rail_interval as usize, wheel: wheel_interval as usize, gap });
+        }
+    }
+    // Neighbours of a steep chord may hold the minimum too: its gap changes by slope times the sagitta.
+    found.retain(|c| c.gap <= best.get() + slack);
+    found.sort_unstable_by_key(|c| (c.rail, c.wheel));
+    found
+}
+
+fn chords(curve: &ProfileCurve) -> Polyline {
+    let vertices = curve.knots().iter().map(|&s| curve.point(s)).map(|p| Vector::new(p.x, p.y)).collect();
+    Polyline::new(vertices, None)
+}
+
+/// Largest vertical distance of the curve from its chords, with a margin of two.
+fn largest_sagitta(curve: &ProfileCurve) -> f64 {
+    curve
+        .knots()
+        .windows(2)
+        .map(|s| {
+            let (a, b) = (curve.point(s[0]), curve.point(s[1]));
+            let middle = curve.point(0.5 * (s[0] + s[1]));
+            let steepness = 1.0 + ((b.y - a.y) / (b.x - a.x).abs().max(f64::MIN_POSITIVE)).abs().min(100.0);
+            2.0 * steepness * (middle - nalgebra::center(&a, &b)).norm()
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Smallest vertical gap of two chords where they overlap laterally; the wheel's are shifted by `shift`.
+fn chord_gap(rail: [Vector; 2], wheel: [Vector; 2], shift: f64) -> Option<f64> {
+    let wheel = wheel.map(|p| Vector::new(p.x + shift, p.y));
+    let range = |c: &[Vector; 2]| (c[0].x.min(c[1].x), c[0].x.max(c[1].x));
+    let ((r0, r1), (w0, w1)) = (range(&rail), range(&wheel));
+    let (lo, hi) = (r0.max(w0), r1.min(w1));
+    if lo > hi {
+        return None;
+    }
+    // On a vertical chord both ends count.
+    let heights = |c: &[Vector; 2], y: f64| {
+        let width = c[1].x - c[0].x;
+        if width == 0.0 { [c[0].y, c[1].y] } else { [c[0].y + (c[1].y - c[0].y) * (y - c[0].x) / width; 2] }
+    };
+    let gap_at = |y: f64| {
+        let [ra, rb] = heights(&rail, y);
+        let [wa, wb] = heights(&wheel, y);
+        ra.min(rb) - wa.max(wb)
+    };
+    Some(gap_at(lo).min(gap_at(hi)))
+}
+
+/// Smallest vertical gap of the smooth curves on a pair of intervals, with the arc lengths where it is.
+fn least_gap(rail: &ProfileCurve, wheel: &ProfileCurve, tape_y: f64, pair: &Candidate) -> (f64, f64, f64) {
+    let rail_ends = [rail.knots()[pair.rail], rail.knots()[pair.rail + 1]];
+    let wheel_ends = [wheel.knots()[pair.wheel], wheel.knots()[pair.wheel + 1]];
+    let range = |curve: &ProfileCurve, ends: [f64; 2], shift: f64| {
+        let y = ends.map(|s| curve.point(s).x + shift);
+        (y[0].min(y[1]), y[0].max(y[1]))
+    };
+    let (r, w) = (range(rail, rail_ends, 0.0), range(wheel, wheel_ends, tape_y));
+    let (lo, hi) = (r.0.max(w.0), r.1.min(w.1));
+    let at = |y: f64| (s_on_interval(rail, rail_ends, y), s_on_interval(wheel, wheel_ends, y - tape_y));
+    let gap_at = |y: f64| {
+        let (rail_s, wheel_s) = at(y);
+        (rail.point(rail_s).y - wheel.point(wheel_s).y, rail_s, wheel_s)
+    };
+    let mut best = gap_at(lo);
+    let end = gap_at(hi);
+    if end.0 < best.0 {
+        best = end;
+    }
+    // The gap's slope has the sign of the sine of the angle from the wheel's to the rail's tangent; its
+    // derivative by y is the difference of the curvatures over the lateral progress.
+    let condition = |y: f64| {
+        let (rail_s, wheel_s) = at(y);
+        let (t_rail, t_wheel) = (rail.tangent(rail_s), wheel.tangent(wheel_s));
+        let slope = rail.curvature(rail_s) / t_rail.x - wheel.curvature(wheel_s) / t_wheel.x;
+        (t_wheel.perp(&t_rail), slope)
+    };
+    let margin = 1e-9 * (hi - lo);
+    if condition(lo + margin).0 < 0.0 && condition(hi - margin).0 > 0.0 {
+        let inside = gap_at(bracketed_newton(condition, lo + margin, hi - margin));
+        if inside.0 < best.0 {
+            best = inside;
+        }
+    }
+    best
+}
+
+/// Arc length between the knots `ends` at which the curve has the lateral position `y`.
+fn s_on_interval(curve: &ProfileCurve, ends: [f64; 2], y: f64) -> f64 {
+    let [before, after] = ends.map(|s| curve.point(s).x - y);
+    let sign = if after >= before { 1.0 } else { -1.0 };
+    if sign * before >= 0.0 {
+        return ends[0];
+    }
+    if sign * after <= 0.0 {
+        return ends[1];
+    }
+    let condition = |s: f64| {
+        let (p, t) = curve.evaluate(s);
+        (sign * (p.x - y), sign * t.x)
+    };
+    bracketed_newton(condition, ends[0], ends[1])
+}

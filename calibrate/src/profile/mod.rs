@@ -1,0 +1,16 @@
+//! Profiles of rails and wheels: smooth curves, and the standard ones from their definitions.
+//!
+//! Frames (right rail, seen along the track): y to the field side, z down. A rail's origin is the top of the
+//! rail on its axis; a wheel's is the tape circle, 70 mm from the flange back. Both curves run in the direction
+//! of increasing y. Sources, units and axes: `data/profiles/README.md`.
+
+mod curve;
+pub mod rails;
+pub(crate) mod root;
+mod segment;
+mod spline;
+pub mod wheels;
+
+pub use curve::ProfileCurve;
+pub(crate) use segment::{EndlessLine, fillet};
+pub use segment::{Segment, polyline};

@@ -1,0 +1,190 @@
+//! Standard wheel profiles from their zone formulas.
+//!
+//! Source: S1002 of EN 13715 (UIC 510-2), flange height 28 mm, flange thickness 32.5 mm. The published zones
+//! meet with steps of up to 0.12 µm; half of each step (in value and slope) is taken up on either side of the
+//! joint within 2 mm, so that the curve and its tangent are continuous.
+
+use nalgebra::{Point2, Vector2};
+
+use super::curve::ProfileCurve;
+use super::segment::Segment;
+use super::spline::Piece;
+use crate::error::{InputError, Result};
+use crate::units::MILLIMETRE;
+
+/// Names that [`wheel_profile`] knows.
+pub const WHEEL_NAMES: [&str; 1] = ["S1002"];
+
+/// Distance of the tape circle from the flange back, m.
+pub const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;
+
+/// Largest step of the samples, mm.
+const STEP: f64 = 0.1;
+/// Length over which a step between published zones is taken up, mm.
+const BLEND: f64 = 2.0;
+
+/// Zone limits of S1002, y in mm from the tape circle.
+mod limit {
+    pub const FLANGE_BACK: f64 = -70.0;
+    pub const H_G: f64 = -62.764_705_882;
+    pub const G_F: f64 = -49.662_510_381;
+    pub const F_E: f64 = -39.764_473_993;
+    pub const E_D: f64 = -38.426_669_071;
+    pub const D_C: f64 = -35.0;
+    pub const C_B: f64 = -26.0;
+    pub const B_A: f64 = 32.157_96;
+    pub const CHAMFER: f64 = 60.0;
+}
+
+/// Coefficients of the zones B and C, z in mm = Σ c_k y^k.
+const ZONE_B: [f64; 9] = [
+    0.0,
+    -3.358_537_058e-2,
+    1.565_681_624e-3,
+    -2.810_427_944e-5,
+    5.844_240_864e-8,
+    -1.562_379_023e-8,
+    5.309_217_349e-15,
+    -5.957_839_843e-12,
+    2.646_656_573e-13,
+];
+const ZONE_C: [f64; 8] = [
+    -4.320_221_063e3,
+    -1.038_384_026e3,
+    -1.065_501_873e2,
+    -6.051_367_875,
+    -2.054_332_446e-1,
+    -4.169_739_389e-3,
+    -4.687_195_829e-5,
+    -2.252_755_540e-7,
+];
+
+/// Running surface of the standard wheel profile `name`, one of [`WHEEL_NAMES`], from the flange back over the
+/// flange tip, the throat and the tread to the start of the chamfer.
+///
+/// # Errors
+/// [`InputError`] for an unknown name.
+///
+/// ```
+/// let s1002 = railspring_calibrate::profile::wheels::wheel_profile("S1002")?;
+/// let s = s1002.s_at_y(0.0).unwrap();
+/// // At the tape circle the tread lies at the origin and is inclined by 1:29.8.
+/// assert!(s1002.point(s).coords.norm() < 1e-9);
+/// assert!((s1002.tangent(s).y / s1002.tangent(s).x + 0.033585).abs() < 1e-6);
+/// # Ok::<(), railspring_calibrate::error::Error>(())
+/// ```
+pub fn wheel_profile(name: &str) -> Result<ProfileCurve> {
+    match name {
+        "S1002" => Ok(ProfileCurve::from_pieces(s1002())),
+        _ => Err(InputError::new(
+            "wheel.profile",
+            format!("{name:?}"),
+            format!("one of {}", WHEEL_NAMES.join(", ")),
+            "choose a known profile",
+        )
+        .into()),
+    }
+}
+
+/// Value and slope of a zone at y, mm.
+type Zone = fn(f64) -> (f64, f64);
+
+fn polynomial(coefficients: &[f64], y: f64) -> (f64, f64) {
+    coefficients.iter().rev().fold((0.0, 0.0), |(value, slope), c| (value * y + c, slope * y + value))
+}
+
+fn zone_d(y: f64) -> (f64, f64) {
+    let reach = y + 26.210_665;
+    let height = (13.0f64 * 13.0 - reach * reach).sqrt();
+    (16.446 - height, reach / height)
+}
+
+fn zone_c(y: f64) -> (f64, f64) {
+    polynomial(&ZONE_C, y)
+}
+
+fn zone_b(y: f64) -> (f64, f64) {
+    polynomial(&ZONE_B, y)
+}
+
+fn zone_a(y: f64) -> (f64, f64) {
+    polynomial(&[1.364_323_640, -6.666_666_7e-2], y)
+}
+
+/// An arc of the flange between two zone limits, on the side of the greater z.
+fn flange_arc(centre: (f64, f64), radius: f64, y: [f64; 2]) -> Segment {
+    let centre = Point2::new(centre.0, centre.1);
+    let [start, end] = y.map(|y| {
+        let reach = y - centre.x;
+        Point2::new(y, centre.y + (radius * radius - reach * reach).max(0.0).sqrt())
+    });
+    Segment::arc(centre, start, end)
+}
+
+/// What has to be added near a joint to make value and slope continuous there.
+struct Joint {
+    y: f64,
+    jump: (f64, f64),
+}
+
+impl Joint {
+    fn new(y: f64, left: Zone, right: Zone) -> Self {
+        let (before, after) = (left(y), right(y));
+        Self { y, jump: (after.0 - before.0, after.1 - before.1) }
+    }
+
+    /// Value and slope to add at y to the zone on the left (`side` = 1) or on the right (-1) of the joint;
+    /// Hermite functions of the distance from it.
+    fn correction(&self, y: f64, side: f64) -> (f64, f64) {
+        let t = side * (self.y - y) / BLEND;
+        if t >= 1.0 {
+            return (0.0, 0.0);
+        }
+        // The left takes half of the step up, the right half of it down; for a change of slope both take the
+        // same bump.
+        let value = 0.5 * (1.0 - t) * (1.0 - t) * (1.0 + 2.0 * t);
+        let value_slope = 3.0 * t * (t - 1.0);
+        let bump = 0.5 * BLEND * t * (1.0 - t) * (1.0 - t);
+        let bump_slope = 0.5 * (1.0 - t) * (1.0 - 3.0 * t);
+        (
+            side * self.jump.0 * value - self.jump.1 * bump,
+            -self.jump.0 * value_slope / BLEND + side * self.jump.1 * bump_slope,
+        )
+    }
+}
+
+fn graph_piece(zone: impl Fn(f64) -> (f64, f64), from: f64, to: f64) -> Piece {
+    // The steepest graph falls by 2.75: a third of the step keeps the points close enough along the curve.
+    let step = if zone(from).1.abs() > 1.0 { STEP / 3.0 } else { STEP };
+    let parts = ((to - from) / step).ceil() as usize;
+    let tangent = |y: f64| Vector2::new(1.0, zone(y).1).normalize();
+    let points = (0..=parts)
+        .map(|i| from + (to - from) * i as f64 / parts as f64)
+        .map(|y| Point2::new(y, zone(y).0) * MILLIMETRE)
+        .collect();
+    Piece { points, end_tangents: Some([tangent(from), tangent(to)]) }
+}
+
+fn s1002() -> Vec<Piece> {
+    let arcs = [
+        flange_arc((-49.5, 9.519_259_302), 20.5, [limit::FLANGE_BACK, limit::H_G]),
+        flange_arc((-55.0, 16.0), 12.0, [limit::H_G, limit::G_F]),
+        flange_arc((-58.558_326_413, 8.834_924_13), 20.0, [limit::G_F, limit::F_E]),
+    ];
+    // Zone E is the straight flange face: it joins the neighbouring zones' ends.
+    let face = Segment::line(arcs[2].end(), Point2::new(limit::E_D, zone_d(limit::E_D).0));
+    let d_c = Joint::new(limit::D_C, zone_d, zone_c);
+    let c_b = Joint::new(limit::C_B, zone_c, zone_b);
+    let plus = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
+    let mut pieces: Vec<Piece> =
+        arcs.iter().chain([&face]).map(|s| s.scaled(MILLIMETRE).piece(STEP * MILLIMETRE)).collect();
+    pieces.push(graph_piece(|y| plus(zone_d(y), d_c.correction(y, 1.0)), limit::E_D, limit::D_C));
+    pieces.push(graph_piece(
+        |y| plus(plus(zone_c(y), d_c.correction(y, -1.0)), c_b.correction(y, 1.0)),
+        limit::D_C,
+        limit::C_B,
+    ));
+    pieces.push(graph_piece(|y| plus(zone_b(y), c_b.correction(y, -1.0)), limit::C_B, limit::B_A));
+    pieces.push(graph_piece(zone_a, limit::B_A, limit::CHAMFER));
+    pieces
+}

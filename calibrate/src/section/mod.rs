@@ -1,0 +1,14 @@
+//! Cross-sections of the two bodies: running surface, the rest of the outline, section properties.
+
+mod properties;
+mod rail;
+mod wheel;
+
+pub use properties::SectionProperties;
+pub use rail::{RailSection, rail_section};
+pub use wheel::{RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section};
+
+use crate::units::MILLIMETRE;
+
+/// Largest distance of the vertices on the arcs of a body outline, m.
+const FILLET_STEP: f64 = 2.0 * MILLIMETRE;
