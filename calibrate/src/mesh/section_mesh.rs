@@ -27,7 +27,7 @@ const EDGE_TO_THICKNESS: f64 = 1.15;
 const EDGE_TO_RADIUS: f64 = 0.8;
 
 /// How far a node of the outline may slide, as part of the distance to the next.
-const SLIDE: f64 = 0.5;
+const SLIDE: f64 = 0.4;
 
 /// A point of the fine part of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,10 +126,13 @@ pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<Se
         )
         .into());
     }
-    let closed: Vec<Point2<f64>> =
-        outline.fine.iter().map(|p| p.point).chain(outline.rest[1..outline.rest.len() - 1].iter().copied()).collect();
-    let area: f64 =
-        (1..closed.len() - 1).map(|k| signed_area(&closed[0], &closed[k], &closed[k + 1])).sum();
+    let closed: Vec<Point2<f64>> = outline
+        .fine
+        .iter()
+        .map(|p| p.point)
+        .chain(outline.rest[1..outline.rest.len() - 1].iter().copied())
+        .collect();
+    let area: f64 = (1..closed.len() - 1).map(|k| signed_area(&closed[0], &closed[k], &closed[k + 1])).sum();
     if area < 0.0 {
         // Mesh the outline run through the other way, then restore the order of the running curve.
         let reversed = SectionOutline {
@@ -301,8 +304,7 @@ impl<'a> Builder<'a> {
                 let freedom = if last {
                     Freedom::Fixed
                 } else {
-                    let range =
-                        (t - SLIDE * (t - positions[k - 1]), t + SLIDE * (positions[k + 1] - t));
+                    let range = (t - SLIDE * (t - positions[k - 1]), t + SLIDE * (positions[k + 1] - t));
                     Freedom::Slides { at: *t, range }
                 };
                 let point = self.rest.point(*t);
@@ -323,7 +325,8 @@ impl<'a> Builder<'a> {
             let node = self.add(*p, Freedom::Free);
             vertex.push(node);
         }
-        let mut middles: std::collections::BTreeMap<(usize, usize), usize> = std::collections::BTreeMap::new();
+        let mut middles: std::collections::BTreeMap<(usize, usize), usize> =
+            std::collections::BTreeMap::new();
         for (k, v) in coarse.iter().enumerate() {
             let next = (k + 1) % coarse.len();
             middles.insert((k.min(next), k.max(next)), v.middle);
@@ -343,8 +346,8 @@ impl<'a> Builder<'a> {
                 let node = match middles.get(&key) {
                     Some(&node) => node,
                     None => {
-                        let node =
-                            self.add(nalgebra::center(&triangles.points[a], &triangles.points[b]), Freedom::Free);
+                        let node = self
+                            .add(nalgebra::center(&triangles.points[a], &triangles.points[b]), Freedom::Free);
                         middles.insert(key, node);
                         node
                     }

@@ -25,7 +25,10 @@ impl SizeField {
 
     /// Size at a point.
     pub(super) fn at(&self, point: &Point2<f64>) -> f64 {
-        self.sources.iter().map(|(q, size)| size + self.growth * (point - q).norm()).fold(self.largest, f64::min)
+        self.sources
+            .iter()
+            .map(|(q, size)| size + self.growth * (point - q).norm())
+            .fold(self.largest, f64::min)
     }
 }
 
@@ -55,11 +58,6 @@ impl Polyline {
             points.push(*p);
         }
         Self { points, arc }
-    }
-
-    /// Vertices.
-    pub(super) fn points(&self) -> &[Point2<f64>] {
-        &self.points
     }
 
     /// Whole length.
