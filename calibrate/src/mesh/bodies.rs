@@ -206,8 +206,9 @@ mod tests {
         [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
     /// Every face belongs to one or two elements, which run through it in opposite
-    /// senses; every edge of the surface belongs to two surface faces; every node is used.
-    fn assert_conforming(mesh: &HexMesh) {
+    /// senses; the surface is closed and has the faces that sweeping the outline
+    /// gives, so no crack inside; every node is used.
+    fn assert_conforming(mesh: &HexMesh, surface_faces: usize) {
         let mut faces: BTreeMap<[usize; 4], Vec<[usize; 4]>> = BTreeMap::new();
         let mut used = vec![false; mesh.nodes.len()];
         for hex in &mesh.hexes {
@@ -234,6 +235,7 @@ mod tests {
             }
         }
         assert!(edges.values().all(|sum| *sum == 0), "the surface is not closed");
+        assert_eq!(faces.values().filter(|sides| sides.len() == 1).count(), surface_faces);
     }
 
     fn assert_good(mesh: &HexMesh, most_nodes: usize) -> Quality {
@@ -267,7 +269,14 @@ mod tests {
         let (section, _, mesh) = rail();
         let q = assert_good(&mesh, 17_000);
         assert!((q.volume / (section.properties.area * LENGTH) - 1.0).abs() < DISCRETISATION_RAIL, "{q:?}");
-        assert_conforming(&mesh);
+        let options = MeshOptions::default();
+        let plane = mesh_section(
+            &rail_outline(&section, &options).unwrap(),
+            &options.sizes(options.rail_section_element),
+        )
+        .unwrap();
+        let faces = plane.boundary.len() * (mesh.layout.layers - 1) + 2 * plane.quads.len();
+        assert_conforming(&mesh, faces);
     }
 
     #[test]
@@ -288,7 +297,13 @@ mod tests {
         }
         assert!((around / (2.0 * PI) - 1.0).abs() < ROUNDOFF);
         assert!((q.volume / (exact * sum / (2.0 * PI)) - 1.0).abs() < DISCRETISATION_WHEEL, "{q:?}");
-        assert_conforming(&mesh);
+        let options = MeshOptions::default();
+        let plane = mesh_section(
+            &wheel_outline(&section, &options).unwrap(),
+            &options.sizes(options.wheel_section_element),
+        )
+        .unwrap();
+        assert_conforming(&mesh, plane.boundary.len() * mesh.layout.layers);
     }
 
     #[test]
