@@ -3,12 +3,19 @@
 //! The modules stand in the order of the pipeline: a module uses only those
 //! above it.
 
-pub mod error;
-pub mod history;
-pub mod law;
-pub mod monitor;
-pub mod placement;
-pub mod profile;
-pub mod scenario;
-pub mod section;
 pub mod units;
+pub mod error;
+pub mod monitor;
+pub mod law;
+pub mod analytic;
+pub mod scenario;
+pub mod history;
+pub mod profile;
+pub mod section;
+pub mod placement;
+pub mod mesh;
+pub mod solid;
+pub mod superelement;
+pub mod contact;
+pub mod calibration;
+pub mod transient;

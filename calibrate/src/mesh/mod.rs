@@ -1,0 +1,250 @@
+//! Meshes of 8-node hexahedra of a rail, a wheel and a test block, graded
+//! towards the contact zone.
+//!
+//! A plane section is meshed with quadrilaterals ([`SectionMesh`]) and swept:
+//! the rail along the track, the wheel about its axle. Under the contact zone
+//! lie structured layers that follow the running surface; below them the
+//! elements grow towards the coarse sizes of [`MeshOptions`].
+//!
+//! ```text
+//!   section (y right, z down)            sweep (x, or arc length at the tread)
+//!      ooooooooooo  contact zone         |    |  | |||||||| |  |    |
+//!     /-+-+-+-+-+-\ layers                  growth   window   growth
+//!     \ /\_/\_/\_ /
+//!      |         |  grows to the coarse size
+//! ```
+//!
+//! The same input gives the same mesh to the last bit: every choice between
+//! equals is settled by index order.
+
+use nalgebra::{Point2, Point3};
+
+use crate::error::{InputError, Result};
+
+mod block;
+mod bodies;
+mod quality;
+mod section_mesh;
+mod sizing;
+mod smoothing;
+mod sweep;
+mod triangulation;
+mod vtu;
+
+pub use block::{BlockOptions, mesh_block};
+pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
+pub use quality::{Quality, quality};
+pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
+pub use sweep::{extrude, revolve};
+pub use vtu::{Cells, Field, write_vtu};
+
+/// Tensor grid of the surface nodes in which contact can take place.
+///
+/// Node `(i, k)`, at `along_profile[i]` and `along_track[k]`, is
+/// `nodes[i * along_track.len() + k]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceGrid {
+    /// Arc length on the running curve, increasing, m.
+    pub along_profile: Vec<f64>,
+    /// Position along the track, increasing: x in m for a rail or a block,
+    /// the angle θ from straight down in rad for a wheel.
+    pub along_track: Vec<f64>,
+    /// Node of the mesh at every grid point.
+    pub nodes: Vec<usize>,
+}
+
+impl SurfaceGrid {
+    /// Node at grid point `(i, k)`: `i` along the profile, `k` along the track.
+    #[must_use]
+    pub fn node(&self, i: usize, k: usize) -> usize {
+        self.nodes[i * self.along_track.len() + k]
+    }
+}
+
+/// How the nodes of a swept mesh are numbered: node `j` of the section in
+/// layer `l` is `l * section_nodes + j`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SweepLayout {
+    /// Number of nodes of the section.
+    pub section_nodes: usize,
+    /// Number of layers of nodes along the sweep.
+    pub layers: usize,
+    /// Whether the last layer of nodes is joined to the first by elements (a wheel).
+    pub closed: bool,
+}
+
+/// A body of 8-node hexahedra.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HexMesh {
+    /// Coordinates of the nodes, m.
+    pub nodes: Vec<Point3<f64>>,
+    /// Nodes of every hexahedron in the order of VTK: the face 0-1-2-3 seen
+    /// from inside runs counter-clockwise, 4-7 lie above it; the Jacobian is positive.
+    pub hexes: Vec<[usize; 8]>,
+    /// Nodes where contact can take place.
+    pub contact: SurfaceGrid,
+    /// Nodes of both end faces of a rail, or of the sides of a block; empty for a wheel.
+    pub ends: Vec<usize>,
+    /// Nodes on the bottom of a rail's foot or of a block; empty for a wheel.
+    pub foot: Vec<usize>,
+    /// Nodes on the bore of a wheel; empty for the other bodies.
+    pub bore: Vec<usize>,
+    /// How the nodes are numbered.
+    pub layout: SweepLayout,
+}
+
+/// Where the fine zone of a section begins and ends, in its profile frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FineZone {
+    /// Depth of the zone's end on the gauge face (rail: below the top) or on the
+    /// flange face (wheel: below the tape circle's level), m.
+    pub face_depth: f64,
+    /// Lateral coordinate y of the zone's end towards the field side, m.
+    pub field_y: f64,
+}
+
+/// Sizes of the elements. All lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshOptions {
+    /// Largest edge of an element in the contact zone, in both directions.
+    pub contact_element: f64,
+    /// Half the length of the contact window along the track.
+    pub window_half_length: f64,
+    /// Number of structured layers under the contact zone; even.
+    pub layers: usize,
+    /// Thickness of the first layer.
+    pub first_layer: f64,
+    /// Ratio of the thicknesses of neighbouring layers.
+    pub layer_growth: f64,
+    /// Fine zone of a rail.
+    pub rail_zone: FineZone,
+    /// Fine zone of a wheel.
+    pub wheel_zone: FineZone,
+    /// Growth of the element size in the section per unit of distance from the
+    /// fine zone; below about 0.1 the section fills with fine elements.
+    pub section_growth: f64,
+    /// Largest element of a rail's section.
+    pub rail_section_element: f64,
+    /// Largest element of a wheel's section.
+    pub wheel_section_element: f64,
+    /// Ratio of the lengths of neighbouring elements along the sweep, outside the window.
+    pub growth: f64,
+    /// Longest element along the rail.
+    pub rail_length_element: f64,
+    /// Longest element around the wheel, as arc length at the tape circle.
+    pub wheel_arc_element: f64,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self {
+            contact_element: 2e-3,
+            window_half_length: 14e-3,
+            layers: 2,
+            first_layer: 2e-3,
+            layer_growth: 1.25,
+            rail_zone: FineZone { face_depth: 20e-3, field_y: 22e-3 },
+            wheel_zone: FineZone { face_depth: 15e-3, field_y: 32e-3 },
+            section_growth: 0.3,
+            rail_section_element: 12e-3,
+            wheel_section_element: 20e-3,
+            growth: 1.45,
+            rail_length_element: 36e-3,
+            wheel_arc_element: 115e-3,
+        }
+    }
+}
+
+impl MeshOptions {
+    /// The same mesh with every element smaller by `factor` (> 1 refines), for
+    /// convergence studies. The fine zones and the window keep their extent.
+    #[must_use]
+    pub fn refined(&self, factor: f64) -> Self {
+        // An even number of layers of the same total thickness.
+        let layers = 2 * ((self.layers as f64 * factor / 2.0).round() as usize).max(1);
+        let layer_growth = self.layer_growth.powf(self.layers as f64 / layers as f64);
+        let total =
+            |first: f64, growth: f64, n: usize| first * (0..n).map(|i| growth.powi(i as i32)).sum::<f64>();
+        let first_layer =
+            total(self.first_layer, self.layer_growth, self.layers) / total(1.0, layer_growth, layers);
+        Self {
+            contact_element: self.contact_element / factor,
+            layers,
+            first_layer,
+            layer_growth,
+            section_growth: self.section_growth,
+            rail_section_element: self.rail_section_element / factor,
+            wheel_section_element: self.wheel_section_element / factor,
+            growth: self.growth.powf(1.0 / factor),
+            rail_length_element: self.rail_length_element / factor,
+            wheel_arc_element: self.wheel_arc_element / factor,
+            ..self.clone()
+        }
+    }
+}
+
+impl MeshOptions {
+    /// Sizes of a section whose largest element is `largest`.
+    #[must_use]
+    pub fn sizes(&self, largest: f64) -> SectionSizes {
+        SectionSizes {
+            layers: self.layers,
+            first_layer: self.first_layer,
+            layer_growth: self.layer_growth,
+            growth: self.section_growth,
+            largest,
+        }
+    }
+
+    /// Refuses values no mesh can be made with.
+    fn check(&self) -> Result<()> {
+        let lengths = [
+            ("contact_element", self.contact_element),
+            ("window_half_length", self.window_half_length),
+            ("first_layer", self.first_layer),
+            ("rail_section_element", self.rail_section_element),
+            ("wheel_section_element", self.wheel_section_element),
+            ("rail_length_element", self.rail_length_element),
+            ("wheel_arc_element", self.wheel_arc_element),
+        ];
+        for (name, length) in lengths {
+            if !(length.is_finite() && length >= SMALLEST_ELEMENT) {
+                return Err(InputError::new(
+                    format!("mesh.{name}"),
+                    format!("{} mm", length * 1e3),
+                    format!("{} mm or more", SMALLEST_ELEMENT * 1e3),
+                    "give the size of the elements in mm",
+                )
+                .into());
+            }
+        }
+        let ratios = [
+            ("layer_growth", self.layer_growth, 1.0),
+            ("growth", self.growth, 1.0),
+            ("section_growth", self.section_growth, 0.05),
+        ];
+        for (name, ratio, least) in ratios {
+            if !(ratio.is_finite() && ratio >= least && ratio <= LARGEST_RATIO) {
+                return Err(InputError::new(
+                    format!("mesh.{name}"),
+                    ratio,
+                    format!("a number from {least} to {LARGEST_RATIO}"),
+                    "elements grow away from the contact zone",
+                )
+                .into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Largest growth accepted.
+const LARGEST_RATIO: f64 = 4.0;
+/// Smallest length (m) accepted as a size: below it the number of nodes goes beyond all bounds.
+const SMALLEST_ELEMENT: f64 = 5e-5;
+
+/// Signed area of the triangle `a`, `b`, `c`: positive when counter-clockwise
+/// with the first coordinate to the right and the second up.
+fn signed_area(a: &Point2<f64>, b: &Point2<f64>, c: &Point2<f64>) -> f64 {
+    0.5 * (b - a).perp(&(c - a))
+}

@@ -1,0 +1,218 @@
+//! How large the elements of a section may be at each point of it.
+
+use nalgebra::{Point2, Vector2};
+
+/// Size of an edge as a function of position: the smallest of all prescribed
+/// sizes, each growing linearly with the distance from where it is prescribed.
+/// So neighbouring elements never differ by more than the growth allows.
+#[derive(Debug, Clone)]
+pub(super) struct SizeField {
+    sources: Vec<(Point2<f64>, f64)>,
+    growth: f64,
+    largest: f64,
+}
+
+impl SizeField {
+    /// An empty field with `growth` per unit of distance and `largest` as upper bound.
+    pub(super) fn new(growth: f64, largest: f64) -> Self {
+        Self { sources: Vec::new(), growth, largest }
+    }
+
+    /// Prescribes the size at a point.
+    pub(super) fn add(&mut self, point: Point2<f64>, size: f64) {
+        self.sources.push((point, size));
+    }
+
+    /// Size at a point.
+    pub(super) fn at(&self, point: &Point2<f64>) -> f64 {
+        self.sources
+            .iter()
+            .map(|(q, size)| size + self.growth * (point - q).norm())
+            .fold(self.largest, f64::min)
+    }
+}
+
+/// A polyline with its arc length.
+#[derive(Debug, Clone)]
+pub(super) struct Polyline {
+    points: Vec<Point2<f64>>,
+    arc: Vec<f64>,
+}
+
+impl Polyline {
+    /// Takes the vertices over; repeated vertices are dropped.
+    pub(super) fn new(vertices: &[Point2<f64>]) -> Self {
+        let mut points: Vec<Point2<f64>> = Vec::with_capacity(vertices.len());
+        let mut arc: Vec<f64> = Vec::with_capacity(vertices.len());
+        for p in vertices {
+            match points.last() {
+                None => arc.push(0.0),
+                Some(q) => {
+                    let step = (p - q).norm();
+                    if step <= REPEATED {
+                        continue;
+                    }
+                    arc.push(arc[arc.len() - 1] + step);
+                }
+            }
+            points.push(*p);
+        }
+        Self { points, arc }
+    }
+
+    /// Whole length.
+    pub(super) fn length(&self) -> f64 {
+        *self.arc.last().unwrap_or(&0.0)
+    }
+
+    /// Segment that holds the arc length `t`.
+    fn segment(&self, t: f64) -> usize {
+        self.arc.partition_point(|&a| a <= t).clamp(1, self.points.len() - 1) - 1
+    }
+
+    /// Point at the arc length `t`.
+    pub(super) fn point(&self, t: f64) -> Point2<f64> {
+        let k = self.segment(t);
+        let u = ((t - self.arc[k]) / (self.arc[k + 1] - self.arc[k])).clamp(0.0, 1.0);
+        self.points[k] + u * (self.points[k + 1] - self.points[k])
+    }
+
+    /// Unit direction at the arc length `t`.
+    pub(super) fn direction(&self, t: f64) -> Vector2<f64> {
+        let k = self.segment(t);
+        (self.points[k + 1] - self.points[k]).normalize()
+    }
+
+    /// Sum of the signed turning angles (rad, positive to the left) at the
+    /// vertices strictly between the arc lengths `from` and `to`.
+    pub(super) fn turning(&self, from: f64, to: f64) -> f64 {
+        let first = self.arc.partition_point(|&a| a <= from).max(1);
+        let last = self.arc.partition_point(|&a| a < to).min(self.points.len() - 1);
+        (first..last).map(|k| self.turn_at(k)).sum()
+    }
+
+    fn turn_at(&self, k: usize) -> f64 {
+        let a = self.points[k] - self.points[k - 1];
+        let b = self.points[k + 1] - self.points[k];
+        a.perp(&b).atan2(a.dot(&b))
+    }
+
+    /// Arc lengths of the corners: where the line turns by more than
+    /// `CORNER_ANGLE` within `window`. A corner is the middle of the turn, so
+    /// that a small rounding becomes one corner.
+    pub(super) fn corners(&self, window: f64) -> Vec<f64> {
+        let mut corners = Vec::new();
+        let mut k = 1;
+        while k + 1 < self.points.len() {
+            // The longest run of vertices from k on within the window.
+            let mut total = 0.0;
+            let mut end = k;
+            while end + 1 < self.points.len() && self.arc[end] - self.arc[k] <= window {
+                total += self.turn_at(end);
+                end += 1;
+            }
+            if total.abs() < CORNER_ANGLE {
+                k += 1;
+                continue;
+            }
+            // A turn spreads over more vertices: follow it while it turns the same way.
+            while end + 1 < self.points.len()
+                && self.turn_at(end) * total.signum() > TURN_OF_A_STRAIGHT
+                && self.arc[end] - self.arc[k] <= 3.0 * window
+            {
+                total += self.turn_at(end);
+                end += 1;
+            }
+            let mut half = 0.0;
+            let middle = (k..end)
+                .find(|&i| {
+                    half += self.turn_at(i);
+                    half.abs() >= 0.5 * total.abs() - TURN_OF_A_STRAIGHT
+                })
+                .unwrap_or(k);
+            corners.push(self.arc[middle]);
+            k = end;
+        }
+        corners
+    }
+}
+
+/// Vertices closer than this (m) are one vertex.
+const REPEATED: f64 = 1e-9;
+/// Turn (rad) within the window that makes a corner: 40 degrees.
+const CORNER_ANGLE: f64 = 0.70;
+/// Turn (rad) at a vertex below which the line counts as straight there.
+const TURN_OF_A_STRAIGHT: f64 = 1e-3;
+
+/// Thickness of the section at a point of its outline: distance along the
+/// inward normal to the other side. `closed` is the whole outline.
+pub(super) fn thickness(closed: &[Point2<f64>], point: &Point2<f64>, inward: &Vector2<f64>) -> f64 {
+    let mut nearest = f64::INFINITY;
+    for k in 0..closed.len() {
+        let a = closed[k];
+        let b = closed[(k + 1) % closed.len()];
+        let edge = b - a;
+        let denominator = inward.perp(&edge);
+        if denominator.abs() < f64::EPSILON * edge.norm() {
+            continue;
+        }
+        let along_ray = (a - point).perp(&edge) / denominator;
+        let along_edge = (a - point).perp(inward) / denominator;
+        // The start itself lies on the outline: skip what is nearer than any real thickness.
+        if along_ray > 1e-4 && (0.0..=1.0).contains(&along_edge) {
+            nearest = nearest.min(along_ray);
+        }
+    }
+    nearest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding of floating-point arithmetic on lengths of order one.
+    const ROUNDOFF: f64 = 1e-12;
+
+    #[test]
+    fn the_size_grows_linearly_from_its_sources() {
+        let mut field = SizeField::new(0.5, 3.0);
+        field.add(Point2::new(0.0, 0.0), 1.0);
+        field.add(Point2::new(10.0, 0.0), 2.0);
+        assert!((field.at(&Point2::new(2.0, 0.0)) - 2.0).abs() < ROUNDOFF);
+        assert!((field.at(&Point2::new(9.0, 0.0)) - 2.5).abs() < ROUNDOFF);
+        assert!((field.at(&Point2::new(5.0, 0.0)) - 3.0).abs() < ROUNDOFF);
+    }
+
+    #[test]
+    fn a_small_rounding_is_one_corner_and_a_large_one_none() {
+        let arc = |radius: f64, centre: Point2<f64>| -> Vec<Point2<f64>> {
+            (0..=20)
+                .map(|i| {
+                    let a = -std::f64::consts::FRAC_PI_2 * (1.0 - f64::from(i) / 20.0);
+                    centre + radius * Vector2::new(a.cos(), a.sin())
+                })
+                .collect()
+        };
+        let line = |radius: f64| {
+            let mut points = vec![Point2::new(-50.0, -radius)];
+            points.extend(arc(radius, Point2::origin()));
+            points.push(Point2::new(radius, 50.0));
+            Polyline::new(&points)
+        };
+        let small = line(2.0);
+        let corners = small.corners(4.0);
+        assert_eq!(corners.len(), 1);
+        let middle = 50.0 + 2.0 * std::f64::consts::FRAC_PI_4;
+        // Within one vertex of the rounding (DISCRETISATION).
+        assert!((corners[0] - middle).abs() < 2.0 * std::f64::consts::FRAC_PI_2 / 20.0);
+        assert!(line(20.0).corners(4.0).is_empty());
+    }
+
+    #[test]
+    fn the_thickness_of_a_plate_is_its_thickness() {
+        let plate =
+            [Point2::new(0.0, 0.0), Point2::new(10.0, 0.0), Point2::new(10.0, 2.0), Point2::new(0.0, 2.0)];
+        let t = thickness(&plate, &Point2::new(4.0, 0.0), &Vector2::new(0.0, 1.0));
+        assert!((t - 2.0).abs() < ROUNDOFF);
+    }
+}

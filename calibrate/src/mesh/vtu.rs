@@ -1,0 +1,251 @@
+//! VTK XML files of unstructured grids, read by ParaView and meshio.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use nalgebra::{Point3, Vector3};
+
+use crate::error::{InputError, Result};
+
+/// Cells of a grid.
+#[derive(Debug, Clone, Copy)]
+pub enum Cells<'a> {
+    /// 8-node hexahedra in the order of VTK.
+    Hexes(&'a [[usize; 8]]),
+    /// 4-node quadrilaterals.
+    Quads(&'a [[usize; 4]]),
+}
+
+impl Cells<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Self::Hexes(cells) => cells.len(),
+            Self::Quads(cells) => cells.len(),
+        }
+    }
+}
+
+/// Values at every point or cell, with the name under which they are shown.
+#[derive(Debug, Clone, Copy)]
+pub enum Field<'a> {
+    /// One value each.
+    Scalar(&'a str, &'a [f64]),
+    /// A vector each.
+    Vector(&'a str, &'a [Vector3<f64>]),
+    /// A symmetric tensor each: xx, yy, zz, xy, yz, xz.
+    SymmetricTensor(&'a str, &'a [[f64; 6]]),
+}
+
+impl Field<'_> {
+    fn name(&self) -> &str {
+        match self {
+            Self::Scalar(name, _) | Self::Vector(name, _) | Self::SymmetricTensor(name, _) => name,
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Scalar(_, values) => values.len(),
+            Self::Vector(_, values) => values.len(),
+            Self::SymmetricTensor(_, values) => values.len(),
+        }
+    }
+
+    fn write(&self, out: &mut String) {
+        let name = escape(self.name());
+        match self {
+            Self::Scalar(_, values) => array(out, &format!("Name=\"{name}\""), values.iter().copied()),
+            Self::Vector(_, values) => array(
+                out,
+                &format!("Name=\"{name}\" NumberOfComponents=\"3\""),
+                values.iter().flat_map(|v| [v.x, v.y, v.z]),
+            ),
+            Self::SymmetricTensor(_, values) => {
+                let components: String = ["XX", "YY", "ZZ", "XY", "YZ", "XZ"]
+                    .iter()
+                    .enumerate()
+                    .map(|(k, c)| format!(" ComponentName{k}=\"{c}\""))
+                    .collect();
+                array(
+                    out,
+                    &format!("Name=\"{name}\" NumberOfComponents=\"6\"{components}"),
+                    values.iter().flatten().copied(),
+                );
+            }
+        }
+    }
+}
+
+/// Writes a grid with its data. The file appears under its name only when it is complete.
+///
+/// # Errors
+/// When a field has not one value for every point or cell, or the file cannot be written.
+pub fn write_vtu(
+    path: &Path,
+    points: &[Point3<f64>],
+    cells: Cells,
+    point_data: &[Field],
+    cell_data: &[Field],
+) -> Result<()> {
+    for (fields, count, what) in [(point_data, points.len(), "point"), (cell_data, cells.len(), "cell")] {
+        for field in fields {
+            if field.len() != count {
+                return Err(InputError::new(
+                    format!("{what} data {}", field.name()),
+                    format!("{} values", field.len()),
+                    format!("{count} values, one for every {what}"),
+                    "give the field of this mesh",
+                )
+                .into());
+            }
+        }
+    }
+    let text = document(points, cells, point_data, cell_data);
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path)).map_err(|error| {
+        InputError::new(
+            "output file",
+            format!("{} ({error})", path.display()),
+            "a path that can be written",
+            "create its folder, or choose another path",
+        )
+        .into()
+    })
+}
+
+/// The whole file.
+fn document(points: &[Point3<f64>], cells: Cells, point_data: &[Field], cell_data: &[Field]) -> String {
+    let mut out = String::new();
+    out.push_str("<?xml version=\"1.0\"?>\n");
+    out.push_str("<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n");
+    let _ = writeln!(
+        out,
+        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
+        points.len(),
+        cells.len()
+    );
+    out.push_str("<Points>\n");
+    array(&mut out, "Name=\"Points\" NumberOfComponents=\"3\"", points.iter().flat_map(|p| [p.x, p.y, p.z]));
+    out.push_str("</Points>\n<Cells>\n");
+    let (connectivity, corners, kind): (Vec<usize>, usize, u8) = match cells {
+        Cells::Hexes(hexes) => (hexes.iter().flatten().copied().collect(), 8, 12),
+        Cells::Quads(quads) => (quads.iter().flatten().copied().collect(), 4, 9),
+    };
+    array(&mut out, "Name=\"connectivity\"", connectivity.iter().map(|&v| v as i64));
+    array(&mut out, "Name=\"offsets\"", (1..=cells.len()).map(|k| (k * corners) as i64));
+    array(&mut out, "Name=\"types\"", std::iter::repeat_n(kind, cells.len()));
+    out.push_str("</Cells>\n<PointData>\n");
+    for field in point_data {
+        field.write(&mut out);
+    }
+    out.push_str("</PointData>\n<CellData>\n");
+    for field in cell_data {
+        field.write(&mut out);
+    }
+    out.push_str("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+    out
+}
+
+/// A number type of a data array.
+trait Number: Copy {
+    const TYPE: &'static str;
+    fn push(self, bytes: &mut Vec<u8>);
+}
+
+impl Number for f64 {
+    const TYPE: &'static str = "Float64";
+    fn push(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.to_le_bytes());
+    }
+}
+
+impl Number for i64 {
+    const TYPE: &'static str = "Int64";
+    fn push(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.to_le_bytes());
+    }
+}
+
+impl Number for u8 {
+    const TYPE: &'static str = "UInt8";
+    fn push(self, bytes: &mut Vec<u8>) {
+        bytes.push(self);
+    }
+}
+
+/// A data array: its length in bytes and its values, base64 together.
+fn array<T: Number>(out: &mut String, attributes: &str, values: impl Iterator<Item = T>) {
+    let mut data = Vec::new();
+    values.for_each(|value| value.push(&mut data));
+    let mut bytes = (data.len() as u64).to_le_bytes().to_vec();
+    bytes.append(&mut data);
+    let _ = write!(out, "<DataArray type=\"{}\" {attributes} format=\"binary\">", T::TYPE);
+    STANDARD.encode_string(&bytes, out);
+    out.push_str("</DataArray>\n");
+}
+
+/// A name as XML attribute.
+fn escape(name: &str) -> String {
+    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first values of the named array, decoded.
+    fn decode(text: &str, name: &str) -> Vec<u8> {
+        let start = text.find(&format!("Name=\"{name}\"")).unwrap();
+        let data = &text[start..];
+        let data = &data[data.find('>').unwrap() + 1..data.find("</DataArray>").unwrap()];
+        let bytes = STANDARD.decode(data).unwrap();
+        let length = u64::from_le_bytes(bytes[..8].try_into().unwrap());
+        assert_eq!(length as usize, bytes.len() - 8);
+        bytes[8..].to_vec()
+    }
+
+    #[test]
+    fn values_come_back_bit_for_bit() {
+        let points = [
+            Point3::new(0.0, 0.0, 0.1),
+            Point3::new(1.0, 0.0, 0.2),
+            Point3::new(1.0, 1.0, 0.3),
+            Point3::new(0.0, 1.0, 0.4),
+        ];
+        let text = document(
+            &points,
+            Cells::Quads(&[[0, 1, 2, 3]]),
+            &[Field::Scalar("a < \"b\"", &[0.1, 0.2, 0.3, f64::MIN_POSITIVE])],
+            &[Field::SymmetricTensor("stress", &[[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]])],
+        );
+        let floats = |bytes: Vec<u8>| -> Vec<f64> {
+            bytes.chunks(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
+        };
+        assert_eq!(floats(decode(&text, "a &lt; &quot;b&quot;")), [0.1, 0.2, 0.3, f64::MIN_POSITIVE]);
+        assert_eq!(floats(decode(&text, "stress")), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(floats(decode(&text, "Points"))[11], 0.4);
+        assert_eq!(decode(&text, "types"), [9]);
+        assert_eq!(decode(&text, "offsets"), 4i64.to_le_bytes());
+    }
+
+    #[test]
+    fn a_field_of_another_mesh_is_refused_by_name() {
+        let error = write_vtu(
+            Path::new("unused.vtu"),
+            &[Point3::origin()],
+            Cells::Quads(&[]),
+            &[Field::Scalar("pressure", &[1.0, 2.0])],
+            &[],
+        );
+        assert!(error.unwrap_err().to_string().starts_with("point data pressure = 2 values"));
+    }
+
+    #[test]
+    fn a_path_that_cannot_be_written_is_an_error() {
+        let error = write_vtu(Path::new("/nonexistent/folder/a.vtu"), &[], Cells::Quads(&[]), &[], &[]);
+        assert!(error.unwrap_err().to_string().contains("/nonexistent/folder/a.vtu"));
+    }
+}
