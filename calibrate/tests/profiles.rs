@@ -124,6 +124,20 @@ fn closest_point_is_global() {
     }
 }
 
+/// From a guess a few millimetres off, Newton steps end on the point that the search over the whole curve finds.
+#[test]
+fn closest_point_near_a_guess_is_the_same() {
+    let wheel = wheel_profile("S1002").unwrap();
+    for (t, u) in spread(500).zip(spread(1000).skip(500)) {
+        let s = t * wheel.length();
+        let probe = wheel.point(s) + 4e-3 * (u - 0.5) * wheel.upward_normal(s);
+        let global = wheel.closest(&probe);
+        let local = wheel.closest_near(&probe, s + 2e-3 * (u - 0.4));
+        assert!((local.1 - global.1).abs() < ROUNDOFF, "{probe}: {local:?} against {global:?}");
+        assert!((local.0 - global.0).abs() < 1e-12, "{probe}: {local:?} against {global:?}");
+    }
+}
+
 #[test]
 fn transforms_keep_shape() {
     let rail = running_curve(&rail_outline("UIC60").unwrap());

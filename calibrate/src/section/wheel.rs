@@ -225,6 +225,9 @@ mod tests {
             assert!((inner - wheel.bore_radius).abs() < 1e-15);
             for pair in wheel.body_outline.windows(2) {
                 assert!((pair[0].end() - pair[1].start()).norm() < 1e-15, "the outline is open at {pair:?}");
+                let turn = pair[0].tangent(1.0).angle(&pair[1].tangent(0.0));
+                let lines = pair.iter().all(|s| matches!(s, Segment::Line { .. }));
+                assert!(lines || turn < 1e-7, "a fillet is not tangential at {pair:?}");
             }
         }
     }
