@@ -8,6 +8,7 @@
 //! above it.
 
 pub mod beam;
+pub mod moving;
 pub mod output;
 pub mod verify;
 pub mod records;

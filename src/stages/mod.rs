@@ -9,7 +9,7 @@ mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
 pub use fields::{Fields, PressedFields, write_fields, write_mesh};
-pub use simulate::{simulate, simulate_solid};
+pub use simulate::{Springs, simulate, simulate_solid};
 
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
