@@ -1,0 +1,317 @@
+//! Loads in, stiffness law out: the normal law `k(f) = a + b·(f/f0)^c` from the
+//! tangent of the solid model, and the constant horizontal stiffness.
+
+mod press;
+
+pub use press::{Enforcement, Pressed, WheelOnRail};
+pub(crate) use press::carry_over;
+
+use crate::contact::{BodyCompliance, Compliance, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total};
+use crate::error::{InputError, NumericsError, Result, StopReason};
+use crate::law::{LawFit, fit_law};
+use crate::monitor::Monitor;
+use crate::solid::Material;
+use faer::Mat;
+use nalgebra::{DVector, Matrix2};
+
+/// What the displacement of the law is measured against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reference {
+    /// The rail's foot is held; hub against foot, nothing subtracted.
+    Foot,
+    /// The rail is held at its ends, and the displacement of the beam model that the moving solver
+    /// uses is subtracted, so that beam and law in series are the solid.
+    #[default]
+    Beam,
+    /// The approach of the two surfaces alone, as half-space programs give it.
+    Local,
+}
+
+/// One load of the calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoadPoint {
+    /// Vertical load, N.
+    pub force: f64,
+    /// Displacement by the reference, m.
+    pub displacement: f64,
+    /// Tangent stiffness dP/dδ of the solid by the reference, N/m.
+    pub solid_tangent: f64,
+    /// Stiffness of the fitted law there, N/m.
+    pub law_tangent: f64,
+    /// Area that carries pressure, m².
+    pub contact_area: f64,
+    /// Largest nodal pressure, Pa.
+    pub max_pressure: f64,
+    /// Semi-axis of the patch along the track, m: that of the Hertz ellipse with the same second moment of pressure.
+    pub semi_axis_along: f64,
+    /// Semi-axis of the patch across the track, m.
+    pub semi_axis_across: f64,
+    /// Share of the tangent compliance, m/N: both half-spaces under the same change of pressure (and the penalty springs).
+    pub local_compliance: f64,
+    /// Share of the wheel beyond its half-space, m/N.
+    pub wheel_compliance: f64,
+    /// Share of the rail beyond its half-space and beam, m/N.
+    pub rail_compliance: f64,
+    /// Share of the rail beam, m/N; zero when the foot is held.
+    pub beam_compliance: f64,
+    /// Largest penetration over the displacement of the wheel centre (the published criterion asks for less than 1/1000).
+    pub penalty_error: f64,
+    /// Load-carrying contact points.
+    pub active_points: usize,
+}
+
+/// The fitted normal law with the points it stands on.
+#[derive(Debug, Clone)]
+pub struct NormalCalibration {
+    /// What the displacement is measured against.
+    pub reference: Reference,
+    /// The loads.
+    pub points: Vec<LoadPoint>,
+    /// The law.
+    pub fit: LawFit,
+}
+
+/// Horizontal stiffness at one preload.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HorizontalPoint {
+    /// Vertical preload, N.
+    pub preload: f64,
+    /// Slope of lateral force against lateral hub displacement, all points sticking, the vertical load constant, N/m.
+    pub stiffness: f64,
+    /// The same before the rail beam is subtracted, N/m.
+    pub total_stiffness: f64,
+    /// Fraction of the load-carrying points that slip under the preload alone.
+    pub slipping: f64,
+}
+
+/// The constant horizontal stiffness and how constant it is.
+#[derive(Debug, Clone)]
+pub struct HorizontalCalibration {
+    /// The preloads.
+    pub points: Vec<HorizontalPoint>,
+    /// Mean stiffness, N/m.
+    pub stiffness: f64,
+    /// Largest deviation of a preload from the mean, relative.
+    pub spread: f64,
+}
+
+/// Presses the wheel with every load in turn (ascending) and fits the normal law.
+///
+/// `beam` is the static flexibility (y, z), m/N, of the moving solver's rail beam at the contact; it is
+/// needed for the reference `beam` and only split off for the others.
+///
+/// # Errors
+/// [`InputError`] for loads that are not ascending or cannot be carried; numerical errors of contact and fit.
+pub fn calibrate_normal(
+    wheel_on_rail: &WheelOnRail,
+    loads: &[f64],
+    reference: Reference,
+    beam: Option<&Matrix2<f64>>,
+    material: &Material,
+    monitor: &dyn Monitor,
+) -> Result<(NormalCalibration, Vec<Pressed>)> {
+    if loads.windows(2).any(|w| !(w[1] > w[0])) {
+        return Err(InputError::new(
+            "calibration.loads_kn",
+            format!("{:?}", loads.iter().map(|l| l * 1e-3).collect::<Vec<_>>()),
+            "loads in ascending order",
+            "sort them and remove doubles",
+        )
+        .into());
+    }
+    let mut states: Vec<Pressed> = Vec::new();
+    let mut points = Vec::new();
+    let stage = match reference {
+        Reference::Foot => "calibration, foot held",
+        Reference::Beam => "calibration, ends held",
+        Reference::Local => "calibration, surfaces",
+    };
+    for (i, &load) in loads.iter().enumerate() {
+        monitor.progress(stage, i, loads.len())?;
+        let state = wheel_on_rail.press(load, states.last())?;
+        points.push(load_point(wheel_on_rail, &state, reference, beam, material)?);
+        states.push(state);
+    }
+    monitor.progress(stage, loads.len(), loads.len())?;
+    let tangents: Vec<f64> = points.iter().map(|p| p.solid_tangent).collect();
+    let fit = fit_law(loads, &tangents)?;
+    for p in &mut points {
+        p.law_tangent = fit.law.tangent(p.force);
+    }
+    Ok((NormalCalibration { reference, points, fit }, states))
+}
+
+fn load_point(
+    wheel_on_rail: &WheelOnRail,
+    state: &Pressed,
+    reference: Reference,
+    beam: Option<&Matrix2<f64>>,
+    material: &Material,
+) -> Result<LoadPoint> {
+    let problem = state.problem(wheel_on_rail.friction);
+    let response = hub_response(&problem, &state.solution, &[2], false).ok_or_else(|| NumericsError {
+        stage: format!("tangent at {:.3} kN", state.load * 1e-3),
+        step: None,
+        iteration: 0,
+        residual: 0.0,
+        active: state.solution.active(),
+        reason: StopReason::Singular,
+    })?;
+    let tangent = response.stiffness[(0, 0)];
+    // change of the contact forces for one newton of load
+    let change: Vec<f64> = response.forces.column(0).iter().map(|f| f / tangent).collect();
+    let directions = wheel_on_rail.directions();
+    let share = |part: &dyn Compliance| quadratic(&total(&[part], &state.points, directions), &change);
+    let beam_flexibility = beam.map_or(0.0, |b| b[(1, 1)]);
+    let half_space = HalfSpace { contact_modulus: material.contact_modulus() };
+    let normal_change = &change[..state.points.len()];
+    let half_spaces = quadratic(&total(&[&half_space], &state.points, 1), normal_change);
+    let penalty = match wheel_on_rail.enforcement {
+        Enforcement::Exact => 0.0,
+        Enforcement::Penalty(stiffness) => share(&PenaltySprings { stiffness }),
+    };
+    let local = half_spaces + penalty;
+    let wheel =
+        share(&BodyCompliance { compliance: &wheel_on_rail.wheel.compliance, side: Side::Opposing }) - 0.5 * half_spaces;
+    let rail = share(&BodyCompliance { compliance: &wheel_on_rail.rail.compliance, side: Side::Base })
+        - 0.5 * half_spaces
+        - beam_flexibility;
+    let forces = &state.solution.forces[..state.points.len()];
+    let sum: f64 = forces.iter().sum();
+    let (displacement, compliance) = match reference {
+        Reference::Foot => (state.hub.y, 1.0 / tangent),
+        Reference::Beam => (state.hub.y - state.load * beam_flexibility, 1.0 / tangent - beam_flexibility),
+        Reference::Local => {
+            let matrix = total(&[&half_space], &state.points, 1);
+            let under_pressure = crate::superelement::times(&matrix, forces);
+            let approach = forces
+                .iter()
+                .zip(&under_pressure)
+                .zip(&state.points.normal)
+                .enumerate()
+                .map(|(j, ((f, u), n))| f * (u + state.points.gap[j] - n.y * state.hub.y) / sum)
+                .sum::<f64>();
+            (approach, local)
+        }
+    };
+    let patch = patch(state);
+    let penetration = state.solution.separation[..state.points.len()]
+        .iter()
+        .zip(forces)
+        .map(|(_, f)| match wheel_on_rail.enforcement {
+            Enforcement::Exact => 0.0,
+            Enforcement::Penalty(stiffness) => f / stiffness,
+        })
+        .fold(0.0, f64::max);
+    Ok(LoadPoint {
+        force: state.load,
+        displacement,
+        solid_tangent: 1.0 / compliance,
+        law_tangent: f64::NAN,
+        contact_area: patch.area,
+        max_pressure: patch.max_pressure,
+        semi_axis_along: patch.semi_axis_along,
+        semi_axis_across: patch.semi_axis_across,
+        local_compliance: local,
+        wheel_compliance: wheel,
+        rail_compliance: rail,
+        beam_compliance: beam_flexibility,
+        penalty_error: penetration / state.hub.y,
+        active_points: state.solution.active(),
+    })
+}
+
+/// Size of a contact patch.
+pub struct Patch {
+    /// Area that carries pressure, m².
+    pub area: f64,
+    /// Largest nodal pressure, Pa.
+    pub max_pressure: f64,
+    /// Semi-axis along the track, m.
+    pub semi_axis_along: f64,
+    /// Semi-axis across the track, m.
+    pub semi_axis_across: f64,
+}
+
+/// Measures the patch of a state. The pressure of a Hertz ellipse has the second moment a²/5 about
+/// its centre; that of a bilinear nodal pressure adds a sixth of its width squared.
+pub fn patch(state: &Pressed) -> Patch {
+    let points = &state.points;
+    let forces = &state.solution.forces[..points.len()];
+    let sum: f64 = forces.iter().sum();
+    let mean = |value: &dyn Fn(usize) -> f64| forces.iter().enumerate().map(|(j, f)| f * value(j)).sum::<f64>() / sum;
+    let semi_axis = |axis: usize| {
+        let centre = mean(&|j| points.position[j][axis]);
+        let moment =
+            mean(&|j| (points.position[j][axis] - centre).powi(2) + points.widths[j][axis].powi(2) / 6.0);
+        (5.0 * moment).sqrt()
+    };
+    Patch {
+        area: (0..points.len())
+            .filter(|&j| state.solution.modes[j] != PointMode::Open)
+            .map(|j| points.area[j])
+            .sum(),
+        max_pressure: forces.iter().zip(&points.area).map(|(f, a)| f / a).fold(0.0, f64::max),
+        semi_axis_across: semi_axis(0),
+        semi_axis_along: semi_axis(1),
+    }
+}
+
+fn quadratic(matrix: &Mat<f64>, vector: &[f64]) -> f64 {
+    let product = crate::superelement::times(matrix, vector);
+    product.iter().zip(vector).map(|(p, v)| p * v).sum()
+}
+
+/// Horizontal stiffness at every preload, all points sticking, and its mean. `beam` is the static
+/// flexibility (y, z), m/N, of the moving solver's rail beam, which is subtracted.
+///
+/// # Errors
+/// [`InputError`] if the beam is softer than the solid, so that no spring is left in series with it;
+/// errors of [`WheelOnRail::press`].
+pub fn calibrate_horizontal(
+    wheel_on_rail: &WheelOnRail,
+    preloads: &[f64],
+    beam: Option<&Matrix2<f64>>,
+    monitor: &dyn Monitor,
+) -> Result<HorizontalCalibration> {
+    let mut points = Vec::new();
+    let mut before: Option<Pressed> = None;
+    for (i, &preload) in preloads.iter().enumerate() {
+        monitor.progress("horizontal stiffness", i, preloads.len())?;
+        let state = wheel_on_rail.press(preload, before.as_ref())?;
+        let problem = state.problem(wheel_on_rail.friction);
+        let flexibility = hub_response(&problem, &state.solution, &[1, 2], true)
+            .and_then(|r| r.stiffness.try_inverse())
+            .ok_or_else(|| NumericsError {
+                stage: format!("horizontal stiffness at {:.3} kN", preload * 1e-3),
+                step: None,
+                iteration: 0,
+                residual: 0.0,
+                active: state.solution.active(),
+                reason: StopReason::Singular,
+            })?;
+        let spring = flexibility[(0, 0)] - beam.map_or(0.0, |b| b[(0, 0)]);
+        if !(spring > 0.0) {
+            return Err(InputError::new(
+                "simulation.rail_beam",
+                format!("{:.4e} m/N lateral flexibility", beam.map_or(0.0, |b| b[(0, 0)])),
+                format!("a rail beam stiffer than the solid, which has {:.4e} m/N", flexibility[(0, 0)]),
+                "use the beam with restrained warping, or check the section properties",
+            )
+            .into());
+        }
+        let modes = &state.solution.modes;
+        points.push(HorizontalPoint {
+            preload,
+            stiffness: 1.0 / spring,
+            total_stiffness: 1.0 / flexibility[(0, 0)],
+            slipping: modes.iter().filter(|m| **m == PointMode::Slip).count() as f64
+                / state.solution.active() as f64,
+        });
+        before = Some(state);
+    }
+    monitor.progress("horizontal stiffness", preloads.len(), preloads.len())?;
+    let mean = DVector::from_iterator(points.len(), points.iter().map(|p| p.stiffness)).mean();
+    let spread = points.iter().map(|p| (p.stiffness / mean - 1.0).abs()).fold(0.0, f64::max);
+    Ok(HorizontalCalibration { points, stiffness: mean, spread })
+}

@@ -1,0 +1,118 @@
+//! Contact forces in, change of gap and slip out.
+
+use super::pairing::ContactPoints;
+use faer::Mat;
+use std::f64::consts::PI;
+
+/// Which of the two bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// The rail (or lower block).
+    Base,
+    /// The wheel (or upper block).
+    Opposing,
+}
+
+/// Linear elasticity as the contact sees it.
+pub trait Compliance {
+    /// Adds this share to the symmetric matrix, m/N, of relative displacements under contact
+    /// forces at `points`. Row and column `direction·points + point`; one direction (normal) or three
+    /// (normal, lateral tangent, along the track), as the matrix has room for.
+    fn add_to(&self, points: &ContactPoints, matrix: &mut Mat<f64>);
+}
+
+/// Sum of the compliances with `directions` (1 or 3) unknowns a point.
+pub fn total(parts: &[&dyn Compliance], points: &ContactPoints, directions: usize) -> Mat<f64> {
+    let n = directions * points.len();
+    let mut matrix = Mat::zeros(n, n);
+    parts.iter().for_each(|part| part.add_to(points, &mut matrix));
+    matrix
+}
+
+/// A condensed body.
+pub struct BodyCompliance<'a> {
+    /// Compliance of its contact nodes, `3·node + axis` in the order of its grid, m/N; may be larger.
+    pub compliance: &'a Mat<f64>,
+    /// Which body it is.
+    pub side: Side,
+}
+
+impl Compliance for BodyCompliance<'_> {
+    fn add_to(&self, points: &ContactPoints, matrix: &mut Mat<f64>) {
+        let count = points.len();
+        let weights = match self.side {
+            Side::Base => &points.base,
+            Side::Opposing => &points.opposing,
+        };
+        let rows: Vec<Vec<(usize, f64)>> = (0..matrix.nrows())
+            .map(|r| ContactPoints::row(&weights[r % count], r / count).filter(|&(_, w)| w != 0.0).collect())
+            .collect();
+        // only the degrees of freedom that some point touches
+        let mut local = vec![usize::MAX; self.compliance.nrows()];
+        let mut used = Vec::new();
+        for &(dof, _) in rows.iter().flatten() {
+            if local[dof] == usize::MAX {
+                local[dof] = used.len();
+                used.push(dof);
+            }
+        }
+        let mut response = vec![0.0; used.len()];
+        for (column, row) in rows.iter().enumerate() {
+            response.fill(0.0);
+            for &(dof, w) in row {
+                let c = self.compliance.col_as_slice(dof);
+                response.iter_mut().zip(&used).for_each(|(r, &u)| *r += w * c[u]);
+            }
+            for (other, weights) in rows.iter().enumerate().take(column + 1) {
+                let value: f64 = weights.iter().map(|&(dof, w)| w * response[local[dof]]).sum();
+                matrix[(other, column)] += value;
+                if other != column {
+                    matrix[(column, other)] += value;
+                }
+            }
+        }
+    }
+}
+
+/// Two elastic half-spaces in normal contact: A.E.H. Love, "The stress produced in a semi-infinite
+/// solid by pressure on part of the boundary", Phil. Trans. A 228 (1929), uniform pressure on each
+/// point's rectangle, displacement at the centres.
+pub struct HalfSpace {
+    /// Contact modulus E*, Pa: 1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂.
+    pub contact_modulus: f64,
+}
+
+impl Compliance for HalfSpace {
+    fn add_to(&self, points: &ContactPoints, matrix: &mut Mat<f64>) {
+        for j in 0..points.len() {
+            let half = points.widths[j] * 0.5;
+            let area = 4.0 * half.x * half.y;
+            for i in 0..points.len() {
+                let d = points.position[i] - points.position[j];
+                let (a, b, c, e) = (d.x - half.x, d.x + half.x, d.y - half.y, d.y + half.y);
+                let term = |u: f64, v: f64| {
+                    let r = u.hypot(v);
+                    let log = |p: f64, q: f64| if p == 0.0 { 0.0 } else { p * (q / p.abs()).asinh() };
+                    if r == 0.0 { 0.0 } else { log(u, v) + log(v, u) }
+                };
+                // ∫∫ dA/r over the rectangle from its corner function u·asinh(v/u) + v·asinh(u/v)
+                let integral = term(b, e) - term(a, e) - term(b, c) + term(a, c);
+                matrix[(i, j)] += integral / (PI * self.contact_modulus * area);
+            }
+        }
+    }
+}
+
+/// The published penalty springs: one of constant stiffness for every contact node and direction.
+pub struct PenaltySprings {
+    /// Stiffness a node, N/m (published: 1e9).
+    pub stiffness: f64,
+}
+
+impl Compliance for PenaltySprings {
+    fn add_to(&self, _points: &ContactPoints, matrix: &mut Mat<f64>) {
+        for i in 0..matrix.nrows() {
+            matrix[(i, i)] += 1.0 / self.stiffness;
+        }
+    }
+}

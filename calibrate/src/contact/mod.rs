@@ -1,0 +1,22 @@
+//! Surface-to-surface contact of two bodies on their smooth profile curves.
+//!
+//! * [`Surface`] and [`pair`]: which point of one surface faces which point of
+//!   the other, the gap, and the consistent weights of the nodes of both.
+//! * [`Compliance`]: contact forces in, change of gap and slip out. Superelements,
+//!   the analytic half-space and the published penalty springs implement it.
+//! * [`solve`]: unilateral contact with Coulomb friction on the dense compliance.
+//!
+//! The unknowns are nodal pressures on the base surface (the rail), bilinear
+//! between its nodes; gaps are their weighted means. Integration runs over the
+//! intersections of the cells of both surfaces, so a uniform pressure crosses
+//! non-matching meshes exactly (patch test).
+
+mod compliance;
+mod pairing;
+mod solver;
+mod surface;
+
+pub use compliance::{BodyCompliance, Compliance, HalfSpace, PenaltySprings, Side, total};
+pub use pairing::{ContactPoints, PairingLimits, pair};
+pub use solver::{PointMode, Problem, Solution, hub_response, HubResponse, solve};
+pub use surface::{Shape, Surface};

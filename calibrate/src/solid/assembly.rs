@@ -1,0 +1,151 @@
+//! Assembly of stiffness and mass.
+
+use super::{Formulation, Material, Numbering, Supports, brick};
+use crate::error::{InputError, Result};
+use crate::mesh::HexMesh;
+use faer::sparse::{SparseColMat, Triplet};
+use nalgebra::Point3;
+use rayon::prelude::*;
+
+/// A meshed body with its material, supports and numbered equations.
+pub struct System<'a> {
+    /// The mesh.
+    pub mesh: &'a HexMesh,
+    /// The material.
+    pub material: Material,
+    /// The element.
+    pub formulation: Formulation,
+    /// Equation numbers.
+    pub numbering: Numbering,
+}
+
+/// Consistent mass between nodes, the same in each direction; rows by node.
+pub struct NodalMass {
+    starts: Vec<usize>,
+    columns: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl<'a> System<'a> {
+    /// Numbers the equations of `mesh`.
+    ///
+    /// # Errors
+    /// [`InputError`] if the material is impossible; a numerical error if the mesh cannot be ordered.
+    pub fn new(mesh: &'a HexMesh, material: Material, formulation: Formulation, supports: &Supports) -> Result<Self> {
+        material.check()?;
+        Ok(Self { mesh, material, formulation, numbering: Numbering::new(mesh, supports)? })
+    }
+
+    /// Upper triangle of `stiffness + mass_factor·mass`, plus the given diagonal terms.
+    ///
+    /// # Errors
+    /// [`InputError`] naming the first element that is inverted or flat.
+    pub fn matrix(&self, mass_factor: f64, diagonal: &[(usize, f64)]) -> Result<SparseColMat<usize, f64>> {
+        let elements: Vec<brick::Stiffness> = self
+            .mesh
+            .hexes
+            .par_iter()
+            .enumerate()
+            .map(|(e, hex)| {
+                let nodes = corners(self.mesh, hex);
+                let mut k = brick::stiffness(&nodes, &self.material, self.formulation)
+                    .ok_or_else(|| flat_element(e, &nodes))?;
+                if mass_factor != 0.0 {
+                    let m = brick::mass(&nodes, self.material.density) * mass_factor;
+                    for i in 0..24 {
+                        for j in (i % 3..24).step_by(3) {
+                            k[(i, j)] += m[(i / 3, j / 3)];
+                        }
+                    }
+                }
+                Ok(k)
+            })
+            .collect::<Result<_>>()?;
+        let mut triplets = Vec::with_capacity(self.mesh.hexes.len() * 300 + diagonal.len());
+        for (hex, k) in self.mesh.hexes.iter().zip(&elements) {
+            let terms: Vec<_> = (0..24)
+                .map(|i| self.numbering.terms(hex[i / 3], &self.mesh.nodes[hex[i / 3]], i % 3))
+                .collect();
+            for (i, (row_terms, row_count)) in terms.iter().enumerate() {
+                for (j, (column_terms, column_count)) in terms.iter().enumerate() {
+                    for &(row, a) in &row_terms[..*row_count] {
+                        for &(column, b) in &column_terms[..*column_count] {
+                            if row <= column {
+                                triplets.push(Triplet::new(row, column, a * b * k[(i, j)]));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        triplets.extend(diagonal.iter().map(|&(e, v)| Triplet::new(e, e, v)));
+        let n = self.numbering.equations;
+        Ok(SparseColMat::try_new_from_triplets(n, n, &triplets).expect("equation numbers are below their count"))
+    }
+
+    /// Consistent mass of all nodes, held ones and followers included.
+    pub fn nodal_mass(&self) -> NodalMass {
+        let mut rows = vec![Vec::with_capacity(64); self.mesh.nodes.len()];
+        for hex in &self.mesh.hexes {
+            let m = brick::mass(&corners(self.mesh, hex), self.material.density);
+            for i in 0..8 {
+                rows[hex[i]].extend((0..8).map(|j| (hex[j] as u32, m[(i, j)])));
+            }
+        }
+        let mut mass = NodalMass { starts: vec![0], columns: Vec::new(), values: Vec::new() };
+        for row in &mut rows {
+            // stable: equal columns keep the order of the elements, so sums repeat to the last bit
+            row.sort_by_key(|&(column, _)| column);
+            for &(column, value) in row.iter() {
+                if mass.columns.len() > mass.starts[mass.starts.len() - 1] && mass.columns.last() == Some(&column) {
+                    *mass.values.last_mut().expect("a value for every column") += value;
+                } else {
+                    mass.columns.push(column);
+                    mass.values.push(value);
+                }
+            }
+            mass.starts.push(mass.columns.len());
+        }
+        mass
+    }
+}
+
+impl NodalMass {
+    /// Mass times a nodal vector (`3·node + direction`).
+    pub fn times(&self, nodal: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; nodal.len()];
+        for (n, out) in product.chunks_exact_mut(3).enumerate() {
+            let mut sum = [0.0; 3];
+            for entry in self.starts[n]..self.starts[n + 1] {
+                let m = self.values[entry];
+                let at = 3 * self.columns[entry] as usize;
+                for d in 0..3 {
+                    sum[d] += m * nodal[at + d];
+                }
+            }
+            out.copy_from_slice(&sum);
+        }
+        product
+    }
+
+    /// Mass of the whole body, kg.
+    pub fn total(&self) -> f64 {
+        self.values.iter().sum()
+    }
+}
+
+/// Corner coordinates of a hexahedron.
+pub(super) fn corners(mesh: &HexMesh, hex: &[usize; 8]) -> [Point3<f64>; 8] {
+    hex.map(|n| mesh.nodes[n])
+}
+
+fn flat_element(element: usize, nodes: &[Point3<f64>; 8]) -> crate::error::Error {
+    let c = nodes.iter().fold(nalgebra::Vector3::zeros(), |sum, p| sum + p.coords) / 8.0;
+    InputError::new(
+        "mesh",
+        format!("element {element} at ({:.4}, {:.4}, {:.4}) m", c.x, c.y, c.z),
+        "a hexahedron with positive Jacobian",
+        "refine the mesh there or correct the order of its nodes",
+    )
+    .into()
+}

@@ -1,0 +1,79 @@
+//! Linear elastic solids of eight-node bricks.
+//!
+//! [`Material`] and [`brick`] give the element, [`Supports`] says which nodes
+//! are held or follow the master node, and [`System`] numbers the equations
+//! and assembles them.
+
+mod assembly;
+pub mod brick;
+mod numbering;
+mod stress;
+
+pub use assembly::{NodalMass, System};
+pub use brick::Formulation;
+pub use numbering::{Numbering, Supports};
+pub use stress::nodal_stress;
+
+use crate::error::{InputError, Result};
+use nalgebra::SMatrix;
+
+/// Isotropic linear elastic material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+    /// Density, kg/m³.
+    pub density: f64,
+}
+
+impl Material {
+    /// Rail and wheel steel: 210 GPa, 0.3, 7850 kg/m³.
+    pub const STEEL: Self = Self { young: 210e9, poisson: 0.3, density: 7850.0 };
+
+    /// Checks that the constants describe a stable, compressible material.
+    ///
+    /// # Errors
+    /// [`InputError`] naming the constant that is out of range.
+    pub fn check(&self) -> Result<()> {
+        let refuse = |key: &str, value: f64, expected: &str| {
+            Err(InputError::new(format!("material.{key}"), value, expected, "correct the material constant").into())
+        };
+        if !(self.young > 0.0 && self.young.is_finite()) {
+            return refuse("young_gpa", self.young * 1e-9, "a positive modulus");
+        }
+        if !(self.poisson > -1.0 && self.poisson < 0.5) {
+            return refuse("poisson", self.poisson, "a ratio between -1 and 0.5");
+        }
+        if !(self.density > 0.0 && self.density.is_finite()) {
+            return refuse("density_kg_per_m3", self.density, "a positive density");
+        }
+        Ok(())
+    }
+
+    /// Shear modulus, Pa.
+    pub fn shear_modulus(&self) -> f64 {
+        self.young / (2.0 * (1.0 + self.poisson))
+    }
+
+    /// Contact modulus E* of two bodies of this material, Pa.
+    pub fn contact_modulus(&self) -> f64 {
+        crate::analytic::hertz::contact_modulus(self.young, self.poisson, self.young, self.poisson)
+    }
+
+    /// Elasticity matrix, 6×6, Pa, for strains (xx, yy, zz, xy, yz, zx) with engineering shears.
+    pub fn elasticity(&self) -> SMatrix<f64, 6, 6> {
+        let shear = self.shear_modulus();
+        let lame = self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson));
+        let mut d = SMatrix::zeros();
+        for i in 0..3 {
+            for j in 0..3 {
+                d[(i, j)] = lame;
+            }
+            d[(i, i)] = lame + 2.0 * shear;
+            d[(i + 3, i + 3)] = shear;
+        }
+        d
+    }
+}

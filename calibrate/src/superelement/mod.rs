@@ -1,0 +1,58 @@
+//! A body reduced to its contact nodes: factor once, then only dense algebra.
+//!
+//! The equations of the contact nodes and of the master node come last, so the
+//! trailing block `L_rr` of the Cholesky factor is the factor of the Schur
+//! complement, and `(L_rr·L_rrᵀ)⁻¹` is the exact compliance there.
+
+mod factor;
+
+pub use factor::Factor;
+
+use crate::error::Result;
+use crate::solid::System;
+use faer::Mat;
+
+/// A factored body with its compliance at the retained equations.
+pub struct Superelement<'a> {
+    /// The body.
+    pub system: System<'a>,
+    /// Its factor.
+    pub factor: Factor,
+    /// Compliance of the retained equations, m/N: contact nodes (`3·node + direction` in the
+    /// order of the contact grid), then the master's free motions.
+    pub compliance: Mat<f64>,
+}
+
+impl<'a> Superelement<'a> {
+    /// Assembles `stiffness + mass_factor·mass` with extra diagonal terms, factors and condenses.
+    ///
+    /// # Errors
+    /// An inverted element, or a matrix that is not positive definite because the body is not held.
+    pub fn new(system: System<'a>, mass_factor: f64, diagonal: &[(usize, f64)]) -> Result<Self> {
+        let matrix = system.matrix(mass_factor, diagonal)?;
+        let factor = Factor::new(&matrix, system.numbering.interior)?;
+        let compliance = factor.retained_compliance();
+        Ok(Self { system, factor, compliance })
+    }
+
+    /// Displacements of all nodes (`3·node + direction`, m) under forces on the retained equations (N).
+    pub fn displacement(&self, retained_forces: &[f64]) -> Vec<f64> {
+        let numbering = &self.system.numbering;
+        let mut x = vec![0.0; numbering.equations];
+        x[numbering.interior..].copy_from_slice(&times(&self.compliance, retained_forces));
+        self.factor.backward_interior(&mut x);
+        numbering.expand(self.system.mesh, &x)
+    }
+}
+
+/// Dense matrix times vector.
+pub(crate) fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; matrix.nrows()];
+    for (j, &v) in vector.iter().enumerate() {
+        if v != 0.0 {
+            let column = matrix.col_as_slice(j);
+            product.iter_mut().zip(column).for_each(|(p, c)| *p += c * v);
+        }
+    }
+    product
+}

@@ -1,0 +1,393 @@
+//! The transient solid model: Newmark average acceleration on both condensed
+//! bodies, contact solved at every step.
+//!
+//! N.M. Newmark, "A method of computation for structural dynamics", J. Eng.
+//! Mech. Div. ASCE 85 (1959), β = 1/4, γ = 1/2. The effective matrix
+//! `K + 4/Δt²·M` of each body is constant and factored once. A step eliminates
+//! the interior, solves the contact on the retained equations, and substitutes
+//! back: one solution a body and step, at full order.
+
+mod body;
+
+use crate::calibration::{Enforcement, carry_over};
+use crate::contact::{
+    BodyCompliance, ContactPoints, PairingLimits, PenaltySprings, PointMode, Problem, Side, Solution, Surface, pair,
+    solve, total,
+};
+use crate::error::{Error, InputError, NumericsError, Result, StopReason};
+use crate::history::{ContactMode, ContactState, History, HistoryRow};
+use crate::mesh::HexMesh;
+use crate::monitor::Monitor;
+use crate::placement::PlacedRail;
+use crate::scenario::Scenario;
+use crate::solid::{Formulation, Material, Supports, System};
+use body::Body;
+use nalgebra::{Point2, Point3, Vector2};
+
+/// Everything the transient solid model is made of.
+pub struct TransientModel<'a> {
+    /// Rail mesh in the world frame; its ends are held.
+    pub rail_mesh: &'a HexMesh,
+    /// Wheel mesh in the body frame; its bore follows the master node at the wheel's centre.
+    pub wheel_mesh: &'a HexMesh,
+    /// Material of both.
+    pub material: Material,
+    /// Element of both.
+    pub formulation: Formulation,
+    /// The placed rail, for positions in its profile frame.
+    pub placed_rail: &'a PlacedRail,
+    /// Contact surface of the rail.
+    pub rail_surface: Surface<'a>,
+    /// Contact surface of the wheel, just touching.
+    pub wheel_surface: Surface<'a>,
+    /// How the contact conditions are enforced.
+    pub enforcement: Enforcement,
+}
+
+/// A finished transient run of the solid model.
+pub struct TransientRun {
+    /// The states.
+    pub history: History,
+    /// Mass of the meshed wheel, kg.
+    pub wheel_mass: f64,
+    /// Values stored in the factors of both bodies.
+    pub factor_values: usize,
+    /// Largest number of load-carrying contact points in a step.
+    pub most_active: usize,
+}
+
+/// Points whose gap without contact forces in this step exceeds this cannot come to carry load, m.
+const CANDIDATE_MARGIN: f64 = 5e-6;
+/// Gap within which points are paired at all, m.
+const PAIRING_GAP: f64 = 0.25e-3;
+/// The geometry is paired again until the hub has moved by less, m: the gap changes by the relative
+/// curvature (below 1/m·10²) times its square, which is below a picometre.
+const HUB_TOLERANCE: f64 = 1e-7;
+const PAIRING_LIMIT: usize = 12;
+
+/// Mass on the vertical suspension, integrated with the same rule and condensed into the hub.
+struct SuspendedMass {
+    z: f64,
+    v: f64,
+    a: f64,
+}
+
+impl TransientModel<'_> {
+    /// Runs `scenario` from just touching and at rest.
+    ///
+    /// # Errors
+    /// [`InputError`] for a scenario only the moving solver can run; [`NumericsError`] with the step if
+    /// the contact does not settle or leaves the meshed contact zone.
+    pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
+        refuse_moving(scenario)?;
+        let dt = scenario.time_step;
+        let spring = scenario.vertical_suspension;
+        let effective = 2.0 * spring.damping / dt + spring.stiffness;
+        let suspended_effective = 4.0 * scenario.suspended_mass / (dt * dt) + effective;
+        let (rail, wheel) = rayon::join(
+            || Body::new(self.rail_system()?, dt, None),
+            || Body::new(self.wheel_system(scenario)?, dt, Some(effective - effective * effective / suspended_effective)),
+        );
+        let (mut rail, mut wheel) = (rail?, wheel?);
+        let wheel_mass = wheel.mass.total();
+        let mut hub_motion = HubMotion::at_start(scenario, wheel_mass);
+        wheel.start(&hub_motion.acceleration());
+        let mut contact = LastContact::default();
+        let mut rows = vec![HistoryRow {
+            time: 0.0,
+            vertical_force: 0.0,
+            lateral_force: 0.0,
+            wheel_y: 0.0,
+            wheel_z: 0.0,
+            contacts: Vec::new(),
+        }];
+        let mut most_active = 0;
+        for step in 1..=scenario.steps {
+            monitor.progress("transient solid model", step - 1, scenario.steps)?;
+            let t = step as f64 * dt;
+            let (hub_force, suspended_rhs) = hub_motion.forces(scenario, t, effective, suspended_effective);
+            let (rail_free, wheel_free) =
+                rayon::join(|| rail.predict(dt, &[0.0; 2], 0.0), || wheel.predict(dt, &hub_force, scenario.gravity));
+            let solved = self
+                .contact_step(scenario, &rail, &wheel, &rail_free, &wheel_free, &hub_motion.predicted(dt), &contact)
+                .map_err(|e| at_step(e, step))?;
+            let (points, solution) = (&solved.points, &solved.solution);
+            most_active = most_active.max(solution.active());
+            let rail_forces = points.nodal_forces(Side::Base, &solution.forces, rail_free.len());
+            let wheel_forces = points.nodal_forces(Side::Opposing, &solution.forces, wheel_free.len());
+            rayon::join(|| rail.correct(dt, &rail_forces), || wheel.correct(dt, &wheel_forces));
+            let hub = wheel.hub();
+            hub_motion.advance(dt, &hub, suspended_rhs, effective, suspended_effective);
+            let force = points.resultant(&solution.forces);
+            rows.push(HistoryRow {
+                time: t,
+                vertical_force: -force.z,
+                lateral_force: -force.y,
+                wheel_y: hub.x,
+                wheel_z: hub.y,
+                contacts: self.contacts(points, solution),
+            });
+            contact = solved;
+        }
+        monitor.progress("transient solid model", scenario.steps, scenario.steps)?;
+        Ok(TransientRun {
+            history: History { rows, degrees_of_freedom: rail.equations() + wheel.equations() + 1 },
+            wheel_mass,
+            factor_values: rail.factor_values() + wheel.factor_values(),
+            most_active,
+        })
+    }
+
+    fn rail_system(&self) -> Result<System<'_>> {
+        let supports = Supports { held: self.rail_mesh.ends.clone(), ..Default::default() };
+        System::new(self.rail_mesh, self.material, self.formulation, &supports)
+    }
+
+    fn wheel_system(&self, scenario: &Scenario) -> Result<System<'_>> {
+        let turning = !scenario.rotations_held;
+        let supports = Supports {
+            held: Vec::new(),
+            followers: self.wheel_mesh.bore.clone(),
+            master: Point3::origin(),
+            master_free: [false, true, true, turning, turning, turning],
+        };
+        System::new(self.wheel_mesh, self.material, self.formulation, &supports)
+    }
+
+    /// Solves the contact at the end of a step, pairing again until the hub stays where it was paired.
+    #[allow(clippy::too_many_arguments)]
+    fn contact_step(
+        &self,
+        scenario: &Scenario,
+        rail: &Body,
+        wheel: &Body,
+        rail_free: &[f64],
+        wheel_free: &[f64],
+        predicted: &Vector2<f64>,
+        last: &LastContact,
+    ) -> Result<LastContact> {
+        let mut hub = *predicted;
+        let mut start = last.clone();
+        let mut moved = f64::NAN;
+        for _ in 0..PAIRING_LIMIT {
+            let mut opposing = self.wheel_surface.clone();
+            opposing.origin += hub;
+            let mut points = pair(&self.rail_surface, &opposing, PairingLimits { largest_gap: PAIRING_GAP });
+            let gaps = free_gaps(&points, &hub, rail_free, wheel_free);
+            let keep: Vec<bool> = gaps.iter().map(|g| *g < CANDIDATE_MARGIN).collect();
+            points.retain(&keep);
+            let mut free: Vec<f64> = gaps.into_iter().filter(|g| *g < CANDIDATE_MARGIN).collect();
+            let directions = if scenario.friction > 0.0 { 3 } else { 1 };
+            if directions == 3 {
+                add_slips(&points, rail, wheel, rail_free, wheel_free, &mut free);
+            }
+            let rail_part = BodyCompliance { compliance: rail.compliance(), side: Side::Base };
+            let wheel_part = BodyCompliance { compliance: wheel.compliance(), side: Side::Opposing };
+            let compliance = match self.enforcement {
+                Enforcement::Exact => total(&[&rail_part, &wheel_part], &points, directions),
+                Enforcement::Penalty(stiffness) => {
+                    total(&[&rail_part, &wheel_part, &PenaltySprings { stiffness }], &points, directions)
+                }
+            };
+            let first = carry_over(&start.points, &start.solution.forces, &points, directions);
+            let problem =
+                Problem { points: &points, compliance: &compliance, free: &free, friction: scenario.friction, hub: &[] };
+            let solution = solve(&problem, &first)?;
+            let forces = points.nodal_forces(Side::Opposing, &solution.forces, wheel_free.len());
+            let position = wheel.hub_with(wheel_free, &forces);
+            moved = (position - hub).norm();
+            if moved < HUB_TOLERANCE {
+                let at_edge = (0..points.len()).any(|j| points.at_edge[j] && solution.forces[j] > 0.0);
+                if at_edge {
+                    return Err(failure(moved, solution.active(), StopReason::EdgeOfCandidates));
+                }
+                return Ok(LastContact { points, solution });
+            }
+            hub = position;
+            start = LastContact { points, solution };
+        }
+        Err(failure(moved, start.solution.active(), StopReason::IterationLimit))
+    }
+
+    /// The patches that carry load: runs of load-carrying grid lines with at least two free lines between them.
+    fn contacts(&self, points: &ContactPoints, solution: &Solution) -> Vec<ContactState> {
+        let n = points.len();
+        let active: Vec<usize> = (0..n).filter(|&j| solution.forces[j] > 0.0).collect();
+        let mut patches: Vec<Vec<usize>> = Vec::new();
+        for &j in &active {
+            match patches.last_mut() {
+                Some(patch) if points.index[j].0 <= points.index[patch[patch.len() - 1]].0 + 2 => patch.push(j),
+                _ => patches.push(vec![j]),
+            }
+        }
+        patches
+            .iter()
+            .map(|patch| {
+                let force: f64 = patch.iter().map(|&j| solution.forces[j]).sum();
+                let mean = |value: &dyn Fn(usize) -> f64| {
+                    patch.iter().map(|&j| solution.forces[j] * value(j)).sum::<f64>() / force
+                };
+                let s = mean(&|j| points.position[j].x);
+                let slipping = mean(&|j| f64::from(solution.modes[j] == PointMode::Slip));
+                ContactState {
+                    mode: if slipping > 0.5 { ContactMode::Slip } else { ContactMode::Stick },
+                    rail: self.placed_rail.to_profile(&self.rail_surface.world(s)),
+                    wheel: Point2::new(mean(&|j| points.opposing_position[j].x), mean(&|j| points.opposing_position[j].y)),
+                    normal_force: force,
+                    tangential_force: patch.iter().map(|&j| solution.forces.get(n + j).copied().unwrap_or(0.0)).sum(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Contact of the step before, as a start for the next.
+#[derive(Clone)]
+struct LastContact {
+    points: ContactPoints,
+    solution: Solution,
+}
+
+impl Default for LastContact {
+    fn default() -> Self {
+        let solution = Solution {
+            forces: Vec::new(),
+            separation: Vec::new(),
+            modes: Vec::new(),
+            hub: Vec::new(),
+            iterations: 0,
+        };
+        Self { points: ContactPoints::default(), solution }
+    }
+}
+
+/// Normal gaps at the end of the step without contact forces: the rigid gap at `hub` plus what the
+/// bodies move beyond it.
+fn free_gaps(points: &ContactPoints, hub: &Vector2<f64>, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
+    (0..points.len())
+        .map(|j| {
+            let beyond: f64 = ContactPoints::row(&points.opposing[j], 0)
+                .map(|(dof, w)| w * (wheel[dof] - [0.0, hub.x, hub.y][dof % 3]))
+                .sum();
+            let rail: f64 = ContactPoints::row(&points.base[j], 0).map(|(dof, w)| w * rail[dof]).sum();
+            points.gap[j] + beyond - rail
+        })
+        .collect()
+}
+
+/// Appends the slips (lateral, then along the track) of the step without contact forces.
+fn add_slips(
+    points: &ContactPoints,
+    rail: &Body,
+    wheel: &Body,
+    rail_free: &[f64],
+    wheel_free: &[f64],
+    free: &mut Vec<f64>,
+) {
+    let (rail_before, wheel_before) = (rail.contact_displacement(), wheel.contact_displacement());
+    for direction in 1..3 {
+        for j in 0..points.len() {
+            let wheel: f64 = ContactPoints::row(&points.opposing[j], direction)
+                .map(|(dof, w)| w * (wheel_free[dof] - wheel_before[dof]))
+                .sum();
+            let rail: f64 = ContactPoints::row(&points.base[j], direction)
+                .map(|(dof, w)| w * (rail_free[dof] - rail_before[dof]))
+                .sum();
+            free.push(wheel - rail);
+        }
+    }
+}
+
+/// Motion of the hub and of the suspended mass.
+struct HubMotion {
+    position: Vector2<f64>,
+    velocity: Vector2<f64>,
+    acceleration: Vector2<f64>,
+    suspended: SuspendedMass,
+}
+
+impl HubMotion {
+    /// At rest, with the accelerations of the rigid bodies under the forces of t = 0.
+    fn at_start(scenario: &Scenario, wheel_mass: f64) -> Self {
+        let suspended = scenario.vertical_force.at(0.0) / scenario.suspended_mass + scenario.gravity;
+        Self {
+            position: Vector2::zeros(),
+            velocity: Vector2::zeros(),
+            acceleration: Vector2::new(scenario.lateral_force.at(0.0) / wheel_mass, scenario.gravity),
+            suspended: SuspendedMass { z: 0.0, v: 0.0, a: suspended },
+        }
+    }
+
+    fn acceleration(&self) -> Vector2<f64> {
+        self.acceleration
+    }
+
+    /// Position at the end of a step of constant acceleration.
+    fn predicted(&self, dt: f64) -> Vector2<f64> {
+        self.position + self.velocity * dt + self.acceleration * (0.5 * dt * dt)
+    }
+
+    /// Forces (y, z) on the hub at time `t` with the suspended mass condensed, and that mass's right-hand side.
+    fn forces(&self, scenario: &Scenario, t: f64, effective: f64, suspended_effective: f64) -> ([f64; 2], f64) {
+        let dt = scenario.time_step;
+        let m = &self.suspended;
+        let inertia = scenario.suspended_mass * (4.0 * m.z / (dt * dt) + 4.0 * m.v / dt + m.a);
+        let damper = scenario.vertical_suspension.damping
+            * (2.0 * m.z / dt + m.v - 2.0 * self.position.y / dt - self.velocity.y);
+        let weight = scenario.suspended_mass * scenario.gravity;
+        let rhs = scenario.vertical_force.at(t) + weight + inertia + damper;
+        ([scenario.lateral_force.at(t), effective * rhs / suspended_effective - damper], rhs)
+    }
+
+    fn advance(&mut self, dt: f64, hub: &Vector2<f64>, rhs: f64, effective: f64, suspended_effective: f64) {
+        let velocity = (hub - self.position) * (2.0 / dt) - self.velocity;
+        let acceleration = (hub - self.position) * (4.0 / (dt * dt)) - self.velocity * (4.0 / dt) - self.acceleration;
+        (self.position, self.velocity, self.acceleration) = (*hub, velocity, acceleration);
+        let m = &mut self.suspended;
+        let z = (rhs + effective * hub.y) / suspended_effective;
+        let a = (z - m.z) * 4.0 / (dt * dt) - m.v * 4.0 / dt - m.a;
+        let v = (z - m.z) * 2.0 / dt - m.v;
+        *m = SuspendedMass { z, v, a };
+    }
+}
+
+fn refuse_moving(scenario: &Scenario) -> Result<()> {
+    let refuse = |key: &str, value: String| {
+        Err(InputError::new(
+            format!("scenario.{key}"),
+            value,
+            "0 for the solid model",
+            "run this scenario with the moving solver alone (`solid = false`)",
+        )
+        .into())
+    };
+    if scenario.speed != 0.0 {
+        return refuse("speed_m_per_s", scenario.speed.to_string());
+    }
+    if let Some(torsion) = scenario.rail_torsion {
+        return refuse("torsion", format!("{} N·m", torsion.amplitude));
+    }
+    Ok(())
+}
+
+fn failure(residual: f64, active: usize, reason: StopReason) -> Error {
+    NumericsError {
+        stage: "contact of the transient solid model".into(),
+        step: None,
+        iteration: PAIRING_LIMIT,
+        residual,
+        active,
+        reason,
+    }
+    .into()
+}
+
+fn at_step(error: Error, step: usize) -> Error {
+    match error {
+        Error::Numerics(mut e) => {
+            e.step = Some(step);
+            e.into()
+        }
+        other => other,
+    }
+}

@@ -1,0 +1,10 @@
+//! The rail as a straight beam: 3D Timoshenko elements, their statics and
+//! their vibration modes.
+
+mod element;
+mod rail;
+mod section;
+
+pub use element::{BeamElement, deflection_functions, rotation_functions};
+pub use rail::{End, RailBeam, RailModes};
+pub use section::{BeamSection, Torsion};

@@ -1,0 +1,117 @@
+//! What a beam element needs to know of a cross-section.
+
+use railspring_calibrate::analytic::beam::restrained_warping_factor;
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::section::SectionProperties;
+use railspring_calibrate::solid::Material;
+
+/// How the beam resists torsion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Torsion {
+    /// St-Venant torsion alone: sections warp freely.
+    SaintVenant,
+    /// An effective torsion constant that gives the whole span, fixed against
+    /// warping at both ends and twisted at midspan, Vlasov's exact rotation
+    /// there. In a stub of half a metre this is about four times stiffer.
+    #[default]
+    RestrainedWarping,
+}
+
+/// Stiffness and inertia of a beam, in its own axes: x along the beam, y and z
+/// the principal axes of the section.
+///
+/// Deflections and twist refer to the node line, which is the line of *shear
+/// centres*: a force through it bends without twisting, so that a lateral force
+/// at the rail head twists the rail by its lever to the shear centre, not to
+/// the centroid (34 mm higher). Axial displacement refers to the centroid. With
+/// this choice of thin-walled beam theory the stiffness matrix is uncoupled;
+/// only the mass, which acts at the centroid, couples sway and twist.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeamSection {
+    /// E·A, N.
+    pub axial: f64,
+    /// E·I against deflection along y, N·m².
+    pub bending_y: f64,
+    /// E·I against deflection along z, N·m².
+    pub bending_z: f64,
+    /// κ·G·A against deflection along y, N; infinite without shear flexibility.
+    pub shear_y: f64,
+    /// κ·G·A against deflection along z, N; infinite without shear flexibility.
+    pub shear_z: f64,
+    /// G·J, N·m².
+    pub torsion: f64,
+    /// Mass a metre, kg/m.
+    pub mass: f64,
+    /// ρ·I about z (rotation with deflection along y), kg·m.
+    pub rotary_y: f64,
+    /// ρ·I about y (rotation with deflection along z), kg·m.
+    pub rotary_z: f64,
+    /// Polar inertia a metre about the centroid, kg·m.
+    pub polar: f64,
+    /// Centroid relative to the node line, (y, z), m.
+    pub centroid: [f64; 2],
+}
+
+impl BeamSection {
+    /// The section of a rail of `span` metres fixed at both ends, in the profile frame (z down).
+    ///
+    /// # Errors
+    /// [`InputError`] with key `rail.section` or `rail.material` when a property is not positive and finite.
+    pub fn rail(
+        properties: &SectionProperties,
+        material: &Material,
+        span: f64,
+        torsion: Torsion,
+    ) -> Result<Self> {
+        let Material { young, density, .. } = *material;
+        let shear = material.shear_modulus();
+        positive("rail.material", &[young, shear, density])?;
+        let p = properties;
+        positive(
+            "rail.section",
+            &[
+                p.area,
+                p.ixx,
+                p.iyy,
+                p.torsion_constant,
+                p.warping_constant,
+                p.shear_coefficient_vertical,
+                p.shear_coefficient_lateral,
+                span,
+            ],
+        )?;
+        let saint_venant = shear * p.torsion_constant;
+        let factor = match torsion {
+            Torsion::SaintVenant => 1.0,
+            Torsion::RestrainedWarping => {
+                restrained_warping_factor(span, saint_venant, young * p.warping_constant)
+            }
+        };
+        Ok(Self {
+            axial: young * p.area,
+            bending_y: young * p.iyy,
+            bending_z: young * p.ixx,
+            shear_y: p.shear_coefficient_lateral * shear * p.area,
+            shear_z: p.shear_coefficient_vertical * shear * p.area,
+            torsion: saint_venant / factor,
+            mass: density * p.area,
+            rotary_y: density * p.iyy,
+            rotary_z: density * p.ixx,
+            polar: density * (p.ixx + p.iyy),
+            centroid: [0.0, p.shear_centre_height - p.centroid_height],
+        })
+    }
+}
+
+fn positive(key: &str, values: &[f64]) -> Result<()> {
+    if values.iter().all(|v| v.is_finite() && *v > 0.0) {
+        return Ok(());
+    }
+    Err(InputError::new(
+        key,
+        format!("{values:?}"),
+        "positive, finite values",
+        "check the units of the section and of the material",
+    )
+    .into())
+}
