@@ -10,7 +10,7 @@ use crate::records::{ComplianceRecord, LoadCurveRow, ReferenceRecord, StiffnessR
 use crate::verify::averaged_ratio;
 
 use super::plot::{
-    self, BLUE, DARK, Dash, Drawn, Entry, GREY, LIGHT, Marker, ORANGE, Panel, RED, Series, axes, draw_legend, label,
+    self, BLUE, DARK, Dash, Drawn, Entry, GREY, LIGHT, Marker, ORANGE, Panel, RED, Series, draw_legend, label,
     legend_height, nice_range, px, stacked, stroke, svg,
 };
 
@@ -244,10 +244,10 @@ pub fn modes(simple: &History, solid: Option<&History>) -> String {
 fn spans(history: &History, on_flange: bool) -> Vec<(ContactMode, f64, f64)> {
     let mut spans: Vec<(ContactMode, f64, f64)> = Vec::new();
     for pair in history.rows.windows(2) {
-        let mut here = pair[1].contacts.iter().filter(|c| (c.wheel.x < FLANGE_SIDE) == on_flange).peekable();
-        let mode = match here.peek() {
+        let here = || pair[1].contacts.iter().filter(|c| (c.wheel.x < FLANGE_SIDE) == on_flange);
+        let mode = match here().next() {
             None => ContactMode::Separated,
-            Some(_) if here.any(|c| c.mode == ContactMode::Stick) => ContactMode::Stick,
+            Some(_) if here().any(|c| c.mode == ContactMode::Stick) => ContactMode::Stick,
             Some(_) => ContactMode::Slip,
         };
         match spans.last_mut() {

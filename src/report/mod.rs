@@ -9,7 +9,9 @@ mod positions;
 mod tables;
 
 use railspring_calibrate::history::History;
+use minijinja::value::Serde;
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::records::{LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord};
 
@@ -120,7 +122,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "Horizontal stiffness under sticking at several preloads, and the constant in use.".into(),
         ),
     ];
-    let scenarios: Vec<minijinja::Value> =
+    let scenarios: Vec<Value> =
         data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();
     let mut environment = minijinja::Environment::new();
     environment.set_auto_escape_callback(|_| minijinja::AutoEscape::Html);
@@ -128,23 +130,23 @@ pub fn build(data: &ReportData<'_>) -> Report {
     let html = environment
         .render_str(
             TEMPLATE,
-            minijinja::context! {
-                name => data.name,
-                description => data.description,
-                inputs => tables::grouped(data.inputs),
-                stiffness => stiffness,
-                springs => springs,
-                scenarios => scenarios,
-                lines => tables::lines(data.verdict),
-                holds => data.verdict.map(|verdict| verdict.holds),
-                measured => data.measured,
-            },
+            minijinja::Value::from(Serde(json!({
+                "name": data.name,
+                "description": data.description,
+                "inputs": tables::grouped(data.inputs),
+                "stiffness": stiffness,
+                "springs": springs,
+                "scenarios": scenarios,
+                "lines": tables::lines(data.verdict),
+                "holds": data.verdict.map(|verdict| verdict.holds),
+                "measured": data.measured,
+            }))),
         )
         .unwrap_or_else(|cause| format!("<!doctype html><p>The report could not be written: {cause}</p>"));
     Report { html, figures: collected.figures }
 }
 
-fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collector) -> minijinja::Value {
+fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collector) -> Value {
     let both = if run.solid.is_some() { " of both models" } else { " of the simple model" };
     let mut figures = Vec::new();
     let mut add = |kind: &str, svg: String, caption: String| {
@@ -171,13 +173,13 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
         positions::positions(data.profiles, run.snapshots, run.simple, run.solid),
         "Contact positions on the two profiles, seen along the track, field side to the right. Wheel and rail as the simple model has them; the rail's own deflection is not drawn.".into(),
     );
-    minijinja::context! {
-        name => run.name,
-        description => run.description,
-        figures => figures,
-        separations => tables::separations(run),
-        modes => tables::modes(run),
-    }
+    json!({
+        "name": run.name,
+        "description": run.description,
+        "figures": figures,
+        "separations": tables::separations(run),
+        "modes": tables::modes(run),
+    })
 }
 
 /// Numbers the figures and keeps their files.

@@ -6,6 +6,7 @@
 
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -36,7 +37,7 @@ pub const LIGHT: RGBColor = RGBColor(222, 226, 231);
 /// Drawing area of the SVG backend.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// A chart with two linear axes.
-pub type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -207,7 +208,7 @@ pub fn tick(value: f64, step: f64) -> String {
 }
 
 /// Axes of a panel; `x` and `y` are (low, high, step).
-pub fn axes<'a, 'b>(
+fn axes<'a, 'b>(
     area: &'a Area<'b>,
     x: (f64, f64, f64),
     y: (f64, f64, f64),
@@ -288,13 +289,13 @@ fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
     let y = nice_range(points().map(|p| p.1), panel.from_zero);
     let mut chart = axes(area, x, y, &panel.x_label, &panel.y_label)?;
     for series in &panel.series {
-        draw_series(&mut chart, series)?;
+        draw_series(area, &mut chart, series)?;
     }
     Ok(())
 }
 
 /// Draws one curve.
-pub fn draw_series(chart: &mut Chart<'_, '_>, series: &Series) -> Drawn {
+fn draw_series(area: &Area<'_>, chart: &mut Chart<'_, '_>, series: &Series) -> Drawn {
     let style = stroke(series.color, 14);
     let pieces = series.points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|piece| !piece.is_empty());
     for piece in pieces {
@@ -312,59 +313,39 @@ pub fn draw_series(chart: &mut Chart<'_, '_>, series: &Series) -> Drawn {
             }
         }
     }
-    let finite = series.points.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite());
-    chart.draw_series(finite.map(|at| EmptyElement::at(at) + MarkerShape(series.marker, series.color)))?;
+    if series.marker != Marker::None {
+        let origin = area.get_base_pixel();
+        for at in series.points.iter().filter(|(x, y)| x.is_finite() && y.is_finite()) {
+            let (x, y) = chart.plotting_area().map_coordinate(at);
+            mark(area, series.marker, series.color, (x - origin.0, y - origin.1))?;
+        }
+    }
     Ok(())
 }
 
-/// A marker around the origin of its element.
-struct MarkerShape(Marker, RGBColor);
-
-impl<'a> PointCollection<'a, BackendCoord> for &'a MarkerShape {
-    type Point = BackendCoord;
-    type IntoIter = std::iter::Once<BackendCoord>;
-    fn point_iter(self) -> Self::IntoIter {
-        std::iter::once((0, 0))
-    }
-}
-
-impl<DB: DrawingBackend> Drawable<DB> for MarkerShape {
-    fn draw<I: Iterator<Item = BackendCoord>>(
-        &self,
-        mut points: I,
-        backend: &mut DB,
-        _parent: (u32, u32),
-    ) -> Result<(), DrawingErrorKind<DB::ErrorType>> {
-        let Some((x, y)) = points.next() else { return Ok(()) };
-        draw_marker(backend, self.0, self.1, (x, y))
-    }
-}
-
-fn draw_marker<DB: DrawingBackend>(
-    backend: &mut DB,
-    marker: Marker,
-    color: RGBColor,
-    (x, y): (i32, i32),
-) -> Result<(), DrawingErrorKind<DB::ErrorType>> {
+/// Draws a marker at a pixel of the area.
+pub fn mark(area: &Area<'_>, marker: Marker, color: RGBColor, (x, y): (i32, i32)) -> Drawn {
     let r = px(3);
     let thin = stroke(color, 12);
+    let square = [(x - r, y - r), (x + r, y + r)];
+    let corners = [(x, y - r - 2), (x + r + 1, y + r), (x - r - 1, y + r), (x, y - r - 2)];
     match marker {
-        Marker::None => Ok(()),
-        Marker::Disc => backend.draw_circle((x, y), r as u32, &color, true),
+        Marker::None => {}
+        Marker::Disc => area.draw(&Circle::new((x, y), r, color.filled()))?,
         Marker::Circle => {
-            backend.draw_circle((x, y), r as u32, &WHITE, true)?;
-            backend.draw_circle((x, y), r as u32, &thin, false)
+            area.draw(&Circle::new((x, y), r, WHITE.filled()))?;
+            area.draw(&Circle::new((x, y), r, thin))?;
         }
         Marker::Square => {
-            backend.draw_rect((x - r, y - r), (x + r, y + r), &WHITE, true)?;
-            backend.draw_rect((x - r, y - r), (x + r, y + r), &thin, false)
+            area.draw(&Rectangle::new(square, WHITE.filled()))?;
+            area.draw(&Rectangle::new(square, thin))?;
         }
         Marker::Triangle => {
-            let corners = [(x, y - r - 2), (x + r + 1, y + r), (x - r - 1, y + r), (x, y - r - 2)];
-            backend.fill_polygon(corners, &WHITE)?;
-            backend.draw_path(corners, &thin)
+            area.draw(&Polygon::new(corners, WHITE.filled()))?;
+            area.draw(&PathElement::new(corners, thin))?;
         }
     }
+    Ok(())
 }
 
 /// Entry of a legend.
@@ -463,7 +444,7 @@ pub fn draw_legend(area: &Area<'_>, width: u32, entries: &[Entry]) -> Drawn {
                 area.draw(&DashedPathElement::new([(left, y), (right, y)].into_iter(), px(2), px(3), line))?
             }
         }
-        area.draw(&(EmptyElement::at(((left + right) / 2, y)) + MarkerShape(entry.marker, entry.color)))?;
+        mark(area, entry.marker, entry.color, ((left + right) / 2, y))?;
         let style = label(LABEL_TEXT, HPos::Left, VPos::Center);
         area.draw(&Text::new(entry.name.clone(), (right + px(6), y), style))?;
     }
