@@ -96,7 +96,7 @@ impl<'a> Pipeline<'a> {
         let geometry = stages::geometry(self.study)?;
         let meshes = stages::meshes(self.study, &geometry)?;
         for (mesh, name) in [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")] {
-            self.folder.write_with(name, |path| stages::write_mesh(mesh, path))?;
+            self.folder.write(name, stages::mesh_vtu(mesh)?.as_bytes())?;
         }
         Ok(())
     }
@@ -185,7 +185,7 @@ impl<'a> Pipeline<'a> {
         for (fields, name) in
             [(Fields::Rail, "rail.vtu"), (Fields::Wheel, "wheel.vtu"), (Fields::Contact, "contact.vtu")]
         {
-            self.folder.write_with(name, |path| stages::write_fields(&pressed, fields, path))?;
+            self.folder.write(name, stages::fields_vtu(&pressed, fields)?.as_bytes())?;
         }
         self.note(watch, "calibration", None)?;
         Ok(calibration)

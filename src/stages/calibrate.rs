@@ -54,9 +54,11 @@ pub fn calibrate(
             let followers = meshes.wheel.bore.clone();
             condense(&meshes.wheel, Supports { followers, ..Supports::default() })
         },
-        || Ok((condense(&meshes.rail, held(&meshes.rail.foot))?, condense(&meshes.rail, held(&meshes.rail.ends))?)),
+        || [&meshes.rail.foot, &meshes.rail.ends].map(|nodes| condense(&meshes.rail, held(nodes))),
     );
-    let (wheel, (rail_on_foot, rail_on_ends)) = (wheel?, rails?);
+    let wheel = wheel?;
+    let [rail_on_foot, rail_on_ends] = rails;
+    let (rail_on_foot, rail_on_ends) = (rail_on_foot?, rail_on_ends?);
     monitor.progress("superelements", 3, 3)?;
     let wheel_on = |rail| WheelOnRail {
         rail,

@@ -1,12 +1,10 @@
 //! The solids as VTU files: meshes, displacements, stresses, contact surface.
 
-use std::path::Path;
-
 use nalgebra::{Point3, Vector3};
 use railspring_calibrate::calibration::{Pressed, WheelOnRail};
 use railspring_calibrate::contact::Side;
 use railspring_calibrate::error::Result;
-use railspring_calibrate::mesh::{Cells, Field, HexMesh, write_vtu};
+use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
 use railspring_calibrate::solid::nodal_stress;
 use railspring_calibrate::superelement::Superelement;
 
@@ -101,34 +99,34 @@ impl ContactFields {
     }
 }
 
-/// Writes one of the VTU files of the pressed solids.
+/// Text of one of the VTU files of the pressed solids.
 ///
 /// # Errors
-/// Files that cannot be written.
-pub fn write_fields(pressed: &PressedFields, fields: Fields, path: &Path) -> Result<()> {
+/// None that a finished calibration can cause.
+pub fn fields_vtu(pressed: &PressedFields, fields: Fields) -> Result<String> {
     match fields {
-        Fields::Rail => write_body(&pressed.rail, path),
-        Fields::Wheel => write_body(&pressed.wheel, path),
+        Fields::Rail => body_vtu(&pressed.rail),
+        Fields::Wheel => body_vtu(&pressed.wheel),
         Fields::Contact => {
             let c = &pressed.contact;
             let data = [Field::Scalar("gap (m)", &c.gap), Field::Scalar("pressure (Pa)", &c.pressure)];
-            write_vtu(path, &c.points, Cells::Quads(&c.quads), &data, &[])
+            vtu(&c.points, Cells::Quads(&c.quads), &data, &[])
         }
     }
 }
 
-fn write_body(body: &BodyFields, path: &Path) -> Result<()> {
+fn body_vtu(body: &BodyFields) -> Result<String> {
     let data = [
         Field::Vector("displacement (m)", &body.displacement),
         Field::SymmetricTensor("stress (Pa)", &body.stress),
     ];
-    write_vtu(path, &body.points, Cells::Hexes(&body.hexes), &data, &[])
+    vtu(&body.points, Cells::Hexes(&body.hexes), &data, &[])
 }
 
-/// Writes a mesh without any load, in its own frame.
+/// Text of the VTU file of a mesh without any load, in its own frame.
 ///
 /// # Errors
-/// Files that cannot be written.
-pub fn write_mesh(mesh: &HexMesh, path: &Path) -> Result<()> {
-    write_vtu(path, &mesh.nodes, Cells::Hexes(&mesh.hexes), &[], &[])
+/// None that a finished mesh can cause.
+pub fn mesh_vtu(mesh: &HexMesh) -> Result<String> {
+    vtu(&mesh.nodes, Cells::Hexes(&mesh.hexes), &[], &[])
 }

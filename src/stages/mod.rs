@@ -8,7 +8,7 @@ mod fields;
 mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
-pub use fields::{Fields, PressedFields, write_fields, write_mesh};
+pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
 pub use simulate::{Springs, simulate, simulate_solid};
 
 use nalgebra::{Point2, Vector2};

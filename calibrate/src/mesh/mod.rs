@@ -36,7 +36,7 @@ pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
 pub use quality::{Quality, quality};
 pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
 pub use sweep::{extrude, revolve};
-pub use vtu::{Cells, Field, write_vtu};
+pub use vtu::{Cells, Field, vtu};
 
 /// Tensor grid of the surface nodes in which contact can take place.
 ///
