@@ -307,6 +307,15 @@ fn s1002_is_smooth_and_has_its_features() {
         assert!((before.0 - after.0).norm() < 2e-12);
         assert!(before.1.angle(&after.1) < 1e-7, "{}", wheel.point(s));
     }
+    // The published steps are taken up without a ripple: around the joints D|C and C|B the curvature (77 and 20 1/m)
+    // changes by less than 0.2 1/m in 0.05 mm; a step of 0.1 µm between two samples would change it by 70.
+    const RIPPLE: f64 = 0.2;
+    for joint in [-35e-3, -26e-3] {
+        let s = wheel.s_at_y(joint).unwrap();
+        let curvature: Vec<f64> =
+            (-20..20).map(|i| wheel.curvature(s + 0.05e-3 * (f64::from(i) + 0.5))).collect();
+        assert!(curvature.windows(2).all(|k| (k[1] - k[0]).abs() < RIPPLE), "{joint}: {curvature:?}");
+    }
     // DISCRETISATION and the ten digits of the published constants.
     const PLACE: f64 = 1e-10;
     assert!((wheel.point(0.0) - Point2::new(-70e-3, 9.519_259e-3)).norm() < 1e-9);
