@@ -325,8 +325,8 @@ impl Default for SimulationKeys {
             law: LawKey::Calibrated,
             horizontal_kn_per_m: None,
             rail_elements: 20,
-            contact_penalty_kn_per_m: 1e6,
-            rail_node_spacing_mm: 0.5,
+            contact_penalty_kn_per_m: 2e9,
+            rail_node_spacing_mm: 0.25,
             sliding_matrix: SlidingMatrixKey::Unsymmetric,
             scenario: None,
         }
