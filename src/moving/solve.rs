@@ -67,6 +67,7 @@ struct Balance {
     active: Vec<ActiveNode>,
     /// Largest out-of-balance force over the forces at work.
     error: f64,
+    provisional: bool,
 }
 
 impl StepSystem<'_> {
@@ -75,9 +76,10 @@ impl StepSystem<'_> {
         let mut x = Vector8::zeros();
         x.fixed_rows_mut::<6>(0).copy_from(&self.start.0);
         x.fixed_rows_mut::<2>(6).copy_from(&self.start.1);
-        let mut balance = self.balance(surface, &x, self.start_force);
+        let mut balance = self.balance(surface, &x, self.start_force, &[]);
         for iteration in 0..MOST_ITERATIONS {
-            if balance.error <= TOLERANCE {
+            if std::env::var("DBG").is_ok() { eprintln!("it {iteration} err {:.3e} x {:?} active {:?}", balance.error, x.as_slice(), balance.active.iter().map(|a| (a.node, a.mode.name(), a.normal_force as i64, a.tangential_force as i64, a.place, a.tangent.y)).collect::<Vec<_>>()); }
+            if balance.error <= TOLERANCE && !balance.provisional {
                 return Ok(Solution {
                     pose: x.fixed_rows::<6>(0).into_owned(),
                     centre: x.fixed_rows::<2>(6).into_owned(),
@@ -114,7 +116,7 @@ impl StepSystem<'_> {
         let mut length = 1.0;
         loop {
             let next = x + step * length;
-            let balance = self.balance(surface, &next, from.spring_force.y);
+            let balance = self.balance(surface, &next, from.spring_force.y, &from.active);
             if !search || length < 0.02 || step.dot(&balance.residual).abs() <= 0.8 * before {
                 return (next, balance);
             }
@@ -122,13 +124,19 @@ impl StepSystem<'_> {
         }
     }
 
-    fn balance(&self, surface: &mut ContactSurface, x: &Vector8, guess: f64) -> Balance {
+    fn balance(
+        &self,
+        surface: &mut ContactSurface,
+        x: &Vector8,
+        guess: f64,
+        previous: &[ActiveNode],
+    ) -> Balance {
         let pose: Pose = x.fixed_rows::<6>(0).into_owned();
         let centre: Vector2<f64> = x.fixed_rows::<2>(6).into_owned();
         if let Some(motion) = surface.beyond_reach(&pose).filter(|m| m.is_finite()) {
             surface.list(&self.start.0, 2.0 * motion);
         }
-        let contact = surface.evaluate(self.law, &pose);
+        let contact = surface.evaluate(self.law, &pose, previous);
         let (force, stiffness) = self.springs.forces(pose.fixed_rows::<2>(0) - centre, guess);
         let mut residual = Vector8::zeros();
         let mut matrix = Matrix8::zeros();
@@ -188,6 +196,7 @@ impl StepSystem<'_> {
             spring_force: force,
             active: contact.active,
             error,
+            provisional: contact.provisional,
         }
     }
 }

@@ -67,6 +67,8 @@ pub(super) struct ContactForces {
     /// Their derivative.
     pub stiffness: Matrix6,
     pub active: Vec<ActiveNode>,
+    /// A node is taken to stick beyond its friction limit: not a state to end with.
+    pub provisional: bool,
 }
 
 /// The rail's nodes and the wheel's spline.
@@ -85,6 +87,9 @@ pub(super) struct ContactSurface<'a> {
     /// Largest distance of a slave from its master.
     arm: f64,
 }
+
+/// A node with a smaller gap (m) that moved less keeps its foot in the neighbourhood: every radius of a wheel is larger.
+const NEAR: f64 = 2e-3;
 
 /// Beyond its predicted motion a step may move this far (m) before nodes are listed anew.
 const LEAST_REACH: f64 = 50e-6;
@@ -158,17 +163,17 @@ impl<'a> ContactSurface<'a> {
                 continue;
             }
             let point = self.in_wheel(&self.nodes[i], start);
-            // A listed node has its foot from the last converged pose.
-            let gap = if was_listed {
-                (point - self.wheel.point(self.nodes[i].place)).norm()
-            } else {
-                let (place, gap) = self.wheel.closest(&point);
-                let (place, _, slope) = self.foot(&point, place);
-                self.nodes[i].place = place;
-                self.nodes[i].force = 0.0;
-                self.nodes[i].tangent = Vector2::new(slope.x, -slope.y).normalize();
-                gap
-            };
+            // A listed node has its foot from the last converged pose; one that was near finds it near the last.
+            let near = was_listed || (self.bounds[i] + moved < NEAR && moved < NEAR);
+            let place = if near { self.nodes[i].place } else { self.wheel.closest(&point).0 };
+            let (place, foot, slope) = self.foot(&point, place);
+            let gap = slope.perp(&(point - foot)) / slope.norm();
+            if !was_listed {
+                let node = &mut self.nodes[i];
+                node.place = place;
+                node.force = 0.0;
+                node.tangent = Rotation2::new(start[5]) * Vector2::new(slope.x, -slope.y).normalize();
+            }
             self.bounds[i] = gap;
             if gap <= reach {
                 self.listed.push(i);
@@ -185,11 +190,24 @@ impl<'a> ContactSurface<'a> {
     }
 
     /// Forces, tangent and touching nodes at `pose`.
-    pub fn evaluate(&self, law: &ContactLaw, pose: &Pose) -> ContactForces {
-        let mut result =
-            ContactForces { force: Vector6::zeros(), stiffness: Matrix6::zeros(), active: Vec::new() };
+    ///
+    /// `previous` are the touching nodes of the iteration before. Between sliding one way and the other lies
+    /// sticking, in a range far narrower than a Newton step: a node that would go from one to the other is
+    /// taken to stick beyond its friction limit for this iteration, which leads to the middle.
+    pub fn evaluate(&self, law: &ContactLaw, pose: &Pose, previous: &[ActiveNode]) -> ContactForces {
+        let mut result = ContactForces {
+            force: Vector6::zeros(),
+            stiffness: Matrix6::zeros(),
+            active: Vec::new(),
+            provisional: false,
+        };
         let turn = Rotation2::new(pose[5]);
+        let motion = self.motion(&self.listed_at, pose);
         for &i in &self.listed {
+            // The gap cannot have closed.
+            if self.bounds[i] > motion {
+                continue;
+            }
             let node = &self.nodes[i];
             let point = self.in_wheel(node, pose);
             let (place, foot, slope) = self.foot(&point, node.place);
@@ -211,7 +229,14 @@ impl<'a> ContactSurface<'a> {
                 node.tangent,
                 node.force,
             );
-            let (mode, tangential_force) = mode_check(penetration, normal_force, trial, friction);
+            let (mut mode, mut tangential_force) = mode_check(penetration, normal_force, trial, friction);
+            let turned = |last: &ActiveNode| {
+                last.node == i && last.mode == ContactMode::Slip && last.tangential_force * trial < 0.0
+            };
+            if mode == ContactMode::Slip && friction > 0.0 && previous.iter().any(turned) {
+                (mode, tangential_force) = (ContactMode::Stick, trial);
+                result.provisional = true;
+            }
             let active =
                 ActiveNode { node: i, mode, place, penetration, normal_force, tangential_force, tangent };
             let signed_friction = friction.copysign(tangential_force);
@@ -305,11 +330,6 @@ impl<'a> ContactSurface<'a> {
             node.force = touching.tangential_force;
             node.tangent = touching.tangent;
         }
-    }
-
-    /// Number of rail nodes.
-    pub fn node_count(&self) -> usize {
-        self.nodes.len()
     }
 }
 
