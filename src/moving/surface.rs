@@ -36,6 +36,18 @@ pub(super) struct ContactLaw {
     pub sliding: SlidingMatrix,
 }
 
+/// What limits the friction of a node during an iteration.
+#[derive(Clone, Copy)]
+pub(super) enum FrictionLimit<'a> {
+    /// Coulomb: μ times the normal force of the present iteration; with the touching nodes of the iteration before.
+    ///
+    /// Between sliding one way and the other lies sticking, in a range far narrower than a Newton step: a node
+    /// that would go from one to the other is taken to stick beyond its limit for one iteration, which leads to the middle.
+    Coulomb(&'a [ActiveNode]),
+    /// Given limits, one a rail node, N: the problem has a potential, which a line search can descend.
+    Given(&'a [f64]),
+}
+
 /// One rail node: a slave of C.
 #[derive(Debug, Clone)]
 struct RailNode {
@@ -190,11 +202,7 @@ impl<'a> ContactSurface<'a> {
     }
 
     /// Forces, tangent and touching nodes at `pose`.
-    ///
-    /// `previous` are the touching nodes of the iteration before. Between sliding one way and the other lies
-    /// sticking, in a range far narrower than a Newton step: a node that would go from one to the other is
-    /// taken to stick beyond its friction limit for this iteration, which leads to the middle.
-    pub fn evaluate(&self, law: &ContactLaw, pose: &Pose, previous: &[ActiveNode]) -> ContactForces {
+    pub fn evaluate(&self, law: &ContactLaw, pose: &Pose, limit: FrictionLimit) -> ContactForces {
         let mut result = ContactForces {
             force: Vector6::zeros(),
             stiffness: Matrix6::zeros(),
@@ -215,13 +223,16 @@ impl<'a> ContactSurface<'a> {
             let local_tangent = Vector2::new(slope.x, -slope.y) / norm;
             let gap = point - foot;
             let penetration = normal_displacement(Vector2::new(gap.x, -gap.y), local_tangent);
-            if penetration <= 0.0 {
+            // With given limits friction does not need pressure: else a node that opens would let go of a finite
+            // force, and the potential would jump.
+            let held = matches!(limit, FrictionLimit::Given(limits) if limits[i] > 0.0);
+            if penetration <= 0.0 && !held {
                 continue;
             }
             let tangent = turn * local_tangent;
             let free = law.frictionless.is_some_and(|(from, to)| (from..=to).contains(&place));
             let friction = if free { 0.0 } else { law.friction };
-            let normal_force = law.penalty * penetration;
+            let normal_force = law.penalty * penetration.max(0.0);
             let trial = sticking_force(
                 law.penalty,
                 tangential_increment(place, node.place),
@@ -229,17 +240,32 @@ impl<'a> ContactSurface<'a> {
                 node.tangent,
                 node.force,
             );
-            let (mut mode, mut tangential_force) = mode_check(penetration, normal_force, trial, friction);
-            let turned = |last: &ActiveNode| {
-                last.node == i && last.mode == ContactMode::Slip && last.tangential_force * trial < 0.0
+            let (mode, tangential_force) = match limit {
+                FrictionLimit::Coulomb(previous) => {
+                    let turned = |last: &ActiveNode| {
+                        last.node == i
+                            && last.mode == ContactMode::Slip
+                            && last.tangential_force * trial < 0.0
+                    };
+                    let checked = mode_check(penetration, normal_force, trial, friction);
+                    if checked.0 == ContactMode::Slip && friction > 0.0 && previous.iter().any(turned) {
+                        result.provisional = true;
+                        (ContactMode::Stick, trial)
+                    } else {
+                        checked
+                    }
+                }
+                FrictionLimit::Given(limits) if friction > 0.0 => {
+                    mode_check(f64::MIN_POSITIVE, limits[i], trial, 1.0)
+                }
+                FrictionLimit::Given(_) => (ContactMode::Slip, 0.0),
             };
-            if mode == ContactMode::Slip && friction > 0.0 && previous.iter().any(turned) {
-                (mode, tangential_force) = (ContactMode::Stick, trial);
-                result.provisional = true;
-            }
             let active =
                 ActiveNode { node: i, mode, place, penetration, normal_force, tangential_force, tangent };
-            let signed_friction = friction.copysign(tangential_force);
+            let signed_friction = match limit {
+                FrictionLimit::Coulomb(_) => friction.copysign(tangential_force),
+                FrictionLimit::Given(_) => 0.0,
+            };
             // In directions 1 and 2 the curve turns the other way than in (y, z).
             let curvature = -self.wheel.curvature(place);
             self.add(&mut result, law, &active, signed_friction, curvature, pose);
@@ -272,6 +298,9 @@ impl<'a> ContactSurface<'a> {
         } else {
             contact_stiffness(active.mode, law.penalty, signed_friction)
         };
+        if active.penetration <= 0.0 {
+            local.fill_column(1, 0.0);
+        }
         if !symmetric {
             // Tangent and normal turn as the foot moves along the curved spline; the foot moves faster than the
             // node on the inside of the curve. Not in the publication: it makes the iteration quadratic.
