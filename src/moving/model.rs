@@ -95,6 +95,8 @@ struct State {
     wheel: WheelState,
     rail: Option<RailState>,
     spring_force: f64,
+    /// Friction limits of the rail nodes, N.
+    limits: Vec<f64>,
 }
 
 /// Everything that stays the same during a run.
@@ -310,13 +312,20 @@ impl<'a> Run<'a> {
             load: self.load(0.0),
             start: (pose, u),
             start_force: 0.0,
+            start_limits: vec![0.0; self.nodes.len()],
         };
         let solution = system.solve(surface).map_err(|error| at_step(error, 0))?;
         surface.commit(&solution.pose, &solution.active);
         self.dynamics.start(&mut wheel, solution.spring_force, -solution.contact[5]);
         let on_rail = -solution.contact.fixed_rows::<3>(2).into_owned();
         let rail = self.rail.as_ref().map(|r| r.start(self.torsion(0.0), self.start_x, on_rail));
-        let state = State { pose: solution.pose, wheel, rail, spring_force: solution.spring_force.y };
+        let state = State {
+            pose: solution.pose,
+            wheel,
+            rail,
+            spring_force: solution.spring_force.y,
+            limits: self.limits(&solution),
+        };
         Ok((state, solution))
     }
 
@@ -386,6 +395,7 @@ impl<'a> Run<'a> {
             load: self.load(time),
             start: (state.pose, start),
             start_force: state.spring_force,
+            start_limits: state.limits.clone(),
         };
         let solution = system.solve(surface)?;
         self.check_edges(&solution)?;
@@ -395,8 +405,17 @@ impl<'a> Run<'a> {
             wheel: wheel.finish(&scheme, &state.wheel, solution.centre.into(), solution.pose[5]),
             rail: rail.zip(state.rail.as_ref()).map(|(r, s)| r.finish(&scheme, s, on_rail)),
             spring_force: solution.spring_force.y,
+            limits: self.limits(&solution),
         };
         Ok((next, solution))
+    }
+
+    fn limits(&self, solution: &Solution) -> Vec<f64> {
+        let mut limits = vec![0.0; self.nodes.len()];
+        for active in &solution.active {
+            limits[active.node] = self.law.friction * active.normal_force;
+        }
+        limits
     }
 
     /// Contact on the last rail node or beyond the wheel's spline means that the profiles are too short.

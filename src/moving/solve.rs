@@ -8,18 +8,26 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
 
-use super::surface::{ActiveNode, ContactLaw, ContactSurface, Pose, Vector6};
+use super::surface::{ActiveNode, ContactLaw, ContactSurface, FrictionLimit, Pose, Vector6};
 use super::wheel::WheelSprings;
 
 type Vector8 = SVector<f64, 8>;
 type Matrix8 = SMatrix<f64, 8, 8>;
 
-/// Iterations with full Newton steps, and in all.
-const FULL_STEPS: usize = 20;
-const MOST_ITERATIONS: usize = 60;
+/// Newton iterations from the last state, and after each update of the friction limits.
+const DIRECT_ITERATIONS: usize = 15;
+const RETRY_ITERATIONS: usize = 10;
+
+/// Updates of the friction limits, and damped iterations with each, when Newton alone does not settle.
+const LIMIT_UPDATES: usize = 20;
+const DESCENT_ITERATIONS: usize = 40;
+const LINE_SEARCH: usize = 20;
 
 /// Out-of-balance force relative to the forces at work at which a step has converged.
 const TOLERANCE: f64 = 1e-8;
+
+/// The same at which damped iterations with given friction limits stop.
+const DESCENT_TOLERANCE: f64 = 1e-4;
 
 /// Lever that turns a moment into a force when residuals are compared, m.
 const LEVER: f64 = 0.1;
@@ -57,6 +65,8 @@ pub(super) struct StepSystem<'a> {
     /// Pose and wheel centre at the last converged state.
     pub start: (Pose, Vector2<f64>),
     pub start_force: f64,
+    /// Friction limits of the rail nodes at the last converged state, N.
+    pub start_limits: Vec<f64>,
 }
 
 struct Balance {
@@ -67,17 +77,92 @@ struct Balance {
     active: Vec<ActiveNode>,
     /// Largest out-of-balance force over the forces at work.
     error: f64,
+    provisional: bool,
 }
 
 impl StepSystem<'_> {
     /// Iterates from the last state to balance.
+    ///
+    /// Contacts as stiff as the penalty open, close and turn within a fraction of a Newton step. Where Newton does
+    /// not settle from the last state, the friction limits are held at the last normal forces: that problem has a convex
+    /// potential, which damped Newton steps descend from anywhere. Its solution gives new limits, and a new start for Newton.
     pub fn solve(&self, surface: &mut ContactSurface) -> Result<Solution> {
         let mut x = Vector8::zeros();
         x.fixed_rows_mut::<6>(0).copy_from(&self.start.0);
         x.fixed_rows_mut::<2>(6).copy_from(&self.start.1);
-        let mut balance = self.balance(surface, &x, self.start_force);
-        for iteration in 0..MOST_ITERATIONS {
-            if balance.error <= TOLERANCE {
+        let mut outcome = self.iterate(surface, &x, DIRECT_ITERATIONS);
+        let mut spent = DIRECT_ITERATIONS;
+        let mut limits = self.start_limits.clone();
+        for _ in 0..LIMIT_UPDATES {
+            if let Ok(solution) = &mut outcome {
+                if spent > DIRECT_ITERATIONS {
+                    solution.iterations += spent;
+                }
+                break;
+            }
+            let (next, balance, iterations) = self.descend(surface, &x, &limits)?;
+            x = next;
+            limits.fill(0.0);
+            for node in &balance.active {
+                limits[node.node] = self.law.friction * node.normal_force;
+            }
+            outcome = self.iterate(surface, &x, RETRY_ITERATIONS);
+            spent += iterations + RETRY_ITERATIONS;
+        }
+        outcome
+    }
+
+    /// Damped Newton with given friction limits, until the force has fallen to what a change of the limits may cost.
+    fn descend(
+        &self,
+        surface: &mut ContactSurface,
+        x: &Vector8,
+        limits: &[f64],
+    ) -> Result<(Vector8, Balance, usize)> {
+        let limit = FrictionLimit::Given(limits);
+        let mut x = *x;
+        let mut balance = self.balance(surface, &x, self.start_force, limit);
+        for iteration in 0..DESCENT_ITERATIONS {
+            if std::env::var("DBG").is_ok() { eprintln!("de {iteration} err {:.3e} x {:?} active {:?}", balance.error, x.as_slice(), balance.active.iter().map(|a| (a.node, a.mode.name(), a.normal_force as i64, a.tangential_force as i64)).collect::<Vec<_>>()); }
+            if balance.error <= DESCENT_TOLERANCE {
+                return Ok((x, balance, iteration));
+            }
+            let step = -newton_step(iteration, &balance)?;
+            // The slope of the potential along the step rises from negative; where it is zero lies the minimum.
+            let slope = |balance: &Balance| step.dot(&balance.residual);
+            let before = slope(&balance);
+            let (mut low, mut high, mut length) = (0.0, f64::INFINITY, 1.0);
+            let guess = balance.spring_force.y;
+            for _ in 0..LINE_SEARCH {
+                balance = self.balance(surface, &(x + step * length), guess, limit);
+                let now = slope(&balance);
+                if now.abs() <= 0.5 * before.abs() {
+                    break;
+                }
+                if now < 0.0 {
+                    low = length;
+                    length = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * length };
+                } else {
+                    high = length;
+                    length = 0.5 * (low + high);
+                }
+                if now.is_nan() {
+                    return Err(failure(iteration, &balance, StopReason::NotFinite));
+                }
+            }
+            x += step * length;
+            balance = self.balance(surface, &x, guess, limit);
+        }
+        Ok((x, balance, DESCENT_ITERATIONS))
+    }
+
+    /// Newton's method from `x`.
+    fn iterate(&self, surface: &mut ContactSurface, x: &Vector8, most: usize) -> Result<Solution> {
+        let mut x = *x;
+        let mut balance = self.balance(surface, &x, self.start_force, FrictionLimit::Coulomb(&[]));
+        for iteration in 0..most {
+            if std::env::var("DBG").is_ok() { eprintln!("it {iteration} err {:.3e} x {:?} active {:?}", balance.error, x.as_slice(), balance.active.iter().map(|a| (a.node, a.mode.name(), a.normal_force as i64, a.tangential_force as i64)).collect::<Vec<_>>()); }
+            if balance.error <= TOLERANCE && !balance.provisional {
                 return Ok(Solution {
                     pose: x.fixed_rows::<6>(0).into_owned(),
                     centre: x.fixed_rows::<2>(6).into_owned(),
@@ -90,45 +175,26 @@ impl StepSystem<'_> {
             if !balance.error.is_finite() {
                 return Err(failure(iteration, &balance, StopReason::NotFinite));
             }
-            let step = balance
-                .stiffness
-                .lu()
-                .solve(&balance.residual)
-                .ok_or_else(|| failure(iteration, &balance, StopReason::Singular))?;
-            (x, balance) = self.advance(surface, &x, &-step, balance, iteration >= FULL_STEPS);
+            x -= newton_step(iteration, &balance)?;
+            let last = std::mem::take(&mut balance.active);
+            balance = self.balance(surface, &x, balance.spring_force.y, FrictionLimit::Coulomb(&last));
         }
-        Err(failure(MOST_ITERATIONS, &balance, StopReason::IterationLimit))
+        Err(failure(most, &balance, StopReason::IterationLimit))
     }
 
-    /// Goes along `step`: all of it, or with `search` to the first of halved lengths at which the
-    /// out-of-balance force along the step has fallen.
-    fn advance(
+    fn balance(
         &self,
         surface: &mut ContactSurface,
         x: &Vector8,
-        step: &Vector8,
-        from: Balance,
-        search: bool,
-    ) -> (Vector8, Balance) {
-        let before = step.dot(&from.residual).abs();
-        let mut length = 1.0;
-        loop {
-            let next = x + step * length;
-            let balance = self.balance(surface, &next, from.spring_force.y);
-            if !search || length < 0.02 || step.dot(&balance.residual).abs() <= 0.8 * before {
-                return (next, balance);
-            }
-            length *= 0.5;
-        }
-    }
-
-    fn balance(&self, surface: &mut ContactSurface, x: &Vector8, guess: f64) -> Balance {
+        guess: f64,
+        limit: FrictionLimit,
+    ) -> Balance {
         let pose: Pose = x.fixed_rows::<6>(0).into_owned();
         let centre: Vector2<f64> = x.fixed_rows::<2>(6).into_owned();
         if let Some(motion) = surface.beyond_reach(&pose).filter(|m| m.is_finite()) {
             surface.list(&self.start.0, 2.0 * motion);
         }
-        let contact = surface.evaluate(self.law, &pose);
+        let contact = surface.evaluate(self.law, &pose, limit);
         let (force, stiffness) = self.springs.forces(pose.fixed_rows::<2>(0) - centre, guess);
         let mut residual = Vector8::zeros();
         let mut matrix = Matrix8::zeros();
@@ -188,8 +254,14 @@ impl StepSystem<'_> {
             spring_force: force,
             active: contact.active,
             error,
+            provisional: contact.provisional,
         }
     }
+}
+
+fn newton_step(iteration: usize, balance: &Balance) -> Result<Vector8> {
+    let step = balance.stiffness.lu().solve(&balance.residual);
+    step.ok_or_else(|| failure(iteration, balance, StopReason::Singular))
 }
 
 fn failure(iteration: usize, balance: &Balance, reason: StopReason) -> railspring_calibrate::error::Error {

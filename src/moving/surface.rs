@@ -36,6 +36,18 @@ pub(super) struct ContactLaw {
     pub sliding: SlidingMatrix,
 }
 
+/// What limits the friction of a node during an iteration.
+#[derive(Clone, Copy)]
+pub(super) enum FrictionLimit<'a> {
+    /// Coulomb: μ times the normal force of the present iteration; with the touching nodes of the iteration before.
+    ///
+    /// Between sliding one way and the other lies sticking, in a range far narrower than a Newton step: a node
+    /// that would go from one to the other is taken to stick beyond its limit for one iteration, which leads to the middle.
+    Coulomb(&'a [ActiveNode]),
+    /// Given limits, one a rail node, N: the problem has a potential, which a line search can descend.
+    Given(&'a [f64]),
+}
+
 /// One rail node: a slave of C.
 #[derive(Debug, Clone)]
 struct RailNode {
@@ -67,6 +79,8 @@ pub(super) struct ContactForces {
     /// Their derivative.
     pub stiffness: Matrix6,
     pub active: Vec<ActiveNode>,
+    /// A node is taken to stick beyond its friction limit: not a state to end with.
+    pub provisional: bool,
 }
 
 /// The rail's nodes and the wheel's spline.
@@ -85,6 +99,9 @@ pub(super) struct ContactSurface<'a> {
     /// Largest distance of a slave from its master.
     arm: f64,
 }
+
+/// A node with a smaller gap (m) that moved less keeps its foot in the neighbourhood: every radius of a wheel is larger.
+const NEAR: f64 = 2e-3;
 
 /// Beyond its predicted motion a step may move this far (m) before nodes are listed anew.
 const LEAST_REACH: f64 = 50e-6;
@@ -158,17 +175,17 @@ impl<'a> ContactSurface<'a> {
                 continue;
             }
             let point = self.in_wheel(&self.nodes[i], start);
-            // A listed node has its foot from the last converged pose.
-            let gap = if was_listed {
-                (point - self.wheel.point(self.nodes[i].place)).norm()
-            } else {
-                let (place, gap) = self.wheel.closest(&point);
-                let (place, _, slope) = self.foot(&point, place);
-                self.nodes[i].place = place;
-                self.nodes[i].force = 0.0;
-                self.nodes[i].tangent = Vector2::new(slope.x, -slope.y).normalize();
-                gap
-            };
+            // A listed node has its foot from the last converged pose; one that was near finds it near the last.
+            let near = was_listed || (self.bounds[i] + moved < NEAR && moved < NEAR);
+            let place = if near { self.nodes[i].place } else { self.wheel.closest(&point).0 };
+            let (place, foot, slope) = self.foot(&point, place);
+            let gap = slope.perp(&(point - foot)) / slope.norm();
+            if !was_listed {
+                let node = &mut self.nodes[i];
+                node.place = place;
+                node.force = 0.0;
+                node.tangent = Rotation2::new(start[5]) * Vector2::new(slope.x, -slope.y).normalize();
+            }
             self.bounds[i] = gap;
             if gap <= reach {
                 self.listed.push(i);
@@ -185,11 +202,20 @@ impl<'a> ContactSurface<'a> {
     }
 
     /// Forces, tangent and touching nodes at `pose`.
-    pub fn evaluate(&self, law: &ContactLaw, pose: &Pose) -> ContactForces {
-        let mut result =
-            ContactForces { force: Vector6::zeros(), stiffness: Matrix6::zeros(), active: Vec::new() };
+    pub fn evaluate(&self, law: &ContactLaw, pose: &Pose, limit: FrictionLimit) -> ContactForces {
+        let mut result = ContactForces {
+            force: Vector6::zeros(),
+            stiffness: Matrix6::zeros(),
+            active: Vec::new(),
+            provisional: false,
+        };
         let turn = Rotation2::new(pose[5]);
+        let motion = self.motion(&self.listed_at, pose);
         for &i in &self.listed {
+            // The gap cannot have closed.
+            if self.bounds[i] > motion {
+                continue;
+            }
             let node = &self.nodes[i];
             let point = self.in_wheel(node, pose);
             let (place, foot, slope) = self.foot(&point, node.place);
@@ -197,13 +223,16 @@ impl<'a> ContactSurface<'a> {
             let local_tangent = Vector2::new(slope.x, -slope.y) / norm;
             let gap = point - foot;
             let penetration = normal_displacement(Vector2::new(gap.x, -gap.y), local_tangent);
-            if penetration <= 0.0 {
+            // With given limits friction does not need pressure: else a node that opens would let go of a finite
+            // force, and the potential would jump.
+            let held = matches!(limit, FrictionLimit::Given(limits) if limits[i] > 0.0);
+            if penetration <= 0.0 && !held {
                 continue;
             }
             let tangent = turn * local_tangent;
             let free = law.frictionless.is_some_and(|(from, to)| (from..=to).contains(&place));
             let friction = if free { 0.0 } else { law.friction };
-            let normal_force = law.penalty * penetration;
+            let normal_force = law.penalty * penetration.max(0.0);
             let trial = sticking_force(
                 law.penalty,
                 tangential_increment(place, node.place),
@@ -211,10 +240,32 @@ impl<'a> ContactSurface<'a> {
                 node.tangent,
                 node.force,
             );
-            let (mode, tangential_force) = mode_check(penetration, normal_force, trial, friction);
+            let (mode, tangential_force) = match limit {
+                FrictionLimit::Coulomb(previous) => {
+                    let turned = |last: &ActiveNode| {
+                        last.node == i
+                            && last.mode == ContactMode::Slip
+                            && last.tangential_force * trial < 0.0
+                    };
+                    let checked = mode_check(penetration, normal_force, trial, friction);
+                    if checked.0 == ContactMode::Slip && friction > 0.0 && previous.iter().any(turned) {
+                        result.provisional = true;
+                        (ContactMode::Stick, trial)
+                    } else {
+                        checked
+                    }
+                }
+                FrictionLimit::Given(limits) if friction > 0.0 => {
+                    mode_check(f64::MIN_POSITIVE, limits[i], trial, 1.0)
+                }
+                FrictionLimit::Given(_) => (ContactMode::Slip, 0.0),
+            };
             let active =
                 ActiveNode { node: i, mode, place, penetration, normal_force, tangential_force, tangent };
-            let signed_friction = friction.copysign(tangential_force);
+            let signed_friction = match limit {
+                FrictionLimit::Coulomb(_) => friction.copysign(tangential_force),
+                FrictionLimit::Given(_) => 0.0,
+            };
             // In directions 1 and 2 the curve turns the other way than in (y, z).
             let curvature = -self.wheel.curvature(place);
             self.add(&mut result, law, &active, signed_friction, curvature, pose);
@@ -247,6 +298,9 @@ impl<'a> ContactSurface<'a> {
         } else {
             contact_stiffness(active.mode, law.penalty, signed_friction)
         };
+        if active.penetration <= 0.0 {
+            local.fill_column(1, 0.0);
+        }
         if !symmetric {
             // Tangent and normal turn as the foot moves along the curved spline; the foot moves faster than the
             // node on the inside of the curve. Not in the publication: it makes the iteration quadratic.
@@ -305,11 +359,6 @@ impl<'a> ContactSurface<'a> {
             node.force = touching.tangential_force;
             node.tangent = touching.tangent;
         }
-    }
-
-    /// Number of rail nodes.
-    pub fn node_count(&self) -> usize {
-        self.nodes.len()
     }
 }
 
