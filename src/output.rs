@@ -67,14 +67,14 @@ impl OutputFolder {
     /// # Errors
     /// [`InputError`] with key `output folder` if the file cannot be written.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<()> {
-        self.write_with(name, |temporary| std::fs::write(temporary, content))
+        self.replace(name, |temporary| std::fs::write(temporary, content))
     }
 
     /// Lets `fill` write a file under a temporary name in the same folder, then renames it.
     ///
     /// # Errors
     /// [`InputError`] with key `output folder` if `fill` fails or the file cannot be renamed.
-    pub fn write_with(&self, name: &str, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<()> {
+    fn replace(&self, name: &str, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<()> {
         let target = self.file(name);
         let parent = target.parent().unwrap_or(&self.path);
         let write = || -> std::io::Result<()> {
@@ -182,7 +182,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let folder = OutputFolder::create(&root.path().join("a/b")).unwrap();
         folder.write("x.txt", b"old").unwrap();
-        let failed = folder.write_with("x.txt", |temporary| {
+        let failed = folder.replace("x.txt", |temporary| {
             std::fs::write(temporary, b"half of the new")?;
             Err(std::io::Error::other("disk full"))
         });

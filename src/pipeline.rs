@@ -18,7 +18,7 @@ use crate::records::{
     LawRecord, LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord, history_csv, to_csv,
 };
 use crate::report::{self, ReportData, ScenarioRun};
-use crate::stages::{self, Calibration, Fields, Geometry, SolidModel};
+use crate::stages::{self, Calibration, Fields, Geometry, Meshes, Springs};
 use crate::study::{LawKey, Study, StudyScenario};
 use crate::verify::{self, Kind, Line};
 
@@ -61,11 +61,15 @@ impl<'a> Pipeline<'a> {
     pub fn run(mut self) -> Result<bool> {
         self.measured.stages.clear();
         let geometry = stages::geometry(self.study)?;
-        let (calibration, solid) = self.calibrate_stage(&geometry)?;
+        let meshes = self.mesh_stage(&geometry)?;
+        let calibration = self.calibrate_stage(&geometry, &meshes)?;
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
             let simple = self.simulate_stage(&geometry, &calibration.stiffness, name, scenario)?;
-            let solid = scenario.solid.then(|| self.solid_stage(&solid, name, scenario)).transpose()?;
+            let solid = scenario
+                .solid
+                .then(|| self.solid_stage(&geometry, &meshes, name, scenario))
+                .transpose()?;
             runs.push((name.clone(), Runs { simple, solid }));
         }
         let verdict = self.verify_stage(&calibration.stiffness, &runs)?;
@@ -79,7 +83,8 @@ impl<'a> Pipeline<'a> {
     /// Those of the stage.
     pub fn calibrate(mut self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
-        self.calibrate_stage(&geometry)?;
+        let meshes = self.mesh_stage(&geometry)?;
+        self.calibrate_stage(&geometry, &meshes)?;
         Ok(())
     }
 
@@ -90,8 +95,8 @@ impl<'a> Pipeline<'a> {
     pub fn mesh(self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
         let meshes = stages::meshes(self.study, &geometry)?;
-        for (body, name) in [(stages::Body::Rail, "rail.vtu"), (stages::Body::Wheel, "wheel.vtu")] {
-            self.folder.write_with(name, |path| stages::write_mesh(&meshes, body, path))?;
+        for (mesh, name) in [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")] {
+            self.folder.write(name, stages::mesh_vtu(mesh)?.as_bytes())?;
         }
         Ok(())
     }
@@ -131,9 +136,13 @@ impl<'a> Pipeline<'a> {
                 true => {
                     if solid_model.is_none() {
                         let geometry = stages::geometry(self.study)?;
-                        solid_model = Some(self.solid_model_stage(&geometry)?);
+                        let meshes = self.mesh_stage(&geometry)?;
+                        solid_model = Some((geometry, meshes));
                     }
-                    solid_model.as_ref().map(|solid| self.solid_stage(solid, name, scenario)).transpose()?
+                    solid_model
+                        .as_ref()
+                        .map(|(geometry, meshes)| self.solid_stage(geometry, meshes, name, scenario))
+                        .transpose()?
                 }
             };
             runs.push((name.clone(), Runs { simple, solid }));
@@ -160,30 +169,26 @@ impl<'a> Pipeline<'a> {
         self.report_stage(&geometry, &Calibration { stiffness, load_curve }, &runs, Some(&verdict))
     }
 
-    fn solid_model_stage(&mut self, geometry: &Geometry) -> Result<SolidModel> {
+    fn mesh_stage(&mut self, geometry: &Geometry) -> Result<Meshes> {
         let watch = Stopwatch::start();
         let meshes = stages::meshes(self.study, geometry)?;
         self.note(watch, "meshes", None)?;
-        let watch = Stopwatch::start();
-        let solid = stages::solid_model(self.study, geometry, meshes, self.monitor)?;
-        self.note(watch, "superelements", None)?;
-        Ok(solid)
+        Ok(meshes)
     }
 
-    fn calibrate_stage(&mut self, geometry: &Geometry) -> Result<(Calibration, SolidModel)> {
-        let solid = self.solid_model_stage(geometry)?;
+    fn calibrate_stage(&mut self, geometry: &Geometry, meshes: &Meshes) -> Result<Calibration> {
         let watch = Stopwatch::start();
-        let calibration = stages::calibrate(self.study, geometry, &solid, self.monitor)
+        let (calibration, pressed) = stages::calibrate(self.study, geometry, meshes, self.monitor)
             .map_err(|error| uncarried(self.study, error))?;
         self.folder.write_json(STIFFNESS, &calibration.stiffness)?;
         self.folder.write(LOAD_CURVE, &to_csv(&calibration.load_curve))?;
         for (fields, name) in
             [(Fields::Rail, "rail.vtu"), (Fields::Wheel, "wheel.vtu"), (Fields::Contact, "contact.vtu")]
         {
-            self.folder.write_with(name, |path| stages::write_fields(&solid, fields, path))?;
+            self.folder.write(name, stages::fields_vtu(&pressed, fields)?.as_bytes())?;
         }
         self.note(watch, "calibration", None)?;
-        Ok((calibration, solid))
+        Ok(calibration)
     }
 
     fn simulate_stage(
@@ -194,21 +199,28 @@ impl<'a> Pipeline<'a> {
         scenario: &StudyScenario,
     ) -> Result<History> {
         let watch = Stopwatch::start();
-        let law = match self.study.simulation.law {
+        let normal = match self.study.simulation.law {
             LawKey::Calibrated => law(&stiffness.law),
             LawKey::Published => StiffnessLaw::published(),
         };
         let horizontal =
             self.study.simulation.horizontal.unwrap_or(stiffness.horizontal_kn_per_m * KILONEWTON_PER_METRE);
-        let history = stages::simulate(self.study, geometry, law, horizontal, scenario, self.monitor)?;
+        let springs = Springs { normal, horizontal, wheel_mass: stiffness.wheel_mass() };
+        let history = stages::simulate(self.study, geometry, &springs, scenario, self.monitor)?;
         self.folder.write(&self.file(name, "history"), &history_csv::write(&history))?;
         self.note(watch, &model("simple", name), Some(history.degrees_of_freedom))?;
         Ok(history)
     }
 
-    fn solid_stage(&mut self, solid: &SolidModel, name: &str, scenario: &StudyScenario) -> Result<History> {
+    fn solid_stage(
+        &mut self,
+        geometry: &Geometry,
+        meshes: &Meshes,
+        name: &str,
+        scenario: &StudyScenario,
+    ) -> Result<History> {
         let watch = Stopwatch::start();
-        let history = stages::simulate_solid(self.study, solid, scenario, self.monitor)?;
+        let history = stages::simulate_solid(self.study, geometry, meshes, scenario, self.monitor)?;
         self.folder.write(&self.file(name, "solid_history"), &history_csv::write(&history))?;
         self.note(watch, &model("solid", name), Some(history.degrees_of_freedom))?;
         Ok(history)
@@ -248,7 +260,7 @@ impl<'a> Pipeline<'a> {
         runs: &[(String, Runs)],
         verdict: Option<&VerificationRecord>,
     ) -> Result<()> {
-        let profiles = stages::profiles(self.study, geometry)?;
+        let profiles = stages::profiles(geometry);
         let scenarios = runs
             .iter()
             .map(|(name, runs)| {

@@ -36,6 +36,13 @@ pub struct StiffnessRecord {
     pub version: String,
 }
 
+impl StiffnessRecord {
+    /// Mass of the solid wheel, kg.
+    pub fn wheel_mass(&self) -> f64 {
+        self.mesh.iter().find(|mesh| mesh.body == "wheel").map_or(f64::NAN, |mesh| mesh.mass_kg)
+    }
+}
+
 /// A fitted law `k(f) = a + b·(f/f0)^c`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LawRecord {

@@ -249,7 +249,8 @@ mod tests {
             // Pitch about the first node: rotary inertia, axial at the centroid, and mL²/3.
             let level = BeamElement { section: &section, length, angle: 0.0 };
             let pitch = rigid_motions(length, 0.0, section.centroid)[4];
-            let exact = section.rotary_z + section.mass * (length * length / 3.0 + section.centroid[1].powi(2));
+            let exact =
+                section.rotary_z + section.mass * (length * length / 3.0 + section.centroid[1].powi(2));
             assert!((pitch.dot(&(level.mass() * pitch)) / (exact * length) - 1.0).abs() < ROUNDOFF);
         }
     }

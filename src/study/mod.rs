@@ -12,6 +12,7 @@ use std::path::Path;
 
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::solid::Material;
 use toml::de::DeTable;
 
 pub use document::{
@@ -103,17 +104,6 @@ pub struct Track {
     pub flange_back: f64,
     /// Lateral shift towards the modelled rail.
     pub lateral_shift: f64,
-}
-
-/// Linear elastic material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
-    /// Young's modulus, Pa.
-    pub young: f64,
-    /// Poisson's ratio.
-    pub poisson: f64,
-    /// Density, kg/m³.
-    pub density: f64,
 }
 
 /// Settings of the solid meshes; lengths in m.

@@ -2,6 +2,7 @@
 //! concern several keys at once.
 
 use railspring_calibrate::error::InputError;
+use railspring_calibrate::solid::Material;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
@@ -11,7 +12,7 @@ use super::document::{
     TorsionKeys,
 };
 use super::{
-    CalibrationSettings, ContactSettings, Material, MeshSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
+    CalibrationSettings, ContactSettings, MeshSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
     Source, Study, StudyScenario, Track, Wheel,
 };
 

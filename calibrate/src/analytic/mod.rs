@@ -1,4 +1,4 @@
-//! Closed solutions to hold the numerics against. Nothing in the pipeline uses them.
+//! Closed solutions: oracles of the tests, and the torsion of a short span for the beam.
 
 pub mod beam;
 pub mod drop;

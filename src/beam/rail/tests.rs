@@ -27,9 +27,8 @@ fn section() -> BeamSection {
 }
 
 fn planes(section: &BeamSection, length: f64) -> [Bending; 2] {
-    [(section.bending_y, section.shear_y), (section.bending_z, section.shear_z)].map(
-        |(bending_stiffness, shear_stiffness)| Bending { length, bending_stiffness, shear_stiffness },
-    )
+    [(section.bending_y, section.shear_y), (section.bending_z, section.shear_z)]
+        .map(|(bending_stiffness, shear_stiffness)| Bending { length, bending_stiffness, shear_stiffness })
 }
 
 fn relative(value: f64, exact: f64) -> f64 {
@@ -69,8 +68,7 @@ fn midspan_is_exact() {
 /// Goal: with the default torsion the midspan twist is Vlasov's, about four times stiffer than St-Venant's.
 #[test]
 fn default_torsion_includes_restrained_warping() {
-    let beam =
-        RailBeam::rail(&properties(), &Material::STEEL, LENGTH, 20, 0.0, Torsion::default()).unwrap();
+    let beam = RailBeam::rail(&properties(), &Material::STEEL, LENGTH, 20, 0.0, Torsion::default()).unwrap();
     let twist = beam.section_flexibility(0.5 * LENGTH)[(2, 2)];
     let saint_venant = Material::STEEL.shear_modulus() * properties().torsion_constant;
     let warping = Material::STEEL.young * properties().warping_constant;
@@ -108,16 +106,19 @@ fn inside_an_element_only_its_own_deflection_is_missing() {
     let missing = planes(&section, LENGTH / 20.0)[1].fixed_midspan_deflection();
     let (short, full) = (coarse.section_flexibility(x)[(1, 1)], fine.section_flexibility(x)[(1, 1)]);
     assert!(relative(short + missing, full) < ROUNDOFF, "{short:e} + {missing:e} != {full:e}");
-    // Hermite functions rise with the section's rotation alone and lose more.
-    let hermite = coarse.with_hermite_functions().section_flexibility(x)[(1, 1)];
-    assert!(hermite < short);
+    // Hermite functions agree at the nodes and differ in between.
+    let hermite = coarse.clone().with_hermite_functions();
+    let ratio = |x: f64| hermite.section_flexibility(x)[(1, 1)] / coarse.section_flexibility(x)[(1, 1)] - 1.0;
+    assert!(ratio(0.5 * LENGTH).abs() < ROUNDOFF);
+    assert!(ratio(LENGTH * 37.0 / 80.0) > 0.005);
 }
 
-/// Source: simply supported Timoshenko beam, both branches. Goal: the first bending frequencies (consistent mass
-/// converges from above as h⁴; 20 elements of cubic functions leave about (π/20)⁴/720 at the first mode).
+/// Source: simply supported Timoshenko beam, both branches. Goal: the first bending frequencies. The static functions
+/// miss the shear deflection of an element under its own inertia: an error of some (h/L)²·(n·π/L)²·EI/κGA, measured
+/// 6.2e-5 with 20 elements and 1.5e-5 with 40.
 #[test]
 fn modes_match_the_timoshenko_beam() {
-    const DISCRETISATION: f64 = 2e-5;
+    const DISCRETISATION: f64 = 1e-4;
     let mut section = section();
     section.centroid = [0.0, 0.0];
     let beam = RailBeam::new(section, 2.0, 20, 0.0, [End::Pinned; 2]).unwrap();
@@ -128,11 +129,8 @@ fn modes_match_the_timoshenko_beam() {
         let span = Span { bending, mass_per_length: section.mass, rotary_inertia: inertia };
         for n in [1.0, 2.0] {
             let exact = span.branches(n * PI / 2.0)[0].0;
-            let nearest = modes
-                .squares
-                .iter()
-                .map(|s| relative(s.sqrt(), exact))
-                .fold(f64::INFINITY, f64::min);
+            let nearest =
+                modes.squares.iter().map(|s| relative(s.sqrt(), exact)).fold(f64::INFINITY, f64::min);
             assert!(nearest < DISCRETISATION * n.powi(4), "plane {plane} mode {n}: {nearest:e}");
         }
     }
@@ -164,7 +162,8 @@ fn moving_force_matches_the_series() {
     let steps = 4000;
     let dt = length / speed / f64::from(steps);
     let size = beam.unknowns();
-    let (mut u, mut v, mut a) = (DVector::zeros(size), DVector::zeros(size), DVector::zeros(size));
+    let mut u = DVector::<f64>::zeros(size);
+    let (mut v, mut a) = (u.clone(), u.clone());
     let midspan = modes.project(&beam.section_motion(0.5 * length)[1]);
     let mut worst: f64 = 0.0;
     let mut peak: f64 = 0.0;
