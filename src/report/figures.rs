@@ -10,8 +10,8 @@ use crate::records::{ComplianceRecord, LoadCurveRow, ReferenceRecord, StiffnessR
 use crate::verify::averaged_ratio;
 
 use super::plot::{
-    self, BLUE, DARK, Dash, Drawn, Entry, GREY, LIGHT, Marker, ORANGE, Panel, RED, Series, draw_legend, label,
-    legend_height, nice_range, px, stacked, stroke, svg,
+    self, BLUE, DARK, Dash, Drawn, Entry, GREY, LIGHT, Marker, ORANGE, Panel, RED, Series, draw_legend, frame, label,
+    legend_height, nice_range, nice_step, px, stacked, stroke, svg,
 };
 
 /// Width of all figures, px.
@@ -42,17 +42,14 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
         let name = reference_name(&reference.reference);
         series.push(Series::line("", curve(&|f| reference.law.tangent(f)), color, Dash::Solid));
         let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
-        series.push(Series::marks(&format!("solid, {name}"), points, color, marker));
-    }
-    if let Some(law) = series.iter_mut().find(|s| s.name.is_empty()) {
-        law.name = "fitted laws".into();
+        series.push(Series::marks(&format!("solid and its law: {name}"), points, color, marker).sampled(Dash::Solid));
     }
     stacked(
         WIDTH,
         380,
         &[Panel {
             x_label: "load P, kN".into(),
-            y_label: "tangent stiffness dP/d\u{3b4}, GN/m".into(),
+            y_label: "tangent stiffness dP/d\u{3b4}, 10\u{2076} kN/m".into(),
             from_zero: true,
             series,
         }],
@@ -74,13 +71,9 @@ pub fn displacement(stiffness: &StiffnessRecord) -> String {
     )];
     for reference in &stiffness.references {
         let (marker, color) = reference_style(&reference.reference);
-        series.push(Series {
-            name: format!("solid, {}", reference_name(&reference.reference)),
-            points: reference.points.iter().map(|p| (p.displacement_mm, p.force_kn)).collect(),
-            color,
-            dash: Dash::Solid,
-            marker,
-        });
+        let name = format!("solid: {}", reference_name(&reference.reference));
+        let points = reference.points.iter().map(|p| (p.displacement_mm, p.force_kn)).collect();
+        series.push(Series::joined(&name, points, color, Dash::Solid, marker));
     }
     stacked(
         WIDTH,
@@ -97,7 +90,6 @@ pub fn displacement(stiffness: &StiffnessRecord) -> String {
 /// Semi-axes and largest pressure of the patch over load.
 pub fn patch(rows: &[LoadCurveRow]) -> String {
     let of = |value: fn(&LoadCurveRow) -> f64| rows.iter().map(|row| (row.force_kn, value(row))).collect::<Vec<_>>();
-    let with_line = |name: &str, points, color, dash, marker| Series { name: name.into(), points, color, dash, marker };
     stacked(
         WIDTH,
         230,
@@ -107,15 +99,15 @@ pub fn patch(rows: &[LoadCurveRow]) -> String {
                 y_label: "semi-axis, mm".into(),
                 from_zero: true,
                 series: vec![
-                    with_line("along the track", of(|r| r.semi_axis_along_mm), BLUE, Dash::Solid, Marker::Disc),
-                    with_line("across", of(|r| r.semi_axis_across_mm), RED, Dash::Dashed, Marker::Square),
+                    Series::joined("along the track", of(|r| r.semi_axis_along_mm), BLUE, Dash::Solid, Marker::Disc),
+                    Series::joined("across", of(|r| r.semi_axis_across_mm), RED, Dash::Dashed, Marker::Square),
                 ],
             },
             Panel {
                 x_label: "load P, kN".into(),
                 y_label: "largest pressure, MPa".into(),
                 from_zero: true,
-                series: vec![with_line(
+                series: vec![Series::joined(
                     "largest pressure",
                     of(|r| r.max_pressure_mpa),
                     DARK,
@@ -202,11 +194,11 @@ pub fn modes(simple: &History, solid: Option<&History>) -> String {
     let top = legend_height(WIDTH, &entries);
     let body = models.len() as u32 * (2 * ROW + 8);
     let end = simple.rows.last().map_or(1.0, |row| row.time);
-    let (low, high, step) = nice_range([0.0, end].into_iter(), true);
+    let step = nice_step(end / 8.0);
     svg(WIDTH, top + body + 46, |root| {
         let (legend, rest) = root.split_vertically(px(top));
         draw_legend(&legend, WIDTH, &entries)?;
-        let x_of = |time: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 20)) * (time - low) / (high - low)) as i32;
+        let x_of = |time: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 20)) * time / end) as i32;
         let text = |content: String, at: (i32, i32), horizontal, vertical, size| -> Drawn {
             rest.draw(&Text::new(content, at, label(size, horizontal, vertical)))?;
             Ok(())
@@ -224,19 +216,19 @@ pub fn modes(simple: &History, solid: Option<&History>) -> String {
                     };
                     rest.draw(&Rectangle::new([(x_of(begin), a), (x_of(end), b)], color.filled()))?;
                 }
-                rest.draw(&Rectangle::new([(x_of(low), a), (x_of(high), b)], stroke(GREY, 7)))?;
+                rest.draw(&frame([(x_of(0.0), a), (x_of(end), b)], stroke(GREY, 7)))?;
                 y += ROW;
             }
             y += 8;
         }
         let base = px(y);
-        rest.draw(&PathElement::new([(x_of(low), base), (x_of(high), base)], stroke(BLACK, 8)))?;
-        for n in 0..=((high - low) / step).round() as usize {
-            let time = low + n as f64 * step;
+        rest.draw(&PathElement::new([(x_of(0.0), base), (x_of(end), base)], stroke(BLACK, 8)))?;
+        for n in 0..=(end / step + 1e-9).floor() as usize {
+            let time = n as f64 * step;
             rest.draw(&PathElement::new([(x_of(time), base), (x_of(time), base + px(4))], stroke(BLACK, 8)))?;
             text(plot::tick(time, step), (x_of(time), base + px(7)), HPos::Center, VPos::Top, 11)?;
         }
-        text("time, s".into(), ((x_of(low) + x_of(high)) / 2, base + px(24)), HPos::Center, VPos::Top, 12)
+        text("time, s".into(), ((x_of(0.0) + x_of(end)) / 2, base + px(24)), HPos::Center, VPos::Top, 12)
     })
 }
 
@@ -297,7 +289,7 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
                 let size = value(row).abs();
                 let corners = [(x_of(begin), a), (x_of(begin + size), b)];
                 rest.draw(&Rectangle::new(corners, color.filled()))?;
-                rest.draw(&Rectangle::new(corners, stroke(BLACK, 6)))?;
+                rest.draw(&frame(corners, stroke(BLACK, 6)))?;
                 let dark = *color == DARK || *color == BLUE;
                 let number = format!("{:.3}", value(row));
                 // A number that does not fit its part is left to the table.
@@ -328,7 +320,7 @@ pub fn horizontal(stiffness: &StiffnessRecord) -> String {
         240,
         &[Panel {
             x_label: "vertical preload, kN".into(),
-            y_label: "stiffness dQ/dy, GN/m".into(),
+            y_label: "dQ/dy, 10\u{2076} kN/m".into(),
             from_zero: true,
             series: vec![
                 Series::line("constant in use", vec![(ends.0, constant), (ends.1, constant)], RED, Dash::Dashed),

@@ -80,17 +80,30 @@ pub struct Series {
     pub dash: Dash,
     /// Markers.
     pub marker: Marker,
+    /// Line of the legend's sample, where it is not the series' own: markers and the line fitted
+    /// to them share an entry.
+    pub sample: Option<Dash>,
 }
 
 impl Series {
     /// A line without markers.
     pub fn line(name: &str, points: Vec<(f64, f64)>, color: RGBColor, dash: Dash) -> Self {
-        Self { name: name.into(), points, color, dash, marker: Marker::None }
+        Self { name: name.into(), points, color, dash, marker: Marker::None, sample: None }
     }
 
     /// Markers without a line.
     pub fn marks(name: &str, points: Vec<(f64, f64)>, color: RGBColor, marker: Marker) -> Self {
-        Self { name: name.into(), points, color, dash: Dash::None, marker }
+        Self { name: name.into(), points, color, dash: Dash::None, marker, sample: None }
+    }
+
+    /// Markers joined by a line.
+    pub fn joined(name: &str, points: Vec<(f64, f64)>, color: RGBColor, dash: Dash, marker: Marker) -> Self {
+        Self { name: name.into(), points, color, dash, marker, sample: None }
+    }
+
+    /// The same with a line in the legend.
+    pub fn sampled(self, dash: Dash) -> Self {
+        Self { sample: Some(dash), ..self }
     }
 }
 
@@ -115,8 +128,17 @@ pub fn stacked(width: u32, panel_height: u32, panels: &[Panel]) -> String {
     svg(width, height, |root| {
         let (top, body) = root.split_vertically(px(legend));
         draw_legend(&top, width, &entries)?;
-        for (area, panel) in body.split_evenly((panels.len(), 1)).iter().zip(panels) {
-            draw_panel(area, panel)?;
+        let ranges: Vec<Ranges> = panels.iter().map(ranges).collect();
+        let left = ranges.iter().map(|r| label_width(r.y)).max().unwrap_or(0);
+        for (index, area) in body.split_evenly((panels.len(), 1)).iter().enumerate() {
+            let panel = &panels[index];
+            // A label that the next panel repeats is left to that.
+            let repeated = panels.get(index + 1).is_some_and(|next| next.x_label == panel.x_label);
+            let labels = (if repeated { "" } else { panel.x_label.as_str() }, panel.y_label.as_str());
+            let mut chart = axes(area, &ranges[index], labels, left)?;
+            for series in &panel.series {
+                draw_series(area, &mut chart, series)?;
+            }
         }
         Ok(())
     })
@@ -192,7 +214,7 @@ pub fn nice_range(values: impl Iterator<Item = f64>, from_zero: bool) -> (f64, f
 }
 
 /// The nearest of 1, 2 or 5 times a power of ten that is not smaller.
-fn nice_step(raw: f64) -> f64 {
+pub fn nice_step(raw: f64) -> f64 {
     let power = 10f64.powf(raw.log10().floor());
     let lead = raw / power;
     let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|s| lead <= s * (1.0 + 1e-9)).unwrap_or(10.0);
@@ -207,16 +229,14 @@ pub fn tick(value: f64, step: f64) -> String {
     if is_zero { "0".into() } else { text.replace('-', "\u{2212}") }
 }
 
-/// Axes of a panel; `x` and `y` are (low, high, step).
+/// Axes of a panel with their labels; `left` is the width of those of the vertical axis.
 fn axes<'a, 'b>(
     area: &'a Area<'b>,
-    x: (f64, f64, f64),
-    y: (f64, f64, f64),
-    x_label: &str,
-    y_label: &str,
+    Ranges { x, y }: &Ranges,
+    (x_label, y_label): (&str, &str),
+    left: u32,
 ) -> Result<Chart<'a, 'b>, Box<dyn std::error::Error>> {
-    let widest = ticks(y).map(|v| tick(v, y.2).chars().count()).max().unwrap_or(1) as f64;
-    let left = (widest * f64::from(TICK_TEXT) * LETTER_WIDTH) as u32 + LABEL_TEXT + 18;
+    let (x, y) = (*x, *y);
     let mut chart = ChartBuilder::on(area)
         .margin_top(px(8))
         .margin_right(px(20))
@@ -250,9 +270,9 @@ fn axes<'a, 'b>(
         let (_, at) = plot.map_coordinate(&(x.0, 0.0));
         area_line(area, (x_pixels.start, at), (x_pixels.end, at), stroke(GREY, 8))?;
     }
-    let frame = [(x_pixels.start, y_pixels.start), (x_pixels.end, y_pixels.end)];
     let origin = area.get_base_pixel();
-    area.draw(&Rectangle::new(frame.map(|(a, b)| (a - origin.0, b - origin.1)), stroke(BLACK, 8)))?;
+    let corners = [(x_pixels.start, y_pixels.start), (x_pixels.end, y_pixels.end)];
+    area.draw(&frame(corners.map(|(a, b)| (a - origin.0, b - origin.1)), stroke(BLACK, 8)))?;
     let middle = ((x_pixels.start + x_pixels.end) / 2, y_pixels.end + px(21));
     area_text(area, x_label, middle, label(LABEL_TEXT, HPos::Center, VPos::Top))?;
     let side = (origin.0 + px(4), (y_pixels.start + y_pixels.end) / 2);
@@ -283,15 +303,29 @@ fn area_text(area: &Area<'_>, text: &str, at: (i32, i32), style: TextStyle<'_>) 
     Ok(())
 }
 
-fn draw_panel(area: &Area<'_>, panel: &Panel) -> Drawn {
+/// Ranges of both axes: (low, high, distance of the ticks).
+struct Ranges {
+    x: (f64, f64, f64),
+    y: (f64, f64, f64),
+}
+
+/// The vertical axis ends on ticks; the horizontal one ends with the data.
+fn ranges(panel: &Panel) -> Ranges {
     let points = || panel.series.iter().flat_map(|s| &s.points).filter(|(x, y)| x.is_finite() && y.is_finite());
-    let x = nice_range(points().map(|p| p.0), false);
     let y = nice_range(points().map(|p| p.1), panel.from_zero);
-    let mut chart = axes(area, x, y, &panel.x_label, &panel.y_label)?;
-    for series in &panel.series {
-        draw_series(area, &mut chart, series)?;
+    let (mut low, mut high, mut step) = nice_range(points().map(|p| p.0), false);
+    let ends = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    if ends.1 > ends.0 {
+        (low, high) = ends;
+        step = nice_step((high - low) / 8.0);
     }
-    Ok(())
+    Ranges { x: (low, high, step), y }
+}
+
+/// Width that the labels of a vertical axis need, px.
+fn label_width(y: (f64, f64, f64)) -> u32 {
+    let widest = ticks(y).map(|v| tick(v, y.2).chars().count()).max().unwrap_or(1) as f64;
+    (widest * f64::from(TICK_TEXT) * LETTER_WIDTH) as u32 + LABEL_TEXT + 18
 }
 
 /// Draws one curve.
@@ -323,6 +357,11 @@ fn draw_series(area: &Area<'_>, chart: &mut Chart<'_, '_>, series: &Series) -> D
     Ok(())
 }
 
+/// Outline of a rectangle. The library's own has no line width in this backend.
+pub fn frame([a, b]: [(i32, i32); 2], style: ShapeStyle) -> PathElement<(i32, i32)> {
+    PathElement::new([a, (b.0, a.1), b, (a.0, b.1), a], style)
+}
+
 /// Draws a marker at a pixel of the area.
 pub fn mark(area: &Area<'_>, marker: Marker, color: RGBColor, (x, y): (i32, i32)) -> Drawn {
     let r = px(3);
@@ -338,7 +377,7 @@ pub fn mark(area: &Area<'_>, marker: Marker, color: RGBColor, (x, y): (i32, i32)
         }
         Marker::Square => {
             area.draw(&Rectangle::new(square, WHITE.filled()))?;
-            area.draw(&Rectangle::new(square, thin))?;
+            area.draw(&frame(square, thin))?;
         }
         Marker::Triangle => {
             area.draw(&Polygon::new(corners, WHITE.filled()))?;
@@ -369,7 +408,7 @@ impl Entry {
         Self {
             name: series.name.clone(),
             color: series.color,
-            dash: series.dash,
+            dash: series.sample.unwrap_or(series.dash),
             marker: series.marker,
             filled: false,
         }
@@ -432,7 +471,7 @@ pub fn draw_legend(area: &Area<'_>, width: u32, entries: &[Entry]) -> Drawn {
         if entry.filled {
             let corners = [(left, y - px(5)), (right, y + px(5))];
             area.draw(&Rectangle::new(corners, entry.color.filled()))?;
-            area.draw(&Rectangle::new(corners, stroke(BLACK, 6)))?;
+            area.draw(&frame(corners, stroke(BLACK, 6)))?;
         }
         match entry.dash {
             Dash::None => {}

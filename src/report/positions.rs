@@ -8,7 +8,7 @@ use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 use super::figures::{WIDTH, round};
 use super::plot::{
-    Area, BLUE, DARK, Drawn, GREY, LIGHT, RED, Series, draw_legend, label, legend_height, px, stroke, svg,
+    Area, BLUE, DARK, Drawn, GREY, LIGHT, RED, Series, draw_legend, frame, label, legend_height, px, stroke, svg,
 };
 use super::plot::{Dash, Entry, Marker};
 
@@ -38,11 +38,13 @@ impl ProfilePair {
 }
 
 /// Height of one picture, px.
-const PICTURE: u32 = 290;
+const PICTURE: u32 = 282;
+/// Inside of the wheel.
+const WHEEL_FILL: RGBColor = RGBColor(238, 241, 246);
 /// What is seen below the top of the rail, mm.
-const DEPTH_MM: f64 = 48.0;
+const DEPTH_MM: f64 = 46.0;
 /// What is seen above the top of the rail, mm.
-const ABOVE_MM: f64 = 32.0;
+const ABOVE_MM: f64 = 30.0;
 
 /// One picture for each time: the profiles where the simple model has them, the contacts of both models.
 pub fn positions(profiles: &ProfilePair, times: &[f64], simple: &History, solid: Option<&History>) -> String {
@@ -86,7 +88,7 @@ fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Opt
     };
     let (low, high) = ends(&rail);
     // The flange fits beside the head; what of the tread reaches beyond the field side is cut off.
-    let (low, high) = (low - 0.032, high + 0.014);
+    let (low, high) = (low - 0.044, high + 0.012);
     let scale = (f64::from(width) / (high - low))
         .min(f64::from(height as i32 - title - bottom) / ((DEPTH_MM + ABOVE_MM) * MILLIMETRE));
     let middle = 0.5 * (low + high);
@@ -100,9 +102,11 @@ fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Opt
         low: Point2::new(low, -ABOVE_MM * MILLIMETRE),
         high: Point2::new(high, DEPTH_MM * MILLIMETRE),
     };
-    let filled: Vec<(i32, i32)> = rail.iter().filter(|p| window.contains(p)).map(to_pixel).collect();
-    if filled.len() > 2 {
-        area.draw(&Polygon::new(filled, LIGHT.filled()))?;
+    for (outline, color) in [(&wheel, WHEEL_FILL), (&rail, LIGHT)] {
+        let filled: Vec<(i32, i32)> = window.polygon(outline).iter().map(to_pixel).collect();
+        if filled.len() > 2 {
+            area.draw(&Polygon::new(filled, color.filled()))?;
+        }
     }
     for (outline, color) in [(&rail, GREY), (&wheel, DARK)] {
         for piece in window.pieces(outline) {
@@ -125,7 +129,7 @@ fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Opt
         let (color, square) = mark;
         let r = px(if square { 5 } else { 3 });
         if square {
-            area.draw(&Rectangle::new([(x - r, y - r), (x + r, y + r)], stroke(color, 14)))?;
+            area.draw(&frame([(x - r, y - r), (x + r, y + r)], stroke(color, 16)))?;
         } else {
             area.draw(&Circle::new((x, y), r, color.filled()))?;
         }
@@ -179,12 +183,36 @@ impl Window {
     fn pieces<'a>(&self, line: &'a [Point2<f64>]) -> Vec<&'a [Point2<f64>]> {
         line.split(|p| !self.contains(p)).filter(|piece| piece.len() > 1).collect()
     }
+
+    /// The part of a closed outline inside the window, cut at one edge after the other.
+    fn polygon(&self, outline: &[Point2<f64>]) -> Vec<Point2<f64>> {
+        type Inside<'w> = Box<dyn Fn(&Point2<f64>) -> f64 + 'w>;
+        let edges: [Inside<'_>; 4] = [
+            Box::new(|p| p.x - self.low.x),
+            Box::new(|p| self.high.x - p.x),
+            Box::new(|p| p.y - self.low.y),
+            Box::new(|p| self.high.y - p.y),
+        ];
+        edges.iter().fold(outline.to_vec(), |points, inside| {
+            let mut cut = Vec::new();
+            for (a, b) in points.iter().zip(points.iter().cycle().skip(1)) {
+                let (da, db) = (inside(a), inside(b));
+                if da >= 0.0 {
+                    cut.push(*a);
+                }
+                if (da >= 0.0) != (db >= 0.0) {
+                    cut.push(a + (b - a) * (da / (da - db)));
+                }
+            }
+            cut
+        })
+    }
 }
 
 /// A polyline with points so close that it may be cut at any of them.
 fn fine(line: impl Iterator<Item = Point2<f64>>) -> Vec<Point2<f64>> {
-    /// Half of what a pixel of the picture shows, m.
-    const STEP: f64 = 1e-4;
+    /// About a pixel of the picture, m.
+    const STEP: f64 = 4e-4;
     let mut points: Vec<Point2<f64>> = Vec::new();
     for point in line {
         if let Some(last) = points.last().copied() {

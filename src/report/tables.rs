@@ -120,5 +120,44 @@ pub(super) fn number(value: f64) -> String {
     } else {
         text
     };
-    text.replace('-', "\u{2212}")
+    grouped_by_thousands(&text).replace('-', "\u{2212}")
+}
+
+/// Thin spaces between groups of three digits, from five digits on.
+fn grouped_by_thousands(text: &str) -> String {
+    let whole = text.trim_start_matches('-').chars().take_while(char::is_ascii_digit).count();
+    if whole < 5 {
+        return text.into();
+    }
+    let begin = text.len() - text.trim_start_matches('-').len();
+    let mut grouped = text[..begin].to_string();
+    for (index, digit) in text[begin..].chars().enumerate() {
+        if index > 0 && index < whole && (whole - index).is_multiple_of(3) {
+            grouped.push('\u{202f}');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_are_short_and_readable() {
+        let cases = [
+            (0.0, "0"),
+            (0.241104, "0.2411"),
+            (-0.5, "\u{2212}0.5"),
+            (294_000.0, "294\u{202f}000"),
+            (-12_345.6, "\u{2212}12\u{202f}346"),
+            (1234.5, "1234"),
+            (6.2e-4, "0.00062"),
+            (1.5e-9, "1.500e\u{2212}9"),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(number(value), expected, "{value}");
+        }
+    }
 }
