@@ -1,0 +1,1 @@
+//! Readers and writers on small files.
