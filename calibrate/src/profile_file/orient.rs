@@ -32,7 +32,7 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     drop_far_off(name, &mut raw)?;
     let kind = recognise(name, &mut raw, options)?;
     turn_over(kind, &mut raw, options);
-    put_in_order(&mut raw);
+    put_in_order(kind, &mut raw);
     if kind == ProfileKind::Wheel {
         place_wheel(&mut raw);
     }
@@ -211,14 +211,17 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
 }
 
 /// Lets the points run from small to large y.
-fn put_in_order(raw: &mut Raw) {
+fn put_in_order(kind: ProfileKind, raw: &mut Raw) {
     let tenth = raw.points.len().div_ceil(10);
     let mean = |part: &[MeasuredPoint]| part.iter().map(|p| p.point.x).sum::<f64>() / part.len() as f64;
     let (start, end) = (mean(&raw.points[..tenth]), mean(&raw.points[raw.points.len() - tenth..]));
     if end < start {
         raw.points.reverse();
-        let text = "the points run towards the track centre: order reversed";
-        raw.findings.push(Finding::new(FindingKind::Reversed, Action::Mended, text));
+        // The wheels of Simpack files run from the field side by convention.
+        if raw.convention != Convention::Stated || kind == ProfileKind::Rail {
+            let text = "the points run towards the track centre: order reversed";
+            raw.findings.push(Finding::new(FindingKind::Reversed, Action::Mended, text));
+        }
     }
 }
 
