@@ -372,7 +372,10 @@ impl<'a> Run<'a> {
                 statistics.most_iterations = statistics.most_iterations.max(solution.iterations);
                 Ok(solution)
             }
-            Err(Error::Numerics(_)) if halvings < MOST_HALVINGS => {
+            // A contact that has left the profiles stays there in shorter steps.
+            Err(Error::Numerics(error))
+                if halvings < MOST_HALVINGS && error.reason != StopReason::EdgeOfCandidates =>
+            {
                 statistics.halved_steps += 1;
                 let half = 0.5 * step;
                 self.advance(surface, state, time, half, halvings + 1, statistics)?;

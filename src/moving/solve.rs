@@ -246,7 +246,9 @@ impl StepSystem<'_> {
             }
             None => (0..2).for_each(|i| held(&mut residual, &mut matrix, 6 + i, self.start.1[i])),
         }
-        let floor = self.law.penalty * RESOLUTION / TOLERANCE;
+        // In a step that was halved many times the wheel's inertia is the stiffest part.
+        let inertia = self.surroundings.wheel.map_or(0.0, |(own, _)| 0.1 * own[0].max(own[1]));
+        let floor = self.law.penalty.max(inertia) * RESOLUTION / TOLERANCE;
         let scale = self.load.max(force.norm()).max(contact.force.fixed_rows::<4>(0).amax()).max(floor);
         let error = (0..8)
             .map(|i| if i == 4 || i == 5 { residual[i].abs() / LEVER } else { residual[i].abs() })

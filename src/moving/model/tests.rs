@@ -119,19 +119,17 @@ fn coasting_wheel_stops_like_a_block() {
         for row in &run.history.rows {
             let error = row.wheel_y - block.coast(side * 0.2, row.time);
             assert!(error.abs() < DISCRETISATION * distance, "{} s: {error:e}", row.time);
-            let expected = if row.time < 0.98 * block.stopping_time(0.2) {
-                ContactMode::Slip
-            } else if row.time > 1.02 * block.stopping_time(0.2) {
-                ContactMode::Stick
-            } else {
-                continue;
-            };
-            assert!(row.mode() == expected || row.time == 0.0, "{} s: {:?}", row.time, row.mode());
-            if expected == ContactMode::Slip && row.time > 0.0 {
+            if row.time > 0.0 && row.time < 0.98 * block.stopping_time(0.2) {
+                assert_eq!(row.mode(), ContactMode::Slip, "{} s", row.time);
                 // The wheel drags the rail along.
                 assert!(relative(row.lateral_force, side * 0.3 * row.vertical_force) < DISCRETISATION);
             }
         }
+        // Afterwards it swings on k1 with just the friction force, so that it may slip at a turning point.
+        let stopped = run.history.rows.iter().filter(|r| r.time > 1.02 * block.stopping_time(0.2));
+        let modes: Vec<ContactMode> = stopped.map(|r| r.mode()).collect();
+        let sticking = modes.iter().filter(|m| **m == ContactMode::Stick).count();
+        assert!(sticking as f64 > 0.9 * modes.len() as f64, "{sticking} of {}", modes.len());
     }
 }
 
