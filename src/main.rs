@@ -1,2 +1,7 @@
-//! placeholder
-fn main(){}
+//! The command `railspring`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    railspring::cli::main()
+}

@@ -7,4 +7,4 @@ mod section;
 
 pub use element::{BeamElement, deflection_functions, rotation_functions};
 pub use rail::{End, RailBeam, RailModes};
-pub use section::{BeamSection, Material, Torsion};
+pub use section::{BeamSection, Torsion};

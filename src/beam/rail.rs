@@ -8,7 +8,8 @@ use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason}
 use railspring_calibrate::section::SectionProperties;
 
 use super::element::BeamElement;
-use super::section::{BeamSection, Material, Torsion};
+use super::section::{BeamSection, Torsion};
+use railspring_calibrate::solid::Material;
 
 /// How an end of the beam is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

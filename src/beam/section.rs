@@ -3,27 +3,7 @@
 use railspring_calibrate::analytic::beam::restrained_warping_factor;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::section::SectionProperties;
-
-/// Isotropic elastic material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
-    /// Young's modulus, N/m².
-    pub young: f64,
-    /// Poisson's ratio.
-    pub poisson: f64,
-    /// Density, kg/m³.
-    pub density: f64,
-}
-
-impl Material {
-    /// Rail steel: 210 GPa, 0.3, 7850 kg/m³.
-    pub const STEEL: Self = Self { young: 210e9, poisson: 0.3, density: 7850.0 };
-
-    /// Shear modulus, N/m².
-    pub fn shear_modulus(&self) -> f64 {
-        self.young / (2.0 * (1.0 + self.poisson))
-    }
-}
+use railspring_calibrate::solid::Material;
 
 /// How the beam resists torsion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

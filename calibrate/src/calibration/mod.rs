@@ -3,7 +3,7 @@
 
 mod press;
 
-pub use press::{Enforcement, EnforcementName, Pressed, WheelOnRail};
+pub use press::{Enforcement, Pressed, WheelOnRail};
 pub(crate) use press::carry_over;
 
 use crate::contact::{BodyCompliance, Compliance, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total};
@@ -13,12 +13,9 @@ use crate::monitor::Monitor;
 use crate::solid::Material;
 use faer::Mat;
 use nalgebra::{DVector, Matrix2};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// What the displacement of the law is measured against.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reference {
     /// The rail's foot is held; hub against foot, nothing subtracted.
     Foot,
@@ -166,7 +163,7 @@ fn load_point(
     let directions = wheel_on_rail.directions();
     let share = |part: &dyn Compliance| quadratic(&total(&[part], &state.points, directions), &change);
     let beam_flexibility = beam.map_or(0.0, |b| b[(1, 1)]);
-    let half_space = HalfSpace { contact_modulus: contact_modulus(material) };
+    let half_space = HalfSpace { contact_modulus: material.contact_modulus() };
     let normal_change = &change[..state.points.len()];
     let half_spaces = quadratic(&total(&[&half_space], &state.points, 1), normal_change);
     let penalty = match wheel_on_rail.enforcement {
@@ -258,11 +255,6 @@ pub fn patch(state: &Pressed) -> Patch {
         semi_axis_across: semi_axis(0),
         semi_axis_along: semi_axis(1),
     }
-}
-
-/// Contact modulus of two bodies of the same material, Pa.
-pub fn contact_modulus(material: &Material) -> f64 {
-    material.young / (2.0 * (1.0 - material.poisson * material.poisson))
 }
 
 fn quadratic(matrix: &Mat<f64>, vector: &[f64]) -> f64 {

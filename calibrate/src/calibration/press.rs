@@ -1,15 +1,13 @@
 //! The wheel pressed on the rail: static equilibrium under a wanted load.
 
 use crate::contact::{
-    BodyCompliance, Compliance, ContactPoints, PairingLimits, PenaltySprings, Problem, Side, Solution, Surface, pair,
+    BodyCompliance, ContactPoints, PairingLimits, PenaltySprings, Problem, Side, Solution, Surface, pair,
     solve, total,
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::superelement::{Superelement, times};
 use faer::Mat;
 use nalgebra::Vector2;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// How the contact conditions are enforced.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,17 +16,6 @@ pub enum Enforcement {
     Exact,
     /// A spring at every contact node, N/m (published: 1e9).
     Penalty(f64),
-}
-
-/// Name of [`Enforcement`] in a study file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum EnforcementName {
-    /// No penetration at all.
-    #[default]
-    Exact,
-    /// A spring of constant stiffness at every contact node, as published.
-    Penalty,
 }
 
 /// A wheel above a rail, both condensed.

@@ -322,30 +322,35 @@ fn profile_intervals(
     seeds: (f64, f64),
 ) -> Vec<(f64, f64)> {
     let facing = |s: f64, guess: f64| {
-        opposing.project(&base.world(s), 0.0, &base.curve.upward_normal(s), guess).map(|p| p.along_profile)
+        opposing.project(&base.world(s), 0.0, &base.curve.upward_normal(s), guess)
     };
     let mut cuts = Vec::new();
     if let (Some(a), Some(b)) = (facing(s0, seeds.0), facing(s1, seeds.1)) {
+        let (a, b) = (a.along_profile, b.along_profile);
         let (low, high) = (a.min(b), a.max(b));
         for &line in opposing.grid.along_profile.iter().filter(|&&l| l > low && l < high) {
-            // the map is smooth and almost linear within a cell: regula falsi with halving (Illinois)
-            let (mut left, mut right, mut f_left, mut f_right) = (s0, s1, a - line, b - line);
-            for _ in 0..60 {
-                let s = (left * f_right - right * f_left) / (f_right - f_left);
-                let Some(f) = facing(s, line).map(|p| p - line) else { break };
-                if f.abs() < 1e-13 || (right - left).abs() < 1e-14 {
-                    left = s;
-                    break;
-                }
-                if f * f_right < 0.0 {
-                    (left, f_left) = (right, f_right);
-                } else {
-                    f_left *= 0.5;
-                }
-                (right, f_right) = (s, f);
-            }
-            cuts.push(if f_right.abs() < f_left.abs() { right } else { left });
+            let root = crossing((s0, a - line), (s1, b - line), |s| Some(facing(s, line)?.along_profile - line));
+            cuts.extend(root);
         }
     }
     breakpoints(s0, s1, cuts.into_iter()).windows(2).map(|w| (w[0], w[1])).collect()
+}
+
+/// Root of a smooth, almost linear function between two points of opposite sign, by regula falsi with halving
+/// (M. Dowell, P. Jarratt, "A modified regula falsi method", BIT 11 (1971)); `None` if it cannot be evaluated.
+fn crossing(mut left: (f64, f64), mut right: (f64, f64), f: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+    for _ in 0..60 {
+        let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
+        let value = f(s)?;
+        if value.abs() < 1e-13 || (right.0 - left.0).abs() < 1e-14 {
+            return Some(s);
+        }
+        if value * right.1 < 0.0 {
+            left = right;
+        } else {
+            left.1 *= 0.5;
+        }
+        right = (s, value);
+    }
+    Some(right.0)
 }

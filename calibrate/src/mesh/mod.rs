@@ -36,7 +36,7 @@ pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
 pub use quality::{Quality, quality};
 pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
 pub use sweep::{extrude, revolve};
-pub use vtu::{Cells, Field, write_vtu};
+pub use vtu::{Cells, Field, vtu};
 
 /// Tensor grid of the surface nodes in which contact can take place.
 ///
@@ -120,7 +120,8 @@ pub struct MeshOptions {
     pub rail_zone: FineZone,
     /// Fine zone of a wheel.
     pub wheel_zone: FineZone,
-    /// Growth of the element size in the section per unit of distance from the fine zone.
+    /// Growth of the element size in the section per unit of distance from the
+    /// fine zone; below about 0.1 the section fills with fine elements.
     pub section_growth: f64,
     /// Largest element of a rail's section.
     pub rail_section_element: f64,
@@ -162,7 +163,8 @@ impl MeshOptions {
         // An even number of layers of the same total thickness.
         let layers = 2 * ((self.layers as f64 * factor / 2.0).round() as usize).max(1);
         let layer_growth = self.layer_growth.powf(self.layers as f64 / layers as f64);
-        let total = |first: f64, growth: f64, n: usize| first * (0..n).map(|i| growth.powi(i as i32)).sum::<f64>();
+        let total =
+            |first: f64, growth: f64, n: usize| first * (0..n).map(|i| growth.powi(i as i32)).sum::<f64>();
         let first_layer =
             total(self.first_layer, self.layer_growth, self.layers) / total(1.0, layer_growth, layers);
         Self {
@@ -206,24 +208,27 @@ impl MeshOptions {
             ("wheel_arc_element", self.wheel_arc_element),
         ];
         for (name, length) in lengths {
-            if !(length.is_finite() && length > 0.0) {
+            if !(length.is_finite() && length >= SMALLEST_ELEMENT) {
                 return Err(InputError::new(
                     format!("mesh.{name}"),
                     format!("{} mm", length * 1e3),
-                    "a length above zero",
+                    format!("{} mm or more", SMALLEST_ELEMENT * 1e3),
                     "give the size of the elements in mm",
                 )
                 .into());
             }
         }
-        let ratios =
-            [("layer_growth", self.layer_growth, 1.0), ("growth", self.growth, 1.0), ("section_growth", self.section_growth, 0.0)];
+        let ratios = [
+            ("layer_growth", self.layer_growth, 1.0),
+            ("growth", self.growth, 1.0),
+            ("section_growth", self.section_growth, 0.05),
+        ];
         for (name, ratio, least) in ratios {
-            if !(ratio.is_finite() && ratio >= least) {
+            if !(ratio.is_finite() && ratio >= least && ratio <= LARGEST_RATIO) {
                 return Err(InputError::new(
                     format!("mesh.{name}"),
                     ratio,
-                    format!("a number from {least} on"),
+                    format!("a number from {least} to {LARGEST_RATIO}"),
                     "elements grow away from the contact zone",
                 )
                 .into());
@@ -232,6 +237,11 @@ impl MeshOptions {
         Ok(())
     }
 }
+
+/// Largest growth accepted.
+const LARGEST_RATIO: f64 = 4.0;
+/// Smallest length (m) accepted as a size: below it the number of nodes goes beyond all bounds.
+const SMALLEST_ELEMENT: f64 = 5e-5;
 
 /// Signed area of the triangle `a`, `b`, `c`: positive when counter-clockwise
 /// with the first coordinate to the right and the second up.

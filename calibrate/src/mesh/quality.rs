@@ -139,13 +139,17 @@ mod tests {
         assert!((scaled_jacobian(&brick(1.0, 2.0, 3.0)) - 1.0).abs() < ROUNDOFF);
         let sheared = brick(1.0, 1.0, 1.0).map(|p| Point3::new(p.x + p.z, p.y, p.z));
         assert!((scaled_jacobian(&sheared) - std::f64::consts::FRAC_1_SQRT_2).abs() < ROUNDOFF);
-        assert!((jacobian(&brick(1.0, 2.0, 3.0), &Vector3::new(0.3, -0.2, 0.9)).determinant() - 6.0 / 8.0).abs() < ROUNDOFF);
+        assert!(
+            (jacobian(&brick(1.0, 2.0, 3.0), &Vector3::new(0.3, -0.2, 0.9)).determinant() - 6.0 / 8.0).abs()
+                < ROUNDOFF
+        );
         assert!((aspect(&brick(1.0, 2.0, 3.0)) - 3.0).abs() < ROUNDOFF);
     }
 
     #[test]
     fn an_inverted_element_is_refused_with_its_place() {
-        let mut mesh = super::super::mesh_block(&super::super::BlockOptions::uniform([1.0; 3], [1, 1, 1])).unwrap();
+        let mut mesh =
+            super::super::mesh_block(&super::super::BlockOptions::uniform([1.0; 3], [1, 1, 1])).unwrap();
         mesh.hexes[0].swap(0, 1);
         let message = quality(&mesh).unwrap_err().to_string();
         assert!(message.contains("element 0 around"), "{message}");

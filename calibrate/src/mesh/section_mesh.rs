@@ -27,7 +27,7 @@ const EDGE_TO_THICKNESS: f64 = 1.15;
 const EDGE_TO_RADIUS: f64 = 0.8;
 
 /// How far a node of the outline may slide, as part of the distance to the next.
-const SLIDE: f64 = 0.5;
+const SLIDE: f64 = 0.4;
 
 /// A point of the fine part of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,8 +107,18 @@ impl SectionMesh {
 /// When the outline crosses itself, its fine part has an odd number of elements
 /// or the layers do not fit in the section.
 pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<SectionMesh> {
+    let broken = |p: &Point2<f64>| !(p.x.is_finite() && p.y.is_finite());
+    if let Some(p) = outline.fine.iter().map(|p| &p.point).chain(&outline.rest).find(|p| broken(p)) {
+        return Err(InputError::new(
+            "section outline",
+            format!("({}, {}) m", p.x, p.y),
+            "finite coordinates",
+            "mend the profile",
+        )
+        .into());
+    }
     let elements = outline.fine.len().saturating_sub(1);
-    if elements < 2 || elements % 2 != 0 || outline.rest.len() < 3 {
+    if elements < 2 || !elements.is_multiple_of(2) || outline.rest.len() < 3 {
         return Err(InputError::new(
             "section outline",
             format!("{elements} elements in the fine part, {} points in the rest", outline.rest.len()),
@@ -117,7 +127,7 @@ pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<Se
         )
         .into());
     }
-    if sizes.layers < 2 || sizes.layers % 2 != 0 {
+    if sizes.layers < 2 || !sizes.layers.is_multiple_of(2) {
         return Err(InputError::new(
             "mesh.layers",
             sizes.layers,
@@ -126,10 +136,13 @@ pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<Se
         )
         .into());
     }
-    let closed: Vec<Point2<f64>> =
-        outline.fine.iter().map(|p| p.point).chain(outline.rest[1..outline.rest.len() - 1].iter().copied()).collect();
-    let area: f64 =
-        (1..closed.len() - 1).map(|k| signed_area(&closed[0], &closed[k], &closed[k + 1])).sum();
+    let closed: Vec<Point2<f64>> = outline
+        .fine
+        .iter()
+        .map(|p| p.point)
+        .chain(outline.rest[1..outline.rest.len() - 1].iter().copied())
+        .collect();
+    let area: f64 = (1..closed.len() - 1).map(|k| signed_area(&closed[0], &closed[k], &closed[k + 1])).sum();
     if area < 0.0 {
         // Mesh the outline run through the other way, then restore the order of the running curve.
         let reversed = SectionOutline {
@@ -292,7 +305,7 @@ impl<'a> Builder<'a> {
         knots.push(self.rest.length());
         let mut loop_nodes = Vec::new();
         for (piece, ends) in knots.windows(2).enumerate() {
-            let positions = divide(&self.rest, ends[0], ends[1], size);
+            let positions = self.rest.divide(ends[0], ends[1], size);
             for (k, t) in positions.iter().enumerate().skip(1) {
                 let last = k == positions.len() - 1;
                 if last && piece == knots.len() - 2 {
@@ -301,8 +314,7 @@ impl<'a> Builder<'a> {
                 let freedom = if last {
                     Freedom::Fixed
                 } else {
-                    let range =
-                        (t - SLIDE * (t - positions[k - 1]), t + SLIDE * (positions[k + 1] - t));
+                    let range = (t - SLIDE * (t - positions[k - 1]), t + SLIDE * (positions[k + 1] - t));
                     Freedom::Slides { at: *t, range }
                 };
                 let point = self.rest.point(*t);
@@ -323,7 +335,8 @@ impl<'a> Builder<'a> {
             let node = self.add(*p, Freedom::Free);
             vertex.push(node);
         }
-        let mut middles: std::collections::BTreeMap<(usize, usize), usize> = std::collections::BTreeMap::new();
+        let mut middles: std::collections::BTreeMap<(usize, usize), usize> =
+            std::collections::BTreeMap::new();
         for (k, v) in coarse.iter().enumerate() {
             let next = (k + 1) % coarse.len();
             middles.insert((k.min(next), k.max(next)), v.middle);
@@ -343,8 +356,8 @@ impl<'a> Builder<'a> {
                 let node = match middles.get(&key) {
                     Some(&node) => node,
                     None => {
-                        let node =
-                            self.add(nalgebra::center(&triangles.points[a], &triangles.points[b]), Freedom::Free);
+                        let node = self
+                            .add(nalgebra::center(&triangles.points[a], &triangles.points[b]), Freedom::Free);
                         middles.insert(key, node);
                         node
                     }
@@ -359,24 +372,124 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Divides a piece of the outline into coarse edges of the wanted sizes and
-/// each into two; returns the arc lengths of all points, ends included.
-fn divide(line: &Polyline, from: f64, to: f64, size: &SizeField) -> Vec<f64> {
-    // Number of edges that fit up to each of many fine steps.
-    let steps = ((to - from) / (0.25 * SIZE_STEP)).ceil().max(8.0) as usize;
-    let step = (to - from) / steps as f64;
-    let mut count = vec![0.0];
-    for k in 0..steps {
-        let middle = from + (k as f64 + 0.5) * step;
-        count.push(count[k] + step / size.at(&line.point(middle)));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Position of nodes and areas that are exact but for rounding, relative.
+    const ROUNDOFF: f64 = 1e-12;
+    const SIZES: SectionSizes =
+        SectionSizes { layers: 2, first_layer: 2e-3, layer_growth: 1.25, growth: 0.3, largest: 12e-3 };
+
+    /// A head 80 x 30 mm whose upper side (towards smaller z) has a fine zone of
+    /// 40 mm, on a web 15 mm thick that swings sideways by `swing`, 120 mm deep.
+    fn head_on_a_web(swing: f64) -> SectionOutline {
+        let fine = (0..=20)
+            .map(|i| {
+                let y = -20e-3 + 2e-3 * f64::from(i);
+                SurfacePoint { point: Point2::new(y, 0.0), inward: Vector2::new(0.0, 1.0), s: y + 20e-3 }
+            })
+            .collect();
+        let web = |side: f64, k: u32| {
+            let part = f64::from(k) / 200.0;
+            let middle = swing * (std::f64::consts::PI * part).sin().powi(2);
+            Point2::new(middle + 7.5e-3 * side, 30e-3 + 120e-3 * part)
+        };
+        let mut rest = vec![Point2::new(20e-3, 0.0), Point2::new(40e-3, 0.0), Point2::new(40e-3, 30e-3)];
+        rest.extend((0..=200).map(|k| web(1.0, k)));
+        rest.extend((0..=200).rev().map(|k| web(-1.0, k)));
+        rest.extend([Point2::new(-40e-3, 30e-3), Point2::new(-40e-3, 0.0), Point2::new(-20e-3, 0.0)]);
+        SectionOutline { fine, rest }
     }
-    let elements = 2 * (count[steps].round() as usize).max(1);
-    let mut positions = Vec::with_capacity(elements + 1);
-    for e in 0..=elements {
-        let wanted = count[steps] * e as f64 / elements as f64;
-        let k = count.partition_point(|&c| c <= wanted).clamp(1, steps) - 1;
-        let part = (wanted - count[k]) / (count[k + 1] - count[k]);
-        positions.push(from + (k as f64 + part) * step);
+
+    #[test]
+    fn straight_edges_are_met_exactly() {
+        let mesh = mesh_section(&head_on_a_web(0.0), &SIZES).unwrap();
+        let exact = 80e-3 * 30e-3 + 15e-3 * 120e-3;
+        assert!((mesh.area() / exact - 1.0).abs() < ROUNDOFF, "{}", mesh.area());
+        assert!(mesh.min_scaled_jacobian() > 0.4, "{}", mesh.min_scaled_jacobian());
     }
-    positions
+
+    #[test]
+    fn a_curved_web_keeps_its_area() {
+        let outline = head_on_a_web(40e-3);
+        let mesh = mesh_section(&outline, &SIZES).unwrap();
+        let exact = 80e-3 * 30e-3 + 15e-3 * 120e-3;
+        // DISCRETISATION: chords of at most 10 mm on radii of at least 40 mm, c²/(12 R) on 0.25 m of web;
+        // the two sides of the web err in opposite senses.
+        assert!((mesh.area() / exact - 1.0).abs() < 0.25 * 1e-4 / (12.0 * 40e-3) / exact, "{}", mesh.area());
+        assert!(mesh.min_scaled_jacobian() > 0.3, "{}", mesh.min_scaled_jacobian());
+    }
+
+    #[test]
+    fn a_web_has_two_elements_across_and_none_much_longer_than_half_its_thickness() {
+        let mesh = mesh_section(&head_on_a_web(0.0), &SectionSizes { largest: 50e-3, ..SIZES }).unwrap();
+        let inside = |p: &&Point2<f64>| (p.y - 90e-3).abs() < 30e-3;
+        let on_outline = mesh.boundary.iter().map(|&v| &mesh.nodes[v]).filter(inside).count();
+        let all = mesh.nodes.iter().filter(inside).count();
+        // Steps of up to 8.6 mm on two sides of 60 mm; a third row of nodes in the middle.
+        assert!(on_outline >= 12, "{on_outline} nodes on the sides of the web");
+        assert!(
+            all > on_outline + on_outline / 3,
+            "{all} nodes in the web, {on_outline} of them on its sides"
+        );
+    }
+
+    #[test]
+    fn the_outline_is_walked_once_and_the_contact_zone_is_on_it() {
+        let outline = head_on_a_web(20e-3);
+        let mesh = mesh_section(&outline, &SIZES).unwrap();
+        let mut sorted = mesh.boundary.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        assert_eq!(sorted.len(), mesh.boundary.len());
+        let around: f64 = (1..mesh.boundary.len() - 1)
+            .map(|k| {
+                let p = |k: usize| &mesh.nodes[mesh.boundary[k]];
+                signed_area(p(0), p(k), p(k + 1))
+            })
+            .sum();
+        assert!((around / mesh.area() - 1.0).abs() < ROUNDOFF);
+        for ((node, s), surface) in mesh.contact.iter().zip(&mesh.contact_s).zip(&outline.fine) {
+            assert_eq!((mesh.nodes[*node], *s), (surface.point, surface.s));
+        }
+    }
+
+    #[test]
+    fn the_sense_of_the_outline_does_not_matter() {
+        // The same section mirrored in z, so that its outline runs the other way round.
+        let mirror = |p: &Point2<f64>| Point2::new(p.x, -p.y);
+        let outline = head_on_a_web(10e-3);
+        let mirrored = SectionOutline {
+            fine: outline
+                .fine
+                .iter()
+                .map(|p| SurfacePoint { point: mirror(&p.point), inward: Vector2::new(0.0, -1.0), s: p.s })
+                .collect(),
+            rest: outline.rest.iter().map(mirror).collect(),
+        };
+        let (one, other) =
+            (mesh_section(&outline, &SIZES).unwrap(), mesh_section(&mirrored, &SIZES).unwrap());
+        assert!(one.area() > 0.0 && other.area() > 0.0);
+        assert_eq!(one.contact_s, other.contact_s);
+        for (a, b) in one.contact.iter().zip(&other.contact) {
+            assert_eq!(one.nodes[*a], mirror(&other.nodes[*b]));
+        }
+    }
+
+    #[test]
+    fn bad_outlines_are_refused() {
+        let message =
+            |outline: &SectionOutline| mesh_section(outline, &SIZES).map(|_| ()).unwrap_err().to_string();
+        let mut odd = head_on_a_web(0.0);
+        odd.fine.pop();
+        assert!(message(&odd).contains("19 elements"), "{}", message(&odd));
+        let mut crossing = head_on_a_web(0.0);
+        crossing.rest[1] = Point2::new(40e-3, 200e-3);
+        crossing.rest[2] = Point2::new(-60e-3, 100e-3);
+        assert!(message(&crossing).starts_with("section outline"), "{}", message(&crossing));
+        let mut broken = head_on_a_web(0.0);
+        broken.rest[1].x = f64::NAN;
+        assert!(message(&broken).starts_with("section outline"), "{}", message(&broken));
+    }
 }

@@ -25,7 +25,10 @@ impl SizeField {
 
     /// Size at a point.
     pub(super) fn at(&self, point: &Point2<f64>) -> f64 {
-        self.sources.iter().map(|(q, size)| size + self.growth * (point - q).norm()).fold(self.largest, f64::min)
+        self.sources
+            .iter()
+            .map(|(q, size)| size + self.growth * (point - q).norm())
+            .fold(self.largest, f64::min)
     }
 }
 
@@ -57,11 +60,6 @@ impl Polyline {
         Self { points, arc }
     }
 
-    /// Vertices.
-    pub(super) fn points(&self) -> &[Point2<f64>] {
-        &self.points
-    }
-
     /// Whole length.
     pub(super) fn length(&self) -> f64 {
         *self.arc.last().unwrap_or(&0.0)
@@ -83,6 +81,28 @@ impl Polyline {
     pub(super) fn direction(&self, t: f64) -> Vector2<f64> {
         let k = self.segment(t);
         (self.points[k + 1] - self.points[k]).normalize()
+    }
+
+    /// Divides the piece between two arc lengths into edges of the wanted sizes
+    /// and each of them into two; returns the arc lengths of all points, ends included.
+    pub(super) fn divide(&self, from: f64, to: f64, size: &SizeField) -> Vec<f64> {
+        // Number of edges that fit up to each of many fine steps.
+        let steps = ((to - from) / FINE_STEP).ceil().max(8.0) as usize;
+        let step = (to - from) / steps as f64;
+        let mut count = vec![0.0];
+        for k in 0..steps {
+            let middle = from + (k as f64 + 0.5) * step;
+            count.push(count[k] + step / size.at(&self.point(middle)));
+        }
+        let points = 2 * (count[steps].round() as usize).max(1);
+        let mut positions = Vec::with_capacity(points + 1);
+        for e in 0..=points {
+            let wanted = count[steps] * e as f64 / points as f64;
+            let k = count.partition_point(|&c| c <= wanted).clamp(1, steps) - 1;
+            let part = (wanted - count[k]) / (count[k + 1] - count[k]);
+            positions.push(from + (k as f64 + part) * step);
+        }
+        positions
     }
 
     /// Sum of the signed turning angles (rad, positive to the left) at the
@@ -139,6 +159,8 @@ impl Polyline {
     }
 }
 
+/// Step (m) with which the sizes along a line are added up.
+const FINE_STEP: f64 = 2.5e-4;
 /// Vertices closer than this (m) are one vertex.
 const REPEATED: f64 = 1e-9;
 /// Turn (rad) within the window that makes a corner: 40 degrees.
@@ -208,6 +230,18 @@ mod tests {
         // Within one vertex of the rounding (DISCRETISATION).
         assert!((corners[0] - middle).abs() < 2.0 * std::f64::consts::FRAC_PI_2 / 20.0);
         assert!(line(20.0).corners(4.0).is_empty());
+    }
+
+    #[test]
+    fn a_line_is_divided_by_the_wanted_sizes() {
+        let mut size = SizeField::new(0.0, 2.5e-3);
+        size.add(Point2::origin(), 2.5e-3);
+        let line = Polyline::new(&[Point2::origin(), Point2::new(10e-3, 0.0), Point2::new(10e-3, 10e-3)]);
+        let positions = line.divide(0.0, line.length(), &size);
+        assert_eq!(positions.len(), 17);
+        for (k, t) in positions.iter().enumerate() {
+            assert!((t - 1.25e-3 * k as f64).abs() < ROUNDOFF);
+        }
     }
 
     #[test]

@@ -65,9 +65,15 @@ pub(super) fn smooth(
                         Vector2::new(-DIAGONAL, -DIAGONAL),
                         Vector2::new(DIAGONAL, -DIAGONAL),
                     ];
-                    search(nodes, quads, &around[v], v, &mut Vector2::zeros(), &directions, |start, offset| {
-                        start + offset
-                    })
+                    search(
+                        nodes,
+                        quads,
+                        &around[v],
+                        v,
+                        &mut Vector2::zeros(),
+                        &directions,
+                        |start, offset| start + offset,
+                    )
                 }
                 Freedom::Slides { at, range } => {
                     let directions = [Vector2::new(1.0, 0.0), Vector2::new(-1.0, 0.0)];

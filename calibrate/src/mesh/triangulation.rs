@@ -52,18 +52,39 @@ fn triangulate(points: &[Point2<f64>], boundary: usize) -> Result<Vec<[usize; 3]
         }
         cdt.add_constraint(a, b);
     }
-    let polygon = &points[..boundary];
-    let mut triangles: Vec<[usize; 3]> = cdt
-        .inner_faces()
-        .map(|face| face.vertices().map(|v| v.fix().index()))
-        .filter(|t| inside(polygon, &centroid(points, t)))
-        .collect();
+    let all: Vec<[usize; 3]> =
+        cdt.inner_faces().map(|face| face.vertices().map(|v| v.fix().index())).collect();
+    let mut triangles = inside_the_boundary(&all, boundary);
     for t in &mut triangles {
         let lowest = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
         t.rotate_left(lowest);
     }
     triangles.sort_unstable();
     Ok(triangles)
+}
+
+/// The triangles to the left of the boundary edges and all that hang together
+/// with them without crossing the boundary. (A geometric test would fail for the
+/// flat triangles outside a straight piece of the boundary.)
+fn inside_the_boundary(all: &[[usize; 3]], boundary: usize) -> Vec<[usize; 3]> {
+    let directed = |t: &[usize; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+    let on_boundary = |(a, b): (usize, usize)| a < boundary && b == (a + 1) % boundary;
+    let owner: std::collections::BTreeMap<(usize, usize), usize> =
+        all.iter().enumerate().flat_map(|(k, t)| directed(t).map(|edge| (edge, k))).collect();
+    let mut chosen = vec![false; all.len()];
+    let mut open: Vec<usize> =
+        (0..all.len()).filter(|&k| directed(&all[k]).into_iter().any(on_boundary)).collect();
+    while let Some(k) = open.pop() {
+        if std::mem::replace(&mut chosen[k], true) {
+            continue;
+        }
+        for (a, b) in directed(&all[k]) {
+            if !on_boundary((a, b)) && !on_boundary((b, a)) {
+                open.extend(owner.get(&(b, a)));
+            }
+        }
+    }
+    all.iter().zip(chosen).filter(|(_, inside)| *inside).map(|(t, _)| *t).collect()
 }
 
 fn centroid(points: &[Point2<f64>], t: &[usize; 3]) -> Point2<f64> {
@@ -98,9 +119,10 @@ fn distance(polygon: &[Point2<f64>], p: &Point2<f64>) -> f64 {
 fn circumcircle(points: &[Point2<f64>], t: &[usize; 3]) -> (Point2<f64>, f64) {
     let (a, b, c) = (points[t[0]], points[t[1]] - points[t[0]], points[t[2]] - points[t[0]]);
     let d = 2.0 * b.perp(&c);
-    let centre =
-        Vector2::new(c.y * b.norm_squared() - b.y * c.norm_squared(), b.x * c.norm_squared() - c.x * b.norm_squared())
-            / d;
+    let centre = Vector2::new(
+        c.y * b.norm_squared() - b.y * c.norm_squared(),
+        b.x * c.norm_squared() - c.x * b.norm_squared(),
+    ) / d;
     (a + centre, centre.norm())
 }
 

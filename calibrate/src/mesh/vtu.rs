@@ -1,7 +1,6 @@
 //! VTK XML files of unstructured grids, read by ParaView and meshio.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -78,17 +77,11 @@ impl Field<'_> {
     }
 }
 
-/// Writes a grid with its data. The file appears under its name only when it is complete.
+/// A grid with its data, as the text of a VTU file.
 ///
 /// # Errors
-/// When a field has not one value for every point or cell, or the file cannot be written.
-pub fn write_vtu(
-    path: &Path,
-    points: &[Point3<f64>],
-    cells: Cells,
-    point_data: &[Field],
-    cell_data: &[Field],
-) -> Result<()> {
+/// When a field has not one value for every point or cell.
+pub fn vtu(points: &[Point3<f64>], cells: Cells, point_data: &[Field], cell_data: &[Field]) -> Result<String> {
     for (fields, count, what) in [(point_data, points.len(), "point"), (cell_data, cells.len(), "cell")] {
         for field in fields {
             if field.len() != count {
@@ -102,18 +95,7 @@ pub fn write_vtu(
             }
         }
     }
-    let text = document(points, cells, point_data, cell_data);
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path)).map_err(|error| {
-        InputError::new(
-            "output file",
-            format!("{} ({error})", path.display()),
-            "a path that can be written",
-            "create its folder, or choose another path",
-        )
-        .into()
-    })
+    Ok(document(points, cells, point_data, cell_data))
 }
 
 /// The whole file.
@@ -233,19 +215,12 @@ mod tests {
 
     #[test]
     fn a_field_of_another_mesh_is_refused_by_name() {
-        let error = write_vtu(
-            Path::new("unused.vtu"),
+        let error = vtu(
             &[Point3::origin()],
             Cells::Quads(&[]),
             &[Field::Scalar("pressure", &[1.0, 2.0])],
             &[],
         );
         assert!(error.unwrap_err().to_string().starts_with("point data pressure = 2 values"));
-    }
-
-    #[test]
-    fn a_path_that_cannot_be_written_is_an_error() {
-        let error = write_vtu(Path::new("/nonexistent/folder/a.vtu"), &[], Cells::Quads(&[]), &[], &[]);
-        assert!(error.unwrap_err().to_string().contains("/nonexistent/folder/a.vtu"));
     }
 }

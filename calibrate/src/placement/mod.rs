@@ -77,7 +77,7 @@ impl TrackGeometry {
         }
         if !(-0.2..=0.2).contains(&self.inclination) {
             return Err(InputError::new(
-                "track.inclination",
+                "rail.inclination",
                 self.inclination,
                 "a slope between -0.2 and 0.2",
                 "give the slope, for instance 0.025 for 1:40",
@@ -130,13 +130,13 @@ pub fn place_rail(section: &RailSection, track: &TrackGeometry) -> Result<Placed
     track.check()?;
     let angle = -track.inclination.atan();
     let inclined = section.running.transformed(angle, Vector2::zeros());
-    let top_interval_and_s = highest_point(&inclined);
-    let top = inclined.point(top_interval_and_s.1);
+    let (top_interval, top_s) = highest_point(&inclined);
+    let top = inclined.point(top_s).y;
 
-    // From the top back along the gauge side: the first point as deep as the gauge is measured.
-    let depth = |s: f64| inclined.point(s).y - top.y - track.gauge_height;
+    // From the top back along the gauge side: the first interval that reaches as deep as the gauge is measured.
     let knots = inclined.knots();
-    let below = (0..=top_interval_and_s.0).rev().find(|&i| depth(knots[i]) >= 0.0).ok_or_else(|| {
+    let depth = |s: f64| inclined.point(s).y - top - track.gauge_height;
+    let reaching = (0..=top_interval).rev().find(|&i| depth(knots[i]) >= 0.0).ok_or_else(|| {
         InputError::new(
             "track.gauge_height_mm",
             format!("{} mm", track.gauge_height / MILLIMETRE),
@@ -144,37 +144,36 @@ pub fn place_rail(section: &RailSection, track: &TrackGeometry) -> Result<Placed
             "measure the gauge less deep, or give a profile that goes on further down the gauge side",
         )
     })?;
-    let condition = |s: f64| {
-        let (p, t) = inclined.evaluate(s);
-        (top.y + track.gauge_height - p.y, -t.y)
-    };
-    let gauge_s = bracketed_newton(condition, knots[below], knots[below + 1]);
-    let origin = Point2::new(0.5 * track.gauge - inclined.point(gauge_s).x, -top.y);
+    let rising = |s: f64| (-depth(s), -inclined.evaluate(s).1.y);
+    let gauge_s = bracketed_newton(rising, knots[reaching], knots[reaching + 1]);
+    let origin = Point2::new(0.5 * track.gauge - inclined.point(gauge_s).x, -top);
     Ok(PlacedRail { curve: section.running.transformed(angle, origin.coords), angle, origin })
 }
 
 /// Interval and arc length of the point with the smallest z; the first of several.
 fn highest_point(curve: &ProfileCurve) -> (usize, f64) {
     let knots = curve.knots();
-    let mut best = (0, 0.0, f64::INFINITY);
-    for i in 0..knots.len() {
-        let z = curve.point(knots[i]).y;
-        if z < best.2 {
-            best = (i, knots[i], z);
+    let height = |s: f64| curve.point(s).y;
+    let mut knot = 0;
+    for i in 1..knots.len() {
+        if height(knots[i]) < height(knots[knot]) {
+            knot = i;
         }
     }
-    // The minimum lies in one of the two intervals beside the highest knot, if not on it.
-    for first in [best.0.saturating_sub(1), best.0.min(knots.len() - 2)] {
-        let (s0, s1) = (knots[first], knots[first + 1]);
-        // The tangent before the end of the interval, which may be a kink.
-        let inside = s1 - 1e-9 * (s1 - s0);
+    // Between the knots the curve may rise a little higher, in one of the two intervals beside the highest knot.
+    let last_interval = knots.len() - 2;
+    let mut best = (knot.min(last_interval), knots[knot]);
+    for interval in knot.saturating_sub(1)..=knot.min(last_interval) {
         let slope = |s: f64| curve.evaluate(s).1.y;
-        if slope(s0) < 0.0 && slope(inside) > 0.0 {
-            let s = bracketed_newton(|s| (slope(s), curve.curvature(s)), s0, inside);
-            if curve.point(s).y < best.2 {
-                best = (first, s, curve.point(s).y);
+        let start = knots[interval];
+        // Just before the end: the end itself may be a kink and has the slope of the next interval.
+        let end = knots[interval + 1] - 1e-9 * (knots[interval + 1] - start);
+        if slope(start) < 0.0 && slope(end) > 0.0 {
+            let s = bracketed_newton(|s| (slope(s), curve.curvature(s)), start, end);
+            if height(s) < height(best.1) {
+                best = (interval, s);
             }
         }
     }
-    (best.0.min(knots.len() - 2), best.1)
+    best
 }

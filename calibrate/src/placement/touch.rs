@@ -28,13 +28,6 @@ pub struct Touch {
     pub contact_angle: f64,
 }
 
-/// One pair of curve intervals and the vertical gap of their chords.
-struct Candidate {
-    rail: usize,
-    wheel: usize,
-    gap: f64,
-}
-
 /// Lowers the wheel profile `wheel` (profile frame), its tape circle at the world position `tape_y` (m), onto
 /// the rail until it just touches.
 ///
@@ -47,11 +40,10 @@ struct Candidate {
 /// one of the two curves.
 pub fn touch(rail: &PlacedRail, wheel: &ProfileCurve, tape_y: f64) -> Result<Touch> {
     let rail = &rail.curve;
-    let candidates = candidates(rail, wheel, tape_y);
     let mut best: Option<(f64, f64, f64)> = None;
-    for candidate in &candidates {
-        let found = least_gap(rail, wheel, tape_y, candidate);
-        if best.is_none_or(|b| found.0 < b.0 || (found.0 == b.0 && found.1 < b.1)) {
+    for pair in candidates(rail, wheel, tape_y) {
+        let found = least_gap(rail, wheel, tape_y, pair);
+        if best.is_none_or(|b| found.0 < b.0) {
             best = Some(found);
         }
     }
@@ -81,29 +73,32 @@ pub fn touch(rail: &PlacedRail, wheel: &ProfileCurve, tape_y: f64) -> Result<Tou
 }
 
 /// Pairs of intervals that may hold the smallest gap, in the order of the two curves.
-fn candidates(rail: &ProfileCurve, wheel: &ProfileCurve, tape_y: f64) -> Vec<Candidate> {
+fn candidates(rail: &ProfileCurve, wheel: &ProfileCurve, tape_y: f64) -> Vec<(usize, usize)> {
     let (rail_chords, wheel_chords) = (chords(rail), chords(wheel));
-    // A curve may leave its chords by the sagitta.
-    let slack = largest_sagitta(rail) + largest_sagitta(wheel);
-    let best = Cell::new(f64::INFINITY);
-    // A pair of boxes is worth opening if they overlap laterally and may come closer than the best chords.
+    let (rail_slack, wheel_slack) = (sagittas(rail), sagittas(wheel));
+    let greatest = |slack: &[f64]| slack.iter().copied().fold(0.0, f64::max);
+    let greatest_slack = greatest(&rail_slack) + greatest(&wheel_slack);
+    // Upper bound of the smallest gap of the smooth curves, from the pairs seen so far.
+    let bound = Cell::new(f64::INFINITY);
+    // Two boxes are worth opening if they overlap laterally and may come closer than the bound.
     let promising = rail_chords.bvh().leaf_pairs(wheel_chords.bvh(), |a, b| {
         let (a, b) = (a.aabb(), b.aabb());
         let overlap = a.mins.x <= b.maxs.x + tape_y && b.mins.x + tape_y <= a.maxs.x;
-        overlap && a.mins.y - b.maxs.y <= best.get() + slack
+        overlap && a.mins.y - b.maxs.y - greatest_slack <= bound.get()
     });
     let mut found = Vec::new();
-    for (rail_interval, wheel_interval) in promising {
-        let (r, w) = (rail_chords.segment(rail_interval), wheel_chords.segment(wheel_interval));
-        if let Some(gap) = chord_gap([r.a, r.b], [w.a, w.b], tape_y) {
-            best.set(best.get().min(gap));
-            found.push(Candidate { rail: rail_interval as usize, wheel: wheel_interval as usize, gap });
+    for (r, w) in promising {
+        let (rail_chord, wheel_chord) = (rail_chords.segment(r), wheel_chords.segment(w));
+        let (r, w) = (r as usize, w as usize);
+        let slack = rail_slack[r] + wheel_slack[w];
+        if let Some(gap) = chord_gap([rail_chord.a, rail_chord.b], [wheel_chord.a, wheel_chord.b], tape_y) {
+            bound.set(bound.get().min(gap + slack));
+            found.push((r, w, gap - slack));
         }
     }
-    // Neighbours of a steep chord may hold the minimum too: its gap changes by slope times the sagitta.
-    found.retain(|c| c.gap <= best.get() + slack);
-    found.sort_unstable_by_key(|c| (c.rail, c.wheel));
-    found
+    found.retain(|pair| pair.2 <= bound.get());
+    found.sort_unstable_by_key(|pair| (pair.0, pair.1));
+    found.into_iter().map(|(r, w, _)| (r, w)).collect()
 }
 
 fn chords(curve: &ProfileCurve) -> Polyline {
@@ -111,18 +106,19 @@ fn chords(curve: &ProfileCurve) -> Polyline {
     Polyline::new(vertices, None)
 }
 
-/// Largest vertical distance of the curve from its chords, with a margin of two.
-fn largest_sagitta(curve: &ProfileCurve) -> f64 {
+/// How far, vertically, each interval of the curve can lie from its chord: the sagitta at the middle, doubled to
+/// be safe, times the chord's steepness; on a nearly vertical chord its height.
+fn sagittas(curve: &ProfileCurve) -> Vec<f64> {
     curve
         .knots()
         .windows(2)
         .map(|s| {
             let (a, b) = (curve.point(s[0]), curve.point(s[1]));
-            let middle = curve.point(0.5 * (s[0] + s[1]));
-            let steepness = 1.0 + ((b.y - a.y) / (b.x - a.x).abs().max(f64::MIN_POSITIVE)).abs().min(100.0);
-            2.0 * steepness * (middle - nalgebra::center(&a, &b)).norm()
+            let chord = b - a;
+            let sagitta = 2.0 * (curve.point(0.5 * (s[0] + s[1])) - nalgebra::center(&a, &b)).norm();
+            (sagitta * chord.norm() / chord.x.abs()).min(chord.y.abs() + sagitta)
         })
-        .fold(0.0, f64::max)
+        .collect()
 }
 
 /// Smallest vertical gap of two chords where they overlap laterally; the wheel's are shifted by `shift`.
@@ -148,9 +144,14 @@ fn chord_gap(rail: [Vector; 2], wheel: [Vector; 2], shift: f64) -> Option<f64> {
 }
 
 /// Smallest vertical gap of the smooth curves on a pair of intervals, with the arc lengths where it is.
-fn least_gap(rail: &ProfileCurve, wheel: &ProfileCurve, tape_y: f64, pair: &Candidate) -> (f64, f64, f64) {
-    let rail_ends = [rail.knots()[pair.rail], rail.knots()[pair.rail + 1]];
-    let wheel_ends = [wheel.knots()[pair.wheel], wheel.knots()[pair.wheel + 1]];
+fn least_gap(
+    rail: &ProfileCurve,
+    wheel: &ProfileCurve,
+    tape_y: f64,
+    (rail_interval, wheel_interval): (usize, usize),
+) -> (f64, f64, f64) {
+    let ends = |curve: &ProfileCurve, interval: usize| [curve.knots()[interval], curve.knots()[interval + 1]];
+    let (rail_ends, wheel_ends) = (ends(rail, rail_interval), ends(wheel, wheel_interval));
     let range = |curve: &ProfileCurve, ends: [f64; 2], shift: f64| {
         let y = ends.map(|s| curve.point(s).x + shift);
         (y[0].min(y[1]), y[0].max(y[1]))
@@ -162,27 +163,25 @@ fn least_gap(rail: &ProfileCurve, wheel: &ProfileCurve, tape_y: f64, pair: &Cand
         let (rail_s, wheel_s) = at(y);
         (rail.point(rail_s).y - wheel.point(wheel_s).y, rail_s, wheel_s)
     };
-    let mut best = gap_at(lo);
-    let end = gap_at(hi);
-    if end.0 < best.0 {
-        best = end;
-    }
-    // The gap's slope has the sign of the sine of the angle from the wheel's to the rail's tangent; its
-    // derivative by y is the difference of the curvatures over the lateral progress.
+    let smaller = |a: (f64, f64, f64), b: (f64, f64, f64)| if b.0 < a.0 { b } else { a };
+    let best = smaller(gap_at(lo), gap_at(hi));
+    // The gap's slope by y has the sign of the sine of the angle from the wheel's to the rail's tangent, and
+    // that sine changes by the difference of the curvatures over the lateral progress.
     let condition = |y: f64| {
         let (rail_s, wheel_s) = at(y);
         let (t_rail, t_wheel) = (rail.tangent(rail_s), wheel.tangent(wheel_s));
         let slope = rail.curvature(rail_s) / t_rail.x - wheel.curvature(wheel_s) / t_wheel.x;
-        (t_wheel.perp(&t_rail), slope)
+        let sense = (t_rail.x * t_wheel.x).signum();
+        (sense * t_wheel.perp(&t_rail), sense * slope)
     };
+    // Just inside: at the ends themselves the next interval may begin, with another tangent.
     let margin = 1e-9 * (hi - lo);
-    if condition(lo + margin).0 < 0.0 && condition(hi - margin).0 > 0.0 {
-        let inside = gap_at(bracketed_newton(condition, lo + margin, hi - margin));
-        if inside.0 < best.0 {
-            best = inside;
-        }
+    let (lo, hi) = (lo + margin, hi - margin);
+    if condition(lo).0 < 0.0 && condition(hi).0 > 0.0 {
+        smaller(best, gap_at(bracketed_newton(condition, lo, hi)))
+    } else {
+        best
     }
-    best
 }
 
 /// Arc length between the knots `ends` at which the curve has the lateral position `y`.

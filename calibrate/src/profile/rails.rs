@@ -32,7 +32,7 @@ struct Head {
     radii: [f64; 3],
     /// Half-widths at which the first radius gives way to the second, and the second to the third.
     joints: [f64; 2],
-    /// Depth of the straight side below the corner arc's end is given by the lower corner.
+    /// Radius of the lower corner, between the straight side and the underside.
     lower_corner: f64,
 }
 
@@ -65,7 +65,7 @@ pub fn rail_outline(name: &str) -> Result<RailOutline> {
         "UIC60" => HEAD_UIC60,
         _ => {
             return Err(InputError::new(
-                "rail.section",
+                "rail.profile",
                 format!("{name:?}"),
                 format!("one of {}", RAIL_NAMES.join(", ")),
                 "choose a known section",
@@ -75,7 +75,7 @@ pub fn rail_outline(name: &str) -> Result<RailOutline> {
     };
     let (right_head, right_rest) = right_half(&head);
     let scale = |segments: Vec<Segment>| segments.iter().map(|s| s.scaled(MILLIMETRE)).collect();
-    Ok(RailOutline { running: scale(mirrored_before(&right_head)), rest: scale(mirrored_after(&right_rest)) })
+    Ok(RailOutline { running: scale(whole_head(&right_head)), rest: scale(whole_rest(&right_rest)) })
 }
 
 /// Running surface of a rail as a smooth curve: joints of the drawing are breakpoints, met tangentially.
@@ -88,7 +88,7 @@ fn mirrored(half: &[Segment]) -> Vec<Segment> {
 }
 
 /// The whole head from its right half; the two halves of the crown become one arc.
-fn mirrored_before(half: &[Segment]) -> Vec<Segment> {
+fn whole_head(half: &[Segment]) -> Vec<Segment> {
     let mut whole = mirrored(&half[1..]);
     whole.push(through_axis(&half[0].mirrored().reversed(), &half[0]));
     whole.extend_from_slice(&half[1..]);
@@ -96,7 +96,7 @@ fn mirrored_before(half: &[Segment]) -> Vec<Segment> {
 }
 
 /// The rest of the outline from its right half, whose last segment ends on the axis.
-fn mirrored_after(half: &[Segment]) -> Vec<Segment> {
+fn whole_rest(half: &[Segment]) -> Vec<Segment> {
     let last = half.len() - 1;
     let mut whole = half[..last].to_vec();
     whole.push(through_axis(&half[last], &half[last].mirrored().reversed()));

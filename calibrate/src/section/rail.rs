@@ -130,6 +130,6 @@ mod tests {
     #[test]
     fn unknown_rail_is_refused() {
         let message = rail_section("60E9").unwrap_err().to_string();
-        assert!(message.contains("rail.section") && message.contains("60E1, UIC60"), "{message}");
+        assert!(message.contains("rail.profile") && message.contains("60E1, UIC60"), "{message}");
     }
 }

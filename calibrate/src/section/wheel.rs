@@ -68,9 +68,9 @@ pub fn wheel_section(name: &str, tape_diameter: f64) -> Result<WheelSection> {
     const GREATEST: f64 = 1.5;
     if !(least..=GREATEST).contains(&tape_diameter) {
         return Err(InputError::new(
-            "wheel.tape_diameter_mm",
-            format!("{} mm", tape_diameter / MILLIMETRE),
-            format!("{:.0} to {:.0} mm", least / MILLIMETRE, GREATEST / MILLIMETRE),
+            "wheel.tape_diameter_m",
+            format!("{tape_diameter} m"),
+            format!("{least:.2} to {GREATEST:.2} m"),
             "choose a diameter that leaves room for hub, web and rim; check its unit",
         )
         .into());
@@ -107,42 +107,53 @@ fn generic_body(tread_end: Point2<f64>, flange_start: Point2<f64>, r0: f64) -> V
     let hub_side = EndlessLine::new(Point2::new(0.0, hub), -inwards);
     let (field_web, back_web) = (towards_hub(1.0), reverse(&towards_hub(-1.0)));
 
-    let rounded = [
-        fillet(&rim_side, &field_web, FILLET),
-        fillet(&field_web, &hub_side, FILLET),
-        fillet(&hub_side, &back_web, FILLET),
-        fillet(&back_web, &rim_side, FILLET),
-    ];
+    let hub_field = fillet(&field_web, &hub_side, FILLET);
+    let hub_flange = fillet(&hub_side, &back_web, FILLET);
     let chamfer = RIM_FACE - tread_end.x;
-    let corners = |i: usize| -> Vec<Point2<f64>> {
-        match i {
-            0 => vec![tread_end, Point2::new(RIM_FACE, tread_end.y - chamfer), Point2::new(RIM_FACE, rim)],
-            2 => vec![
-                Point2::new(hub_face, hub),
-                Point2::new(hub_face, bore),
-                Point2::new(hub_back, bore),
-                Point2::new(hub_back, hub),
-            ],
-            _ => Vec::new(),
-        }
-    };
-    let mut outline = Vec::new();
-    let mut at = tread_end;
-    for (i, arc) in rounded.iter().enumerate() {
-        for corner in corners(i).into_iter().chain([arc.start()]) {
-            if corner != at {
-                outline.push(Segment::line(at, corner));
-            }
-            at = corner;
-        }
-        outline.push(*arc);
-        at = arc.end();
+    Outline::from(tread_end)
+        .to(Point2::new(RIM_FACE, tread_end.y - chamfer))
+        .to(Point2::new(RIM_FACE, rim))
+        .round(fillet(&rim_side, &field_web, FILLET))
+        .round(hub_field)
+        .to(Point2::new(hub_face, hub))
+        .to(Point2::new(hub_face, bore))
+        .to(Point2::new(hub_back, bore))
+        .to(Point2::new(hub_back, hub))
+        .round(hub_flange)
+        .round(fillet(&back_web, &rim_side, FILLET))
+        .to(Point2::new(flange_start.x, rim))
+        .to(flange_start)
+        .segments
+        .iter()
+        .map(|s| s.scaled(MILLIMETRE))
+        .collect()
+}
+
+/// An outline drawn from point to point.
+struct Outline {
+    at: Point2<f64>,
+    segments: Vec<Segment>,
+}
+
+impl Outline {
+    fn from(start: Point2<f64>) -> Self {
+        Self { at: start, segments: Vec::new() }
     }
-    for corner in [Point2::new(flange_start.x, rim), flange_start] {
-        outline.push(Segment::line(at, corner));
-        at = corner;
+
+    /// A straight line to `end`.
+    fn to(mut self, end: Point2<f64>) -> Self {
+        self.segments.push(Segment::line(self.at, end));
+        self.at = end;
+        self
     }
-    outline.iter().map(|s| s.scaled(MILLIMETRE)).collect()
+
+    /// A straight line to the start of `arc`, and the arc.
+    fn round(self, arc: Segment) -> Self {
+        let mut outline = self.to(arc.start());
+        outline.at = arc.end();
+        outline.segments.push(arc);
+        outline
+    }
 }
 
 /// Mass properties of the full wheel.
@@ -214,6 +225,9 @@ mod tests {
             assert!((inner - wheel.bore_radius).abs() < 1e-15);
             for pair in wheel.body_outline.windows(2) {
                 assert!((pair[0].end() - pair[1].start()).norm() < 1e-15, "the outline is open at {pair:?}");
+                let turn = pair[0].tangent(1.0).angle(&pair[1].tangent(0.0));
+                let lines = pair.iter().all(|s| matches!(s, Segment::Line { .. }));
+                assert!(lines || turn < 1e-7, "a fillet is not tangential at {pair:?}");
             }
         }
     }
@@ -222,7 +236,7 @@ mod tests {
     fn diameters_without_room_are_refused() {
         for diameter in [0.5, 858.0, f64::NAN, -0.858] {
             let message = wheel_section("S1002", diameter).unwrap_err().to_string();
-            assert!(message.contains("wheel.tape_diameter_mm"), "{message}");
+            assert!(message.contains("wheel.tape_diameter_m"), "{message}");
         }
         assert!(wheel_section("S1003", 0.858).unwrap_err().to_string().contains("wheel.profile"));
     }

@@ -9,11 +9,9 @@
 
 use super::Material;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Which strain field the element uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Formulation {
     /// Three quadratic modes a direction inside the element: exact in bending of a straight brick.
     #[default]

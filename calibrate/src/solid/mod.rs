@@ -57,6 +57,11 @@ impl Material {
         self.young / (2.0 * (1.0 + self.poisson))
     }
 
+    /// Contact modulus E* of two bodies of this material, Pa.
+    pub fn contact_modulus(&self) -> f64 {
+        crate::analytic::hertz::contact_modulus(self.young, self.poisson, self.young, self.poisson)
+    }
+
     /// Elasticity matrix, 6×6, Pa, for strains (xx, yy, zz, xy, yz, zx) with engineering shears.
     pub fn elasticity(&self) -> SMatrix<f64, 6, 6> {
         let shear = self.shear_modulus();

@@ -1,0 +1,264 @@
+//! Contact against closed solutions: patch test, Hertz, sticking and sliding.
+
+use faer::Mat;
+use nalgebra::{Point2, Point3, Vector2};
+use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::contact::{
+    BodyCompliance, Compliance, ContactPoints, HalfSpace, PairingLimits, PenaltySprings, PointMode, Problem, Shape,
+    Side, Solution, Surface, hub_response, pair, solve, total,
+};
+use railspring_calibrate::mesh::{BlockOptions, HexMesh, mesh_block};
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::solid::{Formulation, Material, Supports, System};
+use railspring_calibrate::superelement::Superelement;
+
+/// Sparse factorisation and dense inversion of some thousand equations, relative.
+const ROUNDOFF: f64 = 1e-8;
+/// The issue of exact enforcement on non-matching meshes: pressure uniform to this, relative.
+const PATCH: f64 = 1e-6;
+
+/// A block turned upside down: its contact surface looks down (+z).
+fn upside_down(mut mesh: HexMesh) -> HexMesh {
+    for p in &mut mesh.nodes {
+        *p = Point3::new(p.x, -p.y, -p.z);
+    }
+    let (rows, columns) = (mesh.contact.along_profile.len(), mesh.contact.along_track.len());
+    let length = mesh.contact.along_profile[rows - 1];
+    let nodes = mesh.contact.nodes.clone();
+    for i in 0..rows {
+        for k in 0..columns {
+            mesh.contact.nodes[i * columns + k] = nodes[(rows - 1 - i) * columns + k];
+        }
+    }
+    mesh.contact.along_profile.reverse();
+    mesh.contact.along_profile.iter_mut().for_each(|s| *s = length - *s);
+    mesh
+}
+
+fn straight(width: f64) -> ProfileCurve {
+    let points: Vec<_> = (0..=8).map(|i| Point2::new(width * (i as f64 / 8.0 - 0.5), 0.0)).collect();
+    ProfileCurve::from_points(&points, &[]).unwrap()
+}
+
+fn condensed(mesh: &HexMesh, material: Material) -> Superelement<'_> {
+    let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
+    let system = System::new(mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
+    Superelement::new(system, 0.0, &[]).unwrap()
+}
+
+/// Two blocks of the same footprint with non-matching meshes, the upper one on a free hub.
+struct Blocks {
+    width: f64,
+    heights: [f64; 2],
+    lower: HexMesh,
+    upper: HexMesh,
+}
+
+impl Blocks {
+    fn new(lower: [usize; 3], upper: [usize; 3]) -> Self {
+        let (width, heights) = (0.02, [0.015, 0.01]);
+        let block = |height, divisions| mesh_block(&BlockOptions::uniform([width, width, height], divisions)).unwrap();
+        Self { width, heights, lower: block(heights[0], lower), upper: upside_down(block(heights[1], upper)) }
+    }
+
+    fn press(&self, load: f64, friction: f64) -> (ContactPoints, Solution) {
+        // without lateral contraction a block on a held foot carries a uniform uniaxial stress exactly
+        let material = Material { poisson: 0.0, ..Material::STEEL };
+        let (lower, upper) = (condensed(&self.lower, material), condensed(&self.upper, material));
+        let curve = straight(self.width);
+        let surface = |grid| Surface { curve: &curve, shape: Shape::Extruded, grid, origin: Vector2::zeros() };
+        let points = pair(
+            &surface(&self.lower.contact),
+            &surface(&self.upper.contact),
+            PairingLimits { largest_gap: 1e-3 },
+        );
+        let directions = if friction > 0.0 { 3 } else { 1 };
+        let compliance = total(
+            &[
+                &BodyCompliance { compliance: &lower.compliance, side: Side::Base },
+                &BodyCompliance { compliance: &upper.compliance, side: Side::Opposing },
+            ],
+            &points,
+            directions,
+        );
+        let mut free = points.gap.clone();
+        free.resize(directions * points.len(), 0.0);
+        let problem = Problem { points: &points, compliance: &compliance, free: &free, friction, hub: &[(2, -load)] };
+        let start = vec![0.0; free.len()];
+        let solution = solve(&problem, &start).unwrap();
+        (points, solution)
+    }
+}
+
+fn spread(points: &ContactPoints, solution: &Solution, pressure: f64) -> f64 {
+    (0..points.len()).map(|j| (solution.forces[j] / points.area[j] / pressure - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Source: uniaxial stress. Goal: a uniform pressure crosses non-matching meshes exactly, the hub moves by
+/// F·(h1 + h2)/(E·A). Units SI. Accuracy: PATCH for the pressure, ROUNDOFF for the displacement.
+#[test]
+fn patch_test_on_non_matching_meshes() {
+    let blocks = Blocks::new([5, 4, 3], [7, 6, 2]);
+    let (load, area) = (40e3, 0.02 * 0.02);
+    for friction in [0.0, 0.5] {
+        let (points, solution) = blocks.press(load, friction);
+        let worst = spread(&points, &solution, load / area);
+        assert!(worst < PATCH, "friction {friction}: pressure differs by {worst:e}");
+        let exact = load * (blocks.heights[0] + blocks.heights[1]) / (Material::STEEL.young * area);
+        assert!((solution.hub[0] / exact - 1.0).abs() < ROUNDOFF, "{} {exact}", solution.hub[0]);
+    }
+}
+
+/// The patch test can fail: with a weight of one node disturbed by 1 % the pressure is no longer uniform.
+#[test]
+fn a_wrong_weight_fails_the_patch_test() {
+    let blocks = Blocks::new([5, 4, 3], [7, 6, 2]);
+    let (mut points, solution) = blocks.press(40e3, 0.0);
+    points.area[3] *= 1.01;
+    assert!(spread(&points, &solution, 40e3 / 4e-4) > PATCH);
+}
+
+/// A rigid-plane approach of two bodies whose gap is x²/2Rx + s²/2Rs, on half-spaces.
+fn half_space_hertz(radius_x: f64, radius_s: f64, load: f64, h: f64, count: (usize, usize)) -> (f64, f64, f64) {
+    let points = ContactPoints::flat_grid(count, h, |s, x| {
+        s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x)
+    });
+    let contact_modulus = Material::STEEL.contact_modulus();
+    let compliance = total(&[&HalfSpace { contact_modulus }], &points, 1);
+    let problem =
+        Problem { points: &points, compliance: &compliance, free: &points.gap, friction: 0.0, hub: &[(2, -load)] };
+    let solution = solve(&problem, &vec![0.0; points.len()]).unwrap();
+    let largest = solution.forces.iter().zip(&points.area).map(|(f, a)| f / a).fold(0.0, f64::max);
+    let tangent = hub_response(&problem, &solution, &[2], false).unwrap().stiffness[(0, 0)];
+    (solution.hub[0], largest, tangent)
+}
+
+/// Source: Hertz (K.L. Johnson, Contact Mechanics, 1985, chapter 4). Goal: sphere and crossed cylinders on
+/// half-spaces; approach within 3 %, largest pressure within 5 % with about five cells to the smaller
+/// semi-axis, and converging. Units SI.
+#[test]
+fn hertz_sphere_and_crossed_cylinders_on_half_spaces() {
+    let load = 85e3;
+    for (radius_x, radius_s) in [(0.3, 0.3), (0.429, 0.3), (0.46, 0.08)] {
+        let exact = point_contact(load, radius_x, radius_s, Material::STEEL.contact_modulus()).unwrap();
+        let mut errors = Vec::new();
+        for cells in [5.0, 10.0] {
+            let h = exact.semi_axis_x.min(exact.semi_axis_y) / cells;
+            let count = [exact.semi_axis_y, exact.semi_axis_x].map(|a| (2.4 * a / h) as usize | 1).into();
+            let (approach, pressure, tangent) = half_space_hertz(radius_x, radius_s, load, h, count);
+            errors.push([
+                (approach / exact.approach - 1.0).abs(),
+                (pressure / exact.max_pressure - 1.0).abs(),
+                (tangent / exact.tangent_stiffness - 1.0).abs(),
+            ]);
+        }
+        assert!(errors[0][0] < 0.03 && errors[0][1] < 0.05, "{radius_x} {radius_s}: {errors:?}");
+        assert!(errors[1][0] < 0.5 * errors[0][0].max(2e-3), "approach does not converge: {errors:?}");
+        assert!(errors[1][1] < 0.02 && errors[1][2] < 0.03, "{errors:?}");
+    }
+}
+
+/// Errors of two condensed blocks in contact against Hertz: approach and largest pressure, relative.
+///
+/// The blocks are not half-spaces, but beyond the patch they are linear, so that δ/F = δ_Hertz/F + C: the
+/// difference of δ/F between two loads is free of C. It is compared with that of Hertz, over the approach
+/// itself at the smaller load.
+fn block_hertz(element: f64, radius_x: f64, radius_s: f64) -> (f64, f64) {
+    let mesh = mesh_block(&BlockOptions::graded(0.06, 0.06, 0.012, 0.006, element, 1.6)).unwrap();
+    let upper_mesh = upside_down(mesh.clone());
+    let material = Material::STEEL;
+    let (lower, upper) = (condensed(&mesh, material), condensed(&upper_mesh, material));
+    let curve = straight(0.12);
+    let surface = |grid| Surface { curve: &curve, shape: Shape::Extruded, grid, origin: Vector2::zeros() };
+    let mut points =
+        pair(&surface(&mesh.contact), &surface(&upper_mesh.contact), PairingLimits { largest_gap: 1e-3 });
+    let window: Vec<bool> =
+        points.position.iter().map(|p| (p.x - 0.06).abs() < 0.0125 && p.y.abs() < 0.0125).collect();
+    points.retain(&window);
+    for j in 0..points.len() {
+        let (s, x) = (points.position[j].x - 0.06, points.position[j].y);
+        points.gap[j] = s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x);
+    }
+    let compliance = total(
+        &[
+            &BodyCompliance { compliance: &lower.compliance, side: Side::Base },
+            &BodyCompliance { compliance: &upper.compliance, side: Side::Opposing },
+        ],
+        &points,
+        1,
+    );
+    let press = |load: f64| {
+        let hub = [(2, -load)];
+        let problem =
+            Problem { points: &points, compliance: &compliance, free: &points.gap, friction: 0.0, hub: &hub };
+        solve(&problem, &vec![0.0; points.len()]).unwrap()
+    };
+    let (small, large) = (50e3, 150e3);
+    let (a, b) = (press(small), press(large));
+    let hertz = |load: f64| point_contact(load, radius_x, radius_s, material.contact_modulus()).unwrap();
+    let measured = a.hub[0] / small - b.hub[0] / large;
+    let exact = hertz(small).approach / small - hertz(large).approach / large;
+    let largest = b.forces.iter().zip(&points.area).map(|(f, a)| f / a).fold(0.0, f64::max);
+    ((measured - exact) * small / hertz(small).approach, largest / hertz(large).max_pressure - 1.0)
+}
+
+/// Source: Hertz. Goal: condensed finite elements give the approach of sphere and crossed cylinders within 3 % and
+/// the largest pressure within 5 % with 2 mm contact elements (the smaller semi-axis is three and a half elements),
+/// and both come nearer with smaller elements. Both blocks are 120 mm wide and 60 mm high. Units SI.
+#[test]
+fn hertz_on_finite_element_blocks() {
+    for (radius_x, radius_s) in [(1.0, 1.0), (1.0, 0.7)] {
+        let coarse = block_hertz(0.004, radius_x, radius_s);
+        let standard = block_hertz(0.002, radius_x, radius_s);
+        println!("radii {radius_x} {radius_s}: errors of approach and pressure {coarse:?} (4 mm), {standard:?} (2 mm)");
+        assert!(standard.0.abs() < 0.03, "approach off by {}", standard.0);
+        assert!(standard.1.abs() < 0.05, "largest pressure off by {}", standard.1);
+        assert!(standard.0.abs() < 0.7 * coarse.0.abs(), "approach: {coarse:?} {standard:?}");
+    }
+}
+
+/// Rows of a block of `n` points, each on its own spring of compliance `c` in all directions.
+fn springs(points: &ContactPoints, c: f64) -> Mat<f64> {
+    let mut matrix = Mat::zeros(3 * points.len(), 3 * points.len());
+    PenaltySprings { stiffness: 1.0 / c }.add_to(points, &mut matrix);
+    matrix
+}
+
+/// Source: Coulomb's law on a block that is shifted on tangential springs. Goal: it sticks with force = shift/c
+/// up to μ·P, slides with μ·P against the shift beyond it, and carries nothing when lifted. Accuracy: rounding.
+#[test]
+fn sticking_sliding_and_separation() {
+    let (c, mu, press) = (1e-9, 0.5, 1e-5);
+    let points = ContactPoints::flat_grid((1, 1), 2e-3, |_, _| 0.0);
+    let compliance = springs(&points, c);
+    let run = |gap: f64, slip: [f64; 2]| {
+        let free = [gap, slip[0], slip[1]];
+        let problem = Problem { points: &points, compliance: &compliance, free: &free, friction: mu, hub: &[] };
+        solve(&problem, &[0.0; 3]).unwrap()
+    };
+    let normal = press / c;
+    let stick = run(-press, [3e-6, 0.0]);
+    assert_eq!(stick.modes, [PointMode::Stick]);
+    assert!((stick.forces[1] + 3e-6 / c).abs() < ROUNDOFF * normal);
+    let slide = run(-press, [6e-6, 8e-6]);
+    assert_eq!(slide.modes, [PointMode::Slip]);
+    assert!((slide.forces[0] - normal).abs() < ROUNDOFF * normal);
+    assert!((slide.forces[1] + mu * normal * 0.6).abs() < ROUNDOFF * normal, "{:?}", slide.forces);
+    assert!((slide.forces[2] + mu * normal * 0.8).abs() < ROUNDOFF * normal, "{:?}", slide.forces);
+    let open = run(1e-6, [1e-5, 0.0]);
+    assert_eq!(open.modes, [PointMode::Open]);
+    assert_eq!(open.forces, [0.0; 3]);
+}
+
+/// Goal: the hub's tangent stiffness by algebra equals a central difference of two solved loads.
+/// Accuracy: the difference's second-order error for a load step of one part in a thousand.
+#[test]
+fn tangent_by_algebra_is_the_slope_of_the_load_curve() {
+    const DIFFERENCE: f64 = 2e-2;
+    let (load, step) = (85e3, 85.0);
+    let (_, _, tangent) = half_space_hertz(0.4, 0.3, load, 0.6e-3, (31, 31));
+    let (low, _, _) = half_space_hertz(0.4, 0.3, load - step, 0.6e-3, (31, 31));
+    let (high, _, _) = half_space_hertz(0.4, 0.3, load + step, 0.6e-3, (31, 31));
+    let slope = 2.0 * step / (high - low);
+    assert!((tangent / slope - 1.0).abs() < DIFFERENCE, "{tangent} {slope}");
+}

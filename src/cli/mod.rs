@@ -1,0 +1,189 @@
+//! The command line: arguments, messages and exit codes.
+
+mod progress;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use railspring_calibrate::error::{Error, InputError};
+
+use crate::output::OutputFolder;
+use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
+use crate::records::VerificationRecord;
+use crate::study::{LocatedError, Study, schema};
+
+use progress::Progress;
+
+/// Exit codes, the same for all commands.
+const EXIT_CODES: &str = "Exit codes:
+  0    done, and every limit holds
+  1    done, but a limit does not hold
+  2    the input or the command line cannot be used
+  3    the numerics did not reach an answer
+  130  stopped with Ctrl-C";
+
+/// Fits the contact springs between a railway wheel and a rail, and proves them.
+#[derive(Debug, Parser)]
+#[command(name = "railspring", version, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the whole study: calibrate, simulate, verify, report
+    Run(StudyArgs),
+    /// Calibrate: the load curve, the normal law and the horizontal stiffness
+    Calibrate(StudyArgs),
+    /// Simulate the load cases with the simple model
+    Simulate {
+        #[command(flatten)]
+        study: StudyArgs,
+        /// Springs to simulate with; left out, stiffness.json of the output folder
+        #[arg(long, value_name = "FILE")]
+        law: Option<PathBuf>,
+    },
+    /// Run the solid model where its histories are missing, and judge the simple model by it
+    Verify(StudyArgs),
+    /// Write the meshes of wheel and rail
+    Mesh(StudyArgs),
+    /// Write the report again from the files of the output folder
+    Report(StudyArgs),
+    /// Print the JSON schema of the study file
+    Schema,
+}
+
+/// What every stage needs to know.
+#[derive(Debug, Args)]
+struct StudyArgs {
+    /// The study, a TOML file
+    #[arg(value_name = "STUDY")]
+    study: PathBuf,
+    /// Output folder; left out, out/<name of the study>
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+    /// Number of threads; left out, one for each core. The results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// A failure with the place where it stands.
+enum Failure {
+    Located(LocatedError),
+    Plain(Error),
+}
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let command = Cli::parse().command;
+    match dispatch(&command) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(failure) => {
+            let (message, code) = match failure {
+                Failure::Located(error) => (error.to_string(), 2),
+                Failure::Plain(error) => (error.to_string(), exit_code(&error)),
+            };
+            eprintln!("error: {message}");
+            ExitCode::from(code)
+        }
+    }
+}
+
+fn exit_code(error: &Error) -> u8 {
+    match error {
+        Error::Input(_) => 2,
+        Error::Numerics(_) => 3,
+        Error::Interrupted => 130,
+        // The error type may grow; an error of an unknown kind is no usable input.
+        _ => 2,
+    }
+}
+
+/// Runs a command; whether all limits hold.
+fn dispatch(command: &Command) -> Result<bool, Failure> {
+    let (args, law) = match command {
+        Command::Schema => {
+            let text = serde_json::to_string_pretty(&schema()).expect("a schema is plain JSON");
+            say(&text);
+            return Ok(true);
+        }
+        Command::Simulate { study, law } => (study, law.as_deref()),
+        Command::Run(study)
+        | Command::Calibrate(study)
+        | Command::Verify(study)
+        | Command::Mesh(study)
+        | Command::Report(study) => (study, None),
+    };
+    let study = Study::read(&args.study).map_err(Failure::Located)?;
+    staged(command, args, &study, law).map_err(|error| match error {
+        Error::Input(input) if study.owns(&input.key) => Failure::Located(study.source.locate(input)),
+        other => Failure::Plain(other),
+    })
+}
+
+fn staged(
+    command: &Command,
+    args: &StudyArgs,
+    study: &Study,
+    law: Option<&std::path::Path>,
+) -> Result<bool, Error> {
+    let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
+    let makes_its_own = matches!(command, Command::Run(_) | Command::Calibrate(_) | Command::Mesh(_));
+    let folder = if makes_its_own || law.is_some() {
+        OutputFolder::create(&path)?
+    } else {
+        OutputFolder::open(&path)?
+    };
+    if let Some(threads) = args.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(|cause| {
+            InputError::new("--threads", cause, "a number of threads that the system grants", "take fewer")
+        })?;
+    }
+    let progress = Progress::new(args.quiet);
+    let pipeline = Pipeline::new(study, &folder, &progress);
+    let holds = match command {
+        Command::Run(_) => pipeline.run()?,
+        Command::Calibrate(_) => pipeline.calibrate().map(|()| true)?,
+        Command::Simulate { .. } => pipeline.simulate(law).map(|()| true)?,
+        Command::Verify(_) => pipeline.verify()?,
+        Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
+        Command::Report(_) => pipeline.report().map(|()| true)?,
+        Command::Schema => unreachable!("printed without a study"),
+    };
+    progress.finish();
+    if !args.quiet {
+        if matches!(command, Command::Run(_) | Command::Verify(_)) {
+            print_verdict(&folder.read_json(VERIFICATION, "verify")?);
+        }
+        let last = if matches!(command, Command::Run(_) | Command::Report(_)) { folder.file(REPORT) } else { path };
+        say(&last.display().to_string());
+    }
+    Ok(holds)
+}
+
+/// The verdict in a few lines.
+fn print_verdict(verdict: &VerificationRecord) {
+    let calibration = verdict.calibration.iter().map(|line| ("springs", line));
+    let scenarios = verdict
+        .scenarios
+        .iter()
+        .flat_map(|scenario| scenario.comparison.lines.iter().map(|line| (scenario.scenario.as_str(), line)));
+    for (subject, line) in calibration.chain(scenarios) {
+        let word = if line.holds { "holds" } else { "FAILS" };
+        let unit = if line.unit == "1" { String::new() } else { format!(" {}", line.unit) };
+        let value = line.value.map_or_else(|| "none".into(), |value| format!("{value:.4}{unit}"));
+        say(&format!("{word}  {subject}: {} {value} (limit {}{unit})", line.meaning, line.limit));
+    }
+}
+
+/// Prints a line; a reader that has gone away, as in `railspring schema | head`, is no error.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}

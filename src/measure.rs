@@ -1,0 +1,85 @@
+//! Wall clock, memory, date and host of a run: the part of the results that
+//! differs from run to run.
+
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use crate::records::{Measured, StageMeasure};
+
+/// Measures one stage.
+#[derive(Debug)]
+pub struct Stopwatch {
+    begun: Instant,
+}
+
+impl Stopwatch {
+    /// Starts the clock and forgets the peak of the memory so far, where the system allows it.
+    pub fn start() -> Self {
+        // Linux resets the peak when 5 is written here; elsewhere the peak is that since the start.
+        let _ = std::fs::write("/proc/self/clear_refs", "5");
+        Self { begun: Instant::now() }
+    }
+
+    /// The measure of the stage.
+    pub fn stop(self, stage: &str, degrees_of_freedom: Option<usize>) -> StageMeasure {
+        let seconds = self.begun.elapsed().as_secs_f64();
+        StageMeasure {
+            stage: stage.into(),
+            degrees_of_freedom,
+            seconds: (seconds * 1e3).round() / 1e3,
+            peak_memory_mib: peak_memory_mib().map(|mib| (mib * 10.0).round() / 10.0),
+        }
+    }
+}
+
+/// Date, host and threads; no stages yet.
+pub fn begin() -> Measured {
+    Measured {
+        begun_utc: utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())),
+        host: std::fs::read_to_string("/proc/sys/kernel/hostname")
+            .map(|name| name.trim().to_string())
+            .or_else(|_| std::env::var("COMPUTERNAME"))
+            .unwrap_or_else(|_| "unknown".into()),
+        threads: rayon::current_num_threads(),
+        stages: Vec::new(),
+    }
+}
+
+/// Largest resident memory since the last reset, MiB.
+fn peak_memory_mib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib / 1024.0)
+}
+
+/// Seconds since 1970 as `2016-01-31T12:00:00Z` (proleptic Gregorian calendar).
+fn utc(seconds: u64) -> String {
+    let (days, rest) = (seconds / 86_400, seconds % 86_400);
+    let mut year = 1970;
+    let mut left = days;
+    let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    while left >= 365 + u64::from(leap(year)) {
+        left -= 365 + u64::from(leap(year));
+        year += 1;
+    }
+    let lengths = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    let mut month = 0;
+    while left >= lengths[month] {
+        left -= lengths[month];
+        month += 1;
+    }
+    let (hour, minute, second) = (rest / 3600, rest % 3600 / 60, rest % 60);
+    format!("{year:04}-{:02}-{:02}T{hour:02}:{minute:02}:{second:02}Z", month + 1, left + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        assert_eq!(utc(0), "1970-01-01T00:00:00Z");
+        assert_eq!(utc(951_782_400), "2000-02-29T00:00:00Z");
+        assert_eq!(utc(1_483_228_799), "2016-12-31T23:59:59Z");
+    }
+}

@@ -1,0 +1,213 @@
+//! The output folder: checked before any work is done, and every file in it
+//! either complete or absent.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use railspring_calibrate::error::{InputError, Result};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// A folder that files are written to, each under a temporary name first.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    /// Folders that did not exist before, outermost first.
+    created: Vec<PathBuf>,
+}
+
+impl OutputFolder {
+    /// Creates the folder if need be and checks that files can be written to it.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `output folder` if it cannot be created or written.
+    pub fn create(path: &Path) -> Result<Self> {
+        let created: Vec<PathBuf> = path
+            .ancestors()
+            .take_while(|p| !p.as_os_str().is_empty() && !p.exists())
+            .map(Path::to_path_buf)
+            .collect();
+        let created = created.into_iter().rev().collect();
+        let folder = Self { path: path.to_path_buf(), created };
+        std::fs::create_dir_all(path)
+            .and_then(|()| tempfile::NamedTempFile::new_in(path))
+            .map_err(|cause| folder.unwritable(&cause))?;
+        Ok(folder)
+    }
+
+    /// Opens a folder that an earlier stage has written.
+    ///
+    /// # Errors
+    /// As [`OutputFolder::create`]; also if the folder does not exist.
+    pub fn open(path: &Path) -> Result<Self> {
+        if !path.is_dir() {
+            return Err(InputError::new(
+                "output folder",
+                path.display(),
+                "a folder that an earlier stage has written",
+                "run that stage first, or name its folder with -o",
+            )
+            .into());
+        }
+        Self::create(path)
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Path of a file in the folder.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Writes a file at once; a file of that name is replaced only when the new one is complete.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `output folder` if the file cannot be written.
+    pub fn write(&self, name: &str, content: &[u8]) -> Result<()> {
+        self.replace(name, |temporary| std::fs::write(temporary, content))
+    }
+
+    /// Lets `fill` write a file under a temporary name in the same folder, then renames it.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `output folder` if `fill` fails or the file cannot be renamed.
+    fn replace(&self, name: &str, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<()> {
+        let target = self.file(name);
+        let parent = target.parent().unwrap_or(&self.path);
+        let write = || -> std::io::Result<()> {
+            std::fs::create_dir_all(parent)?;
+            let temporary = tempfile::Builder::new().prefix(".railspring-").tempfile_in(parent)?;
+            let temporary = temporary.into_temp_path();
+            fill(&temporary)?;
+            readable_by_all(&temporary)?;
+            temporary.persist(&target).map_err(|cause| cause.error)
+        };
+        write().map_err(|cause| self.unwritable(&cause).into())
+    }
+
+    /// Writes a value as indented JSON.
+    ///
+    /// # Errors
+    /// As [`OutputFolder::write`].
+    pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<()> {
+        let mut text = serde_json::to_vec_pretty(value).expect("records are plain data");
+        text.write_all(b"\n").expect("a vector grows");
+        self.write(name, &text)
+    }
+
+    /// Reads a JSON file of the folder.
+    ///
+    /// # Errors
+    /// As [`read_json`].
+    pub fn read_json<T: DeserializeOwned>(&self, name: &str, made_by: &str) -> Result<T> {
+        read_json(&self.file(name), made_by)
+    }
+
+    fn unwritable(&self, cause: &std::io::Error) -> InputError {
+        InputError::new(
+            "output folder",
+            format!("{} ({cause})", self.path.display()),
+            "a folder that can be created and written",
+            "choose another one with -o, or mend its permissions",
+        )
+    }
+}
+
+impl Drop for OutputFolder {
+    /// Takes away the folders that were created and stayed empty.
+    fn drop(&mut self) {
+        for folder in self.created.iter().rev() {
+            if std::fs::remove_dir(folder).is_err() {
+                break;
+            }
+        }
+    }
+}
+
+/// Reads a JSON file.
+///
+/// # Errors
+/// [`InputError`] whose key is the path, if the file is absent or has another content; `made_by`
+/// names the command that writes such a file.
+pub fn read_json<T: DeserializeOwned>(path: &Path, made_by: &str) -> Result<T> {
+    let text = read_text(path, made_by)?;
+    serde_json::from_str(&text).map_err(|cause| {
+        InputError::new(
+            path.display().to_string(),
+            cause,
+            format!("a file as `railspring {made_by}` writes it"),
+            format!("write it again with `railspring {made_by}`"),
+        )
+        .into()
+    })
+}
+
+/// Reads a text file that an earlier stage has written.
+///
+/// # Errors
+/// [`InputError`] whose key is the path, if the file cannot be read.
+pub fn read_text(path: &Path, made_by: &str) -> Result<String> {
+    std::fs::read_to_string(path).map_err(|cause| {
+        InputError::new(
+            path.display().to_string(),
+            cause,
+            format!("a file as `railspring {made_by}` writes it"),
+            format!("run `railspring {made_by}` first, or name the right folder with -o"),
+        )
+        .into()
+    })
+}
+
+/// A temporary file is private to its owner; a result should have the permissions of any other new file.
+fn readable_by_all(path: &Path) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o644))?;
+    }
+    #[cfg(not(unix))]
+    let _ = path;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::create(&root.path().join("a/b")).unwrap();
+        folder.write("x.txt", b"old").unwrap();
+        let failed = folder.replace("x.txt", |temporary| {
+            std::fs::write(temporary, b"half of the new")?;
+            Err(std::io::Error::other("disk full"))
+        });
+        assert!(failed.is_err());
+        assert_eq!(std::fs::read(folder.file("x.txt")).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn empty_folders_are_taken_away_and_used_ones_stay() {
+        let root = tempfile::tempdir().unwrap();
+        drop(OutputFolder::create(&root.path().join("a/b")).unwrap());
+        assert!(!root.path().join("a").exists());
+        let folder = OutputFolder::create(&root.path().join("a/b")).unwrap();
+        folder.write("x.txt", b"x").unwrap();
+        drop(folder);
+        assert!(root.path().join("a/b/x.txt").exists());
+    }
+
+    #[test]
+    fn a_folder_below_a_file_is_refused() {
+        let root = tempfile::tempdir().unwrap();
+        let file = root.path().join("file");
+        std::fs::write(&file, b"").unwrap();
+        let error = OutputFolder::create(&file.join("out")).unwrap_err();
+        assert!(error.to_string().starts_with("output folder = "), "{error}");
+    }
+}

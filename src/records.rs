@@ -1,0 +1,292 @@
+//! The content of the result files: the values that the stages hand to the
+//! report and to later commands, in the units that the files name.
+
+use serde::{Deserialize, Serialize};
+
+use crate::verify::{Comparison, Line};
+
+pub mod history_csv;
+
+/// `stiffness.json`: the springs and what made them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StiffnessRecord {
+    /// Name of the study.
+    pub study: String,
+    /// What the displacement of `law` is measured against: `foot`, `beam` or `local`.
+    pub reference: String,
+    /// The normal law in use.
+    pub law: LawRecord,
+    /// Horizontal stiffness, kN/m.
+    pub horizontal_kn_per_m: f64,
+    /// How constant the horizontal stiffness is.
+    pub horizontal: HorizontalRecord,
+    /// The laws with each reference, the one in use included.
+    pub references: Vec<ReferenceRecord>,
+    /// Where the compliance sits, at some loads.
+    pub compliance_split: Vec<ComplianceRecord>,
+    /// The published penalty criterion.
+    pub penalty: PenaltyRecord,
+    /// Size and quality of the solid meshes.
+    pub mesh: Vec<BodyMeshRecord>,
+    /// Where wheel and rail first touch.
+    pub touch: TouchRecord,
+    /// Hash of the study that made this.
+    pub input_hash: String,
+    /// Version of the program that made this.
+    pub version: String,
+}
+
+impl StiffnessRecord {
+    /// Mass of the solid wheel, kg.
+    pub fn wheel_mass(&self) -> f64 {
+        self.mesh.iter().find(|mesh| mesh.body == "wheel").map_or(f64::NAN, |mesh| mesh.mass_kg)
+    }
+}
+
+/// A fitted law `k(f) = a + b·(f/f0)^c`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LawRecord {
+    /// Constant part, kN/m.
+    pub a_kn_per_m: f64,
+    /// Factor of the power, kN/m.
+    pub b_kn_per_m: f64,
+    /// Exponent.
+    pub c: f64,
+    /// Reference force, kN.
+    pub f0_kn: f64,
+    /// Smallest and largest load of the fit, kN.
+    pub range_kn: [f64; 2],
+    /// RMS relative deviation of the law from the solid.
+    pub rms_rel_error: f64,
+    /// Largest relative deviation of the law from the solid.
+    pub max_rel_error: f64,
+    /// Standard error of a, kN/m.
+    pub a_standard_error_kn_per_m: f64,
+    /// Standard error of b, kN/m.
+    pub b_standard_error_kn_per_m: f64,
+    /// Standard error of c.
+    pub c_standard_error: f64,
+}
+
+impl LawRecord {
+    /// Tangent stiffness at a force, kN/m and kN.
+    pub fn tangent(&self, force_kn: f64) -> f64 {
+        self.a_kn_per_m + self.b_kn_per_m * (force_kn / self.f0_kn).powf(self.c)
+    }
+}
+
+/// The law with one reference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceRecord {
+    /// `foot`, `beam` or `local`.
+    pub reference: String,
+    /// The law.
+    pub law: LawRecord,
+    /// The solid's own values, load by load.
+    pub points: Vec<TangentRecord>,
+}
+
+/// The solid at one load, with one reference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TangentRecord {
+    /// Load, kN.
+    pub force_kn: f64,
+    /// Displacement, mm.
+    pub displacement_mm: f64,
+    /// Tangent stiffness, kN/m.
+    pub tangent_kn_per_m: f64,
+}
+
+/// The horizontal stiffness at each preload.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HorizontalRecord {
+    /// Largest less smallest stiffness over their mean.
+    pub relative_spread: f64,
+    /// The points.
+    pub points: Vec<HorizontalPointRecord>,
+}
+
+/// The horizontal stiffness at one preload.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HorizontalPointRecord {
+    /// Vertical preload, kN.
+    pub preload_kn: f64,
+    /// Horizontal stiffness, kN/m.
+    pub stiffness_kn_per_m: f64,
+    /// Difference from the stiffness in use, relative.
+    pub deviation: f64,
+}
+
+/// Parts of the tangent compliance at one load, µm/kN. They add up to the compliance of the solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ComplianceRecord {
+    /// Load, kN.
+    pub force_kn: f64,
+    /// Local contact deformation.
+    pub local_um_per_kn: f64,
+    /// Wheel body.
+    pub wheel_um_per_kn: f64,
+    /// Rail body less the beam.
+    pub rail_um_per_kn: f64,
+    /// Rail as a beam.
+    pub beam_um_per_kn: f64,
+}
+
+/// The published penalty criterion: the penetration below 1/1000 of the displacement at the wheel centre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PenaltyRecord {
+    /// `exact` or `penalty`.
+    pub enforcement: String,
+    /// Penalty stiffness, kN/m.
+    pub penalty_kn_per_m: f64,
+    /// Largest penetration over the displacement at the wheel centre, if it was measured.
+    pub penetration_over_displacement: Option<f64>,
+}
+
+/// Size and quality of one mesh.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodyMeshRecord {
+    /// `rail` or `wheel`.
+    pub body: String,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of hexahedra.
+    pub elements: usize,
+    /// Degrees of freedom.
+    pub degrees_of_freedom: usize,
+    /// Number of candidate contact nodes.
+    pub contact_nodes: usize,
+    /// Edge length in the contact zone, mm.
+    pub contact_element_mm: f64,
+    /// Smallest scaled Jacobian.
+    pub min_scaled_jacobian: f64,
+    /// Mean scaled Jacobian.
+    pub mean_scaled_jacobian: f64,
+    /// Mass, kg.
+    pub mass_kg: f64,
+}
+
+/// Where wheel and rail first touch.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TouchRecord {
+    /// Touching point on the rail, rail profile frame, mm.
+    pub rail_y_mm: f64,
+    /// See `rail_y_mm`.
+    pub rail_z_mm: f64,
+    /// Touching point on the wheel, wheel profile frame, mm.
+    pub wheel_y_mm: f64,
+    /// See `wheel_y_mm`.
+    pub wheel_z_mm: f64,
+    /// Contact angle, degrees.
+    pub angle_deg: f64,
+    /// Hertz tangent stiffness at 1 kN for the curvatures there, kN/m; it grows with the cube root of the load.
+    pub hertz_kn_per_m: f64,
+    /// Radius of the rail across, mm (negative: hollow).
+    pub rail_radius_mm: f64,
+    /// Radius of the wheel profile across, mm (negative: hollow).
+    pub wheel_radius_mm: f64,
+    /// Rolling radius of the wheel, mm.
+    pub rolling_radius_mm: f64,
+}
+
+/// One row of `load_curve.csv`: one load, with the reference in use.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LoadCurveRow {
+    /// Load, kN.
+    pub force_kn: f64,
+    /// Displacement, mm.
+    pub displacement_mm: f64,
+    /// Tangent stiffness of the solid, kN/m.
+    pub solid_tangent_kn_per_m: f64,
+    /// Tangent stiffness of the law, kN/m.
+    pub law_tangent_kn_per_m: f64,
+    /// Contact area, mm².
+    pub contact_area_mm2: f64,
+    /// Largest pressure, MPa.
+    pub max_pressure_mpa: f64,
+    /// Semi-axis of the patch along the track, mm.
+    pub semi_axis_along_mm: f64,
+    /// Semi-axis of the patch across, mm.
+    pub semi_axis_across_mm: f64,
+}
+
+/// `verification.json`: the verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VerificationRecord {
+    /// Name of the study.
+    pub study: String,
+    /// Whether every line holds.
+    pub holds: bool,
+    /// Lines on the springs themselves.
+    pub calibration: Vec<Line>,
+    /// The comparison of each scenario that both models ran.
+    pub scenarios: Vec<ScenarioVerdict>,
+    /// Hash of the study that made this.
+    pub input_hash: String,
+    /// Version of the program that made this.
+    pub version: String,
+    /// What differs from run to run.
+    pub measured: Measured,
+}
+
+/// The comparison of one scenario.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScenarioVerdict {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Degrees of freedom of the simple model.
+    pub simple_degrees_of_freedom: usize,
+    /// Degrees of freedom of the solid model.
+    pub solid_degrees_of_freedom: usize,
+    /// How far apart they are.
+    #[serde(flatten)]
+    pub comparison: Comparison,
+}
+
+/// What differs from run to run: time, memory, host. Nothing else in the results does.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Measured {
+    /// When the run began, UTC.
+    pub begun_utc: String,
+    /// Name of the machine.
+    pub host: String,
+    /// Number of threads.
+    pub threads: usize,
+    /// The stages, in the order in which they ended.
+    pub stages: Vec<StageMeasure>,
+}
+
+impl Measured {
+    /// The measure of a stage.
+    pub fn stage(&self, name: &str) -> Option<&StageMeasure> {
+        self.stages.iter().find(|stage| stage.stage == name)
+    }
+
+    /// Adds a stage, or replaces its earlier measure.
+    pub fn note(&mut self, measure: StageMeasure) {
+        self.stages.retain(|stage| stage.stage != measure.stage);
+        self.stages.push(measure);
+    }
+}
+
+/// Seconds and memory of one stage.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StageMeasure {
+    /// Name of the stage, for instance `solid model, sine`.
+    pub stage: String,
+    /// Degrees of freedom, if the stage solves a model.
+    pub degrees_of_freedom: Option<usize>,
+    /// Wall clock, s.
+    pub seconds: f64,
+    /// Largest resident memory of the process during the stage, MiB; `None` where the system does not tell.
+    pub peak_memory_mib: Option<f64>,
+}
+
+/// Writes rows as CSV with a heading.
+pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).expect("records are plain data");
+    }
+    writer.into_inner().expect("a vector grows")
+}

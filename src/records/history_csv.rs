@@ -1,0 +1,186 @@
+//! `history.csv` and `solid_history.csv`: one row a time step.
+//!
+//! Forces in kN, positions in mm, each in the frame that its name says. The
+//! contacts of a row follow each other from the gauge side to the field side;
+//! a contact that does not exist has the mode `separated` and empty cells.
+
+use std::path::Path;
+
+use nalgebra::Point2;
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryRow};
+use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+
+/// Columns before those of the contacts.
+const COMMON: [&str; 7] = ["time_s", "p_kn", "q_kn", "q_over_p", "wheel_y_mm", "wheel_z_mm", "mode"];
+/// Columns of one contact.
+const OF_CONTACT: [&str; 7] =
+    ["mode", "normal_kn", "tangential_kn", "rail_y_mm", "rail_z_mm", "wheel_y_mm", "wheel_z_mm"];
+/// Tread and flange: every file has room for these.
+const CONTACTS_AT_LEAST: usize = 2;
+
+/// The file's bytes.
+pub fn write(history: &History) -> Vec<u8> {
+    let contacts = history.rows.iter().map(|row| row.contacts.len()).max().unwrap_or(0).max(CONTACTS_AT_LEAST);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut heading: Vec<String> = COMMON.iter().map(ToString::to_string).collect();
+    for contact in 1..=contacts {
+        heading.extend(OF_CONTACT.iter().map(|name| format!("contact_{contact}_{name}")));
+    }
+    writer.write_record(&heading).expect("a vector grows");
+    for row in &history.rows {
+        let mut cells = vec![
+            number(row.time),
+            number(row.vertical_force / KILONEWTON),
+            number(row.lateral_force / KILONEWTON),
+            if row.vertical_force > 0.0 { number(row.lateral_force / row.vertical_force) } else { String::new() },
+            number(row.wheel_y / MILLIMETRE),
+            number(row.wheel_z / MILLIMETRE),
+            row.mode().name().to_string(),
+        ];
+        for index in 0..contacts {
+            match row.contacts.get(index) {
+                Some(contact) => {
+                    cells.push(contact.mode.name().to_string());
+                    cells.push(number(contact.normal_force / KILONEWTON));
+                    cells.push(number(contact.tangential_force / KILONEWTON));
+                    for point in [contact.rail, contact.wheel] {
+                        cells.push(number(point.x / MILLIMETRE));
+                        cells.push(number(point.y / MILLIMETRE));
+                    }
+                }
+                None => {
+                    cells.push(ContactMode::Separated.name().to_string());
+                    cells.extend(std::iter::repeat_n(String::new(), OF_CONTACT.len() - 1));
+                }
+            }
+        }
+        writer.write_record(&cells).expect("a vector grows");
+    }
+    writer.into_inner().expect("a vector grows")
+}
+
+/// Twelve significant digits, in the shortest form.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    let magnitude = rounded.abs();
+    if (1e-4..1e9).contains(&magnitude) { format!("{rounded}") } else { format!("{rounded:e}") }
+}
+
+/// Reads a history back; `degrees_of_freedom` is not in the file.
+///
+/// # Errors
+/// [`InputError`] whose key is the path and whose value says the row, if the file has another content.
+pub fn read(path: &Path, text: &str, degrees_of_freedom: usize) -> Result<History> {
+    let broken = |row: usize, what: String| -> railspring_calibrate::error::Error {
+        InputError::new(
+            format!("{}:{row}", path.display()),
+            what,
+            "a history as `railspring simulate` or `railspring verify` writes it",
+            "write it again with that command",
+        )
+        .into()
+    };
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let heading = reader.headers().map_err(|cause| broken(1, cause.to_string()))?.clone();
+    let fits = heading.len() >= COMMON.len()
+        && (heading.len() - COMMON.len()).is_multiple_of(OF_CONTACT.len())
+        && heading.iter().zip(COMMON).all(|(found, expected)| found == expected);
+    if !fits {
+        return Err(broken(1, heading.iter().collect::<Vec<_>>().join(",")));
+    }
+    let mut rows = Vec::new();
+    for (index, record) in reader.records().enumerate() {
+        let line = index + 2;
+        let record = record.map_err(|cause| broken(line, cause.to_string()))?;
+        let cell = |column: usize| record.get(column).unwrap_or_default();
+        let value = |column: usize| -> Result<f64> {
+            cell(column).parse().map_err(|_| broken(line, format!("{:?} in column {}", cell(column), column + 1)))
+        };
+        let point = |column: usize| -> Result<Point2<f64>> {
+            Ok(Point2::new(value(column)? * MILLIMETRE, value(column + 1)? * MILLIMETRE))
+        };
+        let mut contacts = Vec::new();
+        for start in (COMMON.len()..heading.len()).step_by(OF_CONTACT.len()) {
+            let mode = match cell(start) {
+                "stick" => ContactMode::Stick,
+                "slip" => ContactMode::Slip,
+                "separated" => continue,
+                other => return Err(broken(line, format!("{other:?} in column {}", start + 1))),
+            };
+            contacts.push(ContactState {
+                mode,
+                normal_force: value(start + 1)? * KILONEWTON,
+                tangential_force: value(start + 2)? * KILONEWTON,
+                rail: point(start + 3)?,
+                wheel: point(start + 5)?,
+            });
+        }
+        rows.push(HistoryRow {
+            time: value(0)?,
+            vertical_force: value(1)? * KILONEWTON,
+            lateral_force: value(2)? * KILONEWTON,
+            wheel_y: value(4)? * MILLIMETRE,
+            wheel_z: value(5)? * MILLIMETRE,
+            contacts,
+        });
+    }
+    Ok(History { rows, degrees_of_freedom })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(time: f64, contacts: usize) -> HistoryRow {
+        let contact = |i: usize| ContactState {
+            mode: if i == 0 { ContactMode::Slip } else { ContactMode::Stick },
+            rail: Point2::new(-0.0123456 * (i + 1) as f64, 1e-3),
+            wheel: Point2::new(-0.02, 2e-7),
+            normal_force: 12345.678,
+            tangential_force: -1e-9,
+        };
+        HistoryRow {
+            time,
+            vertical_force: 1e5 / 3.0 * contacts as f64,
+            lateral_force: -2e4 / 7.0,
+            wheel_y: 0.0067,
+            wheel_z: -1e-12,
+            contacts: (0..contacts).map(contact).collect(),
+        }
+    }
+
+    #[test]
+    fn a_history_survives_the_file() {
+        // ROUNDOFF: twelve digits are written.
+        const ROUNDOFF: f64 = 1e-11;
+        let history = History { rows: (0..4).map(|n| row(n as f64 * 0.0005, n)).collect(), degrees_of_freedom: 116 };
+        let bytes = write(&history);
+        let text = String::from_utf8(bytes.clone()).unwrap();
+        assert!(text.starts_with("time_s,p_kn,q_kn,q_over_p,"), "{text}");
+        let back = read(Path::new("x.csv"), &text, 116).unwrap();
+        assert_eq!(back.rows.len(), 4);
+        for (a, b) in history.rows.iter().zip(&back.rows) {
+            assert_eq!(a.contacts.len(), b.contacts.len());
+            assert_eq!(a.mode(), b.mode());
+            assert!((a.vertical_force - b.vertical_force).abs() <= ROUNDOFF * a.vertical_force.abs());
+            assert!((a.wheel_z - b.wheel_z).abs() <= ROUNDOFF * a.wheel_z.abs());
+            for (a, b) in a.contacts.iter().zip(&b.contacts) {
+                assert!((a.rail - b.rail).norm() <= ROUNDOFF * a.rail.coords.norm());
+                assert!((a.wheel - b.wheel).norm() <= ROUNDOFF * a.wheel.coords.norm());
+            }
+        }
+        assert_eq!(write(&back), bytes, "writing what was read gives the same bytes");
+    }
+
+    #[test]
+    fn a_broken_row_is_named() {
+        let history = History { rows: vec![row(0.0, 1), row(0.0005, 1)], degrees_of_freedom: 1 };
+        let text = String::from_utf8(write(&history)).unwrap().replace("0.0005,", "soon,");
+        let error = read(Path::new("x.csv"), &text, 1).unwrap_err().to_string();
+        assert!(error.starts_with("x.csv:3 = \"soon\" in column 1"), "{error}");
+    }
+}

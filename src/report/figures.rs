@@ -1,0 +1,376 @@
+//! The figures of the report, each from plain values to SVG.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+use railspring_calibrate::history::{ContactMode, History};
+use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+
+use crate::records::{ComplianceRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord};
+use crate::verify::averaged_ratio;
+
+use super::plot::{
+    self, BLUE, DARK, Dash, Drawn, Entry, GREY, LIGHT, Marker, ORANGE, Panel, RED, Series, draw_legend, frame, label,
+    legend_height, nice_range, nice_step, px, stacked, stroke, svg,
+};
+
+/// Width of all figures, px.
+pub const WIDTH: u32 = 860;
+/// Points of a smooth curve.
+const CURVE_POINTS: usize = 160;
+/// Wheel contacts nearer to the flange than this lateral position are counted as flange contacts, m:
+/// the tread of the standard profiles ends there.
+const FLANGE_SIDE: f64 = -0.026;
+
+/// Tangent stiffness over load: the solid, the fitted laws, Hertz and the published law.
+pub fn law(stiffness: &StiffnessRecord) -> String {
+    let largest = stiffness.law.range_kn[1];
+    let forces: Vec<f64> = (0..=CURVE_POINTS)
+        // Denser at small loads, where the curves bend.
+        .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
+        .collect();
+    let curve = |f: &dyn Fn(f64) -> f64| forces.iter().map(|x| (*x, f(*x) * 1e-6)).collect::<Vec<_>>();
+    let mut series = Vec::new();
+    let hertz = stiffness.touch.hertz_kn_per_m;
+    let name = "Hertz at the first touch";
+    series.push(Series::line(name, curve(&|f| hertz * f.cbrt()), GREY, Dash::Dotted));
+    let published = StiffnessLaw::published();
+    let tangent = |f: f64| published.tangent(f * KILONEWTON) / KILONEWTON_PER_METRE;
+    series.push(Series::line("published law", curve(&tangent), RED, Dash::Dashed));
+    for reference in &stiffness.references {
+        let (marker, color) = reference_style(&reference.reference);
+        let name = reference_name(&reference.reference);
+        series.push(Series::line("", curve(&|f| reference.law.tangent(f)), color, Dash::Solid));
+        let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
+        series.push(Series::marks(&format!("solid and its law: {name}"), points, color, marker).sampled(Dash::Solid));
+    }
+    stacked(
+        WIDTH,
+        380,
+        &[Panel {
+            x_label: "load P, kN".into(),
+            y_label: "tangent stiffness dP/d\u{3b4}, 10\u{2076} kN/m".into(),
+            from_zero: true,
+            series,
+        }],
+    )
+}
+
+/// Load over displacement: the solid with each reference and the published law.
+pub fn displacement(stiffness: &StiffnessRecord) -> String {
+    let largest = stiffness.law.range_kn[1];
+    let published = StiffnessLaw::published();
+    let mut series = vec![Series::line(
+        "published law",
+        (0..=CURVE_POINTS)
+            .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
+            .map(|f| (published.displacement(f * KILONEWTON) / MILLIMETRE, f))
+            .collect(),
+        RED,
+        Dash::Dashed,
+    )];
+    for reference in &stiffness.references {
+        let (marker, color) = reference_style(&reference.reference);
+        let name = format!("solid: {}", reference_name(&reference.reference));
+        let points = reference.points.iter().map(|p| (p.displacement_mm, p.force_kn)).collect();
+        series.push(Series::joined(&name, points, color, Dash::Solid, marker));
+    }
+    stacked(
+        WIDTH,
+        340,
+        &[Panel {
+            x_label: "displacement \u{3b4}, mm".into(),
+            y_label: "load P, kN".into(),
+            from_zero: true,
+            series,
+        }],
+    )
+}
+
+/// Semi-axes and largest pressure of the patch over load.
+pub fn patch(rows: &[LoadCurveRow]) -> String {
+    let of = |value: fn(&LoadCurveRow) -> f64| rows.iter().map(|row| (row.force_kn, value(row))).collect::<Vec<_>>();
+    stacked(
+        WIDTH,
+        230,
+        &[
+            Panel {
+                x_label: "load P, kN".into(),
+                y_label: "semi-axis, mm".into(),
+                from_zero: true,
+                series: vec![
+                    Series::joined("along the track", of(|r| r.semi_axis_along_mm), BLUE, Dash::Solid, Marker::Disc),
+                    Series::joined("across", of(|r| r.semi_axis_across_mm), RED, Dash::Dashed, Marker::Square),
+                ],
+            },
+            Panel {
+                x_label: "load P, kN".into(),
+                y_label: "largest pressure, MPa".into(),
+                from_zero: true,
+                series: vec![Series::joined(
+                    "largest pressure",
+                    of(|r| r.max_pressure_mpa),
+                    DARK,
+                    Dash::Solid,
+                    Marker::Circle,
+                )],
+            },
+        ],
+    )
+}
+
+/// P and Q of both models over time.
+pub fn forces(simple: &History, solid: Option<&History>) -> String {
+    let panel = |symbol: &str, name: &str, value: fn(&railspring_calibrate::history::HistoryRow) -> f64| Panel {
+        x_label: "time, s".into(),
+        y_label: format!("{name} {symbol}, kN"),
+        from_zero: true,
+        series: both(simple, solid, |history| {
+            history.rows.iter().map(|row| (row.time, value(row) / KILONEWTON)).collect()
+        }),
+    };
+    stacked(
+        WIDTH,
+        240,
+        &[
+            panel("P", "vertical force", |row| row.vertical_force),
+            panel("Q", "lateral force", |row| row.lateral_force),
+        ],
+    )
+}
+
+/// Q/P averaged over the window, of both models. `floor` is the share of the solid's peak of P
+/// below which the ratio is undefined.
+pub fn ratio(simple: &History, solid: Option<&History>, window: f64, floor: f64) -> String {
+    let peak = |history: &History| history.rows.iter().map(|row| row.vertical_force).fold(0.0, f64::max);
+    let floor = floor * peak(solid.unwrap_or(simple));
+    let series = both(simple, solid, |history| {
+        let ratios = averaged_ratio(history, window, floor);
+        history.rows.iter().zip(ratios).map(|(row, ratio)| (row.time, ratio.unwrap_or(f64::NAN))).collect()
+    });
+    stacked(
+        WIDTH,
+        280,
+        &[Panel {
+            x_label: "time, s".into(),
+            y_label: format!("Q/P averaged over {} ms", round(window * 1e3)),
+            from_zero: true,
+            series,
+        }],
+    )
+}
+
+/// Lateral and vertical displacement of the wheel centre, of both models.
+pub fn wheel(simple: &History, solid: Option<&History>) -> String {
+    let panel = |name: &str, value: fn(&railspring_calibrate::history::HistoryRow) -> f64| Panel {
+        x_label: "time, s".into(),
+        y_label: name.into(),
+        from_zero: true,
+        series: both(simple, solid, |history| {
+            history.rows.iter().map(|row| (row.time, value(row) / MILLIMETRE)).collect()
+        }),
+    };
+    stacked(
+        WIDTH,
+        220,
+        &[
+            panel("wheel to the field side, mm", |row| row.wheel_y),
+            panel("wheel down, mm", |row| row.wheel_z),
+        ],
+    )
+}
+
+/// Contact modes of tread and flange over time, of both models.
+pub fn modes(simple: &History, solid: Option<&History>) -> String {
+    const ROW: u32 = 24;
+    const LEFT: u32 = 112;
+    let entries = [
+        Entry::patch("sticking", DARK),
+        Entry::patch("sliding", ORANGE),
+        Entry::patch("separated", WHITE),
+    ];
+    let models: Vec<(&str, &History)> =
+        [Some(("simple", simple)), solid.map(|solid| ("solid", solid))].into_iter().flatten().collect();
+    let top = legend_height(WIDTH, &entries);
+    let body = models.len() as u32 * (2 * ROW + 8);
+    let end = simple.rows.last().map_or(1.0, |row| row.time);
+    let step = nice_step(end / 8.0);
+    svg(WIDTH, top + body + 46, |root| {
+        let (legend, rest) = root.split_vertically(px(top));
+        draw_legend(&legend, WIDTH, &entries)?;
+        let x_of = |time: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 20)) * time / end) as i32;
+        let text = |content: String, at: (i32, i32), horizontal, vertical, size| -> Drawn {
+            rest.draw(&Text::new(content, at, label(size, horizontal, vertical)))?;
+            Ok(())
+        };
+        let mut y = 0;
+        for (name, history) in &models {
+            for (region, on_flange) in [("tread", false), ("flange", true)] {
+                let (a, b) = (px(y + 2), px(y + ROW - 2));
+                text(format!("{name}, {region}"), (px(LEFT - 8), (a + b) / 2), HPos::Right, VPos::Center, 12)?;
+                for (mode, begin, end) in spans(history, on_flange) {
+                    let color = match mode {
+                        ContactMode::Stick => DARK,
+                        ContactMode::Slip => ORANGE,
+                        ContactMode::Separated => continue,
+                    };
+                    rest.draw(&Rectangle::new([(x_of(begin), a), (x_of(end), b)], color.filled()))?;
+                }
+                rest.draw(&frame([(x_of(0.0), a), (x_of(end), b)], stroke(GREY, 7)))?;
+                y += ROW;
+            }
+            y += 8;
+        }
+        let base = px(y);
+        rest.draw(&PathElement::new([(x_of(0.0), base), (x_of(end), base)], stroke(BLACK, 8)))?;
+        for n in 0..=(end / step + 1e-9).floor() as usize {
+            let time = n as f64 * step;
+            rest.draw(&PathElement::new([(x_of(time), base), (x_of(time), base + px(4))], stroke(BLACK, 8)))?;
+            text(plot::tick(time, step), (x_of(time), base + px(7)), HPos::Center, VPos::Top, 11)?;
+        }
+        text("time, s".into(), ((x_of(0.0) + x_of(end)) / 2, base + px(24)), HPos::Center, VPos::Top, 12)
+    })
+}
+
+/// Times of equal mode on the tread or the flange: (mode, begin, end).
+fn spans(history: &History, on_flange: bool) -> Vec<(ContactMode, f64, f64)> {
+    let mut spans: Vec<(ContactMode, f64, f64)> = Vec::new();
+    for pair in history.rows.windows(2) {
+        let here = || pair[1].contacts.iter().filter(|c| (c.wheel.x < FLANGE_SIDE) == on_flange);
+        let mode = match here().next() {
+            None => ContactMode::Separated,
+            Some(_) if here().any(|c| c.mode == ContactMode::Stick) => ContactMode::Stick,
+            Some(_) => ContactMode::Slip,
+        };
+        match spans.last_mut() {
+            Some(last) if last.0 == mode => last.2 = pair[1].time,
+            _ => spans.push((mode, pair[0].time, pair[1].time)),
+        }
+    }
+    spans
+}
+
+/// Where the compliance sits, one bar a load.
+pub fn compliance(rows: &[ComplianceRecord]) -> String {
+    const ROW: u32 = 34;
+    const LEFT: u32 = 84;
+    let parts: [(&str, RGBColor, fn(&ComplianceRecord) -> f64); 4] = [
+        ("local contact", DARK, |r| r.local_um_per_kn),
+        ("wheel body", BLUE, |r| r.wheel_um_per_kn),
+        ("rail body", ORANGE, |r| r.rail_um_per_kn),
+        ("rail as a beam", LIGHT, |r| r.beam_um_per_kn),
+    ];
+    let entries: Vec<Entry> = parts.iter().map(|(name, color, _)| Entry::patch(name, *color)).collect();
+    let total = |row: &ComplianceRecord| parts.iter().map(|(_, _, value)| value(row)).sum::<f64>();
+    let top = legend_height(WIDTH, &entries);
+    let height = top + ROW * rows.len() as u32 + 52;
+    svg(WIDTH, height, |root| {
+        let (legend, rest) = root.split_vertically(px(top));
+        draw_legend(&legend, WIDTH, &entries)?;
+        // A part may be negative: the bars then start left of zero.
+        let most_negative = |row: &ComplianceRecord| parts.iter().map(|(_, _, v)| v(row).min(0.0)).sum::<f64>();
+        let (low, high, step) =
+            nice_range(rows.iter().flat_map(|row| [total(row) - most_negative(row), most_negative(row)]), true);
+        let x_of = |value: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 24)) * (value - low) / (high - low)) as i32;
+        let base = px(ROW * rows.len() as u32 + 4);
+        for n in 0..=((high - low) / step).round() as usize {
+            let value = low + n as f64 * step;
+            rest.draw(&PathElement::new([(x_of(value), 0), (x_of(value), base)], stroke(LIGHT, 7)))?;
+            let style = label(11, HPos::Center, VPos::Top);
+            rest.draw(&Text::new(plot::tick(value, step), (x_of(value), base + px(5)), style))?;
+        }
+        for (index, row) in rows.iter().enumerate() {
+            let (a, b) = (px(ROW * index as u32 + 5), px(ROW * (index as u32 + 1) - 5));
+            let middle = (a + b) / 2;
+            let style = label(12, HPos::Right, VPos::Center);
+            rest.draw(&Text::new(format!("{} kN", round(row.force_kn)), (px(LEFT - 8), middle), style))?;
+            let mut begin = most_negative(row);
+            for (_, color, value) in &parts {
+                let size = value(row).abs();
+                let corners = [(x_of(begin), a), (x_of(begin + size), b)];
+                rest.draw(&Rectangle::new(corners, color.filled()))?;
+                rest.draw(&frame(corners, stroke(BLACK, 6)))?;
+                let dark = *color == DARK || *color == BLUE;
+                let number = format!("{:.3}", value(row));
+                // A number that does not fit its part is left to the table.
+                if x_of(begin + size) - x_of(begin) > px(number.len() as u32 * 7) {
+                    let style = label(11, HPos::Center, VPos::Center).color(if dark { &WHITE } else { &BLACK });
+                    let at = ((x_of(begin) + x_of(begin + size)) / 2, middle);
+                    rest.draw(&Text::new(number, at, style))?;
+                }
+                begin += size;
+            }
+        }
+        rest.draw(&PathElement::new([(x_of(low), base), (x_of(high), base)], stroke(BLACK, 8)))?;
+        let style = label(12, HPos::Center, VPos::Top);
+        let at = ((x_of(low) + x_of(high)) / 2, base + px(23));
+        rest.draw(&Text::new("tangent compliance d\u{3b4}/dP, \u{b5}m/kN", at, style))?;
+        Ok(())
+    })
+}
+
+/// The horizontal stiffness over the preload.
+pub fn horizontal(stiffness: &StiffnessRecord) -> String {
+    let points: Vec<(f64, f64)> =
+        stiffness.horizontal.points.iter().map(|p| (p.preload_kn, p.stiffness_kn_per_m * 1e-6)).collect();
+    let ends = points.iter().fold((f64::INFINITY, 0.0f64), |(a, b), (x, _)| (a.min(*x), b.max(*x)));
+    let constant = stiffness.horizontal_kn_per_m * 1e-6;
+    stacked(
+        WIDTH,
+        240,
+        &[Panel {
+            x_label: "vertical preload, kN".into(),
+            y_label: "dQ/dy, 10\u{2076} kN/m".into(),
+            from_zero: true,
+            series: vec![
+                Series::line("constant in use", vec![(ends.0, constant), (ends.1, constant)], RED, Dash::Dashed),
+                Series::marks("solid, sticking", points, BLUE, Marker::Disc),
+            ],
+        }],
+    )
+}
+
+/// Curves of both models; the solid in the background.
+fn both(
+    simple: &History,
+    solid: Option<&History>,
+    points: impl Fn(&History) -> Vec<(f64, f64)>,
+) -> Vec<Series> {
+    let mut series = Vec::new();
+    if let Some(solid) = solid {
+        series.push(Series::line("solid model", points(solid), BLUE, Dash::Solid));
+    }
+    let dash = if solid.is_some() { Dash::Dashed } else { Dash::Solid };
+    series.push(Series::line("simple model", points(simple), RED, dash));
+    series
+}
+
+fn reference_style(reference: &str) -> (Marker, RGBColor) {
+    match reference {
+        "foot" => (Marker::Square, BLUE),
+        "beam" => (Marker::Disc, DARK),
+        _ => (Marker::Triangle, ORANGE),
+    }
+}
+
+/// How the report names a reference.
+fn reference_name(reference: &str) -> &str {
+    match reference {
+        "foot" => "hub against rail foot",
+        "beam" => "hub against rail beam",
+        "local" => "approach of the surfaces",
+        other => other,
+    }
+}
+
+/// Keeps the references in one order for all figures.
+pub fn in_order(references: &mut [ReferenceRecord]) {
+    let rank = |name: &str| ["local", "beam", "foot"].iter().position(|known| *known == name).unwrap_or(3);
+    references.sort_by_key(|reference| rank(&reference.reference));
+}
+
+/// A number without needless decimals.
+pub fn round(value: f64) -> String {
+    let rounded = (value * 1e3).round() / 1e3;
+    format!("{rounded}")
+}

@@ -1,0 +1,202 @@
+//! The report: one self-contained page and its figures.
+//!
+//! Everything the page shows comes in through [`ReportData`]; nothing is
+//! computed here but what a picture or a table needs.
+
+mod figures;
+mod plot;
+mod positions;
+mod tables;
+
+use railspring_calibrate::history::History;
+use minijinja::value::Serde;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::records::{LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord};
+
+pub use positions::ProfilePair;
+
+/// Template of the page.
+const TEMPLATE: &str = include_str!("template.html");
+
+/// One key of the study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InputRow {
+    /// Section of the study file.
+    pub section: String,
+    /// Key with its unit.
+    pub key: String,
+    /// Value as text.
+    pub value: String,
+    /// Whether the file gives it, or the default applies.
+    pub given: bool,
+}
+
+/// Both runs of one scenario.
+#[derive(Debug, Clone)]
+pub struct ScenarioRun<'a> {
+    /// Name of the scenario.
+    pub name: &'a str,
+    /// What happens in it.
+    pub description: &'a str,
+    /// Times of the pictures of the contact positions, s.
+    pub snapshots: &'a [f64],
+    /// The simple model's run.
+    pub simple: &'a History,
+    /// The solid model's run, if it ran.
+    pub solid: Option<&'a History>,
+    /// How far apart they are.
+    pub verdict: Option<&'a ScenarioVerdict>,
+}
+
+/// Everything the report shows.
+#[derive(Debug, Clone)]
+pub struct ReportData<'a> {
+    /// Name of the study.
+    pub name: &'a str,
+    /// What the study is about.
+    pub description: &'a str,
+    /// The study's keys.
+    pub inputs: &'a [InputRow],
+    /// The springs.
+    pub stiffness: &'a StiffnessRecord,
+    /// The load curve with the reference in use.
+    pub load_curve: &'a [LoadCurveRow],
+    /// The two profiles.
+    pub profiles: &'a ProfilePair,
+    /// The load cases.
+    pub scenarios: Vec<ScenarioRun<'a>>,
+    /// Time over which Q and P are averaged, s.
+    pub ratio_window: f64,
+    /// Share of the solid's peak of P below which Q/P is undefined.
+    pub ratio_floor: f64,
+    /// The verdict.
+    pub verdict: Option<&'a VerificationRecord>,
+    /// Time, memory, host.
+    pub measured: &'a Measured,
+}
+
+/// The page and its figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// `report.html`, with the figures inside.
+    pub html: String,
+    /// The figures by name, as SVG.
+    pub figures: Vec<(String, String)>,
+}
+
+/// A figure as the page shows it.
+#[derive(Debug, Clone, Serialize)]
+struct Figure {
+    svg: String,
+    caption: String,
+    number: usize,
+}
+
+/// Builds the page and its figures.
+pub fn build(data: &ReportData<'_>) -> Report {
+    let mut stiffness = data.stiffness.clone();
+    figures::in_order(&mut stiffness.references);
+    let mut collected = Collector::default();
+    let springs = vec![
+        collected.add("law", figures::law(&stiffness), tables::law_caption(&stiffness)),
+        collected.add(
+            "displacement",
+            figures::displacement(&stiffness),
+            "Load over displacement of the solid with each reference, and of the published law.".into(),
+        ),
+        collected.add(
+            "compliance",
+            figures::compliance(&stiffness.compliance_split),
+            "Where the tangent compliance sits.".into(),
+        ),
+        collected.add(
+            "patch",
+            figures::patch(data.load_curve),
+            "Semi-axes of the contact patch and largest pressure in the solid.".into(),
+        ),
+        collected.add(
+            "horizontal",
+            figures::horizontal(&stiffness),
+            "Horizontal stiffness under sticking at several preloads, and the constant in use.".into(),
+        ),
+    ];
+    let scenarios: Vec<Value> =
+        data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();
+    let mut environment = minijinja::Environment::new();
+    environment.set_auto_escape_callback(|_| minijinja::AutoEscape::Html);
+    environment.add_filter("number", tables::number);
+    let html = environment
+        .render_str(
+            TEMPLATE,
+            minijinja::Value::from(Serde(json!({
+                "name": data.name,
+                "description": data.description,
+                "inputs": tables::grouped(data.inputs),
+                "stiffness": stiffness,
+                "springs": springs,
+                "scenarios": scenarios,
+                "lines": tables::lines(data.verdict),
+                "holds": data.verdict.map(|verdict| verdict.holds),
+                "measured": data.measured,
+            }))),
+        )
+        .unwrap_or_else(|cause| format!("<!doctype html><p>The report could not be written: {cause}</p>"));
+    Report { html, figures: collected.figures }
+}
+
+fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collector) -> Value {
+    let both = if run.solid.is_some() { " of both models" } else { " of the simple model" };
+    let mut figures = Vec::new();
+    let mut add = |kind: &str, svg: String, caption: String| {
+        figures.push(collected.add(&format!("{kind}-{}", run.name), svg, caption));
+    };
+    add(
+        "forces",
+        figures::forces(run.simple, run.solid),
+        format!("Vertical and lateral force of the wheel on the rail{both}."),
+    );
+    add(
+        "ratio",
+        figures::ratio(run.simple, run.solid, data.ratio_window, data.ratio_floor),
+        format!("Derailment coefficient Q/P{both}: Q and P averaged over a window of time before they are divided. Gaps: no contact in the whole window."),
+    );
+    add("wheel", figures::wheel(run.simple, run.solid), format!("Displacement of the wheel centre{both}."));
+    add(
+        "modes",
+        figures::modes(run.simple, run.solid),
+        format!("Contact modes on tread and flange{both}."),
+    );
+    add(
+        "positions",
+        positions::positions(data.profiles, run.snapshots, run.simple, run.solid),
+        "Contact positions on the two profiles, seen along the track, field side to the right. Wheel and rail as the simple model has them; the rail's own deflection is not drawn.".into(),
+    );
+    json!({
+        "name": run.name,
+        "description": run.description,
+        "figures": figures,
+        "separations": tables::separations(run),
+        "modes": tables::modes(run),
+    })
+}
+
+/// Numbers the figures and keeps their files.
+#[derive(Default)]
+struct Collector {
+    figures: Vec<(String, String)>,
+}
+
+impl Collector {
+    fn add(&mut self, name: &str, svg: String, caption: String) -> Figure {
+        let inline = svg.trim_start_matches("<?xml version=\"1.0\" encoding=\"UTF-8\"?>").to_string();
+        self.figures.push((name.to_string(), svg));
+        Figure { svg: inline, caption, number: self.figures.len() }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod samples;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,204 @@
+//! Made-up results for the tests of the report: smooth stand-ins of the right
+//! size and shape, no physics.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Point2;
+use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryRow};
+
+use crate::records::{
+    BodyMeshRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow, Measured,
+    PenaltyRecord, ReferenceRecord, StageMeasure, StiffnessRecord, TangentRecord, TouchRecord,
+};
+
+use super::{InputRow, ProfilePair};
+
+/// A run with sliding, a flange contact from 0.01 s on and one separation.
+pub(crate) fn history(shift: f64) -> History {
+    let rows = (0..=550)
+        .map(|n| {
+            let time = n as f64 * 0.0005;
+            let apart = (0.146 + shift..0.171 + shift).contains(&time);
+            let vertical_force =
+                if apart { 0.0 } else { (12e3 + 61e3 * (TAU * 10.0 * (time - shift)).sin()).max(2e3) };
+            let lateral_force = if apart { 0.0 } else { 20e3 * (1.0 - (-time / 0.01).exp()) + 1e3 * (TAU * 60.0 * time).sin() };
+            let wheel_y = 0.0067 * (1.0 - (-time / 0.006).exp());
+            let contact = |mode, rail, wheel, share: f64| ContactState {
+                mode,
+                rail,
+                wheel,
+                normal_force: share * vertical_force,
+                tangential_force: 0.2 * share * vertical_force,
+            };
+            let on_flange = time > 0.01;
+            let mut contacts = Vec::new();
+            if on_flange {
+                let mode = if time > 0.03 { ContactMode::Stick } else { ContactMode::Slip };
+                contacts.push(contact(mode, Point2::new(-0.0335, 0.0087), Point2::new(-0.0380, 0.0080), 0.6));
+            }
+            contacts.push(contact(ContactMode::Slip, Point2::new(-0.011, 0.0003), Point2::new(-0.015 - wheel_y, 0.0006), 1.0));
+            if apart {
+                contacts.clear();
+            }
+            HistoryRow { time, vertical_force, lateral_force, wheel_y, wheel_z: -0.0004 * (PI * time * 20.0).sin(), contacts }
+        })
+        .collect();
+    History { rows, degrees_of_freedom: 116 }
+}
+
+fn law(a: f64, b: f64, c: f64) -> LawRecord {
+    LawRecord {
+        a_kn_per_m: a,
+        b_kn_per_m: b,
+        c,
+        f0_kn: 1.0,
+        range_kn: [1.0, 150.0],
+        rms_rel_error: 0.0031,
+        max_rel_error: 0.0084,
+        a_standard_error_kn_per_m: 1.2e4,
+        b_standard_error_kn_per_m: 0.9e4,
+        c_standard_error: 0.0042,
+    }
+}
+
+fn loads() -> Vec<f64> {
+    (0..24).map(|n| 150f64.powf(n as f64 / 23.0)).collect()
+}
+
+fn reference(name: &str, law: LawRecord) -> ReferenceRecord {
+    let mut displacement = 0.0;
+    let mut before = 0.0;
+    let points = loads()
+        .into_iter()
+        .enumerate()
+        .map(|(n, force_kn)| {
+            displacement += (force_kn - before) / law.tangent(0.5 * (force_kn + before)) * 1e3;
+            before = force_kn;
+            let tangent_kn_per_m = law.tangent(force_kn) * (1.0 + 0.008 * (n as f64).sin());
+            TangentRecord { force_kn, displacement_mm: displacement, tangent_kn_per_m }
+        })
+        .collect();
+    ReferenceRecord { reference: name.into(), law, points }
+}
+
+/// Springs of about the published size.
+pub(crate) fn stiffness() -> StiffnessRecord {
+    StiffnessRecord {
+        study: "sample".into(),
+        reference: "beam".into(),
+        law: law(2.0e4, 3.9e5, 0.245),
+        horizontal_kn_per_m: 4.2e5,
+        horizontal: HorizontalRecord {
+            relative_spread: 0.031,
+            points: [20.0, 50.0, 85.0, 120.0]
+                .map(|p| HorizontalPointRecord { preload_kn: p, stiffness_kn_per_m: 4.2e5 + 60.0 * p, deviation: p * 1e-4 })
+                .to_vec(),
+        },
+        references: vec![
+            reference("foot", law(3.0e4, 2.94e5, 0.241104)),
+            reference("beam", law(2.0e4, 3.9e5, 0.245)),
+            reference("local", law(0.0, 3.4e5, 0.331)),
+        ],
+        compliance_split: [5.0, 20.0, 50.0, 85.0, 150.0]
+            .map(|p: f64| ComplianceRecord {
+                force_kn: p,
+                local_um_per_kn: 2.9 / p.cbrt(),
+                wheel_um_per_kn: 0.21,
+                rail_um_per_kn: 0.16,
+                beam_um_per_kn: 0.14,
+            })
+            .to_vec(),
+        penalty: PenaltyRecord {
+            enforcement: "exact".into(),
+            penalty_kn_per_m: 1e6,
+            penetration_over_displacement: Some(6.2e-4),
+        },
+        mesh: ["rail", "wheel"]
+            .map(|body| BodyMeshRecord {
+                body: body.into(),
+                nodes: 19211,
+                elements: 16820,
+                degrees_of_freedom: 57633,
+                contact_nodes: 1040,
+                contact_element_mm: 2.0,
+                min_scaled_jacobian: 0.31,
+                mean_scaled_jacobian: 0.87,
+                mass_kg: 283.4,
+            })
+            .to_vec(),
+        touch: TouchRecord {
+            rail_y_mm: -12.1,
+            rail_z_mm: 0.4,
+            wheel_y_mm: -10.9,
+            wheel_z_mm: 0.4,
+            angle_deg: 2.6,
+            hertz_kn_per_m: 3.4e5,
+            rail_radius_mm: 300.0,
+            wheel_radius_mm: -330.0,
+            rolling_radius_mm: 429.4,
+        },
+        input_hash: "0123456789abcdef".repeat(4),
+        version: "0.1.0".into(),
+    }
+}
+
+/// A load curve of the same springs.
+pub(crate) fn load_curve() -> Vec<LoadCurveRow> {
+    let stiffness = stiffness();
+    let in_use = &stiffness.references[1];
+    in_use
+        .points
+        .iter()
+        .map(|p| LoadCurveRow {
+            force_kn: p.force_kn,
+            displacement_mm: p.displacement_mm,
+            solid_tangent_kn_per_m: p.tangent_kn_per_m,
+            law_tangent_kn_per_m: in_use.law.tangent(p.force_kn),
+            contact_area_mm2: 6.0 * p.force_kn.powf(2.0 / 3.0),
+            max_pressure_mpa: 260.0 * p.force_kn.cbrt(),
+            semi_axis_along_mm: 1.4 * p.force_kn.cbrt(),
+            semi_axis_across_mm: 1.2 * p.force_kn.cbrt(),
+        })
+        .collect()
+}
+
+/// Rough outlines of a rail head and a wheel.
+pub(crate) fn profiles() -> ProfilePair {
+    let mm = |points: &[(f64, f64)]| points.iter().map(|(y, z)| Point2::new(y * 1e-3, z * 1e-3)).collect();
+    ProfilePair {
+        rail: mm(&[
+            (-8.0, 60.0), (-12.0, 45.0), (-36.0, 37.0), (-36.0, 14.0), (-33.0, 7.0), (-26.0, 2.2), (-10.0, 0.2), (0.0, 0.0),
+            (10.0, 0.2), (26.0, 2.2), (33.0, 7.0), (36.0, 14.0), (36.0, 37.0), (12.0, 45.0), (8.0, 60.0),
+        ]),
+        rail_angle: -0.025,
+        rail_origin: Point2::new(0.7535, 0.0002),
+        wheel: mm(&[
+            (-70.0, -80.0), (-70.0, 18.0), (-63.0, 27.0), (-55.0, 28.0), (-48.0, 22.0), (-44.0, 14.0), (-38.5, 6.0), (-30.0, 1.8),
+            (-20.0, 0.7), (0.0, 0.0), (30.0, -1.0), (60.0, -3.0), (65.0, -8.0), (65.0, -80.0),
+        ]),
+        wheel_origin: Point2::new(0.75, -0.0003),
+    }
+}
+
+/// Some keys.
+pub(crate) fn inputs() -> Vec<InputRow> {
+    [("rail", "profile", "60E1", true), ("rail", "length_m", "0.555", false), ("track", "gauge_mm", "1435", false)]
+        .map(|(section, key, value, given)| InputRow { section: section.into(), key: key.into(), value: value.into(), given })
+        .to_vec()
+}
+
+/// Some measures.
+pub(crate) fn measured() -> Measured {
+    let stage = |name: &str, dof, seconds| StageMeasure {
+        stage: name.into(),
+        degrees_of_freedom: dof,
+        seconds,
+        peak_memory_mib: Some(812.0),
+    };
+    Measured {
+        begun_utc: "2016-01-31T12:00:00Z".into(),
+        host: "host".into(),
+        threads: 2,
+        stages: vec![stage("superelements", None, 41.2), stage("solid model, sample", Some(115_266), 102.7)],
+    }
+}

@@ -1,0 +1,163 @@
+//! The tables of the report.
+
+use railspring_calibrate::history::History;
+use serde::Serialize;
+
+use crate::records::{StiffnessRecord, VerificationRecord};
+use crate::verify::{self, Kind, Line};
+
+use super::{InputRow, ScenarioRun};
+
+/// The keys of one section.
+#[derive(Debug, Serialize)]
+pub(super) struct Group {
+    section: String,
+    rows: Vec<InputRow>,
+}
+
+/// Keys grouped by section, in their order.
+pub(super) fn grouped(inputs: &[InputRow]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for row in inputs {
+        match groups.iter_mut().find(|group| group.section == row.section) {
+            Some(group) => group.rows.push(row.clone()),
+            None => groups.push(Group { section: row.section.clone(), rows: vec![row.clone()] }),
+        }
+    }
+    groups
+}
+
+/// A line of the verdict as text.
+#[derive(Debug, Serialize)]
+pub(super) struct LineText {
+    subject: String,
+    meaning: String,
+    kind: &'static str,
+    value: String,
+    limit: String,
+    holds: bool,
+}
+
+/// All lines of the verdict.
+pub(super) fn lines(verdict: Option<&VerificationRecord>) -> Vec<LineText> {
+    let Some(verdict) = verdict else { return Vec::new() };
+    let calibration = verdict.calibration.iter().map(|line| ("springs", line));
+    let scenarios =
+        verdict.scenarios.iter().flat_map(|s| s.comparison.lines.iter().map(|line| (s.scenario.as_str(), line)));
+    calibration.chain(scenarios).map(|(subject, line)| line_text(subject, line)).collect()
+}
+
+fn line_text(subject: &str, line: &Line) -> LineText {
+    let with_unit = |value: f64| match line.unit.as_str() {
+        "1" => number(value),
+        "s" => format!("{} ms", number(value * 1e3)),
+        unit => format!("{} {unit}", number(value)),
+    };
+    LineText {
+        subject: subject.into(),
+        meaning: line.meaning.clone(),
+        kind: match line.kind {
+            Kind::Consistency => "consistency",
+            Kind::Verification => "verification",
+            Kind::CrossCode => "cross-code",
+        },
+        value: line.value.map_or_else(|| "none".into(), with_unit),
+        limit: with_unit(line.limit),
+        holds: line.holds,
+    }
+}
+
+/// The separations of both models, as rows of text.
+pub(super) fn separations(run: &ScenarioRun<'_>) -> Vec<[String; 3]> {
+    let of = |history: &History| verify::separations(history, 0.0);
+    let times = |s: Option<&verify::Separation>| match s {
+        Some(s) => format!("{:.1} to {:.1} ms", s.begin_s * 1e3, s.end_s * 1e3),
+        None => "none".into(),
+    };
+    let simple = of(run.simple);
+    let solid = run.solid.map(of);
+    let rows = simple.len().max(solid.as_ref().map_or(0, Vec::len));
+    (0..rows)
+        .map(|n| {
+            let solid = match &solid {
+                Some(solid) => times(solid.get(n)),
+                None => "not run".into(),
+            };
+            [(n + 1).to_string(), times(simple.get(n)), solid]
+        })
+        .collect()
+}
+
+/// The fractions of time in each mode, as rows of text.
+pub(super) fn modes(run: &ScenarioRun<'_>) -> Vec<[String; 3]> {
+    let simple = verify::mode_fractions(run.simple);
+    let solid = run.solid.map(verify::mode_fractions);
+    let percent = |value: f64| format!("{:.1} %", value * 100.0);
+    let row = |name: &str, value: fn(&verify::ModeFractions) -> f64| {
+        [name.into(), percent(value(&simple)), solid.as_ref().map_or_else(|| "not run".into(), |s| percent(value(s)))]
+    };
+    vec![row("sticking", |m| m.stick), row("sliding", |m| m.slip), row("separated", |m| m.separated)]
+}
+
+/// Caption of the figure of the law.
+pub(super) fn law_caption(stiffness: &StiffnessRecord) -> String {
+    format!(
+        "Tangent stiffness over load: points of the solid with each displacement reference, the laws fitted to them, \
+         the Hertz solution for the curvatures at the first touch, and the published law. In use: reference {}.",
+        stiffness.reference
+    )
+}
+
+/// A number with four significant digits, without an exponent where it can be read without.
+pub(super) fn number(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return if value == 0.0 { "0".into() } else { value.to_string() };
+    }
+    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    let text = if value.abs() >= 1e-6 { format!("{value:.digits$}") } else { format!("{value:.3e}") };
+    let text = if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    } else {
+        text
+    };
+    grouped_by_thousands(&text).replace('-', "\u{2212}")
+}
+
+/// Thin spaces between groups of three digits, from five digits on.
+fn grouped_by_thousands(text: &str) -> String {
+    let whole = text.trim_start_matches('-').chars().take_while(char::is_ascii_digit).count();
+    if whole < 5 {
+        return text.into();
+    }
+    let begin = text.len() - text.trim_start_matches('-').len();
+    let mut grouped = text[..begin].to_string();
+    for (index, digit) in text[begin..].chars().enumerate() {
+        if index > 0 && index < whole && (whole - index).is_multiple_of(3) {
+            grouped.push('\u{202f}');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_are_short_and_readable() {
+        let cases = [
+            (0.0, "0"),
+            (0.241104, "0.2411"),
+            (-0.5, "\u{2212}0.5"),
+            (294_000.0, "294\u{202f}000"),
+            (-12_345.6, "\u{2212}12\u{202f}346"),
+            (1234.5, "1234"),
+            (6.2e-4, "0.00062"),
+            (1.5e-9, "1.500e\u{2212}9"),
+        ];
+        for (value, expected) in cases {
+            assert_eq!(number(value), expected, "{value}");
+        }
+    }
+}

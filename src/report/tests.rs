@@ -1,0 +1,86 @@
+//! The report from made-up results: complete, self-contained, well formed.
+
+use super::samples;
+use super::*;
+use crate::records::ScenarioVerdict;
+use crate::verify::{Limits, compare};
+
+fn build_sample() -> Report {
+    let (simple, solid) = (samples::history(0.001), samples::history(0.0));
+    let scenario_verdict = ScenarioVerdict {
+        scenario: "sample".into(),
+        simple_degrees_of_freedom: 116,
+        solid_degrees_of_freedom: 115_266,
+        comparison: compare(&simple, &solid, &Limits::default()).unwrap(),
+    };
+    let stiffness = samples::stiffness();
+    let verdict = VerificationRecord {
+        study: "sample".into(),
+        holds: false,
+        calibration: Vec::new(),
+        scenarios: vec![scenario_verdict],
+        input_hash: stiffness.input_hash.clone(),
+        version: stiffness.version.clone(),
+        measured: samples::measured(),
+    };
+    let (load_curve, profiles) = (samples::load_curve(), samples::profiles());
+    let (inputs, measured) = (samples::inputs(), samples::measured());
+    build(&ReportData {
+        name: "sample <study>",
+        description: "Made-up numbers.",
+        inputs: &inputs,
+        stiffness: &stiffness,
+        load_curve: &load_curve,
+        profiles: &profiles,
+        scenarios: vec![ScenarioRun {
+            name: "sample",
+            description: "Constant lateral force.",
+            snapshots: &[0.0, 0.01, 0.2],
+            simple: &simple,
+            solid: Some(&solid),
+            verdict: verdict.scenarios.first(),
+        }],
+        ratio_window: 0.024,
+        ratio_floor: 0.02,
+        verdict: Some(&verdict),
+        measured: &measured,
+    })
+}
+
+#[test]
+fn the_page_is_complete_and_needs_nothing_else() {
+    let report = build_sample();
+    // For looking at the figures: a folder named in the environment receives them.
+    if let Some(folder) = std::env::var_os("RAILSPRING_SAMPLE_REPORT") {
+        let folder = std::path::Path::new(&folder);
+        std::fs::create_dir_all(folder).unwrap();
+        std::fs::write(folder.join("report.html"), &report.html).unwrap();
+        for (name, svg) in &report.figures {
+            std::fs::write(folder.join(format!("{name}.svg")), svg).unwrap();
+        }
+    }
+    assert_eq!(report.html.matches("<figure>").count(), report.figures.len());
+    assert_eq!(report.figures.len(), 10);
+    assert!(!report.html.contains("could not be written"), "{}", report.html);
+    assert!(!report.html.contains("figure failed"));
+    for outside in ["src=\"", "href=\"", "@import", "url("] {
+        assert!(!report.html.contains(outside), "the page refers to something outside: {outside}");
+    }
+    assert!(report.html.contains("sample &lt;study&gt;"), "texts are escaped");
+    for word in ["verification", "P, RMS difference over the solid", "peak memory", "scaled Jacobian"] {
+        assert!(report.html.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn the_same_results_give_the_same_page() {
+    assert_eq!(build_sample(), build_sample());
+}
+
+#[test]
+fn figures_have_finite_coordinates_only() {
+    for (name, svg) in build_sample().figures {
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
+        assert!(svg.starts_with("<svg width=\"860\""), "{name}: {}", &svg[..60]);
+    }
+}

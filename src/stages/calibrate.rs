@@ -1,0 +1,225 @@
+//! The calibration: superelements, load curve, laws, horizontal stiffness.
+
+use nalgebra::Matrix2;
+use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::calibration::{
+    LoadPoint, NormalCalibration, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal,
+};
+use railspring_calibrate::error::Result;
+use railspring_calibrate::law::{LawFit, REFERENCE_FORCE};
+use railspring_calibrate::mesh::{HexMesh, quality};
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::solid::{Supports, System};
+use railspring_calibrate::superelement::Superelement;
+use railspring_calibrate::units::{
+    KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
+};
+
+use super::{Geometry, Meshes, PressedFields, enforcement, formulation};
+use crate::records::{
+    BodyMeshRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow,
+    PenaltyRecord, ReferenceRecord, StiffnessRecord, TangentRecord, TouchRecord,
+};
+use crate::study::{EnforcementKey, ReferenceKey, Study};
+
+/// One m/N in µm/kN.
+const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
+
+/// What the calibration hands on.
+pub struct Calibration {
+    /// `stiffness.json`.
+    pub stiffness: StiffnessRecord,
+    /// `load_curve.csv`.
+    pub load_curve: Vec<LoadCurveRow>,
+}
+
+/// The load curve, the laws and the horizontal stiffness, and the fields of the solids under the largest load.
+///
+/// # Errors
+/// A load that cannot be carried, and numerics without an answer.
+pub fn calibrate(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    monitor: &dyn Monitor,
+) -> Result<(Calibration, PressedFields)> {
+    let element = formulation(study);
+    let condense = |mesh, supports: Supports| -> Result<Superelement> {
+        Superelement::new(System::new(mesh, study.material, element, &supports)?, 0.0, &[])
+    };
+    let held = |nodes: &[usize]| Supports { held: nodes.to_vec(), ..Supports::default() };
+    monitor.progress("superelements", 0, 3)?;
+    let (wheel, rails) = rayon::join(
+        || {
+            let followers = meshes.wheel.bore.clone();
+            condense(&meshes.wheel, Supports { followers, ..Supports::default() })
+        },
+        || [&meshes.rail.foot, &meshes.rail.ends].map(|nodes| condense(&meshes.rail, held(nodes))),
+    );
+    let wheel = wheel?;
+    let [rail_on_foot, rail_on_ends] = rails;
+    let (rail_on_foot, rail_on_ends) = (rail_on_foot?, rail_on_ends?);
+    monitor.progress("superelements", 3, 3)?;
+    let wheel_on = |rail| WheelOnRail {
+        rail,
+        wheel: &wheel,
+        rail_surface: geometry.rail_surface(&meshes.rail),
+        wheel_surface: geometry.wheel_surface(&meshes.wheel),
+        friction: study.contact.friction,
+        enforcement: enforcement(study),
+    };
+    let (on_foot, on_ends) = (wheel_on(&rail_on_foot), wheel_on(&rail_on_ends));
+    let beam = geometry.beam.static_flexibility(geometry.touch.point - geometry.node_line());
+    let normal = |pair: &WheelOnRail, reference, beam: Option<&Matrix2<f64>>| {
+        calibrate_normal(pair, &study.calibration.loads, reference, beam, &study.material, monitor)
+    };
+    let (foot, foot_states) = normal(&on_foot, Reference::Foot, None)?;
+    let (beam_law, beam_states) = normal(&on_ends, Reference::Beam, Some(&beam))?;
+    let (local, _) = normal(&on_foot, Reference::Local, None)?;
+    let (in_use, states, pair, subtracted) = match study.calibration.reference {
+        ReferenceKey::Beam => (&beam_law, &beam_states, &on_ends, Some(&beam)),
+        ReferenceKey::Foot => (&foot, &foot_states, &on_foot, None),
+        ReferenceKey::Local => (&local, &foot_states, &on_foot, None),
+    };
+    let horizontal = calibrate_horizontal(pair, &study.calibration.horizontal_preloads, subtracted, monitor)?;
+    let largest = states.last().expect("a study has loads");
+    let fields = PressedFields::new(largest, pair, geometry, meshes);
+    let stiffnesses = horizontal.points.iter().map(|p| p.stiffness);
+    let record = StiffnessRecord {
+        study: study.name.clone(),
+        reference: study.calibration.reference.name().into(),
+        law: law_record(&in_use.fit),
+        horizontal_kn_per_m: horizontal.stiffness / KILONEWTON_PER_METRE,
+        horizontal: HorizontalRecord {
+            relative_spread: (stiffnesses.clone().fold(f64::NEG_INFINITY, f64::max)
+                - stiffnesses.fold(f64::INFINITY, f64::min))
+                / horizontal.stiffness,
+            points: horizontal
+                .points
+                .iter()
+                .map(|p| HorizontalPointRecord {
+                    preload_kn: p.preload / KILONEWTON,
+                    stiffness_kn_per_m: p.stiffness / KILONEWTON_PER_METRE,
+                    deviation: p.stiffness / horizontal.stiffness - 1.0,
+                })
+                .collect(),
+        },
+        references: [("foot", &foot), ("beam", &beam_law), ("local", &local)]
+            .map(|(name, calibration)| reference_record(name, calibration))
+            .into(),
+        compliance_split: in_use.points.iter().map(compliance_record).collect(),
+        penalty: PenaltyRecord {
+            enforcement: match study.contact.enforcement {
+                EnforcementKey::Exact => "exact",
+                EnforcementKey::Penalty => "penalty",
+            }
+            .into(),
+            penalty_kn_per_m: study.contact.penalty / KILONEWTON_PER_METRE,
+            penetration_over_displacement: (study.contact.enforcement == EnforcementKey::Penalty)
+                .then(|| in_use.points.iter().map(|p| p.penalty_error).fold(0.0, f64::max)),
+        },
+        mesh: vec![
+            mesh_record("rail", &meshes.rail, study, &rail_on_ends)?,
+            mesh_record("wheel", &meshes.wheel, study, &wheel)?,
+        ],
+        touch: touch_record(study, geometry),
+        input_hash: study.input_hash.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+    };
+    let load_curve = in_use.points.iter().map(load_curve_row).collect();
+    Ok((Calibration { stiffness: record, load_curve }, fields))
+}
+
+fn law_record(fit: &LawFit) -> LawRecord {
+    let [a, b, c] = fit.standard_error;
+    LawRecord {
+        a_kn_per_m: fit.law.a / KILONEWTON_PER_METRE,
+        b_kn_per_m: fit.law.b / KILONEWTON_PER_METRE,
+        c: fit.law.c,
+        f0_kn: REFERENCE_FORCE / KILONEWTON,
+        range_kn: [fit.range.0 / KILONEWTON, fit.range.1 / KILONEWTON],
+        rms_rel_error: fit.rms_relative_error,
+        max_rel_error: fit.max_relative_error,
+        a_standard_error_kn_per_m: a / KILONEWTON_PER_METRE,
+        b_standard_error_kn_per_m: b / KILONEWTON_PER_METRE,
+        c_standard_error: c,
+    }
+}
+
+fn reference_record(name: &str, calibration: &NormalCalibration) -> ReferenceRecord {
+    ReferenceRecord {
+        reference: name.into(),
+        law: law_record(&calibration.fit),
+        points: calibration
+            .points
+            .iter()
+            .map(|p| TangentRecord {
+                force_kn: p.force / KILONEWTON,
+                displacement_mm: p.displacement / MILLIMETRE,
+                tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
+            })
+            .collect(),
+    }
+}
+
+fn compliance_record(p: &LoadPoint) -> ComplianceRecord {
+    ComplianceRecord {
+        force_kn: p.force / KILONEWTON,
+        local_um_per_kn: p.local_compliance / MICROMETRE_PER_KILONEWTON,
+        wheel_um_per_kn: p.wheel_compliance / MICROMETRE_PER_KILONEWTON,
+        rail_um_per_kn: p.rail_compliance / MICROMETRE_PER_KILONEWTON,
+        beam_um_per_kn: p.beam_compliance / MICROMETRE_PER_KILONEWTON,
+    }
+}
+
+fn load_curve_row(p: &LoadPoint) -> LoadCurveRow {
+    LoadCurveRow {
+        force_kn: p.force / KILONEWTON,
+        displacement_mm: p.displacement / MILLIMETRE,
+        solid_tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
+        law_tangent_kn_per_m: p.law_tangent / KILONEWTON_PER_METRE,
+        contact_area_mm2: p.contact_area / SQUARE_MILLIMETRE,
+        max_pressure_mpa: p.max_pressure / MEGAPASCAL,
+        semi_axis_along_mm: p.semi_axis_along / MILLIMETRE,
+        semi_axis_across_mm: p.semi_axis_across / MILLIMETRE,
+    }
+}
+
+fn mesh_record(body: &str, mesh: &HexMesh, study: &Study, element: &Superelement) -> Result<BodyMeshRecord> {
+    let quality = quality(mesh)?;
+    Ok(BodyMeshRecord {
+        body: body.into(),
+        nodes: mesh.nodes.len(),
+        elements: mesh.hexes.len(),
+        degrees_of_freedom: element.system.numbering.equations,
+        contact_nodes: mesh.contact.nodes.len(),
+        contact_element_mm: study.mesh.contact_element / MILLIMETRE,
+        min_scaled_jacobian: quality.min_scaled_jacobian,
+        mean_scaled_jacobian: quality.mean_scaled_jacobian,
+        mass_kg: element.system.nodal_mass().total(),
+    })
+}
+
+fn touch_record(study: &Study, geometry: &Geometry) -> TouchRecord {
+    let touch = &geometry.touch;
+    let rail = geometry.rail.running.point(touch.rail_s);
+    let wheel = geometry.wheel.running.point(touch.wheel_s);
+    let rail_curvature = geometry.placed.curve.curvature(touch.rail_s);
+    // the wheel's material lies above its curve, so a bulge of the wheel has negative curvature
+    let wheel_curvature = -geometry.wheel.running.curvature(touch.wheel_s);
+    let rolling_radius = geometry.wheel.radius + wheel.y;
+    let across = 1.0 / (rail_curvature + wheel_curvature);
+    let along = rolling_radius / touch.contact_angle.cos();
+    let hertz = point_contact(KILONEWTON, along, across, study.material.contact_modulus());
+    TouchRecord {
+        rail_y_mm: rail.x / MILLIMETRE,
+        rail_z_mm: rail.y / MILLIMETRE,
+        wheel_y_mm: wheel.x / MILLIMETRE,
+        wheel_z_mm: wheel.y / MILLIMETRE,
+        angle_deg: touch.contact_angle.to_degrees(),
+        hertz_kn_per_m: hertz.map_or(f64::NAN, |h| h.tangent_stiffness / KILONEWTON_PER_METRE),
+        rail_radius_mm: 1.0 / rail_curvature / MILLIMETRE,
+        wheel_radius_mm: 1.0 / wheel_curvature / MILLIMETRE,
+        rolling_radius_mm: rolling_radius / MILLIMETRE,
+    }
+}

@@ -1,0 +1,132 @@
+//! The solids as VTU files: meshes, displacements, stresses, contact surface.
+
+use nalgebra::{Point3, Vector3};
+use railspring_calibrate::calibration::{Pressed, WheelOnRail};
+use railspring_calibrate::contact::Side;
+use railspring_calibrate::error::Result;
+use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
+use railspring_calibrate::solid::nodal_stress;
+use railspring_calibrate::superelement::Superelement;
+
+use super::{Geometry, Meshes};
+
+/// A result file in VTU format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fields {
+    /// The rail with displacement and stress.
+    Rail,
+    /// The wheel with displacement and stress, in the world frame.
+    Wheel,
+    /// The contact surface with gap and pressure.
+    Contact,
+}
+
+/// The solids under the largest load of the calibration.
+pub struct PressedFields {
+    rail: BodyFields,
+    wheel: BodyFields,
+    contact: ContactFields,
+}
+
+struct BodyFields {
+    points: Vec<Point3<f64>>,
+    hexes: Vec<[usize; 8]>,
+    displacement: Vec<Vector3<f64>>,
+    stress: Vec<[f64; 6]>,
+}
+
+struct ContactFields {
+    points: Vec<Point3<f64>>,
+    quads: Vec<[usize; 4]>,
+    gap: Vec<f64>,
+    pressure: Vec<f64>,
+}
+
+impl PressedFields {
+    /// Displacements and stresses of both bodies, gap and pressure on the rail's contact nodes.
+    pub(super) fn new(state: &Pressed, pair: &WheelOnRail, geometry: &Geometry, meshes: &Meshes) -> Self {
+        let hub = Vector3::new(0.0, state.hub.x, state.hub.y);
+        let axle = Vector3::new(0.0, geometry.tape_y, geometry.touch.tape_z - geometry.wheel.radius);
+        Self {
+            rail: BodyFields::new(&meshes.rail, pair.rail, state, Side::Base, Vector3::zeros(), Vector3::zeros()),
+            wheel: BodyFields::new(&meshes.wheel, pair.wheel, state, Side::Opposing, axle, hub),
+            contact: ContactFields::new(state, &meshes.rail),
+        }
+    }
+}
+
+impl BodyFields {
+    fn new(
+        mesh: &HexMesh,
+        element: &Superelement,
+        state: &Pressed,
+        side: Side,
+        origin: Vector3<f64>,
+        rigid: Vector3<f64>,
+    ) -> Self {
+        let displacement = element.displacement(&state.body_forces(side, element));
+        Self {
+            points: mesh.nodes.iter().map(|p| p + origin).collect(),
+            hexes: mesh.hexes.clone(),
+            stress: nodal_stress(mesh, &element.system.material, &displacement),
+            displacement: displacement.chunks_exact(3).map(|u| Vector3::new(u[0], u[1], u[2]) + rigid).collect(),
+        }
+    }
+}
+
+impl ContactFields {
+    fn new(state: &Pressed, mesh: &HexMesh) -> Self {
+        let grid = &mesh.contact;
+        let (rows, columns) = (grid.along_profile.len(), grid.along_track.len());
+        // far points have no pairing: not a number, which viewers leave blank
+        let mut gap = vec![f64::NAN; rows * columns];
+        let mut pressure = vec![0.0; rows * columns];
+        for (j, &(i, k)) in state.points.index.iter().enumerate() {
+            gap[i * columns + k] = state.solution.separation[j];
+            pressure[i * columns + k] = state.solution.forces[j] / state.points.area[j];
+        }
+        let node = |i: usize, k: usize| i * columns + k;
+        Self {
+            points: grid.nodes.iter().map(|&n| mesh.nodes[n]).collect(),
+            quads: (0..rows - 1)
+                .flat_map(|i| {
+                    (0..columns - 1).map(move |k| [node(i, k), node(i, k + 1), node(i + 1, k + 1), node(i + 1, k)])
+                })
+                .collect(),
+            gap,
+            pressure,
+        }
+    }
+}
+
+/// Text of one of the VTU files of the pressed solids.
+///
+/// # Errors
+/// None that a finished calibration can cause.
+pub fn fields_vtu(pressed: &PressedFields, fields: Fields) -> Result<String> {
+    match fields {
+        Fields::Rail => body_vtu(&pressed.rail),
+        Fields::Wheel => body_vtu(&pressed.wheel),
+        Fields::Contact => {
+            let c = &pressed.contact;
+            let data = [Field::Scalar("gap (m)", &c.gap), Field::Scalar("pressure (Pa)", &c.pressure)];
+            vtu(&c.points, Cells::Quads(&c.quads), &data, &[])
+        }
+    }
+}
+
+fn body_vtu(body: &BodyFields) -> Result<String> {
+    let data = [
+        Field::Vector("displacement (m)", &body.displacement),
+        Field::SymmetricTensor("stress (Pa)", &body.stress),
+    ];
+    vtu(&body.points, Cells::Hexes(&body.hexes), &data, &[])
+}
+
+/// Text of the VTU file of a mesh without any load, in its own frame.
+///
+/// # Errors
+/// None that a finished mesh can cause.
+pub fn mesh_vtu(mesh: &HexMesh) -> Result<String> {
+    vtu(&mesh.nodes, Cells::Hexes(&mesh.hexes), &[], &[])
+}

@@ -1,0 +1,156 @@
+//! The stages of a study as functions from values to values: each calls the
+//! library for one stage and puts the answer into the records that the files,
+//! the report and the later stages use. Files and clocks are in
+//! [`crate::pipeline`].
+
+mod calibrate;
+mod fields;
+mod simulate;
+
+pub use calibrate::{Calibration, calibrate};
+pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
+pub use simulate::{Springs, simulate, simulate_solid};
+
+use nalgebra::{Point2, Vector2};
+use railspring_calibrate::calibration::Enforcement;
+use railspring_calibrate::contact::{Shape, Surface};
+use railspring_calibrate::error::Result;
+use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
+use railspring_calibrate::section::{RailSection, WheelSection, rail_section, wheel_section};
+use railspring_calibrate::solid::Formulation;
+
+use crate::beam::{RailBeam, Torsion};
+use crate::report::ProfilePair;
+use crate::study::{ElementKey, EnforcementKey, Study};
+
+/// The two sections in place, and where they first touch.
+pub struct Geometry {
+    /// Section of the rail, in its profile frame.
+    pub rail: RailSection,
+    /// Section of the wheel, in its profile frame.
+    pub wheel: WheelSection,
+    /// The rail in the track.
+    pub placed: PlacedRail,
+    /// Lateral world position of the tape circle, m.
+    pub tape_y: f64,
+    /// Where the lowered wheel first touches.
+    pub touch: Touch,
+    /// The rail as the beam of the moving solver.
+    pub beam: RailBeam,
+}
+
+/// The meshes of both bodies.
+pub struct Meshes {
+    /// The rail, in the world frame.
+    pub rail: HexMesh,
+    /// The wheel, in its body frame.
+    pub wheel: HexMesh,
+}
+
+impl Geometry {
+    /// World position (y, z) of the wheel profile's origin when it just touches, m.
+    pub fn tape(&self) -> Vector2<f64> {
+        Vector2::new(self.tape_y, self.touch.tape_z)
+    }
+
+    /// World position (y, z) at which the beam's node line, the line of shear centres, passes, m.
+    pub fn node_line(&self) -> Point2<f64> {
+        self.placed.to_world(&Point2::new(0.0, self.rail.height - self.rail.properties.shear_centre_height))
+    }
+
+    fn rail_surface<'a>(&'a self, mesh: &'a HexMesh) -> Surface<'a> {
+        Surface {
+            curve: &self.placed.curve,
+            shape: Shape::Extruded,
+            grid: &mesh.contact,
+            origin: Vector2::zeros(),
+        }
+    }
+
+    fn wheel_surface<'a>(&'a self, mesh: &'a HexMesh) -> Surface<'a> {
+        Surface {
+            curve: &self.wheel.running,
+            shape: Shape::Revolved { radius: self.wheel.radius },
+            grid: &mesh.contact,
+            origin: self.tape(),
+        }
+    }
+}
+
+/// Sections, placement and first touch.
+///
+/// # Errors
+/// Unknown profile names, and a wheel that misses the rail.
+pub fn geometry(study: &Study) -> Result<Geometry> {
+    let rail = rail_section(&study.rail.profile)?;
+    let wheel = wheel_section(&study.wheel.profile, study.wheel.tape_diameter)?;
+    let track = TrackGeometry {
+        gauge: study.track.gauge,
+        gauge_height: study.track.gauge_height,
+        flange_back: study.track.flange_back,
+        inclination: study.rail.inclination,
+        lateral_shift: study.track.lateral_shift,
+    };
+    let placed = place_rail(&rail, &track)?;
+    let touch = touch(&placed, &wheel.running, track.tape_y())?;
+    let beam = RailBeam::rail(
+        &rail.properties,
+        &study.material,
+        study.rail.length,
+        study.simulation.rail_elements,
+        placed.angle,
+        Torsion::RestrainedWarping,
+    )?;
+    Ok(Geometry { rail, wheel, placed, tape_y: track.tape_y(), touch, beam })
+}
+
+/// Meshes of both bodies.
+///
+/// # Errors
+/// Settings that give an inverted or flat element.
+pub fn meshes(study: &Study, geometry: &Geometry) -> Result<Meshes> {
+    let options = mesh_options(study);
+    Ok(Meshes {
+        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
+        wheel: mesh_wheel(&geometry.wheel, &options)?,
+    })
+}
+
+fn mesh_options(study: &Study) -> MeshOptions {
+    MeshOptions {
+        contact_element: study.mesh.contact_element,
+        window_half_length: study.mesh.window_half_length,
+        growth: study.mesh.growth,
+        ..MeshOptions::default()
+    }
+}
+
+fn formulation(study: &Study) -> Formulation {
+    match study.mesh.element {
+        ElementKey::IncompatibleModes => Formulation::IncompatibleModes,
+        ElementKey::FullIntegration => Formulation::FullIntegration,
+    }
+}
+
+fn enforcement(study: &Study) -> Enforcement {
+    match study.contact.enforcement {
+        EnforcementKey::Exact => Enforcement::Exact,
+        EnforcementKey::Penalty => Enforcement::Penalty(study.contact.penalty),
+    }
+}
+
+/// The two profiles in place, for the report's pictures.
+pub fn profiles(geometry: &Geometry) -> ProfilePair {
+    const STEP: f64 = 0.25e-3;
+    let outline = |running: Vec<Point2<f64>>, body: &[Point2<f64>]| -> Vec<Point2<f64>> {
+        running.into_iter().chain(body.iter().skip(1).copied()).collect()
+    };
+    ProfilePair {
+        rail: outline(geometry.rail.running.sample(STEP), &geometry.rail.body),
+        rail_angle: geometry.placed.angle,
+        rail_origin: geometry.placed.origin,
+        wheel: outline(geometry.wheel.running.sample(STEP), &geometry.wheel.body),
+        wheel_origin: Point2::from(geometry.tape()),
+    }
+}

@@ -1,0 +1,86 @@
+//! A load case on the moving solver and on the transient solid model.
+
+use railspring_calibrate::error::Result;
+use railspring_calibrate::history::History;
+use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::section::body_of_revolution;
+use railspring_calibrate::transient::TransientModel;
+
+use super::{Geometry, Meshes, enforcement, formulation};
+use crate::moving::{MovingModel, RailSupport, SlidingMatrix, WheelSprings};
+use crate::study::{SlidingMatrixKey, Study, StudyScenario};
+
+/// The springs and the mass that the simple model runs with.
+#[derive(Debug, Clone, Copy)]
+pub struct Springs {
+    /// Normal law.
+    pub normal: StiffnessLaw,
+    /// Horizontal stiffness, N/m.
+    pub horizontal: f64,
+    /// Mass of the solid wheel, kg, which scenarios without a mass of their own take.
+    pub wheel_mass: f64,
+}
+
+/// The simple model under a load case.
+///
+/// # Errors
+/// Newton iterations that do not converge.
+pub fn simulate(
+    study: &Study,
+    geometry: &Geometry,
+    springs: &Springs,
+    scenario: &StudyScenario,
+    monitor: &dyn Monitor,
+) -> Result<History> {
+    let support = RailSupport::Beam { beam: geometry.beam.clone(), node_line: geometry.node_line(), damping_ratio: 0.0 };
+    let wheel_springs = WheelSprings {
+        horizontal: springs.horizontal,
+        normal: springs.normal,
+        longitudinal: springs.horizontal,
+    };
+    let mut model = MovingModel::new(
+        geometry.placed.clone(),
+        geometry.wheel.running.clone(),
+        geometry.wheel.radius,
+        geometry.tape_y,
+        &geometry.touch,
+        support,
+        wheel_springs,
+        springs.wheel_mass,
+    );
+    let body = body_of_revolution(&geometry.wheel, study.material.density);
+    let scale = springs.wheel_mass / body.mass;
+    model.wheel_inertia = [body.diameter_inertia, body.axle_inertia, body.diameter_inertia].map(|i| i * scale);
+    model.penalty = study.simulation.contact_penalty;
+    model.node_spacing = study.simulation.rail_node_spacing;
+    model.sliding = match study.simulation.sliding_matrix {
+        SlidingMatrixKey::Unsymmetric => SlidingMatrix::Consistent,
+        SlidingMatrixKey::Symmetric => SlidingMatrix::Symmetric,
+    };
+    Ok(model.run(&scenario.scenario, monitor)?.history)
+}
+
+/// The solid model under the same load case.
+///
+/// # Errors
+/// Contact iterations that do not converge.
+pub fn simulate_solid(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    scenario: &StudyScenario,
+    monitor: &dyn Monitor,
+) -> Result<History> {
+    let model = TransientModel {
+        rail_mesh: &meshes.rail,
+        wheel_mesh: &meshes.wheel,
+        material: study.material,
+        formulation: formulation(study),
+        placed_rail: &geometry.placed,
+        rail_surface: geometry.rail_surface(&meshes.rail),
+        wheel_surface: geometry.wheel_surface(&meshes.wheel),
+        enforcement: enforcement(study),
+    };
+    Ok(model.run(&scenario.scenario, monitor)?.history)
+}

@@ -1,0 +1,304 @@
+//! Checks a parsed TOML document against the JSON schema of the study and
+//! says what is wrong in terms of the file: key, line, value, what was
+//! expected and how to mend it.
+
+use railspring_calibrate::error::InputError;
+use serde_json::Value;
+use toml::de::{DeTable, DeValue};
+
+/// One thing that is wrong in a study file.
+#[derive(Debug, Clone)]
+pub struct Finding {
+    /// Byte at which it stands; `None` for something that is absent from the whole file.
+    pub offset: Option<usize>,
+    /// What is wrong.
+    pub error: InputError,
+}
+
+/// All findings of a document, in the order of the file; a missing section comes first.
+pub fn check(document: &DeTable<'_>, schema: &Value) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    Checker { root: schema }.table(document, schema, "", None, &mut findings);
+    findings.sort_by_key(|finding| finding.offset);
+    findings
+}
+
+struct Checker<'a> {
+    root: &'a Value,
+}
+
+impl<'a> Checker<'a> {
+    /// Follows a `$ref` into the definitions.
+    fn resolve(&self, schema: &'a Value) -> &'a Value {
+        match schema.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix('#')) {
+            Some(pointer) => self.root.pointer(pointer).unwrap_or(schema),
+            None => schema,
+        }
+    }
+
+    fn table(
+        &self,
+        table: &DeTable<'_>,
+        schema: &'a Value,
+        path: &str,
+        offset: Option<usize>,
+        findings: &mut Vec<Finding>,
+    ) {
+        let schema = self.resolve(schema);
+        let properties = schema.get("properties").and_then(Value::as_object);
+        let additional = schema.get("additionalProperties").filter(|a| a.is_object());
+        for (key, value) in table.iter() {
+            let name = key.get_ref().as_ref();
+            let full = join(path, name);
+            match properties.and_then(|p| p.get(name)).or(additional) {
+                Some(expected) => self.value(value.get_ref(), expected, &full, key.span().start, findings),
+                None => {
+                    let known: Vec<&str> =
+                        properties.map(|p| p.keys().map(String::as_str).collect()).unwrap_or_default();
+                    findings.push(Finding {
+                        offset: Some(key.span().start),
+                        error: self.unknown_key(path, name, value.get_ref(), &known),
+                    });
+                }
+            }
+        }
+        for name in schema.get("required").and_then(Value::as_array).into_iter().flatten() {
+            let name = name.as_str().unwrap_or_default();
+            if !table.contains_key(name) {
+                let meaning = properties.and_then(|p| p.get(name)).map(|p| self.describe(p)).unwrap_or_default();
+                let expected = properties
+                    .and_then(|p| p.get(name))
+                    .map(|p| self.expectation(p))
+                    .unwrap_or_else(|| "a value".into());
+                findings.push(Finding {
+                    offset,
+                    error: InputError::new(
+                        join(path, name),
+                        "(missing)",
+                        expected,
+                        format!("add this key{}: {meaning}", in_section(path)),
+                    ),
+                });
+            }
+        }
+    }
+
+    fn value(
+        &self,
+        value: &DeValue<'_>,
+        schema: &'a Value,
+        path: &str,
+        offset: usize,
+        findings: &mut Vec<Finding>,
+    ) {
+        let resolved = self.resolve(schema);
+        if let Some(options) = resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array) {
+            // The alternatives differ in type; a value of the right type is checked in full
+            // against that alternative, so that its range is named.
+            let of_type: Vec<&Value> =
+                options.iter().map(|o| self.resolve(o)).filter(|o| accepts_type(o, value)).collect();
+            let accepted = of_type.iter().any(|option| {
+                let mut inner = Vec::new();
+                self.value(value, option, path, offset, &mut inner);
+                inner.is_empty()
+            });
+            if accepted {
+                return;
+            }
+            match of_type.as_slice() {
+                [only] => self.value(value, only, path, offset, findings),
+                _ => findings.push(self.mismatch(value, schema, path, offset)),
+            }
+            return;
+        }
+        if !accepts_type(resolved, value) || !accepts_value(resolved, value) {
+            findings.push(self.mismatch(value, schema, path, offset));
+            return;
+        }
+        match value {
+            DeValue::Table(table) => self.table(table, resolved, path, Some(offset), findings),
+            DeValue::Array(items) => {
+                if let Some(item) = resolved.get("items") {
+                    for (index, entry) in items.iter().enumerate() {
+                        let path = format!("{path}[{index}]");
+                        self.value(entry.get_ref(), item, &path, entry.span().start, findings);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn mismatch(&self, value: &DeValue<'_>, schema: &'a Value, path: &str, offset: usize) -> Finding {
+        let meaning = self.describe(schema);
+        let remedy = if meaning.is_empty() { "correct the value".into() } else { format!("this key is: {meaning}") };
+        Finding {
+            offset: Some(offset),
+            error: InputError::new(path, render(value), self.expectation(schema), remedy),
+        }
+    }
+
+    fn unknown_key(&self, path: &str, name: &str, value: &DeValue<'_>, known: &[&str]) -> InputError {
+        let place = if path.is_empty() { "the study".into() } else { format!("[{path}]") };
+        let expected = format!("a key of {place} ({})", known.join(", "));
+        let remedy = match nearest(name, known.iter().copied()) {
+            Some(near) => format!("the key is unknown; did you mean `{}`?", join(path, near)),
+            None => match self.elsewhere(name) {
+                Some(full) => format!("the key is unknown here; it belongs to `{full}`"),
+                None => "the key is unknown; remove it".into(),
+            },
+        };
+        InputError::new(join(path, name), render(value), expected, remedy)
+    }
+
+    /// The same key in another section.
+    fn elsewhere(&self, name: &str) -> Option<String> {
+        let sections = self.root.get("properties")?.as_object()?;
+        sections.iter().find_map(|(section, schema)| {
+            let keys = self.resolve(schema).get("properties")?.as_object()?;
+            keys.contains_key(name).then(|| join(section, name))
+        })
+    }
+
+    fn describe(&self, schema: &'a Value) -> String {
+        let own = schema.get("description").and_then(Value::as_str);
+        let text = own.or_else(|| self.resolve(schema).get("description").and_then(Value::as_str));
+        text.unwrap_or_default().replace('\n', " ").trim_end_matches('.').to_string()
+    }
+
+    /// What a schema accepts, in words.
+    fn expectation(&self, schema: &'a Value) -> String {
+        let resolved = self.resolve(schema);
+        if let Some(options) = resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array) {
+            let constants: Vec<String> =
+                options.iter().filter_map(|o| o.get("const")).map(Value::to_string).collect();
+            if constants.len() == options.len() {
+                return format!("one of {}", constants.join(", "));
+            }
+            let parts: Vec<String> = options
+                .iter()
+                .filter(|o| o.get("type").and_then(Value::as_str) != Some("null"))
+                .map(|o| self.expectation(o))
+                .collect();
+            return parts.join(" or ");
+        }
+        if let Some(values) = resolved.get("enum").and_then(Value::as_array) {
+            let list: Vec<String> = values.iter().map(Value::to_string).collect();
+            return format!("one of {}", list.join(", "));
+        }
+        let range = match (bound(resolved, "minimum"), bound(resolved, "maximum")) {
+            (Some(low), Some(high)) => format!(" from {low} to {high}"),
+            (Some(low), None) => format!(" of at least {low}"),
+            (None, Some(high)) => format!(" of at most {high}"),
+            (None, None) => String::new(),
+        };
+        match kind(resolved) {
+            "number" => format!("a number{range}"),
+            "integer" => format!("a whole number{range}"),
+            "string" => "a text in quotes".into(),
+            "boolean" => "true or false".into(),
+            "array" => {
+                let items = resolved.get("items").map(|i| self.expectation(i)).unwrap_or_default();
+                let count = match (bound(resolved, "minItems"), bound(resolved, "maxItems")) {
+                    (Some(low), Some(high)) => format!(" of {low} to {high} entries"),
+                    (Some(low), None) => format!(" of at least {low} entries"),
+                    _ => String::new(),
+                };
+                format!("a list{count}, each {items}")
+            }
+            "object" => "a section".into(),
+            _ => "another value".into(),
+        }
+    }
+}
+
+/// The type a schema asks for, `null` aside.
+fn kind(schema: &Value) -> &str {
+    match schema.get("type") {
+        Some(Value::String(name)) => name,
+        Some(Value::Array(names)) => {
+            names.iter().filter_map(Value::as_str).find(|name| *name != "null").unwrap_or_default()
+        }
+        _ => "",
+    }
+}
+
+fn accepts_type(schema: &Value, value: &DeValue<'_>) -> bool {
+    match (kind(schema), value) {
+        ("number", DeValue::Float(_) | DeValue::Integer(_)) => true,
+        ("integer", DeValue::Integer(_)) => true,
+        ("string", DeValue::String(_)) => true,
+        ("boolean", DeValue::Boolean(_)) => true,
+        ("array", DeValue::Array(_)) => true,
+        ("object", DeValue::Table(_)) => true,
+        ("", _) => true,
+        _ => false,
+    }
+}
+
+fn accepts_value(schema: &Value, value: &DeValue<'_>) -> bool {
+    let within = |number: f64, low: &str, high: &str| {
+        number.is_finite()
+            && bound(schema, low).is_none_or(|low| number >= low)
+            && bound(schema, high).is_none_or(|high| number <= high)
+    };
+    match value {
+        DeValue::Float(float) => {
+            within(float.as_str().replace('_', "").parse().unwrap_or(f64::NAN), "minimum", "maximum")
+        }
+        DeValue::Integer(integer) => {
+            let number = i64::from_str_radix(&integer.as_str().replace('_', ""), integer.radix());
+            within(number.map_or(f64::NAN, |n| n as f64), "minimum", "maximum")
+        }
+        DeValue::String(text) => {
+            let named = |value: &Value| value.as_str() == Some(text.as_ref());
+            within(text.chars().count() as f64, "minLength", "maxLength")
+                && schema.get("const").is_none_or(named)
+                && schema.get("enum").and_then(Value::as_array).is_none_or(|list| list.iter().any(named))
+        }
+        DeValue::Array(items) => within(items.len() as f64, "minItems", "maxItems"),
+        _ => true,
+    }
+}
+
+fn bound(schema: &Value, name: &str) -> Option<f64> {
+    schema.get(name).and_then(Value::as_f64)
+}
+
+/// The known name nearest to a wrong one, if any is near.
+fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    // Below this similarity a suggestion would only mislead.
+    const NEAR: f64 = 0.75;
+    let lower = name.to_lowercase();
+    known
+        .map(|candidate| (strsim::jaro_winkler(&lower, candidate), candidate))
+        .filter(|(similarity, _)| *similarity >= NEAR)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+/// A dotted key.
+pub(super) fn join(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_string() } else { format!("{path}.{name}") }
+}
+
+fn in_section(path: &str) -> String {
+    if path.is_empty() { String::new() } else { format!(" to [{path}]") }
+}
+
+/// A value as it is shown in a message.
+fn render(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) => format!("{text:?}"),
+        DeValue::Integer(integer) => integer.to_string(),
+        DeValue::Float(float) => float.to_string(),
+        DeValue::Boolean(flag) => flag.to_string(),
+        DeValue::Datetime(date) => date.to_string(),
+        DeValue::Array(items) => {
+            let shown: Vec<String> = items.iter().take(6).map(|item| render(item.get_ref())).collect();
+            let more = if items.len() > 6 { ", …" } else { "" };
+            format!("[{}{more}]", shown.join(", "))
+        }
+        DeValue::Table(_) => "(a section)".into(),
+    }
+}

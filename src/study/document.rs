@@ -1,0 +1,490 @@
+//! The study as it stands in its TOML file: keys with units in their names,
+//! defaults, and the ranges that the file is checked against.
+//!
+//! The JSON schema is derived from these structures, and the file is checked
+//! against that schema, so that a key, its range and its description are said
+//! once. [`super::Study`] holds the same values in SI units.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::verify::Limits;
+
+/// A study: a rail and a wheel, how to calibrate the contact springs between them, and the load cases to verify the springs with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StudyDocument {
+    /// Short name of the study; names the output folder. Letters, digits, `-`, `_` and `.`.
+    #[schemars(length(min = 1, max = 80))]
+    pub name: String,
+    /// What the study is about, in a sentence or two; shown in the report.
+    #[serde(default)]
+    pub description: String,
+    /// The rail.
+    pub rail: RailKeys,
+    /// The wheel.
+    pub wheel: WheelKeys,
+    /// Where the wheel stands on the track.
+    #[serde(default)]
+    pub track: TrackKeys,
+    /// The material of both bodies.
+    #[serde(default)]
+    pub material: MaterialKeys,
+    /// The solid meshes.
+    #[serde(default)]
+    pub mesh: MeshKeys,
+    /// Contact and friction between the solids.
+    #[serde(default)]
+    pub contact: ContactKeys,
+    /// The load range and the reference of the stiffness law.
+    #[serde(default)]
+    pub calibration: CalibrationKeys,
+    /// The simple moving-contact model.
+    #[serde(default)]
+    pub simulation: SimulationKeys,
+    /// Load cases by name.
+    #[serde(default)]
+    pub scenario: BTreeMap<String, ScenarioKeys>,
+    /// Limits of the verdict.
+    #[serde(default)]
+    pub verification: Limits,
+}
+
+/// The rail: its standard section, how it is laid and how long a piece is modelled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RailKeys {
+    /// Name of the standard section, for instance `60E1` or `UIC60`.
+    #[schemars(length(min = 1))]
+    pub profile: String,
+    /// Inclination towards the track centre, as a ratio `"1:40"` or as a slope `0.025`.
+    #[serde(default = "default_inclination")]
+    pub inclination: Inclination,
+    /// Length of the modelled piece, m; both its ends are held.
+    #[serde(default = "default_rail_length")]
+    #[schemars(range(min = 0.1, max = 20.0))]
+    pub length_m: f64,
+}
+
+/// A rail inclination.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Inclination {
+    /// Slope, for instance `0.025`.
+    Slope(#[schemars(range(min = -0.2, max = 0.2))] f64),
+    /// Ratio, for instance `"1:40"`.
+    Ratio(String),
+}
+
+fn default_inclination() -> Inclination {
+    Inclination::Ratio("1:40".into())
+}
+
+fn default_rail_length() -> f64 {
+    0.555
+}
+
+/// The wheel: its standard running profile on a generic straight-web body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WheelKeys {
+    /// Name of the standard running profile, for instance `S1002`.
+    #[schemars(length(min = 1))]
+    pub profile: String,
+    /// Diameter at the tape circle (70 mm from the flange back), m.
+    #[serde(default = "default_tape_diameter")]
+    #[schemars(range(min = 0.3, max = 1.5))]
+    pub tape_diameter_m: f64,
+}
+
+fn default_tape_diameter() -> f64 {
+    0.858
+}
+
+/// Where the wheel stands on the track.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrackKeys {
+    /// Track gauge, mm.
+    #[schemars(range(min = 500.0, max = 2000.0))]
+    pub gauge_mm: f64,
+    /// Depth below the top of the rail at which the gauge is measured, mm.
+    #[schemars(range(min = 1.0, max = 30.0))]
+    pub gauge_height_mm: f64,
+    /// Distance between the flange backs of the wheelset, mm.
+    #[schemars(range(min = 400.0, max = 2000.0))]
+    pub flange_back_mm: f64,
+    /// Lateral shift of the wheelset from the track centre, mm, positive towards the modelled rail.
+    #[schemars(range(min = -100.0, max = 100.0))]
+    pub lateral_shift_mm: f64,
+}
+
+impl Default for TrackKeys {
+    fn default() -> Self {
+        Self { gauge_mm: 1435.0, gauge_height_mm: 14.0, flange_back_mm: 1360.0, lateral_shift_mm: 0.0 }
+    }
+}
+
+/// The linear elastic material of both bodies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MaterialKeys {
+    /// Young's modulus, GPa.
+    #[schemars(range(min = 1.0, max = 1000.0))]
+    pub young_gpa: f64,
+    /// Poisson's ratio.
+    #[schemars(range(min = 0.0, max = 0.49))]
+    pub poisson: f64,
+    /// Density, kg/m³.
+    #[schemars(range(min = 100.0, max = 30000.0))]
+    pub density_kg_per_m3: f64,
+}
+
+impl Default for MaterialKeys {
+    fn default() -> Self {
+        Self { young_gpa: 210.0, poisson: 0.3, density_kg_per_m3: 7850.0 }
+    }
+}
+
+/// The hexahedral meshes of both bodies, graded towards the contact zone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MeshKeys {
+    /// Edge length of the elements in the contact zone, mm.
+    #[schemars(range(min = 0.2, max = 10.0))]
+    pub contact_element_mm: f64,
+    /// Half length of the contact zone along the track, mm.
+    #[schemars(range(min = 4.0, max = 60.0))]
+    pub window_half_length_mm: f64,
+    /// Ratio of the sizes of neighbouring elements away from the contact zone.
+    #[schemars(range(min = 1.05, max = 3.0))]
+    pub growth: f64,
+    /// Largest element edge away from the contact zone, mm.
+    #[schemars(range(min = 2.0, max = 100.0))]
+    pub body_element_mm: f64,
+    /// Formulation of the eight-node brick.
+    pub element: ElementKey,
+}
+
+impl Default for MeshKeys {
+    fn default() -> Self {
+        Self {
+            contact_element_mm: 2.0,
+            window_half_length_mm: 12.0,
+            growth: 1.5,
+            body_element_mm: 25.0,
+            element: ElementKey::IncompatibleModes,
+        }
+    }
+}
+
+/// Formulation of the eight-node brick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElementKey {
+    /// Incompatible modes: does not lock in bending.
+    IncompatibleModes,
+    /// Plain full integration: stiff in bending, for comparison.
+    FullIntegration,
+}
+
+/// Contact and friction between the solids.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ContactKeys {
+    /// How the surfaces are kept from passing through each other.
+    pub enforcement: EnforcementKey,
+    /// Penalty stiffness of a contact point, kN/m; the published value is 1e6.
+    #[schemars(range(min = 1e3, max = 1e12))]
+    pub penalty_kn_per_m: f64,
+    /// Coulomb friction coefficient between wheel and rail.
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub friction: f64,
+}
+
+impl Default for ContactKeys {
+    fn default() -> Self {
+        Self { enforcement: EnforcementKey::Exact, penalty_kn_per_m: 1e6, friction: 0.5 }
+    }
+}
+
+/// How the surfaces are kept from passing through each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum EnforcementKey {
+    /// No penetration at all.
+    Exact,
+    /// A stiff spring on every contact point, as published.
+    Penalty,
+}
+
+/// The load range and the reference of the stiffness law.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CalibrationKeys {
+    /// Smallest load, kN.
+    #[schemars(range(min = 0.01, max = 1000.0))]
+    pub load_min_kn: f64,
+    /// Largest load, kN.
+    #[schemars(range(min = 0.1, max = 1000.0))]
+    pub load_max_kn: f64,
+    /// Number of loads between the smallest and the largest.
+    #[schemars(range(min = 4, max = 500))]
+    pub load_count: usize,
+    /// How the loads are spaced.
+    pub load_spacing: SpacingKey,
+    /// The loads one by one, kN, ascending; replaces `load_min_kn`, `load_max_kn` and `load_count`.
+    #[schemars(inner(range(min = 0.01, max = 1000.0)), length(min = 4))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loads_kn: Option<Vec<f64>>,
+    /// What the displacement of the law in use is measured against.
+    pub reference: ReferenceKey,
+    /// Vertical preloads at which the horizontal stiffness is measured, kN.
+    #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1))]
+    pub horizontal_preloads_kn: Vec<f64>,
+}
+
+impl Default for CalibrationKeys {
+    fn default() -> Self {
+        Self {
+            load_min_kn: 1.0,
+            load_max_kn: 150.0,
+            load_count: 24,
+            load_spacing: SpacingKey::Geometric,
+            loads_kn: None,
+            reference: ReferenceKey::Beam,
+            horizontal_preloads_kn: vec![20.0, 50.0, 85.0, 120.0],
+        }
+    }
+}
+
+/// How the calibration loads are spaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpacingKey {
+    /// The ratio of neighbouring loads is constant.
+    Geometric,
+    /// The difference of neighbouring loads is constant.
+    Linear,
+}
+
+/// What the displacement of a law is measured against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReferenceKey {
+    /// Wheel hub against the held rail foot; nothing is subtracted.
+    Foot,
+    /// Wheel hub against the beam model of the rail: beam and law together are the solid.
+    Beam,
+    /// The approach of the two surfaces alone.
+    Local,
+}
+
+impl ReferenceKey {
+    /// Name in files and figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Foot => "foot",
+            Self::Beam => "beam",
+            Self::Local => "local",
+        }
+    }
+}
+
+/// The simple moving-contact model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SimulationKeys {
+    /// Which normal law drives the simple model.
+    pub law: LawKey,
+    /// Horizontal stiffness, kN/m; left out, the calibrated one is used.
+    #[schemars(range(min = 1e3, max = 1e9))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub horizontal_kn_per_m: Option<f64>,
+    /// Number of beam elements of the rail.
+    #[schemars(range(min = 2, max = 2000))]
+    pub rail_elements: usize,
+    /// Penalty stiffness between the wheel's spline and the rail's nodes, kN/m.
+    #[schemars(range(min = 1e4, max = 1e12))]
+    pub contact_penalty_kn_per_m: f64,
+    /// Distance between the nodes on the rail's surface that can touch the wheel, mm.
+    #[schemars(range(min = 0.01, max = 5.0))]
+    pub rail_node_spacing_mm: f64,
+    /// Matrix of a sliding contact.
+    pub sliding_matrix: SlidingMatrixKey,
+    /// The scenario whose histories are `history.csv` and `solid_history.csv`; left out, the first that the solid model can run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<String>,
+}
+
+impl Default for SimulationKeys {
+    fn default() -> Self {
+        Self {
+            law: LawKey::Calibrated,
+            horizontal_kn_per_m: None,
+            rail_elements: 20,
+            contact_penalty_kn_per_m: 2e9,
+            rail_node_spacing_mm: 0.25,
+            sliding_matrix: SlidingMatrixKey::Unsymmetric,
+            scenario: None,
+        }
+    }
+}
+
+/// Which normal law drives the simple model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawKey {
+    /// The law that the study calibrates, with the reference of `calibration.reference`.
+    Calibrated,
+    /// The published constants (30000 kN/m, 294000 kN/m, 0.241104).
+    Published,
+}
+
+/// Matrix of a sliding contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SlidingMatrixKey {
+    /// Equation (3): consistent, not symmetric.
+    Unsymmetric,
+    /// Equation (4): approximate, symmetric.
+    Symmetric,
+}
+
+/// A load case on one wheel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScenarioKeys {
+    /// What happens, in a sentence; shown in the report.
+    #[serde(default)]
+    pub description: String,
+    /// Number of time steps after the initial state.
+    #[serde(default = "default_steps")]
+    #[schemars(range(min = 1, max = 1000000))]
+    pub steps: usize,
+    /// Time step, s.
+    #[serde(default = "default_time_step")]
+    #[schemars(range(min = 1e-7, max = 0.1))]
+    pub time_step_s: f64,
+    /// Gravity on the wheel and the suspended mass, m/s²; 0 leaves it out.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 20.0))]
+    pub gravity_m_per_s2: f64,
+    /// Coulomb friction coefficient; left out, that of `[contact]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 2.0))]
+    pub friction: Option<f64>,
+    /// Mass on the vertical spring and damper, t.
+    #[serde(default = "default_suspended_mass")]
+    #[schemars(range(min = 0.0, max = 200.0))]
+    pub suspended_mass_t: f64,
+    /// Mass of the wheel in the simple model, t; left out, that of the solid wheel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.001, max = 10.0))]
+    pub wheel_mass_t: Option<f64>,
+    /// Vertical spring and damper between the wheel centre and the suspended mass.
+    #[serde(default = "default_suspension")]
+    pub vertical_suspension: SuspensionKeys,
+    /// Lateral spring and damper between the wheel centre and the point where the lateral force acts.
+    #[serde(default = "default_suspension")]
+    pub lateral_suspension: SuspensionKeys,
+    /// Force on the suspended mass, positive down.
+    pub vertical_force: ForceKeys,
+    /// Lateral force, positive towards the field side: it pushes the flange towards the rail.
+    pub lateral_force: ForceKeys,
+    /// Torsion about x at the middle of the rail; simple model only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rail_torsion: Option<TorsionKeys>,
+    /// Position of the wheel at t = 0 from the rail's first end, m; left out, midspan.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 20.0))]
+    pub start_x_m: Option<f64>,
+    /// Speed of the wheel along the rail, m/s; other than 0 in the simple model only.
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 200.0))]
+    pub speed_m_per_s: f64,
+    /// Whether the rotations of the wheel's master node are held.
+    #[serde(default = "default_true")]
+    pub rotations_held: bool,
+    /// Whether the solid model runs too; it cannot when the wheel moves along or the rail is twisted.
+    #[serde(default = "default_true")]
+    pub solid: bool,
+    /// Times at which the report draws the contact positions on the two profiles, s.
+    #[serde(default = "default_snapshots")]
+    #[schemars(inner(range(min = 0.0, max = 1e6)), length(min = 1, max = 6))]
+    pub snapshots_s: Vec<f64>,
+}
+
+fn default_steps() -> usize {
+    550
+}
+
+fn default_time_step() -> f64 {
+    0.0005
+}
+
+fn default_suspended_mass() -> f64 {
+    6.25
+}
+
+fn default_suspension() -> SuspensionKeys {
+    SuspensionKeys { stiffness_kn_per_m: 1200.0, damping_kn_s_per_m: 40.0 }
+}
+
+fn default_true() -> bool {
+    true
+}
+
+fn default_snapshots() -> Vec<f64> {
+    vec![0.0, 0.01, 0.2]
+}
+
+/// Spring and damper in parallel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SuspensionKeys {
+    /// Stiffness, kN/m.
+    #[schemars(range(min = 0.0, max = 1e9))]
+    pub stiffness_kn_per_m: f64,
+    /// Damping, kN·s/m.
+    #[schemars(range(min = 0.0, max = 1e9))]
+    pub damping_kn_s_per_m: f64,
+}
+
+/// A force `mean + amplitude·sin(2π·frequency·t + phase)`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ForceKeys {
+    /// Mean value, kN.
+    #[schemars(range(min = -1e4, max = 1e4))]
+    pub mean_kn: f64,
+    /// Amplitude, kN; negative turns the sine over.
+    #[schemars(range(min = -1e4, max = 1e4))]
+    pub amplitude_kn: f64,
+    /// Frequency, Hz.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub frequency_hz: f64,
+    /// Phase, degrees.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub phase_deg: f64,
+}
+
+/// A torsion `mean + amplitude·sin(2π·frequency·t + phase)`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TorsionKeys {
+    /// Mean value, kN·m.
+    #[schemars(range(min = -1e4, max = 1e4))]
+    pub mean_kn_m: f64,
+    /// Amplitude, kN·m; negative turns the sine over.
+    #[schemars(range(min = -1e4, max = 1e4))]
+    pub amplitude_kn_m: f64,
+    /// Frequency, Hz.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub frequency_hz: f64,
+    /// Phase, degrees.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub phase_deg: f64,
+}

@@ -1,0 +1,241 @@
+//! The study: from a TOML file with units in its keys to checked values in SI
+//! units, which is the only form the stages see.
+
+pub mod document;
+
+mod check;
+mod resolve;
+mod source;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use railspring_calibrate::error::InputError;
+use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::solid::Material;
+use toml::de::DeTable;
+
+pub use document::{
+    ElementKey, EnforcementKey, LawKey, ReferenceKey, SlidingMatrixKey, SpacingKey, StudyDocument,
+};
+pub use source::{LocatedError, Source};
+
+use crate::verify::Limits;
+
+/// A checked study, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// Short name; names the output folder.
+    pub name: String,
+    /// What the study is about.
+    pub description: String,
+    /// The rail.
+    pub rail: Rail,
+    /// The wheel.
+    pub wheel: Wheel,
+    /// Where the wheel stands on the track.
+    pub track: Track,
+    /// Material of both bodies.
+    pub material: Material,
+    /// The solid meshes.
+    pub mesh: MeshSettings,
+    /// Contact between the solids.
+    pub contact: ContactSettings,
+    /// Loads and reference of the law.
+    pub calibration: CalibrationSettings,
+    /// The simple model.
+    pub simulation: SimulationSettings,
+    /// Load cases by name.
+    pub scenarios: BTreeMap<String, StudyScenario>,
+    /// Name of the load case whose histories have the plain file names.
+    pub main_scenario: Option<String>,
+    /// Limits of the verdict.
+    pub limits: Limits,
+    /// Hash of everything that the numbers depend on: the resolved study without its
+    /// descriptions and limits, and the program's version, which fixes the standard profiles.
+    pub input_hash: String,
+    /// All keys with their values, defaults filled in; the keys of each section by name.
+    pub resolved: Vec<ResolvedKey>,
+    /// The file the study came from.
+    pub source: Source,
+}
+
+/// One key of the resolved study, for the report.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ResolvedKey {
+    /// Section, for instance `track`; empty for the top level.
+    pub section: String,
+    /// Key with its unit, for instance `gauge_mm`.
+    pub key: String,
+    /// The value as text.
+    pub value: String,
+    /// Whether the file says so itself, or the default applies.
+    pub given: bool,
+}
+
+/// The rail.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rail {
+    /// Name of the standard section.
+    pub profile: String,
+    /// Inclination as a slope.
+    pub inclination: f64,
+    /// Length of the modelled piece, m.
+    pub length: f64,
+}
+
+/// The wheel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wheel {
+    /// Name of the standard running profile.
+    pub profile: String,
+    /// Diameter at the tape circle, m.
+    pub tape_diameter: f64,
+}
+
+/// Where the wheel stands on the track; lengths in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Track {
+    /// Track gauge.
+    pub gauge: f64,
+    /// Depth below the top of the rail at which the gauge is measured.
+    pub gauge_height: f64,
+    /// Distance between the flange backs.
+    pub flange_back: f64,
+    /// Lateral shift towards the modelled rail.
+    pub lateral_shift: f64,
+}
+
+/// Settings of the solid meshes; lengths in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshSettings {
+    /// Edge length in the contact zone.
+    pub contact_element: f64,
+    /// Half length of the contact zone along the track.
+    pub window_half_length: f64,
+    /// Ratio of neighbouring element sizes away from the contact zone.
+    pub growth: f64,
+    /// Largest element edge.
+    pub body_element: f64,
+    /// Formulation of the brick.
+    pub element: ElementKey,
+}
+
+/// Contact between the solids.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactSettings {
+    /// Exact or penalty.
+    pub enforcement: EnforcementKey,
+    /// Penalty stiffness, N/m.
+    pub penalty: f64,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+}
+
+/// Loads and reference of the law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibrationSettings {
+    /// The loads, N, ascending.
+    pub loads: Vec<f64>,
+    /// What the displacement of the law in use is measured against.
+    pub reference: ReferenceKey,
+    /// Preloads of the horizontal stiffness, N.
+    pub horizontal_preloads: Vec<f64>,
+}
+
+/// The simple model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulationSettings {
+    /// Which normal law drives it.
+    pub law: LawKey,
+    /// Horizontal stiffness, N/m; `None` takes the calibrated one.
+    pub horizontal: Option<f64>,
+    /// Number of beam elements of the rail.
+    pub rail_elements: usize,
+    /// Penalty stiffness between spline and nodes, N/m.
+    pub contact_penalty: f64,
+    /// Distance between the rail's surface nodes, m.
+    pub rail_node_spacing: f64,
+    /// Matrix of a sliding contact.
+    pub sliding_matrix: SlidingMatrixKey,
+}
+
+/// One load case of the study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyScenario {
+    /// What happens.
+    pub description: String,
+    /// The load case itself.
+    pub scenario: Scenario,
+    /// Whether the solid model runs too.
+    pub solid: bool,
+    /// Times at which the report draws the contact positions, s.
+    pub snapshots: Vec<f64>,
+}
+
+/// Sections of the study file, in their order.
+pub const SECTIONS: [&str; 10] = [
+    "rail", "wheel", "track", "material", "mesh", "contact", "calibration", "simulation", "scenario",
+    "verification",
+];
+
+impl Study {
+    /// Reads and checks a study file.
+    ///
+    /// # Errors
+    /// [`LocatedError`] for a file that cannot be read, is not TOML, has an unknown, missing or
+    /// mistyped key, or a value out of range; it names the first of them in the file.
+    pub fn read(path: &Path) -> Result<Self, LocatedError> {
+        let text = std::fs::read_to_string(path).map_err(|cause| LocatedError {
+            path: path.to_path_buf(),
+            line: None,
+            error: InputError::new("study file", cause, "a readable TOML file", "check the path of the study"),
+        })?;
+        Self::parse(path, &text)
+    }
+
+    /// Checks the text of a study file; `path` is only named in messages.
+    ///
+    /// # Errors
+    /// As [`Study::read`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, LocatedError> {
+        let at = |offset: Option<usize>, error: InputError| LocatedError {
+            path: path.to_path_buf(),
+            line: offset.map(|offset| source::line_of(text, offset)),
+            error,
+        };
+        let syntax = |cause: toml::de::Error| {
+            at(
+                cause.span().map(|span| span.start),
+                InputError::new(
+                    "study file",
+                    cause.message().replace('\n', ", "),
+                    "a TOML file",
+                    "mend the syntax on this line",
+                ),
+            )
+        };
+        let parsed = DeTable::parse(text).map_err(syntax)?;
+        let schema = schema();
+        if let Some(finding) = check::check(parsed.get_ref(), &schema).into_iter().next() {
+            return Err(at(finding.offset, finding.error));
+        }
+        let source = Source::new(path, text, parsed.get_ref());
+        let document: StudyDocument = toml::from_str(text).map_err(syntax)?;
+        resolve::resolve(document, source.clone()).map_err(|error| source.locate(error))
+    }
+
+    /// Whether a dotted key belongs to the study file, so that a message can name its line.
+    pub fn owns(&self, key: &str) -> bool {
+        let section = key.split(['.', '[']).next().unwrap_or_default();
+        section == "name" || SECTIONS.contains(&section)
+    }
+}
+
+/// The JSON schema of the study file.
+pub fn schema() -> serde_json::Value {
+    serde_json::to_value(schemars::schema_for!(StudyDocument)).expect("a schema is plain JSON")
+}
+
+#[cfg(test)]
+mod tests;

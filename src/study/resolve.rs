@@ -1,0 +1,322 @@
+//! From the keys of the file to values in SI units, with the checks that
+//! concern several keys at once.
+
+use railspring_calibrate::error::InputError;
+use railspring_calibrate::solid::Material;
+use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
+use serde_json::Value;
+
+use super::document::{
+    CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys,
+    TorsionKeys,
+};
+use super::{
+    CalibrationSettings, ContactSettings, MeshSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
+    Source, Study, StudyScenario, Track, Wheel,
+};
+
+type Result<T> = std::result::Result<T, InputError>;
+
+/// Checks the keys against each other and converts them to SI units.
+pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> {
+    check_name(&document.name)?;
+    let resolved = resolved_keys(&document, &source);
+    let input_hash = input_hash(&document);
+    let rail = rail(&document.rail)?;
+    let calibration = calibration(&document.calibration)?;
+    let friction = document.contact.friction;
+    let mut scenarios = std::collections::BTreeMap::new();
+    for (name, keys) in &document.scenario {
+        check_scenario(name, keys, rail.length)?;
+        scenarios.insert(name.clone(), scenario(keys, friction));
+    }
+    let main_scenario = main_scenario(&document)?;
+    let mesh = &document.mesh;
+    if mesh.body_element_mm < mesh.contact_element_mm {
+        return Err(InputError::new(
+            "mesh.body_element_mm",
+            mesh.body_element_mm,
+            format!("at least mesh.contact_element_mm = {}", mesh.contact_element_mm),
+            "enlarge it",
+        ));
+    }
+    Ok(Study {
+        name: document.name,
+        description: document.description,
+        rail,
+        wheel: Wheel { profile: document.wheel.profile, tape_diameter: document.wheel.tape_diameter_m },
+        track: Track {
+            gauge: document.track.gauge_mm * MILLIMETRE,
+            gauge_height: document.track.gauge_height_mm * MILLIMETRE,
+            flange_back: document.track.flange_back_mm * MILLIMETRE,
+            lateral_shift: document.track.lateral_shift_mm * MILLIMETRE,
+        },
+        material: Material {
+            young: document.material.young_gpa * GIGAPASCAL,
+            poisson: document.material.poisson,
+            density: document.material.density_kg_per_m3,
+        },
+        mesh: MeshSettings {
+            contact_element: mesh.contact_element_mm * MILLIMETRE,
+            window_half_length: mesh.window_half_length_mm * MILLIMETRE,
+            growth: mesh.growth,
+            body_element: mesh.body_element_mm * MILLIMETRE,
+            element: mesh.element,
+        },
+        contact: ContactSettings {
+            enforcement: document.contact.enforcement,
+            penalty: document.contact.penalty_kn_per_m * KILONEWTON_PER_METRE,
+            friction,
+        },
+        calibration,
+        simulation: SimulationSettings {
+            law: document.simulation.law,
+            horizontal: document.simulation.horizontal_kn_per_m.map(|k| k * KILONEWTON_PER_METRE),
+            rail_elements: document.simulation.rail_elements,
+            contact_penalty: document.simulation.contact_penalty_kn_per_m * KILONEWTON_PER_METRE,
+            rail_node_spacing: document.simulation.rail_node_spacing_mm * MILLIMETRE,
+            sliding_matrix: document.simulation.sliding_matrix,
+        },
+        scenarios,
+        main_scenario,
+        limits: document.verification,
+        input_hash,
+        resolved,
+        source,
+    })
+}
+
+fn check_name(name: &str) -> Result<()> {
+    let plain = name.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c));
+    if plain && !name.starts_with('.') {
+        return Ok(());
+    }
+    Err(InputError::new(
+        "name",
+        format!("{name:?}"),
+        "letters, digits, `-`, `_` and `.`, not starting with `.`",
+        "the name becomes the name of the output folder; take a plain one",
+    ))
+}
+
+fn rail(keys: &RailKeys) -> Result<Rail> {
+    let inclination = match &keys.inclination {
+        Inclination::Slope(slope) => *slope,
+        Inclination::Ratio(text) => slope_of(text).ok_or_else(|| {
+            InputError::new(
+                "rail.inclination",
+                format!("{text:?}"),
+                "a ratio such as \"1:40\" (from 1:5 on) or a slope such as 0.025",
+                "write the ratio with a colon, or the slope as a number",
+            )
+        })?,
+    };
+    Ok(Rail { profile: keys.profile.clone(), inclination, length: keys.length_m })
+}
+
+/// Slope of a ratio such as `1:40`.
+fn slope_of(text: &str) -> Option<f64> {
+    let (rise, run) = text.split_once(':')?;
+    let (rise, run): (f64, f64) = (rise.trim().parse().ok()?, run.trim().parse().ok()?);
+    let slope = rise / run;
+    (run > 0.0 && slope.is_finite() && slope.abs() <= 0.2).then_some(slope)
+}
+
+fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
+    let loads: Vec<f64> = match &keys.loads_kn {
+        Some(list) => list.clone(),
+        None => {
+            if keys.load_max_kn <= keys.load_min_kn {
+                return Err(InputError::new(
+                    "calibration.load_max_kn",
+                    keys.load_max_kn,
+                    format!("more than calibration.load_min_kn = {}", keys.load_min_kn),
+                    "give an ascending range",
+                ));
+            }
+            spaced(keys.load_min_kn, keys.load_max_kn, keys.load_count, keys.load_spacing)
+        }
+    };
+    if let Some(index) = loads.windows(2).position(|pair| pair[1] <= pair[0]) {
+        return Err(InputError::new(
+            "calibration.loads_kn",
+            format!("{}, {}", loads[index], loads[index + 1]),
+            "ascending loads without repetition",
+            "sort the list",
+        ));
+    }
+    Ok(CalibrationSettings {
+        loads: loads.iter().map(|load| load * KILONEWTON).collect(),
+        reference: keys.reference,
+        horizontal_preloads: keys.horizontal_preloads_kn.iter().map(|load| load * KILONEWTON).collect(),
+    })
+}
+
+/// `count` values from `low` to `high`, both ends exact.
+fn spaced(low: f64, high: f64, count: usize, spacing: SpacingKey) -> Vec<f64> {
+    (0..count)
+        .map(|index| {
+            let t = index as f64 / (count - 1) as f64;
+            match (index, spacing) {
+                (0, _) => low,
+                (last, _) if last == count - 1 => high,
+                (_, SpacingKey::Linear) => low + t * (high - low),
+                (_, SpacingKey::Geometric) => low * (high / low).powf(t),
+            }
+        })
+        .collect()
+}
+
+fn check_scenario(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Result<()> {
+    let key = |leaf: &str| format!("scenario.{name}.{leaf}");
+    if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || "-_".contains(c)) {
+        return Err(InputError::new(
+            key("").trim_end_matches('.'),
+            format!("{name:?}"),
+            "a scenario name of letters, digits, `-` and `_`",
+            "the name becomes part of file names; take a plain one",
+        ));
+    }
+    if keys.solid && (keys.speed_m_per_s != 0.0 || keys.rail_torsion.is_some()) {
+        let cause = if keys.speed_m_per_s != 0.0 { "moves along the rail" } else { "has a rail torsion" };
+        return Err(InputError::new(
+            key("solid"),
+            "true",
+            format!("false, because the scenario {cause}, which only the simple model can do"),
+            "set solid = false",
+        ));
+    }
+    if keys.solid && keys.start_x_m.is_some_and(|x| x != 0.5 * rail_length) {
+        return Err(InputError::new(
+            key("start_x_m"),
+            keys.start_x_m.unwrap_or_default(),
+            "midspan, because the solid model's contact zone is there",
+            "leave the key out, or set solid = false",
+        ));
+    }
+    let start = keys.start_x_m.unwrap_or(0.5 * rail_length);
+    let end = start + keys.speed_m_per_s * keys.time_step_s * keys.steps as f64;
+    if start > rail_length || end > rail_length {
+        return Err(InputError::new(
+            key(if start > rail_length { "start_x_m" } else { "speed_m_per_s" }),
+            if start > rail_length { start } else { keys.speed_m_per_s },
+            format!("a wheel that stays on the rail of {rail_length} m; it would reach {end} m"),
+            "lengthen the rail, or shorten the run",
+        ));
+    }
+    Ok(())
+}
+
+fn scenario(keys: &ScenarioKeys, friction: f64) -> StudyScenario {
+    StudyScenario {
+        description: keys.description.clone(),
+        solid: keys.solid,
+        snapshots: keys.snapshots_s.clone(),
+        scenario: Scenario {
+            steps: keys.steps,
+            time_step: keys.time_step_s,
+            friction: keys.friction.unwrap_or(friction),
+            gravity: keys.gravity_m_per_s2,
+            suspended_mass: keys.suspended_mass_t * TONNE,
+            vertical_suspension: kelvin(&keys.vertical_suspension),
+            vertical_force: force(&keys.vertical_force),
+            lateral_suspension: kelvin(&keys.lateral_suspension),
+            lateral_force: force(&keys.lateral_force),
+            rail_torsion: keys.rail_torsion.as_ref().map(torsion),
+            wheel_mass: keys.wheel_mass_t.map(|mass| mass * TONNE),
+            start_x: keys.start_x_m,
+            speed: keys.speed_m_per_s,
+            rotations_held: keys.rotations_held,
+        },
+    }
+}
+
+fn kelvin(keys: &SuspensionKeys) -> Kelvin {
+    Kelvin { stiffness: keys.stiffness_kn_per_m * KILONEWTON, damping: keys.damping_kn_s_per_m * KILONEWTON }
+}
+
+fn force(keys: &ForceKeys) -> HarmonicForce {
+    HarmonicForce {
+        constant: keys.mean_kn * KILONEWTON,
+        amplitude: keys.amplitude_kn * KILONEWTON,
+        frequency: keys.frequency_hz,
+        phase: keys.phase_deg.to_radians(),
+    }
+}
+
+fn torsion(keys: &TorsionKeys) -> HarmonicForce {
+    HarmonicForce {
+        constant: keys.mean_kn_m * KILONEWTON,
+        amplitude: keys.amplitude_kn_m * KILONEWTON,
+        frequency: keys.frequency_hz,
+        phase: keys.phase_deg.to_radians(),
+    }
+}
+
+fn main_scenario(document: &StudyDocument) -> Result<Option<String>> {
+    let names: Vec<&str> = document.scenario.keys().map(String::as_str).collect();
+    match &document.simulation.scenario {
+        Some(name) if document.scenario.contains_key(name) => Ok(Some(name.clone())),
+        Some(name) => Err(InputError::new(
+            "simulation.scenario",
+            format!("{name:?}"),
+            format!("one of the study's scenarios ({})", names.join(", ")),
+            "name a scenario of this file, or leave the key out",
+        )),
+        None => {
+            let solid = document.scenario.iter().find(|(_, keys)| keys.solid).map(|(name, _)| name.clone());
+            Ok(solid.or_else(|| names.first().map(ToString::to_string)))
+        }
+    }
+}
+
+fn input_hash(document: &StudyDocument) -> String {
+    let mut numeric = document.clone();
+    numeric.description.clear();
+    numeric.verification = Default::default();
+    for keys in numeric.scenario.values_mut() {
+        keys.description.clear();
+        keys.snapshots_s.clear();
+    }
+    let canonical = serde_json::to_string(&numeric).expect("a study is plain data");
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    hasher.update(b"\n");
+    hasher.update(canonical.as_bytes());
+    hasher.finalize().to_hex().to_string()
+}
+
+/// All keys with their values, flattened: the sections in their order, the keys of each by name.
+fn resolved_keys(document: &StudyDocument, source: &Source) -> Vec<ResolvedKey> {
+    let value = serde_json::to_value(document).expect("a study is plain data");
+    let mut keys = Vec::new();
+    for section in SECTIONS {
+        if let Some(value) = value.get(section) {
+            flatten(section, value, source, &mut keys);
+        }
+    }
+    keys
+}
+
+fn flatten(section: &str, value: &Value, source: &Source, keys: &mut Vec<ResolvedKey>) {
+    for (key, value) in value.as_object().into_iter().flatten() {
+        let full = format!("{section}.{key}");
+        match value {
+            Value::Object(_) => flatten(&full, value, source, keys),
+            Value::String(text) if text.is_empty() => {}
+            _ => keys.push(ResolvedKey {
+                section: section.to_string(),
+                key: key.clone(),
+                value: match value {
+                    Value::String(text) => text.clone(),
+                    Value::Array(items) => {
+                        items.iter().map(Value::to_string).collect::<Vec<_>>().join(", ")
+                    }
+                    other => other.to_string(),
+                },
+                given: source.gives(&full),
+            }),
+        }
+    }
+}

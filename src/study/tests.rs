@@ -1,0 +1,169 @@
+//! Study files: the shipped ones, defaults, and what is said about wrong ones.
+
+use std::path::Path;
+
+use super::*;
+
+const SHORT: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n";
+
+fn parse(text: &str) -> Result<Study, LocatedError> {
+    Study::parse(Path::new("x.toml"), text)
+}
+
+/// The message for the short study with more lines; these begin on line 6.
+fn message(more: &str) -> String {
+    parse(&format!("{SHORT}{more}")).expect_err(more).to_string()
+}
+
+#[test]
+fn a_short_study_gets_the_published_setup() {
+    let study = parse(SHORT).unwrap();
+    assert_eq!(study.rail.inclination, 1.0 / 40.0);
+    assert_eq!(study.rail.length, 0.555);
+    assert_eq!(study.wheel.tape_diameter, 0.858);
+    assert_eq!(study.material.young, 210e9);
+    assert_eq!(study.calibration.loads.len(), 24);
+    assert_eq!((study.calibration.loads[0], study.calibration.loads[23]), (1e3, 150e3));
+    assert!(study.calibration.loads.windows(2).all(|pair| pair[0] < pair[1]));
+    assert_eq!(study.contact.penalty, 1e9);
+    assert_eq!(study.main_scenario, None);
+    let given: Vec<&str> = study.resolved.iter().filter(|k| k.given).map(|k| k.key.as_str()).collect();
+    assert_eq!(given, ["profile", "profile"]);
+}
+
+#[test]
+fn the_shipped_studies_are_the_published_load_cases() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies");
+    let constant = Study::read(&folder.join("uic60-s1002.toml")).unwrap();
+    let scenario = &constant.scenarios["constant"].scenario;
+    assert_eq!(constant.main_scenario.as_deref(), Some("constant"));
+    assert_eq!((scenario.steps, scenario.time_step, scenario.gravity), (550, 0.0005, 0.0));
+    assert_eq!(scenario.suspended_mass, 6250.0);
+    assert_eq!(scenario.vertical_suspension, scenario.lateral_suspension);
+    assert_eq!((scenario.vertical_suspension.stiffness, scenario.vertical_suspension.damping), (1.2e6, 4e4));
+    assert_eq!((scenario.lateral_force.at(0.0), scenario.lateral_force.at(0.123)), (20e3, 20e3));
+    // ROUNDOFF: one multiplication and one sine.
+    const ROUNDOFF: f64 = 1e-9;
+    assert!((scenario.vertical_force.at(0.025) - 71.25e3).abs() < ROUNDOFF, "first pushes down");
+
+    let sine = Study::read(&folder.join("uic60-s1002-sine.toml")).unwrap();
+    assert_eq!(sine.main_scenario.as_deref(), Some("sine"));
+    assert!((sine.scenarios["sine"].scenario.lateral_force.at(0.025) - 10.4125e3).abs() < ROUNDOFF);
+    let torsion = &sine.scenarios["torsion"];
+    assert!((torsion.scenario.rail_torsion.unwrap().at(0.05) - 183.25e3).abs() < ROUNDOFF);
+    assert_eq!((torsion.solid, torsion.scenario.start_x, torsion.scenario.speed), (false, Some(0.0), 0.5));
+    assert_eq!(sine.rail, constant.rail, "both studies calibrate the same pair");
+    assert_eq!(sine.calibration, constant.calibration);
+}
+
+#[test]
+fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
+    let hash = |more: &str| parse(&format!("{SHORT}{more}")).unwrap().input_hash;
+    let plain = hash("");
+    assert_eq!(plain, hash("# a comment\n"));
+    assert_eq!(plain, hash("[track]\ngauge_mm = 1435.0\n"), "a default that is written out");
+    assert_eq!(plain, hash("[verification]\nvertical_rms = 0.5\n"));
+    assert_ne!(plain, hash("[track]\ngauge_mm = 1436\n"));
+    assert_ne!(plain, hash("[mesh]\nelement = \"full-integration\"\n"));
+}
+
+#[test]
+fn unknown_keys_name_the_line_and_the_nearest_known_key() {
+    let unit = message("[track]\ngauge_m = 1.435\n");
+    assert!(unit.starts_with("x.toml:7: track.gauge_m = 1.435: expected a key of [track] ("), "{unit}");
+    assert!(unit.ends_with("did you mean `track.gauge_mm`?"), "{unit}");
+    let section = message("[tracks]\n");
+    assert!(section.starts_with("x.toml:6: tracks") && section.ends_with("did you mean `track`?"), "{section}");
+    let nested = message("[scenario.s]\nlateral_force = { means_kn = 1 }\nvertical_force = {}\n");
+    assert!(nested.starts_with("x.toml:7: scenario.s.lateral_force.means_kn = 1"), "{nested}");
+    assert!(nested.ends_with("did you mean `scenario.s.lateral_force.mean_kn`?"), "{nested}");
+    let elsewhere = message("[contact]\nyoung_gpa = 200\n");
+    assert!(elsewhere.ends_with("it belongs to `material.young_gpa`"), "{elsewhere}");
+}
+
+#[test]
+fn missing_keys_name_their_section() {
+    let missing = parse("name = \"x\"\n\n[rail]\n[wheel]\nprofile = \"S1002\"\n").unwrap_err().to_string();
+    assert!(missing.starts_with("x.toml:3: rail.profile = (missing): expected a text in quotes"), "{missing}");
+    assert!(missing.contains("add this key to [rail]: Name of the standard section"), "{missing}");
+    let section = parse("name = \"x\"\n[rail]\nprofile = \"60E1\"\n").unwrap_err().to_string();
+    assert!(section.starts_with("x.toml: wheel = (missing): expected a section"), "{section}");
+    let force = message("[scenario.s]\nvertical_force = {}\n");
+    assert!(force.starts_with("x.toml:6: scenario.s.lateral_force = (missing)"), "{force}");
+}
+
+#[test]
+fn wrong_types_and_ranges_say_what_was_expected() {
+    let text = message("[track]\n\ngauge_mm = \"1435 mm\"\n");
+    assert!(text.starts_with("x.toml:8: track.gauge_mm = \"1435 mm\": expected a number from 500 to 2000"), "{text}");
+    let range = message("[material]\npoisson = 0.5\n");
+    assert!(range.starts_with("x.toml:7: material.poisson = 0.5: expected a number from 0 to 0.49"), "{range}");
+    let nan = message("[material]\npoisson = nan\n");
+    assert!(nan.contains("poisson = nan: expected"), "{nan}");
+    let choice = message("[contact]\nenforcement = \"hard\"\n");
+    assert!(choice.contains("= \"hard\": expected one of \"exact\", \"penalty\""), "{choice}");
+    let list = message("[calibration]\nloads_kn = [1, 2, 3, -4]\n");
+    assert!(list.starts_with("x.toml:7: calibration.loads_kn[3] = -4: expected a number from 0.01"), "{list}");
+    let few = message("[calibration]\nloads_kn = [1, 2, 3]\n");
+    assert!(few.contains("= [1, 2, 3]: expected a list of at least 4 entries"), "{few}");
+    let whole = message("[simulation]\nrail_elements = 20.5\n");
+    assert!(whole.contains("= 20.5: expected a whole number from 2 to 2000"), "{whole}");
+    let flag = message("[scenario.s]\nlateral_force = {}\nvertical_force = {}\nsolid = 1\n");
+    assert!(flag.contains("solid = 1: expected true or false"), "{flag}");
+}
+
+#[test]
+fn values_that_contradict_each_other_are_refused() {
+    let order = message("[calibration]\nloads_kn = [1, 3, 2, 4]\n");
+    assert!(order.starts_with("x.toml:7: calibration.loads_kn = 3, 2: expected ascending loads"), "{order}");
+    let range = message("[calibration]\nload_max_kn = 0.5\n");
+    assert!(range.starts_with("x.toml:7: calibration.load_max_kn = 0.5: expected more than"), "{range}");
+    let ratio = parse(&SHORT.replace("\"60E1\"", "\"60E1\"\ninclination = \"40\"")).unwrap_err().to_string();
+    assert!(ratio.starts_with("x.toml:4: rail.inclination = \"40\": expected a ratio such as"), "{ratio}");
+    let name = parse(&SHORT.replace("\"x\"", "\"a/b\"")).unwrap_err().to_string();
+    assert!(name.starts_with("x.toml:1: name = \"a/b\""), "{name}");
+    let forces = "lateral_force = {}\nvertical_force = {}\n";
+    let moving = message(&format!("[scenario.s]\n{forces}speed_m_per_s = 1\n"));
+    assert!(moving.contains("scenario.s.solid = true (default): expected false"), "{moving}");
+    let off = message(&format!("[scenario.s]\n{forces}solid = false\nspeed_m_per_s = 100\n"));
+    assert!(off.contains("speed_m_per_s = 100: expected a wheel that stays on the rail"), "{off}");
+    let unknown = message(&format!("[simulation]\nscenario = \"t\"\n[scenario.s]\n{forces}"));
+    assert!(unknown.starts_with("x.toml:7: simulation.scenario = \"t\": expected one of"), "{unknown}");
+}
+
+#[test]
+fn broken_toml_names_its_line() {
+    let broken = message("[track\n");
+    assert!(broken.starts_with("x.toml:6: study file = "), "{broken}");
+    let twice = message("[track]\n[track]\n");
+    assert!(twice.starts_with("x.toml:7: study file = "), "{twice}");
+}
+
+#[test]
+fn an_error_of_a_later_stage_finds_its_line() {
+    let study = parse(&format!("{SHORT}[track]\nlateral_shift_mm = 80\n")).unwrap();
+    let error = InputError::new("track.lateral_shift_mm", "80 mm", "e", "r");
+    assert_eq!(study.source.locate(error).to_string(), "x.toml:7: track.lateral_shift_mm = 80 mm: expected e; r");
+    let default = InputError::new("track.gauge_mm", "1435 mm", "e", "r");
+    assert!(study.source.locate(default).to_string().starts_with("x.toml:6: track.gauge_mm = 1435 mm (default)"));
+    assert!(study.owns("mesh.growth") && !study.owns("output folder"));
+}
+
+#[test]
+fn the_schema_describes_every_key() {
+    fn undescribed(schema: &serde_json::Value, path: &str, found: &mut Vec<String>) {
+        for (key, value) in schema.get("properties").and_then(|p| p.as_object()).into_iter().flatten() {
+            if value.get("description").is_none() {
+                found.push(format!("{path}.{key}"));
+            }
+        }
+    }
+    let schema = schema();
+    let mut found = Vec::new();
+    undescribed(&schema, "", &mut found);
+    for (name, definition) in schema["$defs"].as_object().unwrap() {
+        undescribed(definition, name, &mut found);
+    }
+    assert!(found.is_empty(), "{found:?}");
+    assert!(schema["properties"].as_object().unwrap().len() >= 10);
+}

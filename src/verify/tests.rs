@@ -1,0 +1,192 @@
+//! The verdict against closed examples: signals whose differences are known
+//! by construction.
+
+use nalgebra::Point2;
+use railspring_calibrate::history::ContactState;
+
+use super::*;
+
+/// ROUNDOFF: sums of a few hundred terms of order one; values are rounded to six digits.
+const ROUNDOFF: f64 = 1e-5;
+const STEP: f64 = 0.0005;
+
+fn history(rows: usize, force: impl Fn(f64) -> (f64, f64), mode: impl Fn(f64) -> Option<ContactMode>) -> History {
+    let rows = (0..rows)
+        .map(|n| {
+            let time = n as f64 * STEP;
+            let (vertical_force, lateral_force) = force(time);
+            let contact = |mode| ContactState {
+                mode,
+                rail: Point2::origin(),
+                wheel: Point2::origin(),
+                normal_force: vertical_force,
+                tangential_force: lateral_force,
+            };
+            HistoryRow {
+                time,
+                vertical_force,
+                lateral_force,
+                wheel_y: 0.0,
+                wheel_z: 0.0,
+                contacts: mode(time).map(contact).into_iter().collect(),
+            }
+        })
+        .collect();
+    History { rows, degrees_of_freedom: 1 }
+}
+
+fn value(comparison: &Comparison, meaning: &str) -> Option<f64> {
+    comparison.lines.iter().find(|line| line.meaning.starts_with(meaning)).unwrap().value
+}
+
+const SLIP: fn(f64) -> Option<ContactMode> = |_| Some(ContactMode::Slip);
+
+#[test]
+fn a_run_agrees_with_itself() {
+    let run = history(551, |t| (1e5 * (1.0 + t), 2e4 * (30.0 * t).sin()), SLIP);
+    let comparison = compare(&run, &run, &Limits::default()).unwrap();
+    assert!(comparison.lines.iter().all(|line| line.holds && line.value.is_none_or(|v| v == 0.0)));
+}
+
+#[test]
+fn force_differences_are_over_the_peak_of_the_solid() {
+    // The solid has P = 200 kN at its peak; the simple model differs by 10 kN in one of two rows.
+    let solid = history(400, |t| (if t == 0.0 { 200e3 } else { 100e3 }, -50e3), SLIP);
+    let odd = |t: f64| (t / STEP).round() as usize % 2 == 1;
+    let simple = history(400, |t| (solid_p(t) + if odd(t) { 10e3 } else { 0.0 }, -49e3), SLIP);
+    fn solid_p(t: f64) -> f64 {
+        if t == 0.0 { 200e3 } else { 100e3 }
+    }
+    let comparison = compare(&simple, &solid, &Limits::default()).unwrap();
+    let expected = [
+        ("P, RMS", 0.05 / 2f64.sqrt()),
+        ("P, largest", 0.05),
+        ("Q, RMS", 0.02),
+        ("Q, largest", 0.02),
+    ];
+    for (meaning, expected) in expected {
+        let found = value(&comparison, meaning).unwrap();
+        assert!((found - expected).abs() < ROUNDOFF, "{meaning}: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn the_averaged_ratio_is_the_mean_over_the_window() {
+    // Q = q·t over P = p: the mean of Q over the last w seconds is q·(t − w/2), and q·t/2 before w.
+    let (p, q, window) = (80e3, 4e5, 0.024);
+    let run = history(200, |t| (p, q * t), SLIP);
+    for (row, ratio) in run.rows.iter().zip(averaged_ratio(&run, window, 0.0)) {
+        let t = row.time;
+        let expected = if t < window { q * t / 2.0 } else { q * (t - window / 2.0) } / p;
+        assert!((ratio.unwrap() - expected).abs() < 1e-12, "{t}: {ratio:?} {expected}");
+    }
+}
+
+#[test]
+fn a_window_that_is_no_multiple_of_the_step_is_interpolated() {
+    let (p, q, window) = (80e3, 4e5, 0.0213);
+    let run = history(200, |t| (p, q * t), SLIP);
+    let ratio = averaged_ratio(&run, window, 0.0)[150].unwrap();
+    let expected = q * (150.0 * STEP - window / 2.0) / p;
+    assert!((ratio - expected).abs() < 1e-12);
+}
+
+#[test]
+fn without_contact_the_ratio_is_undefined_and_not_compared() {
+    let apart = |t: f64| (0.05..0.10).contains(&t);
+    let run = history(
+        400,
+        |t| if apart(t) { (0.0, 0.0) } else { (1e5, 3e4) },
+        |t| (!apart(t)).then_some(ContactMode::Stick),
+    );
+    let ratios = averaged_ratio(&run, 0.024, 1.0);
+    // The window lies wholly in the separation from 0.05 + 0.024 s to its end.
+    let undefined = ratios.iter().filter(|r| r.is_none()).count();
+    assert_eq!(undefined, ((0.0995 - 0.0740) / STEP).round() as usize + 1);
+    let comparison = compare(&run, &run, &Limits::default()).unwrap();
+    assert_eq!(value(&comparison, "Averaged Q/P, largest"), Some(0.0));
+}
+
+#[test]
+fn separations_are_paired_and_their_times_compared() {
+    let with_gap = |a: f64, b: f64| {
+        history(
+            551,
+            move |t| if t >= a - 1e-9 && t < b - 1e-9 { (0.0, 0.0) } else { (1e5, 0.0) },
+            move |t| (!(t >= a - 1e-9 && t < b - 1e-9)).then_some(ContactMode::Stick),
+        )
+    };
+    let solid = with_gap(0.100, 0.150);
+    let comparison = compare(&with_gap(0.103, 0.149), &solid, &Limits::default()).unwrap();
+    assert!((value(&comparison, "Separation begins").unwrap() - 0.003).abs() < ROUNDOFF);
+    assert!((value(&comparison, "Separation ends").unwrap() - 0.001).abs() < ROUNDOFF);
+    assert_eq!(value(&comparison, "Separations that only"), Some(0.0));
+    assert_eq!(comparison.separations.solid, [Separation { begin_s: 0.1, end_s: 0.15 }]);
+
+    let far = compare(&with_gap(0.200, 0.220), &solid, &Limits::default()).unwrap();
+    assert_eq!(value(&far, "Separation begins"), None);
+    assert_eq!(value(&far, "Separations that only"), Some(2.0));
+    assert!(!far.lines.iter().find(|line| line.quantity == "separations_unmatched").unwrap().holds);
+
+    let brief = compare(&with_gap(0.200, 0.201), &with_gap(9.0, 9.0), &Limits::default()).unwrap();
+    assert_eq!(value(&brief, "Separations that only"), Some(0.0), "shorter than the limit");
+}
+
+#[test]
+fn mode_fractions_add_up_to_one() {
+    let mode = |t: f64| match (t / STEP).round() as usize {
+        0..=100 => Some(ContactMode::Stick),
+        101..=150 => Some(ContactMode::Slip),
+        _ => None,
+    };
+    let fractions = mode_fractions(&history(201, |_| (1.0, 1.0), mode));
+    assert_eq!((fractions.stick, fractions.slip, fractions.separated), (0.5, 0.25, 0.25));
+}
+
+#[test]
+fn values_that_are_no_numbers_fail() {
+    let solid = history(10, |_| (1e5, 1e3), SLIP);
+    let broken = history(10, |t| (if t > 0.0 { f64::NAN } else { 1e5 }, 1e3), SLIP);
+    let comparison = compare(&broken, &solid, &Limits::default()).unwrap();
+    let line = &comparison.lines[0];
+    assert!(!line.holds && line.value.is_none(), "{line:?}");
+    let nothing = history(10, |_| (0.0, 0.0), |_| None);
+    let comparison = compare(&solid, &nothing, &Limits::default()).unwrap();
+    assert!(!comparison.lines[0].holds, "force without any in the solid");
+}
+
+#[test]
+fn runs_over_other_times_are_refused() {
+    let long = history(11, |_| (1.0, 1.0), SLIP);
+    let short = history(10, |_| (1.0, 1.0), SLIP);
+    assert!(compare(&long, &short, &Limits::default()).is_err());
+    let mut later = long.clone();
+    later.rows[5].time += 1e-4;
+    assert!(compare(&long, &later, &Limits::default()).is_err());
+}
+
+mod properties {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Scaling both models' forces changes no relative difference, and no ratio.
+        #[test]
+        fn relative_differences_do_not_depend_on_the_unit(scale in 0.01f64..100.0, shift in 0.0f64..0.3) {
+            let solid = |s: f64| history(80, move |t| (s * (1e5 + 2e4 * (90.0 * t).sin()), s * 3e4 * (50.0 * t).cos()), SLIP);
+            let simple = |s: f64| history(80, move |t| (s * (1e5 + 2e4 * (90.0 * t + shift).sin()), s * 3e4 * (50.0 * t + shift).cos()), SLIP);
+            let one = compare(&simple(1.0), &solid(1.0), &Limits::default()).unwrap();
+            let scaled = compare(&simple(scale), &solid(scale), &Limits::default()).unwrap();
+            for (a, b) in one.lines.iter().zip(&scaled.lines) {
+                let (a, b) = (a.value.unwrap_or(0.0), b.value.unwrap_or(0.0));
+                prop_assert!((a - b).abs() <= ROUNDOFF * a.abs().max(1e-9), "{a} {b}");
+            }
+        }
+
+        /// The RMS is never above the largest difference.
+        #[test]
+        fn rms_is_at_most_the_largest(values in proptest::collection::vec(-1e6f64..1e6, 1..50)) {
+            prop_assert!(rms(&values) <= peak(&values) * (1.0 + 1e-12));
+        }
+    }
+}
