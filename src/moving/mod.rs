@@ -29,7 +29,7 @@ mod support;
 mod surface;
 mod wheel;
 
-pub use model::{InitialMotion, MovingModel, MovingRun, RunStatistics};
+pub use model::{InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
 pub use support::RailSupport;
 pub use surface::SlidingMatrix;
 pub use wheel::WheelSprings;

@@ -328,7 +328,13 @@ impl<'a> ContactSurface<'a> {
         }
         // The arms and, with the wheel, the local axes turn too.
         result.stiffness[(4, 4)] -= arm_c.dot(&force);
-        let relative = Vector2::new(-force.y, force.x);
+        let mut relative = Vector2::new(-force.y, force.x);
+        if active.mode == ContactMode::Stick {
+            // The last force is carried to a tangent that turns with the wheel.
+            let last = &self.nodes[active.node];
+            let normal = Vector2::new(-active.tangent.y, active.tangent.x);
+            relative += active.tangent * (last.tangent.dot(&normal) * last.force);
+        }
         let column = transformation.transpose()
             * SVector::<f64, 4>::from([-relative.x, -relative.y, relative.x, relative.y]);
         for i in 0..6 {

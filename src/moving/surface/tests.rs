@@ -10,7 +10,7 @@ fn wheel() -> ProfileCurve {
             P::new(0.2 * angle.sin(), 0.2 * angle.cos() - 0.2)
         })
         .collect();
-    ProfileCurve::from_points(&points, FrictionLimit::Coulomb(&[])).unwrap()
+    ProfileCurve::from_points(&points, &[]).unwrap()
 }
 
 fn law() -> ContactLaw {
