@@ -2,14 +2,14 @@
 //! concern several keys at once.
 
 use railspring_calibrate::error::InputError;
-use railspring_calibrate::solid::Material;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
 use super::document::{
-    CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys,
-    TorsionKeys,
+    CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
+    SuspensionKeys, TorsionKeys,
 };
 use super::{
     CalibrationSettings, ContactSettings, MeshSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
