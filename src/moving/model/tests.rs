@@ -1,11 +1,12 @@
 use super::*;
-use crate::beam::{BeamSection, End, Material, RailBeam, Torsion};
+use crate::beam::{BeamSection, End, RailBeam, Torsion};
 use railspring_calibrate::analytic::{drop::drop, friction::Block};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
 use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::solid::Material;
 
 /// A flat rail 80 mm wide and a wheel whose profile is an arc of 0.3 m, touching in its middle.
 fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
