@@ -61,6 +61,7 @@ impl<'a> Pipeline<'a> {
     pub fn run(mut self) -> Result<bool> {
         self.measured.stages.clear();
         let geometry = stages::geometry(self.study)?;
+        stages::check_loads(self.study, &geometry)?;
         let meshes = self.mesh_stage(&geometry)?;
         let calibration = self.calibrate_stage(&geometry, &meshes)?;
         let mut runs = Vec::new();
@@ -83,6 +84,7 @@ impl<'a> Pipeline<'a> {
     /// Those of the stage.
     pub fn calibrate(mut self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
+        stages::check_loads(self.study, &geometry)?;
         let meshes = self.mesh_stage(&geometry)?;
         self.calibrate_stage(&geometry, &meshes)?;
         Ok(())
@@ -172,7 +174,8 @@ impl<'a> Pipeline<'a> {
     fn mesh_stage(&mut self, geometry: &Geometry) -> Result<Meshes> {
         let watch = Stopwatch::start();
         let meshes = stages::meshes(self.study, geometry)?;
-        self.note(watch, "meshes", None)?;
+        // Kept until there is a result: a study that is refused later leaves no file behind.
+        self.measured.note(watch.stop("meshes", None));
         Ok(meshes)
     }
 
@@ -371,10 +374,13 @@ fn law(record: &LawRecord) -> StiffnessLaw {
     }
 }
 
-/// A contact that grows over the edge of the fine zone means a load too large for the study.
+/// A contact that grows over the edge of the fine zone means a load too large for the study; the
+/// key is the one that the study has.
 fn uncarried(study: &Study, error: Error) -> Error {
-    let key = if study.source.gives("calibration.loads_kn") { "calibration.loads_kn" } else { "calibration.load_max_kn" };
+    let given = study.source.gives("calibration.loads_kn");
+    let key = if given { "calibration.loads_kn" } else { "calibration.load_max_kn" };
     match error {
+        Error::Input(cause) if cause.key == "calibration.loads_kn" => InputError { key: key.into(), ..cause }.into(),
         Error::Numerics(cause) if cause.reason == StopReason::EdgeOfCandidates => InputError::new(
             key,
             cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}")),

@@ -9,6 +9,7 @@ use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use crate::records::{ComplianceRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord};
 use crate::verify::averaged_ratio;
 
+use super::tables::number;
 use super::plot::{
     self, BLUE, DARK, Dash, Drawn, Entry, GREY, LIGHT, Marker, ORANGE, Panel, RED, Series, draw_legend, frame, label,
     legend_height, nice_range, nice_step, px, stacked, stroke, svg,
@@ -30,20 +31,22 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
         .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
         .collect();
     let curve = |f: &dyn Fn(f64) -> f64| forces.iter().map(|x| (*x, f(*x) * 1e-6)).collect::<Vec<_>>();
-    let mut series = Vec::new();
     let hertz = stiffness.touch.hertz_kn_per_m;
     let name = "Hertz at the first touch";
-    series.push(Series::line(name, curve(&|f| hertz * f.cbrt()), GREY, Dash::Dotted));
+    let mut series = vec![Series::line(name, curve(&|f| hertz * f.cbrt()), GREY, Dash::Dotted)];
+    let mut marks = Vec::new();
+    for reference in &stiffness.references {
+        let (marker, color) = reference_style(&reference.reference);
+        let name = format!("solid and its law: {}", reference_name(&reference.reference));
+        series.push(Series::line("", curve(&|f| reference.law.tangent(f)), color, Dash::Solid));
+        let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
+        marks.push(Series::marks(&name, points, color, marker).sampled(Dash::Solid));
+    }
+    // On top of the lines, so that it is seen where it coincides with one of them.
     let published = StiffnessLaw::published();
     let tangent = |f: f64| published.tangent(f * KILONEWTON) / KILONEWTON_PER_METRE;
     series.push(Series::line("published law", curve(&tangent), RED, Dash::Dashed));
-    for reference in &stiffness.references {
-        let (marker, color) = reference_style(&reference.reference);
-        let name = reference_name(&reference.reference);
-        series.push(Series::line("", curve(&|f| reference.law.tangent(f)), color, Dash::Solid));
-        let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
-        series.push(Series::marks(&format!("solid and its law: {name}"), points, color, marker).sampled(Dash::Solid));
-    }
+    series.extend(marks);
     stacked(
         WIDTH,
         380,
@@ -60,21 +63,18 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
 pub fn displacement(stiffness: &StiffnessRecord) -> String {
     let largest = stiffness.law.range_kn[1];
     let published = StiffnessLaw::published();
-    let mut series = vec![Series::line(
-        "published law",
-        (0..=CURVE_POINTS)
-            .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
-            .map(|f| (published.displacement(f * KILONEWTON) / MILLIMETRE, f))
-            .collect(),
-        RED,
-        Dash::Dashed,
-    )];
+    let mut series = Vec::new();
     for reference in &stiffness.references {
         let (marker, color) = reference_style(&reference.reference);
         let name = format!("solid: {}", reference_name(&reference.reference));
         let points = reference.points.iter().map(|p| (p.displacement_mm, p.force_kn)).collect();
         series.push(Series::joined(&name, points, color, Dash::Solid, marker));
     }
+    let law = (0..=CURVE_POINTS)
+        .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
+        .map(|f| (published.displacement(f * KILONEWTON) / MILLIMETRE, f))
+        .collect();
+    series.push(Series::line("published law", law, RED, Dash::Dashed));
     stacked(
         WIDTH,
         340,
@@ -252,6 +252,7 @@ fn spans(history: &History, on_flange: bool) -> Vec<(ContactMode, f64, f64)> {
 
 /// Where the compliance sits, one bar a load.
 pub fn compliance(rows: &[ComplianceRecord]) -> String {
+    let rows = &some_loads(rows);
     const ROW: u32 = 34;
     const LEFT: u32 = 84;
     let parts: [(&str, RGBColor, fn(&ComplianceRecord) -> f64); 4] = [
@@ -283,7 +284,7 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
             let (a, b) = (px(ROW * index as u32 + 5), px(ROW * (index as u32 + 1) - 5));
             let middle = (a + b) / 2;
             let style = label(12, HPos::Right, VPos::Center);
-            rest.draw(&Text::new(format!("{} kN", round(row.force_kn)), (px(LEFT - 8), middle), style))?;
+            rest.draw(&Text::new(format!("{} kN", number(row.force_kn)), (px(LEFT - 8), middle), style))?;
             let mut begin = most_negative(row);
             for (_, color, value) in &parts {
                 let size = value(row).abs();
@@ -307,6 +308,18 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
         rest.draw(&Text::new("tangent compliance d\u{3b4}/dP, \u{b5}m/kN", at, style))?;
         Ok(())
     })
+}
+
+/// A handful of loads over the whole range.
+fn some_loads(rows: &[ComplianceRecord]) -> Vec<ComplianceRecord> {
+    let largest = rows.iter().map(|row| row.force_kn).fold(0.0, f64::max);
+    let mut chosen: Vec<ComplianceRecord> = Vec::new();
+    for share in [0.02, 0.05, 0.12, 0.3, 0.6, 1.0] {
+        let distance = |row: &ComplianceRecord| (row.force_kn - share * largest).abs();
+        let near = rows.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        chosen.extend(near.filter(|row| !chosen.contains(row)).copied());
+    }
+    chosen
 }
 
 /// The horizontal stiffness over the preload.

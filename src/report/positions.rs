@@ -89,7 +89,7 @@ fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Opt
     let (low, high) = ends(&rail);
     // The flange fits beside the head; what of the tread reaches beyond the field side is cut off.
     let (low, high) = (low - 0.044, high + 0.012);
-    let scale = (f64::from(width) / (high - low))
+    let scale = (f64::from(width as i32 - px(18)) / (high - low))
         .min(f64::from(height as i32 - title - bottom) / ((DEPTH_MM + ABOVE_MM) * MILLIMETRE));
     let middle = 0.5 * (low + high);
     let to_pixel = |p: &Point2<f64>| {

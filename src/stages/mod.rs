@@ -5,10 +5,12 @@
 
 mod calibrate;
 mod fields;
+mod loads;
 mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
+pub use loads::check_loads;
 pub use simulate::{Springs, simulate, simulate_solid};
 
 use nalgebra::{Point2, Vector2};
@@ -57,6 +59,15 @@ impl Geometry {
     /// World position (y, z) at which the beam's node line, the line of shear centres, passes, m.
     pub fn node_line(&self) -> Point2<f64> {
         self.placed.to_world(&Point2::new(0.0, self.rail.height - self.rail.properties.shear_centre_height))
+    }
+
+    /// Relative radii of curvature along the track and across at the first touch, m.
+    pub fn relative_radii(&self) -> [f64; 2] {
+        let rail = self.placed.curve.curvature(self.touch.rail_s);
+        // The wheel's material lies above its curve, so a bulge of the wheel has negative curvature.
+        let wheel = -self.wheel.running.curvature(self.touch.wheel_s);
+        let rolling_radius = self.wheel.radius + self.wheel.running.point(self.touch.wheel_s).y;
+        [rolling_radius / self.touch.contact_angle.cos(), 1.0 / (rail + wheel)]
     }
 
     fn rail_surface<'a>(&'a self, mesh: &'a HexMesh) -> Surface<'a> {

@@ -79,7 +79,7 @@ fn on_line(boundary: &[usize], nodes: &[Point2<f64>], z: f64) -> Vec<usize> {
 
 /// Positions along one half of a sweep, from the middle of the window to `end`.
 fn half_positions(options: &MeshOptions, end: f64, largest: f64) -> Vec<f64> {
-    graded(options.window_half_length, end, options.contact_element, options.growth, largest)
+    graded(options.window_half_length, end, options.contact_element_along, options.growth, largest)
 }
 
 /// Outline of a rail's section with its contact nodes, in the profile frame.
