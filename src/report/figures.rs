@@ -262,16 +262,16 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
         ("rail as a beam", LIGHT, |r| r.beam_um_per_kn),
     ];
     let entries: Vec<Entry> = parts.iter().map(|(name, color, _)| Entry::patch(name, *color)).collect();
-    let total = |row: &ComplianceRecord| parts.iter().map(|(_, _, value)| value(row)).sum::<f64>();
     let top = legend_height(WIDTH, &entries);
     let height = top + ROW * rows.len() as u32 + 52;
     svg(WIDTH, height, |root| {
         let (legend, rest) = root.split_vertically(px(top));
         draw_legend(&legend, WIDTH, &entries)?;
-        // A part may be negative: the bars then start left of zero.
-        let most_negative = |row: &ComplianceRecord| parts.iter().map(|(_, _, v)| v(row).min(0.0)).sum::<f64>();
-        let (low, high, step) =
-            nice_range(rows.iter().flat_map(|row| [total(row) - most_negative(row), most_negative(row)]), true);
+        // Negative parts stand left of zero, so that the sum is right end less left end.
+        let side = |row: &ComplianceRecord, sign: f64| {
+            parts.iter().map(|(_, _, value)| value(row)).filter(|v| v * sign > 0.0).sum::<f64>()
+        };
+        let (low, high, step) = nice_range(rows.iter().flat_map(|row| [side(row, 1.0), side(row, -1.0)]), true);
         let x_of = |value: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 24)) * (value - low) / (high - low)) as i32;
         let base = px(ROW * rows.len() as u32 + 4);
         for n in 0..=((high - low) / step).round() as usize {
@@ -284,22 +284,23 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
             let (a, b) = (px(ROW * index as u32 + 5), px(ROW * (index as u32 + 1) - 5));
             let middle = (a + b) / 2;
             let style = label(12, HPos::Right, VPos::Center);
-            rest.draw(&Text::new(format!("{} kN", number(row.force_kn)), (px(LEFT - 8), middle), style))?;
-            let mut begin = most_negative(row);
+            rest.draw(&Text::new(format!("{} kN", number((row.force_kn * 10.0).round() / 10.0)), (px(LEFT - 8), middle), style))?;
+            let mut ends = [0.0f64, 0.0];
             for (_, color, value) in &parts {
-                let size = value(row).abs();
-                let corners = [(x_of(begin), a), (x_of(begin + size), b)];
+                let value = value(row);
+                let end = &mut ends[usize::from(value < 0.0)];
+                let (left, right) = (x_of(end.min(*end + value)), x_of(end.max(*end + value)));
+                *end += value;
+                let corners = [(left, a), (right, b)];
                 rest.draw(&Rectangle::new(corners, color.filled()))?;
                 rest.draw(&frame(corners, stroke(BLACK, 6)))?;
                 let dark = *color == DARK || *color == BLUE;
-                let number = format!("{:.3}", value(row));
-                // A number that does not fit its part is left to the table.
-                if x_of(begin + size) - x_of(begin) > px(number.len() as u32 * 7) {
+                let text = format!("{value:.3}").replace('-', "\u{2212}");
+                // A number that does not fit its part is left to the files.
+                if right - left > px(text.chars().count() as u32 * 7) {
                     let style = label(11, HPos::Center, VPos::Center).color(if dark { &WHITE } else { &BLACK });
-                    let at = ((x_of(begin) + x_of(begin + size)) / 2, middle);
-                    rest.draw(&Text::new(number, at, style))?;
+                    rest.draw(&Text::new(text, ((left + right) / 2, middle), style))?;
                 }
-                begin += size;
             }
         }
         rest.draw(&PathElement::new([(x_of(low), base), (x_of(high), base)], stroke(BLACK, 8)))?;

@@ -207,7 +207,7 @@ pub fn nice_range(values: impl Iterator<Item = f64>, from_zero: bool) -> (f64, f
         let half = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
         (low, high) = (low - half, high + half);
     }
-    let step = nice_step((high - low) / 5.0);
+    let step = nice_step((high - low) / 7.0);
     let begin = (low / step + 1e-9).floor() * step;
     let end = (high / step - 1e-9).ceil() * step;
     (begin, end, step)
@@ -313,8 +313,10 @@ struct Ranges {
 fn ranges(panel: &Panel) -> Ranges {
     let points = || panel.series.iter().flat_map(|s| &s.points).filter(|(x, y)| x.is_finite() && y.is_finite());
     let y = nice_range(points().map(|p| p.1), panel.from_zero);
-    let (mut low, mut high, mut step) = nice_range(points().map(|p| p.0), false);
-    let ends = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    // Points without a value count too: all panels over one run then have the same axis.
+    let places = || panel.series.iter().flat_map(|s| &s.points).map(|p| p.0).filter(|x| x.is_finite());
+    let (mut low, mut high, mut step) = nice_range(places(), false);
+    let ends = places().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     if ends.1 > ends.0 {
         (low, high) = ends;
         step = nice_step((high - low) / 8.0);
@@ -502,7 +504,7 @@ mod tests {
             let (begin, end, step) = nice_range([low, high].into_iter(), false);
             assert!(begin <= low + ROUNDOFF && end >= high - ROUNDOFF, "{low} {high}: {begin} {end}");
             assert!(((end - begin) / step).fract().min(1.0 - ((end - begin) / step).fract()) < 1e-6);
-            assert!((end - begin) / step <= 8.0);
+            assert!((end - begin) / step <= 9.5);
         }
     }
 

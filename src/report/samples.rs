@@ -177,6 +177,7 @@ pub(crate) fn profiles() -> ProfilePair {
             (-20.0, 0.7), (0.0, 0.0), (30.0, -1.0), (60.0, -3.0), (65.0, -8.0), (65.0, -80.0),
         ]),
         wheel_origin: Point2::new(0.75, -0.0003),
+        touch: Point2::new(0.742, 0.0004),
     }
 }
 

@@ -153,5 +153,6 @@ pub fn profiles(geometry: &Geometry) -> ProfilePair {
         rail_origin: geometry.placed.origin,
         wheel: outline(geometry.wheel.running.sample(STEP), &geometry.wheel.body),
         wheel_origin: Point2::from(geometry.tape()),
+        touch: geometry.touch.point,
     }
 }

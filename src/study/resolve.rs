@@ -302,19 +302,27 @@ fn flatten(section: &str, value: &Value, source: &Source, keys: &mut Vec<Resolve
         let full = format!("{section}.{key}");
         match value {
             Value::Object(_) => flatten(&full, value, source, keys),
-            Value::String(text) if text.is_empty() => {}
+            // The report shows the descriptions as text.
+            _ if key == "description" => {}
             _ => keys.push(ResolvedKey {
                 section: section.to_string(),
                 key: key.clone(),
-                value: match value {
-                    Value::String(text) => text.clone(),
-                    Value::Array(items) => {
-                        items.iter().map(Value::to_string).collect::<Vec<_>>().join(", ")
-                    }
-                    other => other.to_string(),
-                },
+                value: plain(value),
                 given: source.gives(&full),
             }),
         }
+    }
+}
+
+/// A value as a person would write it.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Array(items) => items.iter().map(plain).collect::<Vec<_>>().join(", "),
+        Value::Number(number) if number.is_f64() => {
+            let value = number.as_f64().unwrap_or_default();
+            if value.abs() >= 1e6 { format!("{value:e}") } else { value.to_string() }
+        }
+        other => other.to_string(),
     }
 }
