@@ -24,6 +24,7 @@
 pub mod element;
 mod model;
 mod newmark;
+mod run;
 mod solve;
 mod support;
 mod surface;

@@ -9,6 +9,7 @@ use crate::beam::{RailBeam, RailModes};
 
 /// What carries the rail.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a model has one")]
 pub enum RailSupport {
     /// The rail does not move.
     Rigid,

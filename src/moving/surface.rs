@@ -165,7 +165,8 @@ impl<'a> ContactSurface<'a> {
     /// new to the list.
     pub fn list(&mut self, start: &Pose, reach: f64) {
         let reach = reach + LEAST_REACH;
-        let moved = if self.listed_at[0].is_nan() { f64::INFINITY } else { self.motion(&self.listed_at, start) };
+        let moved =
+            if self.listed_at[0].is_nan() { f64::INFINITY } else { self.motion(&self.listed_at, start) };
         let before = std::mem::take(&mut self.listed);
         let mut known = before.iter().peekable();
         for i in 0..self.nodes.len() {

@@ -17,7 +17,7 @@ use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
 use railspring_calibrate::contact::{Shape, Surface};
 use railspring_calibrate::error::Result;
-use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::mesh::{HexMesh, mesh_rail, mesh_wheel};
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
 use railspring_calibrate::section::{RailSection, WheelSection, rail_section, wheel_section};
 use railspring_calibrate::solid::Formulation;
@@ -121,24 +121,14 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
 /// # Errors
 /// Settings that give an inverted or flat element.
 pub fn meshes(study: &Study, geometry: &Geometry) -> Result<Meshes> {
-    let options = mesh_options(study);
     Ok(Meshes {
-        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
-        wheel: mesh_wheel(&geometry.wheel, &options)?,
+        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &study.mesh)?,
+        wheel: mesh_wheel(&geometry.wheel, &study.mesh)?,
     })
 }
 
-fn mesh_options(study: &Study) -> MeshOptions {
-    MeshOptions {
-        contact_element: study.mesh.contact_element,
-        window_half_length: study.mesh.window_half_length,
-        growth: study.mesh.growth,
-        ..MeshOptions::default()
-    }
-}
-
 fn formulation(study: &Study) -> Formulation {
-    match study.mesh.element {
+    match study.element {
         ElementKey::IncompatibleModes => Formulation::IncompatibleModes,
         ElementKey::FullIntegration => Formulation::FullIntegration,
     }

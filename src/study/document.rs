@@ -152,18 +152,30 @@ impl Default for MaterialKeys {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeshKeys {
-    /// Edge length of the elements in the contact zone, mm.
+    /// Edge of the elements in the contact zone across the track, mm.
     #[schemars(range(min = 0.2, max = 10.0))]
     pub contact_element_mm: f64,
+    /// Edge of the elements in the contact zone along the track, mm.
+    #[schemars(range(min = 0.2, max = 10.0))]
+    pub contact_element_along_mm: f64,
     /// Half length of the contact zone along the track, mm.
     #[schemars(range(min = 4.0, max = 60.0))]
     pub window_half_length_mm: f64,
-    /// Ratio of the sizes of neighbouring elements away from the contact zone.
+    /// Ratio of the lengths of neighbouring elements along the track, outside the contact zone.
     #[schemars(range(min = 1.05, max = 3.0))]
     pub growth: f64,
-    /// Largest element edge away from the contact zone, mm.
+    /// Largest element of the rail's section, mm.
     #[schemars(range(min = 2.0, max = 100.0))]
-    pub body_element_mm: f64,
+    pub rail_section_element_mm: f64,
+    /// Largest element of the wheel's section, mm.
+    #[schemars(range(min = 2.0, max = 100.0))]
+    pub wheel_section_element_mm: f64,
+    /// Longest element along the rail, mm.
+    #[schemars(range(min = 2.0, max = 500.0))]
+    pub rail_length_element_mm: f64,
+    /// Longest element around the wheel, as arc at the tape circle, mm.
+    #[schemars(range(min = 2.0, max = 500.0))]
+    pub wheel_arc_element_mm: f64,
     /// Formulation of the eight-node brick.
     pub element: ElementKey,
 }
@@ -172,9 +184,13 @@ impl Default for MeshKeys {
     fn default() -> Self {
         Self {
             contact_element_mm: 2.0,
+            contact_element_along_mm: 1.5,
             window_half_length_mm: 12.0,
-            growth: 1.5,
-            body_element_mm: 25.0,
+            growth: 1.6,
+            rail_section_element_mm: 12.0,
+            wheel_section_element_mm: 20.0,
+            rail_length_element_mm: 40.0,
+            wheel_arc_element_mm: 120.0,
             element: ElementKey::IncompatibleModes,
         }
     }

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use railspring_calibrate::error::InputError;
+use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::solid::Material;
 use toml::de::DeTable;
@@ -38,7 +39,9 @@ pub struct Study {
     /// Material of both bodies.
     pub material: Material,
     /// The solid meshes.
-    pub mesh: MeshSettings,
+    pub mesh: MeshOptions,
+    /// Formulation of the eight-node brick.
+    pub element: ElementKey,
     /// Contact between the solids.
     pub contact: ContactSettings,
     /// Loads and reference of the law.
@@ -104,21 +107,6 @@ pub struct Track {
     pub flange_back: f64,
     /// Lateral shift towards the modelled rail.
     pub lateral_shift: f64,
-}
-
-/// Settings of the solid meshes; lengths in m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeshSettings {
-    /// Edge length in the contact zone.
-    pub contact_element: f64,
-    /// Half length of the contact zone along the track.
-    pub window_half_length: f64,
-    /// Ratio of neighbouring element sizes away from the contact zone.
-    pub growth: f64,
-    /// Largest element edge.
-    pub body_element: f64,
-    /// Formulation of the brick.
-    pub element: ElementKey,
 }
 
 /// Contact between the solids.

@@ -2,6 +2,7 @@
 //! concern several keys at once.
 
 use railspring_calibrate::error::InputError;
+use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
@@ -12,7 +13,7 @@ use super::document::{
     SuspensionKeys, TorsionKeys,
 };
 use super::{
-    CalibrationSettings, ContactSettings, MeshSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
+    CalibrationSettings, ContactSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
     Source, Study, StudyScenario, Track, Wheel,
 };
 
@@ -33,14 +34,6 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
     }
     let main_scenario = main_scenario(&document)?;
     let mesh = &document.mesh;
-    if mesh.body_element_mm < mesh.contact_element_mm {
-        return Err(InputError::new(
-            "mesh.body_element_mm",
-            mesh.body_element_mm,
-            format!("at least mesh.contact_element_mm = {}", mesh.contact_element_mm),
-            "enlarge it",
-        ));
-    }
     Ok(Study {
         name: document.name,
         description: document.description,
@@ -57,13 +50,18 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
             poisson: document.material.poisson,
             density: document.material.density_kg_per_m3,
         },
-        mesh: MeshSettings {
+        mesh: MeshOptions {
             contact_element: mesh.contact_element_mm * MILLIMETRE,
+            contact_element_along: mesh.contact_element_along_mm * MILLIMETRE,
             window_half_length: mesh.window_half_length_mm * MILLIMETRE,
             growth: mesh.growth,
-            body_element: mesh.body_element_mm * MILLIMETRE,
-            element: mesh.element,
+            rail_section_element: mesh.rail_section_element_mm * MILLIMETRE,
+            wheel_section_element: mesh.wheel_section_element_mm * MILLIMETRE,
+            rail_length_element: mesh.rail_length_element_mm * MILLIMETRE,
+            wheel_arc_element: mesh.wheel_arc_element_mm * MILLIMETRE,
+            ..MeshOptions::default()
         },
+        element: mesh.element,
         contact: ContactSettings {
             enforcement: document.contact.enforcement,
             penalty: document.contact.penalty_kn_per_m * KILONEWTON_PER_METRE,

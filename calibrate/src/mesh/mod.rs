@@ -216,7 +216,7 @@ impl MeshOptions {
         for (name, length) in lengths {
             if !(length.is_finite() && length >= SMALLEST_ELEMENT) {
                 return Err(InputError::new(
-                    format!("mesh.{name}"),
+                    format!("mesh.{name}_mm"),
                     format!("{} mm", length * 1e3),
                     format!("{} mm or more", SMALLEST_ELEMENT * 1e3),
                     "give the size of the elements in mm",

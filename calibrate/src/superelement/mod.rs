@@ -35,6 +35,17 @@ impl<'a> Superelement<'a> {
         Ok(Self { system, factor, compliance })
     }
 
+    /// Displacements of all nodes (`3·node + direction`, m) under forces on any of them (same layout, N).
+    pub fn solve(&self, nodal_forces: &[f64]) -> Vec<f64> {
+        let System { mesh, numbering, .. } = &self.system;
+        let mut x = numbering.gather(mesh, nodal_forces);
+        self.factor.forward_interior(&mut x);
+        let retained = times(&self.compliance, &x[numbering.interior..]);
+        x[numbering.interior..].copy_from_slice(&retained);
+        self.factor.backward_interior(&mut x);
+        numbering.expand(mesh, &x)
+    }
+
     /// Displacements of all nodes (`3·node + direction`, m) under forces on the retained equations (N).
     pub fn displacement(&self, retained_forces: &[f64]) -> Vec<f64> {
         let numbering = &self.system.numbering;

@@ -1,24 +1,36 @@
 use super::*;
-use crate::beam::{BeamSection, End, Material, RailBeam, Torsion};
+use crate::beam::{BeamSection, End, RailBeam, Torsion};
 use railspring_calibrate::analytic::{drop::drop, friction::Block};
-use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::history::{ContactMode, HistoryRow};
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
 use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::solid::Material;
 
-/// A flat rail 80 mm wide and a wheel whose profile is an arc of 0.3 m, touching in its middle.
-fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
-    let line = |x: f64| Point2::new(x, 0.0);
-    let arc = |x: f64| Point2::new(x, 0.3 * ((1.0 - (x / 0.3).powi(2)).sqrt() - 1.0));
-    let curve = |shape: &dyn Fn(f64) -> Point2<f64>| {
-        let points: Vec<Point2<f64>> = (-40..=40).map(|i| shape(1e-3 * f64::from(i))).collect();
-        ProfileCurve::from_points(&points, &[]).unwrap()
-    };
-    let rail = PlacedRail { curve: curve(&line), angle: 0.0, origin: Point2::origin() };
-    let touch = Touch { tape_z: 0.0, rail_s: 0.04, wheel_s: 0.04, point: Point2::origin(), contact_angle: 0.0 };
+/// A profile 80 mm wide through z(y), with a kink in the middle or without.
+fn profile(shape: impl Fn(f64) -> f64, kinks: &[usize]) -> ProfileCurve {
+    let points: Vec<Point2<f64>> =
+        (-40..=40).map(|i| 1e-3 * f64::from(i)).map(|y| Point2::new(y, shape(y))).collect();
+    ProfileCurve::from_points(&points, kinks).unwrap()
+}
+
+/// z(y) of a wheel profile that is an arc.
+fn arc(radius: f64) -> impl Fn(f64) -> f64 {
+    move |y| radius * ((1.0 - (y / radius).powi(2)).sqrt() - 1.0)
+}
+
+/// A rigid rail and a wheel that touches it with its profile's origin at the depth `tape_z` below the rail's.
+fn rigid(rail: ProfileCurve, wheel: ProfileCurve, tape_z: f64, law: StiffnessLaw, mass: f64) -> MovingModel {
+    let rail = PlacedRail { curve: rail, angle: 0.0, origin: Point2::origin() };
+    let touch = Touch { tape_z, rail_s: 0.04, wheel_s: 0.04, point: Point2::origin(), contact_angle: 0.0 };
     let springs = WheelSprings { horizontal: 1e9, normal: law, longitudinal: 1e9 };
-    MovingModel::new(rail, curve(&arc), 0.43, 0.0, &touch, RailSupport::Rigid, springs, mass)
+    MovingModel::new(rail, wheel, 0.43, 0.0, &touch, RailSupport::Rigid, springs, mass)
+}
+
+/// A flat rail and a wheel whose profile is an arc of 0.3 m, touching in its middle.
+fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
+    rigid(profile(|_| 0.0, &[]), profile(arc(0.3), &[]), 0.0, law, mass)
 }
 
 const NO_FORCE: HarmonicForce = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
@@ -60,7 +72,7 @@ fn wheel_drop_reaches_the_energy_peak() {
     const DISCRETISATION: f64 = 2e-3;
     let law = StiffnessLaw::published();
     for (mass, height, kilonewton) in [(283.0, 0.010, 235.0), (1000.0, 0.001, 130.45)] {
-        let speed = (2.0 * 9.81 * height as f64).sqrt();
+        let speed = f64::sqrt(2.0 * 9.81 * height);
         let exact = drop(&law, mass, speed);
         let mut model = flat(law, mass);
         model.initial.velocity[1] = speed;
@@ -147,7 +159,7 @@ fn pulled_wheel_sticks_and_then_slides() {
     scenario.lateral_force = HarmonicForce { amplitude, frequency, ..NO_FORCE };
     let run = model.run(&scenario, &Silent).unwrap();
     let omega = std::f64::consts::TAU * frequency;
-    let breakaway = (friction / amplitude as f64).asin() / omega;
+    let breakaway = f64::asin(friction / amplitude) / omega;
     let sliding = |t: f64| {
         let s = t - breakaway;
         let (sin, cos) = (omega * breakaway).sin_cos();
@@ -164,6 +176,64 @@ fn pulled_wheel_sticks_and_then_slides() {
         } else if row.time > breakaway {
             let error = row.wheel_y - sliding(row.time);
             assert!(error.abs() < DISCRETISATION * end + deflection, "{} s: {error:e}", row.time);
+        }
+    }
+}
+
+/// Source: cylinder that rolls without slipping, m·a·(1 + I/(m·R²)) = F. Goal: with its rotation freed, a wheel whose profile is an arc about
+/// its centre rolls 20 mm sideways while it sticks; the contact passes 80 rail nodes without losing the tangential force.
+/// The polygon of nodes is rolled over with a variation of the lever of 0.125 mm in 430.
+#[test]
+fn rolling_contact_hands_its_tangential_force_over() {
+    const DISCRETISATION: f64 = 1e-3;
+    let mut model = rigid(
+        profile(|_| 0.0, &[]),
+        profile(arc(0.43), &[]),
+        0.0,
+        StiffnessLaw { a: 1e8, b: 0.0, c: 0.0 },
+        1000.0,
+    );
+    model.initial.displacement[1] = 1000.0 * GRAVITY / 1e8;
+    model.wheel_inertia[0] = 60.0;
+    let mut scenario = quiet(1000, 2e-4);
+    (scenario.gravity, scenario.friction, scenario.rotations_held) = (GRAVITY, 0.3, false);
+    scenario.lateral_force.constant = 1200.0;
+    let run = model.run(&scenario, &Silent).unwrap();
+    let acceleration = 1200.0 / (1000.0 + 60.0 / 0.43f64.powi(2));
+    let last = run.history.rows.last().unwrap();
+    assert!(last.wheel_y > 15e-3);
+    assert!(relative(last.wheel_y, 0.5 * acceleration * 0.04) < DISCRETISATION, "{}", last.wheel_y);
+    assert!(run.history.rows[1..].iter().all(|r| r.mode() == ContactMode::Stick));
+    // What does not accelerate the wheel goes into the rail.
+    let drag = 1200.0 - 1000.0 * acceleration;
+    let mean = run.history.rows[500..].iter().map(|r| r.lateral_force).sum::<f64>() / 501.0;
+    assert!(relative(mean, drag) < 10.0 * DISCRETISATION, "{mean} {drag}");
+}
+
+/// Goal: a round wheel in a right-angled groove has two contacts, each with N = m·g/√2 without friction; friction can be left out on a
+/// part of the wheel.
+#[test]
+fn groove_has_two_contacts() {
+    const DISCRETISATION: f64 = 1e-3;
+    let radius = 0.05;
+    let law = StiffnessLaw { a: 1e8, b: 0.0, c: 0.0 };
+    // The arc about (0, −R) touches both flanks; its lowest point lies R(√2 − 1) above the groove's.
+    let tape_z = -radius * (2f64.sqrt() - 1.0);
+    let mut model = rigid(profile(|y| -y.abs(), &[40]), profile(arc(radius), &[]), tape_z, law, 1000.0);
+    model.initial.displacement[1] = 1000.0 * GRAVITY / 1e8;
+    // Nodes so close that the arc's rise between them, h²/(8·R), is small against the deflection of 0.1 mm.
+    model.node_spacing = 0.05e-3;
+    model.frictionless = Some((0.0, model.wheel.length()));
+    let mut scenario = quiet(20, 1e-3);
+    (scenario.gravity, scenario.friction) = (GRAVITY, 0.5);
+    let run = model.run(&scenario, &Silent).unwrap();
+    for row in &run.history.rows {
+        assert_eq!(row.contacts.len(), 2);
+        assert!(row.contacts[0].rail.x < 0.0 && row.contacts[1].rail.x > 0.0);
+        for contact in &row.contacts {
+            assert!(relative(contact.normal_force, 1000.0 * GRAVITY / 2f64.sqrt()) < DISCRETISATION);
+            assert!(relative(contact.rail.x.abs(), radius / 2f64.sqrt()) < 0.01);
+            assert_eq!((contact.tangential_force, contact.mode), (0.0, ContactMode::Slip));
         }
     }
 }
@@ -216,7 +286,8 @@ fn published() -> MovingModel {
     let wheel = wheel_section("S1002", 0.858).unwrap();
     let touch = touch(&rail, &wheel.running, track.tape_y()).unwrap();
     let beam =
-        RailBeam::rail(&section.properties, &Material::STEEL, 0.555, 20, rail.angle, Torsion::default()).unwrap();
+        RailBeam::rail(&section.properties, &Material::STEEL, 0.555, 20, rail.angle, Torsion::default())
+            .unwrap();
     let centre = section.height - section.properties.shear_centre_height;
     let node_line = rail.to_world(&Point2::new(0.0, centre));
     let support = RailSupport::Beam { beam, node_line, damping_ratio: 0.0 };
@@ -269,11 +340,8 @@ fn alternating_force_swings_the_wheel() {
     let rows = &run.history.rows;
     assert!((6.5e-3..7.1e-3).contains(&peak(&run, |r| r.wheel_y)));
     assert!((2.5e-3..5.5e-3).contains(&peak(&run, |r| -r.wheel_y)));
-    let flange: Vec<f64> = rows
-        .iter()
-        .filter(|r| r.contacts.iter().any(|c| c.wheel.x < -0.025))
-        .map(|r| r.time)
-        .collect();
+    let flange: Vec<f64> =
+        rows.iter().filter(|r| r.contacts.iter().any(|c| c.wheel.x < -0.025)).map(|r| r.time).collect();
     assert!((0.025..0.032).contains(&flange[0]), "{}", flange[0]);
     let second = flange.iter().find(|t| **t > 0.15).unwrap();
     assert!((0.235..0.275).contains(second), "{second}");
@@ -287,7 +355,8 @@ fn alternating_force_swings_the_wheel() {
 /// Source: publication, section 4.2 with torsion. Goal: it runs, and the rail's twist at the wheel is about Vlasov's.
 #[test]
 fn torsion_twists_the_rail_under_the_moving_wheel() {
-    let mut scenario = published_scenario(HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..NO_FORCE });
+    let mut scenario =
+        published_scenario(HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..NO_FORCE });
     scenario.rail_torsion = Some(HarmonicForce { amplitude: 183.25e3, frequency: 5.0, ..NO_FORCE });
     scenario.speed = 0.5;
     scenario.start_x = Some(0.2775);
