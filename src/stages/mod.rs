@@ -6,6 +6,7 @@
 mod calibrate;
 mod fields;
 mod loads;
+mod sections;
 mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
@@ -19,10 +20,11 @@ use railspring_calibrate::contact::{Shape, Surface};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{HexMesh, mesh_rail, mesh_wheel};
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
-use railspring_calibrate::section::{RailSection, WheelSection, rail_section, wheel_section};
+use railspring_calibrate::section::{RailSection, WheelSection};
 use railspring_calibrate::solid::Formulation;
 
 use crate::beam::{RailBeam, Torsion};
+use crate::records::ProfileRecord;
 use crate::report::ProfilePair;
 use crate::study::{ElementKey, EnforcementKey, Study};
 
@@ -40,6 +42,8 @@ pub struct Geometry {
     pub touch: Touch,
     /// The rail as the beam of the moving solver.
     pub beam: RailBeam,
+    /// The measured profiles among the two, and what was done to them.
+    pub profiles: Vec<ProfileRecord>,
 }
 
 /// The meshes of both bodies.
@@ -94,8 +98,8 @@ impl Geometry {
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(study: &Study) -> Result<Geometry> {
-    let rail = rail_section(&study.rail.profile)?;
-    let wheel = wheel_section(&study.wheel.profile, study.wheel.tape_diameter)?;
+    let (rail, rail_profile) = sections::rail(study)?;
+    let (wheel, wheel_profile) = sections::wheel(study)?;
     let track = TrackGeometry {
         gauge: study.track.gauge,
         gauge_height: study.track.gauge_height,
@@ -113,7 +117,8 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
         placed.angle,
         Torsion::RestrainedWarping,
     )?;
-    Ok(Geometry { rail, wheel, placed, tape_y: track.tape_y(), touch, beam })
+    let profiles = rail_profile.into_iter().chain(wheel_profile).collect();
+    Ok(Geometry { rail, wheel, placed, tape_y: track.tape_y(), touch, beam, profiles })
 }
 
 /// Meshes of both bodies.
