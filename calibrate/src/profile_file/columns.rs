@@ -6,7 +6,7 @@
 use std::fmt::Write;
 
 use super::finding::{Action, Finding, FindingKind};
-use super::text::{Field, begins_like_a_number, decimal_mark, error_at, fields, lines, number, row_numbers};
+use super::text::{begins_like_a_number, decimal_mark, error_at, fields, lines, number, row_numbers};
 use super::{Convention, MeasuredPoint, ProfileFormat, ProfileKind, Raw, push};
 use crate::error::Result;
 use crate::units::MILLIMETRE;
@@ -54,13 +54,20 @@ impl Heading {
         }
     }
 
-    /// Columns from a line that names them, such as `y_mm,z_mm`, `s;y;z` or `x y`.
-    fn note_columns(&mut self, heads: &[Field<'_>]) {
+    /// Columns from a line that names them, such as `y_mm,z_mm`, `s; y [mm]; z [mm]` or `x y`.
+    fn note_columns(&mut self, line: &str) {
+        let marks = [';', ',', '\t'];
+        let heads: Vec<&str> = if line.contains(marks) {
+            line.trim().split(marks).collect()
+        } else {
+            line.split_whitespace().filter(|word| !word.starts_with(['[', '('])).collect()
+        };
         let names: Vec<String> = heads
             .iter()
-            .map(|f| f.text.to_lowercase().chars().take_while(|c| c.is_alphanumeric()).collect())
+            .map(|head| head.trim_matches([' ', '"']).to_lowercase())
+            .map(|head| head.chars().take_while(|c| c.is_alphanumeric()).collect())
             .collect();
-        let find = |wanted: &str| names.iter().position(|name| name == wanted);
+        let find = |wanted: &str| names.iter().take(8).position(|name| name == wanted);
         self.columns = find("y").zip(find("z")).or_else(|| find("x").zip(find("y"))).or(self.columns);
     }
 }
@@ -83,7 +90,7 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
         refuse_other_formats(name, n, line)?;
         heading.note(n, line);
         if !is_comment(line) {
-            heading.note_columns(&fields(line, mark));
+            heading.note_columns(line);
         }
     }
     let first_fields = numeric.clone().next().map(|(_, row)| fields(row, mark)).unwrap_or_default();

@@ -6,8 +6,8 @@ use crate::error::{Error, InputError, Result};
 const LARGEST_FILE: usize = 256 << 20;
 /// Most fields of a row.
 const MOST_FIELDS: usize = 16;
-/// Longest number, characters.
-const LONGEST_NUMBER: usize = 64;
+/// Longest number, characters: a tiny one without exponent has more than 300.
+const LONGEST_NUMBER: usize = 512;
 
 /// An error at a place of a file; line and column count from one.
 pub(super) fn error_at(
