@@ -2,8 +2,8 @@
 """Writes a worn wheel and a worn rail beside this file, as if they had been measured.
 
 Wheel: S1002 with a tread worn hollow by 2 mm and a flange worn by 3 mm (thickness 29.5 instead of 32.5 mm,
-10 mm below the tape circle), as a MiniProf file. Rail: 60E1 with a crown worn by 1.5 mm and a gauge face worn
-by 1 mm at the depth where the gauge is measured, as a Simpack file. Both are generated from the standards'
+10 mm below the tape circle), as a MiniProf file. Rail: 60E1 with a crown worn by 1.5 mm and a gauge corner worn
+by 0.5 mm at a depth of 7 mm, as a Simpack file. Both are generated from the standards'
 definitions (README.md); where the wear lies is chosen, not measured. Points are 0.25 mm apart and scatter by
 2 micrometres, as those of a good gauge do. The same files come out on every machine.
 """
@@ -15,9 +15,11 @@ STEP = 0.25  # mm, distance of the points
 SCATTER = 0.002  # mm, standard deviation
 
 HOLLOW = {"depth": 2.0, "centre": 14.0, "half_width": 38.0}
-FLANGE = {"depth": 3.0, "at": 10.0, "above": 9.5, "below": 16.0}
+FLANGE = {"depth": 3.0, "at": 10.0, "above": 9.5, "below": 26.0}
+FLANGE_TIP = -55.0  # mm, where the wear of the flange has faded out ...
+TIP_WIDTH = 8.0  # mm, ... and over which width
 CROWN = {"depth": 1.5, "half_width": 34.0}
-GAUGE_FACE = {"depth": 1.0, "at": 14.0, "above": 12.0, "below": 16.0}
+GAUGE_CORNER = {"depth": 0.5, "at": 7.0, "above": 7.0, "below": 12.0}
 
 ZONE_B = [0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8,
           5.309217349e-15, -5.957839843e-12, 2.646656573e-13]
@@ -64,6 +66,7 @@ def bump(t):
 
 
 def side_bump(z, wear):
+    """Share of the wear of a side at the depth z."""
     return bump((z - wear["at"]) / (wear["above"] if z < wear["at"] else wear["below"]))
 
 
@@ -101,7 +104,8 @@ def worn_wheel():
         y = -69.0 + i * 0.001
         z = s1002(y)
         hollow = HOLLOW["depth"] * bump((y - HOLLOW["centre"]) / HOLLOW["half_width"])
-        flange = FLANGE["depth"] * side_bump(z, FLANGE) if -55.0 < y < -10.0 else 0.0
+        t = min(max((y - FLANGE_TIP) / TIP_WIDTH, 0.0), 1.0)
+        flange = FLANGE["depth"] * side_bump(z, FLANGE) * t * t * (3.0 - 2.0 * t) if y < -10.0 else 0.0
         points.append((y - flange, z - hollow))
     return scattered(even(points), 1)
 
@@ -113,7 +117,7 @@ def worn_rail():
     points = []
     for y, z in [(-y, z) for y, z in reversed(half)] + half[1:]:
         crown = CROWN["depth"] * bump(y / CROWN["half_width"])
-        face = GAUGE_FACE["depth"] * side_bump(z, GAUGE_FACE) if y < 0.0 else 0.0
+        face = GAUGE_CORNER["depth"] * side_bump(z, GAUGE_CORNER) if y < 0.0 else 0.0
         points.append((y + face, z + crown))
     return scattered(even(points), 2)
 
