@@ -18,7 +18,7 @@ use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
 use railspring_calibrate::contact::{Shape, Surface};
 use railspring_calibrate::error::Result;
-use railspring_calibrate::mesh::{HexMesh, mesh_rail, mesh_wheel};
+use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
 use railspring_calibrate::section::{RailSection, WheelSection};
 use railspring_calibrate::solid::Formulation;
@@ -126,10 +126,23 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
 /// # Errors
 /// Settings that give an inverted or flat element.
 pub fn meshes(study: &Study, geometry: &Geometry) -> Result<Meshes> {
+    let options = mesh_options(study);
     Ok(Meshes {
-        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &study.mesh)?,
-        wheel: mesh_wheel(&geometry.wheel, &study.mesh)?,
+        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
+        wheel: mesh_wheel(&geometry.wheel, &options)?,
     })
+}
+
+/// The study's mesh; a worn flange is steeper and touches deeper, so beside measured profiles the fine zones go
+/// on further down the two faces.
+fn mesh_options(study: &Study) -> MeshOptions {
+    const DEEPER: f64 = 6e-3;
+    let mut options = study.mesh.clone();
+    if study.rail.measured.is_some() || study.wheel.measured.is_some() {
+        options.rail_zone.face_depth += DEEPER;
+        options.wheel_zone.face_depth += DEEPER;
+    }
+    options
 }
 
 fn formulation(study: &Study) -> Formulation {

@@ -143,6 +143,6 @@ fn in_file(name: &str, points: &[MeasuredPoint], error: Error) -> Error {
         .and_then(|index| index.parse::<usize>().ok());
     match index.and_then(|index| points.get(index)) {
         Some(p) => error_at(name, p.line, 1, &input.value, &*input.expected, &*input.remedy),
-        None => error,
+        None => error_at(name, points[0].line, 1, &input.value, &*input.expected, &*input.remedy),
     }
 }

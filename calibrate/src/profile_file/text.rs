@@ -28,13 +28,14 @@ pub(super) fn error_at(
 /// A file that is too large or is no text.
 pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<String> {
     if bytes.len() > LARGEST_FILE {
-        return Err(InputError::new(
+        return Err(error_at(
             name,
-            format!("{} MiB", bytes.len() >> 20),
+            1,
+            1,
+            &format!("{} MiB", bytes.len() >> 20),
             format!("a profile file of at most {} MiB", LARGEST_FILE >> 20),
             "give a single profile, thinned out",
-        )
-        .into());
+        ));
     }
     let utf16 = |order: fn([u8; 2]) -> u16| {
         let units = bytes[2..].chunks_exact(2).map(|pair| order([pair[0], pair[1]]));
