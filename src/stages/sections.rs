@@ -110,3 +110,22 @@ fn finding_record(finding: &Finding) -> FindingRecord {
         text: finding.text.clone(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn the_worn_study_reads_its_profiles() {
+        let study = Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies/worn.toml")).unwrap();
+        assert!(study.rail.measured.is_some() && study.wheel.measured.is_some());
+        let geometry = super::super::geometry(&study).unwrap();
+        assert_eq!(geometry.profiles.len(), 2);
+        assert!(geometry.profiles.iter().flat_map(|p| &p.findings).all(|f| f.action != "left"));
+        // Worn off: the crown's 1.5 mm, of which 8/15 over 68 mm, and a little of the gauge corner.
+        let area = geometry.rail.properties.area;
+        assert!((76.70e-4 - 0.65e-4..76.70e-4 - 0.54e-4).contains(&area), "{area}");
+    }
+}
