@@ -14,6 +14,8 @@ const EXTENT: std::ops::RangeInclusive<f64> = 0.02..=0.4;
 const FAR_OFF: f64 = 0.25;
 /// Largest share of such points that are dropped.
 const MOST_FAR_OFF: f64 = 0.05;
+/// Greatest coordinate of a point, m: profiles may be given in the frame of the track, but no further off.
+const FARTHEST: f64 = 10.0;
 /// Where the tip of a flange is expected, m from the tape circle.
 const TIP: std::ops::RangeInclusive<f64> = -0.070..=-0.040;
 /// A tread further than this from the origin at the tape circle is moved there, m.
@@ -30,6 +32,11 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     }
     scale(name, &mut raw, options)?;
     drop_far_off(name, &mut raw)?;
+    if let Some(p) = raw.points.iter().find(|p| p.point.coords.amax().is_nan() || p.point.coords.amax() > FARTHEST) {
+        let value = format!("({:e}, {:e}) m", p.point.x, p.point.y);
+        let expected = format!("a point within {FARTHEST} m of the origin");
+        return Err(error_at(name, p.line, 1, &value, expected, "check the shifts and the unit of the file"));
+    }
     let kind = recognise(name, &mut raw, options)?;
     turn_over(kind, &mut raw, options);
     put_in_order(kind, &mut raw);
