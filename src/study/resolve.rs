@@ -15,8 +15,8 @@ use super::document::{
     SuspensionKeys, TorsionKeys,
 };
 use super::{
-    CalibrationSettings, ContactSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
-    Source, Study, StudyScenario, Track, Wheel,
+    CalibrationSettings, ContactSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings, Source, Study,
+    StudyScenario, Track, Wheel,
 };
 
 type Result<T> = std::result::Result<T, InputError>;
