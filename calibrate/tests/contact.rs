@@ -43,7 +43,7 @@ fn straight(width: f64) -> ProfileCurve {
 fn condensed(mesh: &HexMesh, material: Material) -> Superelement<'_> {
     let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
     let system = System::new(mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
-    Superelement::new(system, 0.0, &[]).unwrap()
+    Superelement::new(system).unwrap()
 }
 
 /// Two blocks of the same footprint with non-matching meshes, the upper one on a free hub.

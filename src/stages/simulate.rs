@@ -33,7 +33,11 @@ pub fn simulate(
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<History> {
-    let support = RailSupport::Beam { beam: geometry.beam.clone(), node_line: geometry.node_line(), damping_ratio: 0.0 };
+    let support = RailSupport::Beam {
+        beam: geometry.beam.clone(),
+        node_line: geometry.node_line(),
+        damping: study.material.damping,
+    };
     let wheel_springs = WheelSprings {
         horizontal: springs.horizontal,
         normal: springs.normal,

@@ -36,11 +36,16 @@ impl<'a> System<'a> {
         Ok(Self { mesh, material, formulation, numbering: Numbering::new(mesh, supports)? })
     }
 
-    /// Upper triangle of `stiffness + mass_factor·mass`, plus the given diagonal terms.
+    /// Upper triangle of `stiffness_factor·stiffness + mass_factor·mass`, plus the given diagonal terms.
     ///
     /// # Errors
     /// [`InputError`] naming the first element that is inverted or flat.
-    pub fn matrix(&self, mass_factor: f64, diagonal: &[(usize, f64)]) -> Result<SparseColMat<usize, f64>> {
+    pub fn matrix(
+        &self,
+        stiffness_factor: f64,
+        mass_factor: f64,
+        diagonal: &[(usize, f64)],
+    ) -> Result<SparseColMat<usize, f64>> {
         let elements: Vec<brick::Stiffness> = self
             .mesh
             .hexes
@@ -49,7 +54,8 @@ impl<'a> System<'a> {
             .map(|(e, hex)| {
                 let nodes = corners(self.mesh, hex);
                 let mut k = brick::stiffness(&nodes, &self.material, self.formulation)
-                    .ok_or_else(|| flat_element(e, &nodes))?;
+                    .ok_or_else(|| flat_element(e, &nodes))?
+                    * stiffness_factor;
                 if mass_factor != 0.0 {
                     let m = brick::mass(&nodes, self.material.density) * mass_factor;
                     for i in 0..24 {

@@ -263,7 +263,7 @@ fn sprung_mass_crosses_a_simply_supported_beam() {
         };
         let beam = RailBeam::new(section, length, 20, 0.0, [End::Pinned; 2]).unwrap();
         let mut model = flat(StiffnessLaw { a: stiffness, b: 0.0, c: 0.0 }, mass);
-        model.support = RailSupport::Beam { beam, node_line: Point2::origin(), damping_ratio: 0.0 };
+        model.support = RailSupport::Beam { beam, node_line: Point2::origin(), damping: 0.0 };
         model.initial.displacement[1] = mass * GRAVITY / stiffness;
         let mut scenario = quiet(1000, length / speed / 1000.0);
         scenario.gravity = GRAVITY;
@@ -290,7 +290,7 @@ fn published() -> MovingModel {
             .unwrap();
     let centre = section.height - section.properties.shear_centre_height;
     let node_line = rail.to_world(&Point2::new(0.0, centre));
-    let support = RailSupport::Beam { beam, node_line, damping_ratio: 0.0 };
+    let support = RailSupport::Beam { beam, node_line, damping: 0.0 };
     let springs = WheelSprings { horizontal: 6e8, normal: StiffnessLaw::published(), longitudinal: 6e8 };
     MovingModel::new(rail, wheel.running, wheel.radius, track.tape_y(), &touch, support, springs, 283.0)
 }
