@@ -56,9 +56,25 @@ pub struct StudyDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RailKeys {
-    /// Name of the standard section, for instance `60E1` or `UIC60`.
+    /// Name of the standard section, for instance `60E1` or `UIC60`. Give this, or `profile_file` with `standard`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
-    pub profile: String,
+    pub profile: Option<String>,
+    /// File of a measured profile (Simpack, MiniProf, text or CSV), relative to the study.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub profile_file: Option<String>,
+    /// Name of the standard section that the measured profile is joined to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub standard: Option<String>,
+    /// Smoothing of the measured profile: waves of this length are halved, mm; left out, the points stay where they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.1, max = 20.0))]
+    pub profile_smoothing_mm: Option<f64>,
+    /// Whether the measured head is turned and moved onto the standard section, or taken as it stands: origin at the unworn top, on the axis, not inclined.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_aligned: Option<bool>,
     /// Inclination towards the track centre, as a ratio `"1:40"` or as a slope `0.025`.
     #[serde(default = "default_inclination")]
     pub inclination: Inclination,
@@ -90,9 +106,22 @@ fn default_rail_length() -> f64 {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WheelKeys {
-    /// Name of the standard running profile, for instance `S1002`.
+    /// Name of the standard running profile, for instance `S1002`. Give this, or `profile_file` with `standard`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
-    pub profile: String,
+    pub profile: Option<String>,
+    /// File of a measured profile (Simpack, MiniProf, text or CSV), relative to the study.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub profile_file: Option<String>,
+    /// Name of the standard wheel that the measured profile is joined to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub standard: Option<String>,
+    /// Smoothing of the measured profile: waves of this length are halved, mm; left out, the points stay where they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.1, max = 20.0))]
+    pub profile_smoothing_mm: Option<f64>,
     /// Diameter at the tape circle (70 mm from the flange back), m.
     #[serde(default = "default_tape_diameter")]
     #[schemars(range(min = 0.3, max = 1.5))]

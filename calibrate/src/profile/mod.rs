@@ -14,3 +14,4 @@ pub mod wheels;
 pub use curve::ProfileCurve;
 pub(crate) use segment::{EndlessLine, fillet};
 pub use segment::{Segment, polyline};
+pub(crate) use spline::Piece;

@@ -5,10 +5,12 @@ use std::f64::consts::TAU;
 use nalgebra::{Point2, Vector2};
 
 use super::FILLET_STEP;
+use super::join::join;
 use super::properties::boundary_integral;
 use crate::error::{InputError, Result};
 use crate::profile::wheels::wheel_profile;
 use crate::profile::{EndlessLine, ProfileCurve, Segment, fillet, polyline};
+use crate::profile_file::Finding;
 use crate::units::MILLIMETRE;
 
 /// Cross-section of a wheel in its profile frame: y from the tape circle to the field side, z down; a point
@@ -84,6 +86,28 @@ pub fn wheel_section(name: &str, tape_diameter: f64) -> Result<WheelSection> {
     body[last] = running.point(0.0);
     let bore_radius = BORE_RADIUS * MILLIMETRE;
     Ok(WheelSection { name: name.to_owned(), running, body, body_outline, radius, bore_radius })
+}
+
+/// The section of a measured running profile on the standard wheel `name`: the profile is joined to the standard's
+/// with continuous tangents; chamfer, rim, web and hub are the generic body's. The profile's origin is the tape
+/// circle, at which the wheel has the nominal diameter where its z is 0. What was done is added to `findings`.
+///
+/// # Errors
+/// As [`wheel_section`], and [`InputError`] with the key `wheel.profile_file` for a profile whose ends do not lie
+/// near the standard surface.
+pub fn wheel_section_with_profile(
+    name: &str,
+    tape_diameter: f64,
+    profile: &ProfileCurve,
+    findings: &mut Vec<Finding>,
+) -> Result<WheelSection> {
+    let standard = wheel_section(name, tape_diameter)?;
+    let running = join(&standard.running, profile, "wheel.profile_file", findings)?;
+    let mut section = WheelSection { name: format!("measured profile on {name}"), running, ..standard };
+    let last = section.body.len() - 1;
+    section.body[0] = section.running.point(section.running.length());
+    section.body[last] = section.running.point(0.0);
+    Ok(section)
 }
 
 /// Outline from `tread_end` to `flange_start` (m) for the rolling radius `r0` in mm.
