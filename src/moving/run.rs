@@ -19,7 +19,7 @@ use super::wheel::{WheelDynamics, WheelState};
 const PATCH_GAP: f64 = 2e-3;
 
 /// A step that does not converge is halved at most so many times.
-const MOST_HALVINGS: usize = 8;
+const MOST_HALVINGS: usize = 5;
 
 /// State between two steps.
 #[derive(Clone)]

@@ -12,8 +12,8 @@ use crate::verify::averaged_ratio;
 use super::legend::{Entry, draw_legend, legend_height};
 use super::panel::{Panel, stacked};
 use super::plot::{
-    BLUE, DARK, Dash, Drawn, GREY, LIGHT, Marker, ORANGE, RED, Series, frame, label, nice_range, nice_step,
-    px, stroke, svg, tick,
+    BLUE, DARK, DARK_RED, Dash, Drawn, GREY, LIGHT, Marker, ORANGE, PALE_BLUE, RED, Series, frame, label,
+    nice_range, nice_step, px, stroke, svg, tick,
 };
 use super::tables::number;
 
@@ -377,7 +377,7 @@ pub fn horizontal(stiffness: &StiffnessRecord) -> String {
     )
 }
 
-/// Curves of both models; the solid in the background.
+/// Curves of both models; the solid's is broad and pale, so that the simple one's can be seen on it.
 fn both(
     simple: &History,
     solid: Option<&History>,
@@ -385,10 +385,10 @@ fn both(
 ) -> Vec<Series> {
     let mut series = Vec::new();
     if let Some(solid) = solid {
-        series.push(Series::line("solid model", points(solid), BLUE, Dash::Solid));
+        series.push(Series::line("solid model", points(solid), PALE_BLUE, Dash::Solid).broad());
     }
     let dash = if solid.is_some() { Dash::Dashed } else { Dash::Solid };
-    series.push(Series::line("simple model", points(simple), RED, dash));
+    series.push(Series::line("simple model", points(simple), DARK_RED, dash));
     series
 }
 

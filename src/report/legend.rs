@@ -16,12 +16,13 @@ pub struct Entry {
     dash: Dash,
     marker: Marker,
     filled: bool,
+    width: u32,
 }
 
 impl Entry {
     /// An entry with a filled patch.
     pub fn patch(name: &str, color: RGBColor) -> Self {
-        Self { name: name.into(), color, dash: Dash::None, marker: Marker::None, filled: true }
+        Self { name: name.into(), color, dash: Dash::None, marker: Marker::None, filled: true, width: 0 }
     }
 
     /// An entry with a line or a marker.
@@ -32,6 +33,7 @@ impl Entry {
             dash: series.sample.unwrap_or(series.dash),
             marker: series.marker,
             filled: false,
+            width: series.width + 2,
         }
     }
 
@@ -78,7 +80,7 @@ pub fn draw_legend(area: &Area<'_>, width: u32, entries: &[Entry]) -> Drawn {
     for (entry, (x, row)) in entries.iter().zip(legend_layout(width, entries)) {
         let y = px(row * LEGEND_ROW + 14);
         let (left, right) = (px(x), px(x + SAMPLE));
-        let line = stroke(entry.color, 16);
+        let line = stroke(entry.color, entry.width);
         if entry.filled {
             let corners = [(left, y - px(5)), (right, y + px(5))];
             area.draw(&Rectangle::new(corners, entry.color.filled()))?;

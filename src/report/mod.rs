@@ -163,7 +163,7 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
         "ratio",
         figures::ratio(run.simple, run.solid, data.ratio_window, data.ratio_floor),
         format!(
-            "Derailment coefficient Q/P{both}: Q and P averaged over a window of time before they are divided. Gaps: no contact in the whole window."
+            "Derailment coefficient Q/P{both}: Q and P averaged over a window of time before they are divided. Gaps: too little vertical force in the window."
         ),
     );
     add("wheel", figures::wheel(run.simple, run.solid), format!("Displacement of the wheel centre{both}."));

@@ -164,7 +164,7 @@ fn label_width(y: (f64, f64, f64)) -> u32 {
 
 /// Draws one curve.
 fn draw_series(area: &Area<'_>, chart: &mut Chart<'_, '_>, series: &Series) -> Drawn {
-    let style = stroke(series.color, 14);
+    let style = stroke(series.color, series.width);
     let pieces =
         series.points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|piece| !piece.is_empty());
     for piece in pieces {

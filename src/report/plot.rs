@@ -24,6 +24,10 @@ pub const DARK: RGBColor = RGBColor(16, 42, 84);
 /// See [`DARK`].
 pub const BLUE: RGBColor = RGBColor(31, 104, 170);
 /// See [`DARK`].
+pub const PALE_BLUE: RGBColor = RGBColor(135, 180, 220);
+/// See [`DARK`].
+pub const DARK_RED: RGBColor = RGBColor(120, 20, 10);
+/// See [`DARK`].
 pub const RED: RGBColor = RGBColor(186, 58, 32);
 /// See [`DARK`].
 pub const ORANGE: RGBColor = RGBColor(226, 140, 30);
@@ -78,22 +82,32 @@ pub struct Series {
     /// Line of the legend's sample, where it is not the series' own: markers and the line fitted
     /// to them share an entry.
     pub sample: Option<Dash>,
+    /// Width of the line, tenths of a pixel.
+    pub width: u32,
 }
+
+/// Usual width of a line, tenths of a pixel.
+const LINE: u32 = 14;
 
 impl Series {
     /// A line without markers.
     pub fn line(name: &str, points: Vec<(f64, f64)>, color: RGBColor, dash: Dash) -> Self {
-        Self { name: name.into(), points, color, dash, marker: Marker::None, sample: None }
+        Self { name: name.into(), points, color, dash, marker: Marker::None, sample: None, width: LINE }
     }
 
     /// Markers without a line.
     pub fn marks(name: &str, points: Vec<(f64, f64)>, color: RGBColor, marker: Marker) -> Self {
-        Self { name: name.into(), points, color, dash: Dash::None, marker, sample: None }
+        Self { name: name.into(), points, color, dash: Dash::None, marker, sample: None, width: LINE }
     }
 
     /// Markers joined by a line.
     pub fn joined(name: &str, points: Vec<(f64, f64)>, color: RGBColor, dash: Dash, marker: Marker) -> Self {
-        Self { name: name.into(), points, color, dash, marker, sample: None }
+        Self { name: name.into(), points, color, dash, marker, sample: None, width: LINE }
+    }
+
+    /// The same with a broad line, for what other curves are laid over.
+    pub fn broad(self) -> Self {
+        Self { width: 32, ..self }
     }
 
     /// The same with a line in the legend.

@@ -1,6 +1,7 @@
 //! The two sections of a study: standard ones, or measured surfaces on standard bodies.
 
 use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile_file::{
     Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, ProfileKind, ReadOptions, parse, prepare,
 };
@@ -8,7 +9,6 @@ use railspring_calibrate::section::{
     RailSection, WheelSection, align_rail, rail_section, rail_section_with_head, wheel_section,
     wheel_section_with_profile,
 };
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::records::{FindingRecord, ProfileRecord};
@@ -119,7 +119,8 @@ mod tests {
 
     #[test]
     fn the_worn_study_reads_its_profiles() {
-        let study = Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies/worn.toml")).unwrap();
+        let study =
+            Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies/worn.toml")).unwrap();
         assert!(study.rail.measured.is_some() && study.wheel.measured.is_some());
         let geometry = super::super::geometry(&study).unwrap();
         assert_eq!(geometry.profiles.len(), 2);

@@ -230,16 +230,16 @@ fn kind(schema: &Value) -> &str {
 }
 
 fn accepts_type(schema: &Value, value: &DeValue<'_>) -> bool {
-    match (kind(schema), value) {
-        ("number", DeValue::Float(_) | DeValue::Integer(_)) => true,
-        ("integer", DeValue::Integer(_)) => true,
-        ("string", DeValue::String(_)) => true,
-        ("boolean", DeValue::Boolean(_)) => true,
-        ("array", DeValue::Array(_)) => true,
-        ("object", DeValue::Table(_)) => true,
-        ("", _) => true,
-        _ => false,
-    }
+    matches!(
+        (kind(schema), value),
+        ("number", DeValue::Float(_) | DeValue::Integer(_))
+            | ("integer", DeValue::Integer(_))
+            | ("string", DeValue::String(_))
+            | ("boolean", DeValue::Boolean(_))
+            | ("array", DeValue::Array(_))
+            | ("object", DeValue::Table(_))
+            | ("", _)
+    )
 }
 
 fn accepts_value(schema: &Value, value: &DeValue<'_>) -> bool {

@@ -200,7 +200,10 @@ fn measured_profiles_are_named_by_file_and_body() {
     let given = "profile_file = \"head.csv\"\nstandard = \"60E1\"\nprofile_smoothing_mm = 2";
     let read = study(given).unwrap();
     let measured = read.rail.measured.as_ref().unwrap();
-    assert_eq!((read.rail.profile.as_str(), measured.smoothing, measured.aligned), ("60E1", Some(2e-3), false));
+    assert_eq!(
+        (read.rail.profile.as_str(), measured.smoothing, measured.aligned),
+        ("60E1", Some(2e-3), false)
+    );
     assert_eq!(&*measured.content, b"0,0\n");
 
     // The hash follows the content, not the place.

@@ -9,8 +9,8 @@ use super::join::join;
 use super::properties::boundary_integral;
 use crate::error::{InputError, Result};
 use crate::profile::wheels::wheel_profile;
-use crate::profile_file::Finding;
 use crate::profile::{EndlessLine, ProfileCurve, Segment, fillet, polyline};
+use crate::profile_file::Finding;
 use crate::units::MILLIMETRE;
 
 /// Cross-section of a wheel in its profile frame: y from the tape circle to the field side, z down; a point

@@ -31,7 +31,12 @@ impl<'a> System<'a> {
     ///
     /// # Errors
     /// [`InputError`] if the material is impossible; a numerical error if the mesh cannot be ordered.
-    pub fn new(mesh: &'a HexMesh, material: Material, formulation: Formulation, supports: &Supports) -> Result<Self> {
+    pub fn new(
+        mesh: &'a HexMesh,
+        material: Material,
+        formulation: Formulation,
+        supports: &Supports,
+    ) -> Result<Self> {
         material.check()?;
         Ok(Self { mesh, material, formulation, numbering: Numbering::new(mesh, supports)? })
     }
@@ -86,7 +91,8 @@ impl<'a> System<'a> {
         }
         triplets.extend(diagonal.iter().map(|&(e, v)| Triplet::new(e, e, v)));
         let n = self.numbering.equations;
-        Ok(SparseColMat::try_new_from_triplets(n, n, &triplets).expect("equation numbers are below their count"))
+        Ok(SparseColMat::try_new_from_triplets(n, n, &triplets)
+            .expect("equation numbers are below their count"))
     }
 
     /// Consistent mass of all nodes, held ones and followers included.
@@ -103,7 +109,9 @@ impl<'a> System<'a> {
             // stable: equal columns keep the order of the elements, so sums repeat to the last bit
             row.sort_by_key(|&(column, _)| column);
             for &(column, value) in row.iter() {
-                if mass.columns.len() > mass.starts[mass.starts.len() - 1] && mass.columns.last() == Some(&column) {
+                if mass.columns.len() > mass.starts[mass.starts.len() - 1]
+                    && mass.columns.last() == Some(&column)
+                {
                     *mass.values.last_mut().expect("a value for every column") += value;
                 } else {
                     mass.columns.push(column);

@@ -41,7 +41,8 @@ impl Material {
     /// [`InputError`] naming the constant that is out of range.
     pub fn check(&self) -> Result<()> {
         let refuse = |key: &str, value: f64, expected: &str| {
-            Err(InputError::new(format!("material.{key}"), value, expected, "correct the material constant").into())
+            Err(InputError::new(format!("material.{key}"), value, expected, "correct the material constant")
+                .into())
         };
         if !(self.young > 0.0 && self.young.is_finite()) {
             return refuse("young_gpa", self.young * 1e-9, "a positive modulus");

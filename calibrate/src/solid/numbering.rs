@@ -73,7 +73,15 @@ impl Numbering {
                 }
             }
         }
-        Ok(Self { first, follower, master: supports.master, master_equation, interior, contact, equations: next })
+        Ok(Self {
+            first,
+            follower,
+            master: supports.master,
+            master_equation,
+            interior,
+            contact,
+            equations: next,
+        })
     }
 
     /// Equation of a free motion of the master node (0 to 5: translations x, y, z, rotations), if it is free.

@@ -131,6 +131,8 @@ fn coasting_wheel_stops_like_a_block() {
         for row in &run.history.rows {
             let error = row.wheel_y - block.coast(side * 0.2, row.time);
             assert!(error.abs() < DISCRETISATION * distance, "{} s: {error:e}", row.time);
+            // It starts in balance, and stays so.
+            assert!(relative(row.vertical_force, 1000.0 * GRAVITY) < DISCRETISATION, "{} s", row.time);
             if row.time > 0.0 && row.time < 0.98 * block.stopping_time(0.2) {
                 assert_eq!(row.mode(), ContactMode::Slip, "{} s", row.time);
                 // The wheel drags the rail along.
