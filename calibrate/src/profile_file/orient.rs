@@ -32,7 +32,9 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     }
     scale(name, &mut raw, options)?;
     drop_far_off(name, &mut raw)?;
-    if let Some(p) = raw.points.iter().find(|p| p.point.coords.amax().is_nan() || p.point.coords.amax() > FARTHEST) {
+    if let Some(p) =
+        raw.points.iter().find(|p| p.point.coords.amax().is_nan() || p.point.coords.amax() > FARTHEST)
+    {
         let value = format!("({:e}, {:e}) m", p.point.x, p.point.y);
         let expected = format!("a point within {FARTHEST} m of the origin");
         return Err(error_at(name, p.line, 1, &value, expected, "check the shifts and the unit of the file"));
