@@ -1,5 +1,6 @@
 //! The command line: arguments, messages and exit codes.
 
+mod profile;
 mod progress;
 
 use std::io::Write;
@@ -14,6 +15,7 @@ use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
 use crate::records::VerificationRecord;
 use crate::study::{LocatedError, Study, schema};
 
+use profile::ProfileCommand;
 use progress::Progress;
 
 /// Exit codes, the same for all commands.
@@ -54,6 +56,9 @@ enum Command {
     Report(StudyArgs),
     /// Print the JSON schema of the study file
     Schema,
+    /// Look at profiles and their files
+    #[command(subcommand)]
+    Profile(ProfileCommand),
 }
 
 /// What every stage needs to know.
@@ -114,6 +119,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
             say(&text);
             return Ok(true);
         }
+        Command::Profile(command) => return profile::run(command).map_err(Failure::Plain),
         Command::Simulate { study, law } => (study, law.as_deref()),
         Command::Run(study)
         | Command::Calibrate(study)
@@ -155,7 +161,7 @@ fn staged(
         Command::Verify(_) => pipeline.verify()?,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
-        Command::Schema => unreachable!("printed without a study"),
+        Command::Schema | Command::Profile(_) => unreachable!("done without a study"),
     };
     progress.finish();
     if !args.quiet {
