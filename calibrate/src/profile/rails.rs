@@ -272,10 +272,7 @@ fn neck(slope: &EndlessLine, web: &Web, shape: Neck, outwards: f64) -> Vec<Segme
         Neck::Single(r) => {
             let centre = touching(r, web_centre, web.radius);
             let end = joint(centre, r, web_centre);
-            vec![
-                Segment::arc(centre, slope.foot(centre), end),
-                Segment::arc(web_centre, end, waist),
-            ]
+            vec![Segment::arc(centre, slope.foot(centre), end), Segment::arc(web_centre, end, waist)]
         }
         Neck::Double { fillet, middle, rise } => {
             let gap = web.radius - middle;

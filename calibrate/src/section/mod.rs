@@ -3,10 +3,14 @@
 mod properties;
 mod rail;
 mod wheel;
+mod wheel_body;
 
 pub use properties::SectionProperties;
 pub use rail::{RailSection, rail_section};
-pub use wheel::{RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section};
+pub use wheel::{
+    RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section, wheel_section_on,
+};
+pub use wheel_body::{WebShape, WheelBody};
 
 use crate::units::MILLIMETRE;
 
