@@ -14,6 +14,7 @@ pub mod profile;
 pub mod section;
 pub mod placement;
 pub mod mesh;
+pub mod section_analysis;
 pub mod solid;
 pub mod superelement;
 pub mod contact;

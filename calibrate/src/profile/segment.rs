@@ -80,6 +80,24 @@ impl Segment {
         self.point(1.0)
     }
 
+    /// The point of the segment nearest to `p`.
+    pub fn closest(&self, p: &Point2<f64>) -> Point2<f64> {
+        match *self {
+            Self::Line { start, end } => {
+                let along = end - start;
+                self.point(((p - start).dot(&along) / along.norm_squared()).clamp(0.0, 1.0))
+            }
+            Self::Arc { centre, start_angle, sweep, .. } => {
+                let offset = p - centre;
+                // The angle from the middle of the arc, within half a turn.
+                let (sin, cos) = (start_angle + 0.5 * sweep).sin_cos();
+                let middle = Vector2::new(cos, sin);
+                let angle = middle.perp(&offset).atan2(middle.dot(&offset));
+                self.point((0.5 + angle / sweep).clamp(0.0, 1.0))
+            }
+        }
+    }
+
     /// The same segment travelled the other way.
     pub fn reversed(&self) -> Self {
         match *self {

@@ -5,7 +5,7 @@ mod rail;
 mod wheel;
 mod wheel_body;
 
-pub use properties::SectionProperties;
+pub use properties::AreaProperties;
 pub use rail::{RailSection, rail_section};
 pub use wheel::{
     RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section, wheel_section_on,

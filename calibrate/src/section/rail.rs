@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use super::FILLET_STEP;
-use super::properties::{SectionProperties, area_moments};
+use super::properties::{AreaProperties, area_moments};
 use crate::error::Result;
 use crate::profile::rails::{rail_outline, running_curve};
 use crate::profile::{ProfileCurve, Segment, polyline};
@@ -23,32 +23,12 @@ pub struct RailSection {
     pub body_outline: Vec<Segment>,
     /// Height of the rail, m.
     pub height: f64,
-    /// Section properties.
-    pub properties: SectionProperties,
+    /// Area, centroid and second moments; torsion and shear are in [`crate::section_analysis`].
+    pub area: AreaProperties,
 }
 
-/// Properties that do not follow from a boundary integral, of 60E1.
-///
-/// Own finite-element solution of torsion, warping and shear on the section, compared with the rolland database:
-/// torsion 221.2 cm⁴, warping 16 000 cm⁶, coefficients 0.393 and 0.538, shear centre 47.9 mm above the foot.
-struct ShearAndTorsion {
-    torsion_constant: f64,
-    warping_constant: f64,
-    shear_centre_height: f64,
-    shear_coefficient_vertical: f64,
-    shear_coefficient_lateral: f64,
-}
-
-const SHEAR_AND_TORSION_60E1: ShearAndTorsion = ShearAndTorsion {
-    torsion_constant: 220.9e-8,
-    warping_constant: 15_970e-12,
-    shear_centre_height: 46.27e-3,
-    shear_coefficient_vertical: 0.393,
-    shear_coefficient_lateral: 0.550,
-};
-
-/// The standard section `name`: "60E1", or "UIC60" (the UIC60 head on the web and foot of 60E1, whose torsion
-/// and shear properties are taken for it; the heads differ by at most 0.04 mm).
+/// The standard section `name`, one of [`crate::profile::rails::RAIL_NAMES`]; "UIC60" is the UIC60 head on the web
+/// and foot of 60E1.
 ///
 /// Area, centroid and second moments are integrated over the outline.
 ///
@@ -57,7 +37,7 @@ const SHEAR_AND_TORSION_60E1: ShearAndTorsion = ShearAndTorsion {
 ///
 /// ```
 /// let rail = railspring_calibrate::section::rail_section("60E1")?;
-/// assert!((rail.properties.area - 76.70e-4).abs() < 1e-7);
+/// assert!((rail.area.area - 76.70e-4).abs() < 1e-7);
 /// assert_eq!(rail.body[0], rail.running.point(rail.running.length()));
 /// # Ok::<(), railspring_calibrate::error::Error>(())
 /// ```
@@ -70,19 +50,13 @@ pub fn rail_section(name: &str) -> Result<RailSection> {
     body[last] = running.point(0.0);
     let height = outline.rest.iter().map(|s| s.end().y).fold(0.0, f64::max);
     let moments = area_moments(&running, &outline.rest);
-    let table = SHEAR_AND_TORSION_60E1;
-    let properties = SectionProperties {
+    let area = AreaProperties {
         area: moments.area,
         centroid_height: height - moments.centroid.y,
         ixx: moments.zz,
         iyy: moments.yy,
-        torsion_constant: table.torsion_constant,
-        warping_constant: table.warping_constant,
-        shear_centre_height: table.shear_centre_height,
-        shear_coefficient_vertical: table.shear_coefficient_vertical,
-        shear_coefficient_lateral: table.shear_coefficient_lateral,
     };
-    Ok(RailSection { name: name.to_owned(), running, body, body_outline: outline.rest, height, properties })
+    Ok(RailSection { name: name.to_owned(), running, body, body_outline: outline.rest, height, area })
 }
 
 #[cfg(test)]
@@ -100,7 +74,7 @@ mod tests {
     /// built outline. Accuracy: 0.1 %.
     #[test]
     fn properties_of_60e1_are_the_published_ones() {
-        let p = rail_section("60E1").unwrap().properties;
+        let p = rail_section("60E1").unwrap().area;
         near(p.area, 76.70e-4);
         near(p.centroid_height, 80.92e-3);
         near(p.ixx, 3038.3e-8);
@@ -110,7 +84,7 @@ mod tests {
     /// The UIC60 variant differs from 60E1 by its head alone: 0.0161 cm² more (own sum over the arcs).
     #[test]
     fn uic60_head_on_60e1_differs_a_little() {
-        let (uic, en) = (rail_section("UIC60").unwrap().properties, rail_section("60E1").unwrap().properties);
+        let (uic, en) = (rail_section("UIC60").unwrap().area, rail_section("60E1").unwrap().area);
         let difference = uic.area - en.area;
         assert!((1.0e-6..2.5e-6).contains(&difference), "{difference:e}");
     }
