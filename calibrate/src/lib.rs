@@ -13,6 +13,7 @@ pub mod history;
 pub mod profile;
 pub mod section;
 pub mod placement;
+pub mod rigid_contact;
 pub mod mesh;
 pub mod section_analysis;
 pub mod solid;

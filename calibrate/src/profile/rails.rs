@@ -164,7 +164,7 @@ pub fn rail_outline(name: &str) -> Result<RailOutline> {
 
 /// Running surface of a rail as a smooth curve: joints of the drawing are breakpoints, met tangentially.
 pub fn running_curve(outline: &RailOutline) -> ProfileCurve {
-    ProfileCurve::from_pieces(outline.running.iter().map(|s| s.piece(STEP)).collect())
+    ProfileCurve::from_segments(&outline.running, STEP)
 }
 
 fn mirrored(half: &[Segment]) -> Vec<Segment> {

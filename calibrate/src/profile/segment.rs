@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::curve::ProfileCurve;
 use super::spline::{GAUSS, Piece};
 
 /// A straight line or a circular arc, with a direction of travel.
@@ -167,6 +168,18 @@ impl Segment {
             }
         }
         sum
+    }
+}
+
+impl ProfileCurve {
+    /// The curve of lines and arcs that follow each other, with their own tangents at every joint; arcs are sampled at
+    /// most `step` (m) apart. Each segment starts where the one before it ends, whatever its own start.
+    ///
+    /// # Panics
+    /// Without any segment.
+    pub fn from_segments(segments: &[Segment], step: f64) -> Self {
+        assert!(!segments.is_empty(), "a curve needs a segment");
+        Self::from_pieces(segments.iter().map(|s| s.piece(step)).collect())
     }
 }
 
