@@ -5,7 +5,7 @@ use crate::profile::ProfileCurve;
 use crate::profile::root::bracketed_newton;
 use crate::units::MILLIMETRE;
 
-/// Lateral step at which the clearance is sampled for its minima, m. Two minima nearer than this count as one.
+/// Lateral step at which the clearance is sampled for its minima, m. Two minima between the same two samples count as one.
 const STEP: f64 = 0.05 * MILLIMETRE;
 /// SOLVER: an end counts as touched within this, m.
 const AT_END: f64 = 1e-9;
@@ -94,36 +94,24 @@ pub(super) fn minima(
         let (rail_s, wheel_s) = (rail.s_at(y), wheel.s_at(y));
         Minimum { gap: rail.curve.point(rail_s).y - wheel.curve.point(wheel_s).y, rail_s, wheel_s }
     };
-    let samples: Vec<Minimum> = (0..=parts).map(|i| clearance(at(i))).collect();
-    let least = samples.iter().map(|m| m.gap).fold(f64::INFINITY, f64::min);
+    // Slope of the clearance, and its derivative.
+    let slope = |y: f64| {
+        let ((r, dr), (w, dw)) = (rail.slopes(rail.s_at(y)), wheel.slopes(wheel.s_at(y)));
+        (r - w, dr - dw)
+    };
+    let samples: Vec<(Minimum, f64)> = (0..=parts).map(|i| (clearance(at(i)), slope(at(i)).0)).collect();
+    let least = samples.iter().map(|sample| sample.0.gap).fold(f64::INFINITY, f64::min);
     // Between two samples on a flange face of 75° the clearance can still fall by this much.
     const SLACK: f64 = 4.0 * STEP;
     let mut found = Vec::new();
-    for i in 0..=parts {
-        let here = samples[i].gap;
-        let lower_than = |j: Option<usize>| j.and_then(|j| samples.get(j)).is_none_or(|m| here <= m.gap);
-        if here > least + gap + SLACK || !lower_than(i.checked_sub(1)) || !lower_than(Some(i + 1)) {
-            continue;
+    for i in 0..parts {
+        let ((from, falls), (to, rises)) = (samples[i], samples[i + 1]);
+        if from.gap.min(to.gap) <= least + gap + SLACK && falls < 0.0 && rises >= 0.0 {
+            found.push(clearance(bracketed_newton(slope, at(i), at(i + 1))));
         }
-        if i > 0 && here == samples[i - 1].gap {
-            continue;
-        }
-        let mut best = samples[i];
-        if i > 0 && i < parts {
-            let condition = |y: f64| {
-                let ((r, dr), (w, dw)) = (rail.slopes(rail.s_at(y)), wheel.slopes(wheel.s_at(y)));
-                (r - w, dr - dw)
-            };
-            let (from, to) = (at(i - 1), at(i + 1));
-            if condition(from).0 < 0.0 && condition(to).0 > 0.0 {
-                let polished = clearance(bracketed_newton(condition, from, to));
-                if polished.gap < best.gap {
-                    best = polished;
-                }
-            }
-        }
-        found.push(best);
     }
+    // An end is the lowest place of a wheel that hangs on it.
+    found.extend([samples[0].0, samples[parts].0]);
     found.sort_by(|a, b| a.gap.total_cmp(&b.gap).then(a.rail_s.total_cmp(&b.rail_s)));
     let height = found[0].gap;
     let at_end = |curve: &ProfileCurve, s: f64| s < AT_END || s > curve.length() - AT_END;

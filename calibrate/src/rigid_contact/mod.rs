@@ -129,8 +129,8 @@ impl WheelOnRail {
             .map(|minimum| {
                 let (point, tangent) =
                     (self.rail.curve.point(minimum.rail_s), self.rail.curve.tangent(minimum.rail_s));
-                let wheel_s = trace.wheel_s(minimum.wheel_s);
-                ContactPoint {
+                let wheel_s = trace.wheel_s(minimum.wheel_s)?;
+                Ok(ContactPoint {
                     gap: minimum.gap,
                     point: Point3::new(trace.ahead(wheel_s), point.x, point.y),
                     rail_s: minimum.rail_s,
@@ -140,9 +140,9 @@ impl WheelOnRail {
                     rail_curvature: self.rail.curve.curvature(minimum.rail_s),
                     // The wheel's material lies above its curve.
                     wheel_curvature: -self.wheel.curvature(wheel_s),
-                }
+                })
             })
-            .collect();
+            .collect::<Result<_>>()?;
         Ok(SideContact { height, points })
     }
 }
@@ -172,8 +172,12 @@ impl Wheelset {
             Roll::Coupled => 0.0,
         };
         const MAX_STEPS: usize = 50;
-        // SOLVER: difference of the two wheels' heights, m; the heights themselves are known to some 1e-11.
-        const LEVEL: f64 = 1e-10;
+        // SOLVER: difference of the two wheels' heights, m: a nanometre, far below what profiles are known to.
+        const LEVEL: f64 = 1e-9;
+        // Fall of the difference with the roll: on the treads nearly the distance of the tape circles, on a flange
+        // the roll's lateral motion adds to it. Secant steps find it.
+        let mut fall = 2.0 * self.tape_y;
+        let mut last: Option<(f64, f64)> = None;
         let mut difference = f64::NAN;
         for _ in 0..MAX_STEPS {
             let both = at(roll, 0.0)?;
@@ -181,8 +185,14 @@ impl Wheelset {
             if difference.abs() < LEVEL {
                 return at(roll, gap);
             }
-            // The contacts lie near the tape circles: every step reduces the difference about a hundredfold.
-            roll += difference / (2.0 * self.tape_y);
+            if let Some((before, difference_before)) = last {
+                let secant = (difference_before - difference) / (roll - before);
+                if secant > 0.1 * self.tape_y && secant < 20.0 * self.tape_y {
+                    fall = secant;
+                }
+            }
+            last = Some((roll, difference));
+            roll += difference / fall;
         }
         Err(NumericsError {
             stage: "wheelset roll".into(),

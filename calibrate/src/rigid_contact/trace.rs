@@ -5,7 +5,7 @@
 
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
-use crate::error::{InputError, Result};
+use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::profile::ProfileCurve;
 
 /// Those points of a placed wheel, seen along the track, for a wheelset whose middle is one rolling radius above z = 0.
@@ -17,8 +17,7 @@ pub(super) struct Trace<'a> {
     axle: Vector3<f64>,
     /// Lateral position and height.
     pub curve: ProfileCurve,
-    /// Arc length on the curve and on the wheel; empty if both are the same.
-    parameters: Vec<(f64, f64)>,
+    shift: f64,
 }
 
 impl<'a> Trace<'a> {
@@ -46,9 +45,9 @@ impl<'a> Trace<'a> {
         if axle.x == 0.0 {
             let to = Rotation2::new(roll) * Vector2::new(tape_y, radius) + origin;
             let curve = wheel.transformed(roll, to);
-            return Ok(Self { wheel, radius, tape_y, axle, curve, parameters: vec![] });
+            return Ok(Self { wheel, radius, tape_y, axle, curve, shift });
         }
-        let mut trace = Self { wheel, radius, tape_y, axle, curve: wheel.clone(), parameters: vec![] };
+        let mut trace = Self { wheel, radius, tape_y, axle, curve: wheel.clone(), shift };
         // Where the profile is so steep that no such point exists, on the flange back, the line ends.
         let knots = wheel.knots();
         let found: Vec<Option<Point2<f64>>> = knots
@@ -68,8 +67,6 @@ impl<'a> Trace<'a> {
             .map(|i| i - first)
             .collect();
         trace.curve = ProfileCurve::from_points(&points, &breaks)?;
-        trace.parameters =
-            trace.curve.knots().iter().copied().zip(knots[first..=last].iter().copied()).collect();
         Ok(trace)
     }
 
@@ -88,14 +85,38 @@ impl<'a> Trace<'a> {
         Some((self.tape_y + profile.x) * self.axle + (self.radius + profile.y) * radial)
     }
 
-    /// Arc length on the wheel of the arc length `s` on the curve.
-    pub fn wheel_s(&self, s: f64) -> f64 {
-        if self.parameters.is_empty() {
-            return s;
+    /// Arc length on the wheel of the arc length `s` on the curve, where the curve runs to the field side.
+    ///
+    /// # Errors
+    /// [`NumericsError`] where the curve turns back.
+    pub fn wheel_s(&self, s: f64) -> Result<f64> {
+        if self.axle.x == 0.0 {
+            return Ok(s);
         }
-        let i = self.parameters.partition_point(|p| p.0 <= s).clamp(1, self.parameters.len() - 1);
-        let (a, b) = (self.parameters[i - 1], self.parameters[i]);
-        a.1 + (s - a.0) / (b.0 - a.0) * (b.1 - a.1)
+        const MAX_STEPS: usize = 60;
+        // SOLVER: the lateral place, m.
+        const SETTLED: f64 = 1e-12;
+        let y = self.curve.point(s).x;
+        // Yaw moves the places by little: the profile's own slope serves.
+        let mut found = self.wheel.s_at_y(y - self.shift - self.tape_y).unwrap_or(0.5 * self.wheel.length());
+        let mut off = f64::NAN;
+        for _ in 0..MAX_STEPS {
+            let Some(place) = self.place(found) else { break };
+            off = place.y + self.shift - y;
+            if off.abs() < SETTLED {
+                return Ok(found);
+            }
+            found = (found - off / self.wheel.evaluate(found).1.x).clamp(0.0, self.wheel.length());
+        }
+        Err(NumericsError {
+            stage: "yawed wheel".into(),
+            step: None,
+            iteration: MAX_STEPS,
+            residual: off,
+            active: 1,
+            reason: StopReason::IterationLimit,
+        }
+        .into())
     }
 
     /// How far ahead of the wheelset's middle the point at the wheel's arc length `s` lies.
