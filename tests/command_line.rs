@@ -25,7 +25,12 @@ impl Place {
     }
 
     fn run(&self, arguments: &[&str]) -> Output {
-        Command::cargo_bin("railspring").unwrap().current_dir(self.root.path()).args(arguments).output().unwrap()
+        Command::cargo_bin("railspring")
+            .unwrap()
+            .current_dir(self.root.path())
+            .args(arguments)
+            .output()
+            .unwrap()
     }
 }
 
@@ -112,7 +117,11 @@ fn unknown_commands_and_missing_arguments() {
     for arguments in [&["fit", "study.toml"][..], &["run"], &[], &["run", "study.toml", "--threads", "0"]] {
         let output = place.run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(message(&output).contains("Usage") || message(&output).contains("--help"), "{}", message(&output));
+        assert!(
+            message(&output).contains("Usage") || message(&output).contains("--help"),
+            "{}",
+            message(&output)
+        );
     }
     assert_eq!(std::fs::read_dir(place.root.path()).unwrap().count(), 1, "only the study");
 }
@@ -142,7 +151,8 @@ fn the_schema_is_json_and_accepts_the_shipped_keys() {
     let output = place.run(&["schema"]);
     assert_eq!(output.status.code(), Some(0));
     let schema: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    for section in ["rail", "wheel", "track", "mesh", "contact", "calibration", "simulation", "verification"] {
+    for section in ["rail", "wheel", "track", "mesh", "contact", "calibration", "simulation", "verification"]
+    {
         assert!(schema["properties"][section].is_object(), "{section}");
     }
 }

@@ -37,9 +37,9 @@ fn files(source: &Path, module: &str) -> Vec<PathBuf> {
 /// Names after `crate::` in a line that is no comment.
 fn used(line: &str) -> impl Iterator<Item = &str> {
     let code = line.split("//").next().unwrap_or_default();
-    code.split("crate::").skip(1).map(|rest| {
-        rest.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or_default()
-    })
+    code.split("crate::")
+        .skip(1)
+        .map(|rest| rest.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or_default())
 }
 
 fn breaches(source: &Path) -> Vec<String> {

@@ -168,7 +168,8 @@ fn staged(
         if matches!(command, Command::Run(_) | Command::Verify(_)) {
             print_verdict(&folder.read_json(VERIFICATION, "verify")?);
         }
-        let last = if matches!(command, Command::Run(_) | Command::Report(_)) { folder.file(REPORT) } else { path };
+        let last =
+            if matches!(command, Command::Run(_) | Command::Report(_)) { folder.file(REPORT) } else { path };
         say(&last.display().to_string());
     }
     Ok(holds)

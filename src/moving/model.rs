@@ -134,7 +134,7 @@ impl MovingModel {
     ///
     /// # Errors
     /// [`InputError`] for values out of range or a wheel that leaves the rail's end;
-    /// [`NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
+    /// [`railspring_calibrate::error::NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
         self.check(scenario)?;
         run::run(self, scenario, monitor)

@@ -19,7 +19,7 @@ use super::wheel::{WheelDynamics, WheelState};
 const PATCH_GAP: f64 = 2e-3;
 
 /// A step that does not converge is halved at most so many times.
-const MOST_HALVINGS: usize = 8;
+const MOST_HALVINGS: usize = 5;
 
 /// State between two steps.
 #[derive(Clone)]
@@ -75,8 +75,8 @@ impl<'a> Run<'a> {
     fn new(model: &'a MovingModel, scenario: &'a Scenario) -> Result<Self> {
         let (rail, middle) = match &model.support {
             RailSupport::Rigid => (None, 0.0),
-            RailSupport::Beam { beam, damping_ratio, .. } => {
-                (Some(RailDynamics::new(beam, *damping_ratio)?), 0.5 * beam.length())
+            RailSupport::Beam { beam, damping, .. } => {
+                (Some(RailDynamics::new(beam, *damping)?), 0.5 * beam.length())
             }
         };
         let length = model.rail.curve.length();

@@ -7,10 +7,10 @@ use railspring_calibrate::history::{ContactMode, History, HistoryRow};
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 use super::figures::{WIDTH, round};
+use super::legend::{Entry, draw_legend, legend_height};
 use super::plot::{
-    Area, BLUE, DARK, Drawn, GREY, LIGHT, RED, Series, draw_legend, frame, label, legend_height, mark, px, stroke, svg,
+    Area, BLUE, DARK, Dash, Drawn, GREY, LIGHT, Marker, RED, Series, frame, label, mark, px, stroke, svg,
 };
-use super::plot::{Dash, Entry, Marker};
 
 /// The two profiles as polylines, and where they stand.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +58,8 @@ pub fn positions(profiles: &ProfilePair, times: &[f64], simple: &History, solid:
     if solid.is_some() {
         entries.push(Entry::of(&Series::marks("contact, solid model", vec![], BLUE, Marker::Square)));
     }
-    if nearest(simple, times.iter().copied().fold(f64::INFINITY, f64::min)).is_some_and(|row| row.time == 0.0) {
+    if nearest(simple, times.iter().copied().fold(f64::INFINITY, f64::min)).is_some_and(|row| row.time == 0.0)
+    {
         entries.push(Entry::of(&Series::marks("first touch", vec![], BLACK, Marker::Circle)));
     }
     let top = legend_height(WIDTH, &entries);

@@ -45,7 +45,7 @@ pub fn calibrate(
 ) -> Result<(Calibration, PressedFields)> {
     let element = formulation(study);
     let condense = |mesh, supports: Supports| -> Result<Superelement> {
-        Superelement::new(System::new(mesh, study.material, element, &supports)?, 0.0, &[])
+        Superelement::new(System::new(mesh, study.material, element, &supports)?)
     };
     let held = |nodes: &[usize]| Supports { held: nodes.to_vec(), ..Supports::default() };
     monitor.progress("superelements", 0, 3)?;

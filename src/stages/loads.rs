@@ -18,10 +18,13 @@ pub fn check_loads(study: &Study, geometry: &Geometry) -> Result<()> {
     let settings = &study.calibration;
     let largest = |loads: &[f64]| loads.iter().copied().fold(0.0, f64::max);
     let range_key = if study.source.gives("calibration.loads_kn") { "loads_kn" } else { "load_max_kn" };
-    for (key, load) in
-        [(range_key, largest(&settings.loads)), ("horizontal_preloads_kn", largest(&settings.horizontal_preloads))]
-    {
-        let Ok(patch) = point_contact(load, along, across, study.material.contact_modulus()) else { continue };
+    for (key, load) in [
+        (range_key, largest(&settings.loads)),
+        ("horizontal_preloads_kn", largest(&settings.horizontal_preloads)),
+    ] {
+        let Ok(patch) = point_contact(load, along, across, study.material.contact_modulus()) else {
+            continue;
+        };
         if patch.semi_axis_x > study.mesh.window_half_length {
             return Err(InputError::new(
                 format!("calibration.{key}"),

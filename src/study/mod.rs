@@ -163,7 +163,15 @@ pub struct StudyScenario {
 
 /// Sections of the study file, in their order.
 pub const SECTIONS: [&str; 10] = [
-    "rail", "wheel", "track", "material", "mesh", "contact", "calibration", "simulation", "scenario",
+    "rail",
+    "wheel",
+    "track",
+    "material",
+    "mesh",
+    "contact",
+    "calibration",
+    "simulation",
+    "scenario",
     "verification",
 ];
 
@@ -177,7 +185,12 @@ impl Study {
         let text = std::fs::read_to_string(path).map_err(|cause| LocatedError {
             path: path.to_path_buf(),
             line: None,
-            error: InputError::new("study file", cause, "a readable TOML file", "check the path of the study"),
+            error: InputError::new(
+                "study file",
+                cause,
+                "a readable TOML file",
+                "check the path of the study",
+            ),
         })?;
         Self::parse(path, &text)
     }

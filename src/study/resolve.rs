@@ -1,20 +1,22 @@
 //! From the keys of the file to values in SI units, with the checks that
 //! concern several keys at once.
 
+use std::f64::consts::PI;
+
 use railspring_calibrate::error::InputError;
-use railspring_calibrate::solid::Material;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
 use super::document::{
-    CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys,
-    TorsionKeys,
+    CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
+    SuspensionKeys, TorsionKeys,
 };
 use super::{
-    CalibrationSettings, ContactSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
-    Source, Study, StudyScenario, Track, Wheel,
+    CalibrationSettings, ContactSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings, Source, Study,
+    StudyScenario, Track, Wheel,
 };
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -49,6 +51,7 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
             young: document.material.young_gpa * GIGAPASCAL,
             poisson: document.material.poisson,
             density: document.material.density_kg_per_m3,
+            damping: document.material.damping_ratio / (PI * document.material.damping_frequency_hz),
         },
         mesh: MeshOptions {
             contact_element: mesh.contact_element_mm * MILLIMETRE,
@@ -160,6 +163,10 @@ fn spaced(low: f64, high: f64, count: usize, spacing: SpacingKey) -> Vec<f64> {
                 (0, _) => low,
                 (last, _) if last == count - 1 => high,
                 (_, SpacingKey::Linear) => low + t * (high - low),
+                (_, SpacingKey::Approach) => {
+                    let approach = |load: f64| load.powf(2.0 / 3.0);
+                    (approach(low) + t * (approach(high) - approach(low))).powf(1.5)
+                }
                 (_, SpacingKey::Geometric) => low * (high / low).powf(t),
             }
         })

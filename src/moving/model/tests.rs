@@ -132,6 +132,8 @@ fn coasting_wheel_stops_like_a_block() {
         for row in &run.history.rows {
             let error = row.wheel_y - block.coast(side * 0.2, row.time);
             assert!(error.abs() < DISCRETISATION * distance, "{} s: {error:e}", row.time);
+            // It starts in balance, and stays so.
+            assert!(relative(row.vertical_force, 1000.0 * GRAVITY) < DISCRETISATION, "{} s", row.time);
             if row.time > 0.0 && row.time < 0.98 * block.stopping_time(0.2) {
                 assert_eq!(row.mode(), ContactMode::Slip, "{} s", row.time);
                 // The wheel drags the rail along.
@@ -264,7 +266,7 @@ fn sprung_mass_crosses_a_simply_supported_beam() {
         };
         let beam = RailBeam::new(section, length, 20, 0.0, [End::Pinned; 2]).unwrap();
         let mut model = flat(StiffnessLaw { a: stiffness, b: 0.0, c: 0.0 }, mass);
-        model.support = RailSupport::Beam { beam, node_line: Point2::origin(), damping_ratio: 0.0 };
+        model.support = RailSupport::Beam { beam, node_line: Point2::origin(), damping: 0.0 };
         model.initial.displacement[1] = mass * GRAVITY / stiffness;
         let mut scenario = quiet(1000, length / speed / 1000.0);
         scenario.gravity = GRAVITY;
@@ -292,7 +294,7 @@ fn published() -> MovingModel {
             .unwrap();
     let centre = section.height - properties.shear_centre_height;
     let node_line = rail.to_world(&Point2::new(0.0, centre));
-    let support = RailSupport::Beam { beam, node_line, damping_ratio: 0.0 };
+    let support = RailSupport::Beam { beam, node_line, damping: 0.0 };
     let springs = WheelSprings { horizontal: 6e8, normal: StiffnessLaw::published(), longitudinal: 6e8 };
     MovingModel::new(rail, wheel.running, wheel.radius, track.tape_y(), &touch, support, springs, 283.0)
 }

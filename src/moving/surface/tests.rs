@@ -35,9 +35,12 @@ fn stiffness_is_derivative_of_force() {
         let mut surface = ContactSurface::new(&points, &wheel, 0.43, centre);
         let start = Pose::from([0.0, -0.1e-3, 0.0, 0.0, 1e-3, 2e-3]);
         surface.list(&start, 1e-3);
-        let first = surface.evaluate(&law(), &start, FrictionLimit::Coulomb(&[]));
-        surface.commit(&start, &first.active);
-        let pose = start + Pose::from([slide, 3e-6, 1e-6, 2e-6, -1e-6, 2e-6]);
+        // A first motion leaves every node with a tangential force to carry on.
+        let pressed = start + Pose::from([3e-6, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let first = surface.evaluate(&law(), &pressed, FrictionLimit::Coulomb(&[]));
+        assert!(first.active.iter().any(|a| a.tangential_force.abs() > 1e4));
+        surface.commit(&pressed, &first.active);
+        let pose = pressed + Pose::from([slide, 3e-6, 1e-6, 2e-6, -1e-6, 2e-6]);
         let forces = surface.evaluate(&law(), &pose, FrictionLimit::Coulomb(&[]));
         let modes =
             |forces: &ContactForces| forces.active.iter().map(|a| (a.node, a.mode)).collect::<Vec<_>>();
