@@ -28,6 +28,9 @@ pub struct StiffnessRecord {
     pub penalty: PenaltyRecord,
     /// Size and quality of the solid meshes.
     pub mesh: Vec<BodyMeshRecord>,
+    /// The measured profiles, and what was found and done to them.
+    #[serde(default)]
+    pub profiles: Vec<ProfileRecord>,
     /// Where wheel and rail first touch.
     pub touch: TouchRecord,
     /// Hash of the study that made this.
@@ -164,6 +167,42 @@ pub struct BodyMeshRecord {
     pub mean_scaled_jacobian: f64,
     /// Mass, kg.
     pub mass_kg: f64,
+}
+
+/// A measured profile on its way to a section.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ProfileRecord {
+    /// `rail` or `wheel`.
+    pub body: String,
+    /// The file as the study names it.
+    pub file: String,
+    /// Format of the file.
+    pub format: String,
+    /// The standard body that it is joined to.
+    pub standard: String,
+    /// Number of points of the file.
+    pub points: usize,
+    /// What was found, and what became of it.
+    pub findings: Vec<FindingRecord>,
+}
+
+/// Something found in a profile file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FindingRecord {
+    /// What it is about, for instance `spike`.
+    pub kind: String,
+    /// First line of the file that it concerns.
+    pub first_line: Option<usize>,
+    /// Last line of the file that it concerns.
+    pub last_line: Option<usize>,
+    /// The value that gave rise to it.
+    pub value: Option<f64>,
+    /// Unit of the value.
+    pub unit: Option<String>,
+    /// `noted`, `mended` or `left`.
+    pub action: String,
+    /// What it is and what was done, in words.
+    pub text: String,
 }
 
 /// Where wheel and rail first touch.

@@ -11,6 +11,7 @@ pub mod analytic;
 pub mod scenario;
 pub mod history;
 pub mod profile;
+pub mod profile_file;
 pub mod section;
 pub mod placement;
 pub mod rigid_contact;

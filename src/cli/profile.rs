@@ -1,11 +1,126 @@
 //! The subcommands on profiles.
 
-use clap::Subcommand;
-use railspring_calibrate::error::Error;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand, ValueEnum};
+use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::profile_file::{
+    Action, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, format_of_ending, prepare, read,
+    write,
+};
+use railspring_calibrate::units::MILLIMETRE;
+
+use super::contact::{ContactArgs, contact};
+use super::{say, shapes};
 
 /// What can be done with a profile.
 #[derive(Debug, Subcommand)]
 pub(super) enum ProfileCommand {
+    /// Say what is wrong with a profile file, and what can be mended
+    ///
+    /// Exit code 1 if something is left that could not be mended.
+    Check(FileArgs),
+    /// Write a profile file in another format, told by the ending: .prr .prw .ban .whl .txt .dat .csv
+    Convert {
+        #[command(flatten)]
+        file: FileArgs,
+        /// File to write
+        #[arg(value_name = "OUT")]
+        out: PathBuf,
+        /// Write the points as they were read, without repair
+        #[arg(long, conflicts_with = "smooth_mm")]
+        raw: bool,
+    },
+    /// List the standard rails and wheels
+    List,
+    /// Print the numbers of a standard profile or of a profile file
+    Show {
+        /// Name of a standard, or a file
+        #[arg(value_name = "PROFILE")]
+        profile: String,
+    },
+    /// Draw profiles and their curvature
+    Plot {
+        /// Names of standards, or files
+        #[arg(value_name = "PROFILE", required = true)]
+        profiles: Vec<String>,
+        /// Figure to write
+        #[arg(short, long, value_name = "SVG", default_value = "profile.svg")]
+        output: PathBuf,
+    },
+    /// Find the contact points over the lateral shift, the rolling-radius difference and the equivalent conicity
+    Contact(ContactArgs),
+}
+
+/// A profile file and what is known about it.
+#[derive(Debug, Args)]
+pub(super) struct FileArgs {
+    /// Profile file: Simpack .prr .prw, MiniProf .ban .whl, text or CSV
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Wheel or rail, where the file does not tell
+    #[arg(long)]
+    kind: Option<KindArg>,
+    /// Unit of the file, where it does not tell
+    #[arg(long)]
+    unit: Option<UnitArg>,
+    /// Whether y counts towards the track centre in the file (not for Simpack files)
+    #[arg(long, value_name = "BOOL")]
+    mirror_y: Option<bool>,
+    /// Whether z counts upwards in the file (not for Simpack files)
+    #[arg(long, value_name = "BOOL")]
+    mirror_z: Option<bool>,
+    /// Smooth: halve waves of this length, mm
+    #[arg(long, value_name = "MM")]
+    smooth_mm: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum KindArg {
+    Rail,
+    Wheel,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum UnitArg {
+    #[value(name = "um")]
+    Micrometre,
+    #[value(name = "mm")]
+    Millimetre,
+    #[value(name = "cm")]
+    Centimetre,
+    #[value(name = "m")]
+    Metre,
+    #[value(name = "in")]
+    Inch,
+}
+
+impl FileArgs {
+    fn options(&self) -> ReadOptions {
+        ReadOptions {
+            kind: self.kind.map(|kind| match kind {
+                KindArg::Rail => ProfileKind::Rail,
+                KindArg::Wheel => ProfileKind::Wheel,
+            }),
+            unit: self.unit.map(|unit| match unit {
+                UnitArg::Micrometre => 1e-6,
+                UnitArg::Millimetre => MILLIMETRE,
+                UnitArg::Centimetre => 1e-2,
+                UnitArg::Metre => 1.0,
+                UnitArg::Inch => 25.4 * MILLIMETRE,
+            }),
+            mirror_y: self.mirror_y,
+            mirror_z: self.mirror_z,
+        }
+    }
+
+    fn read(&self) -> Result<MeasuredProfile, Error> {
+        read(&self.file, &self.options())
+    }
+
+    fn prepare(&self, profile: &MeasuredProfile) -> Result<Prepared, Error> {
+        prepare(profile, &PrepareOptions { smoothing: self.smooth_mm.map(|mm| mm * MILLIMETRE) })
+    }
 }
 
 /// Runs a subcommand; whether the profile is fit for use.
@@ -13,5 +128,72 @@ pub(super) enum ProfileCommand {
 /// # Errors
 /// Files that cannot be read, understood or written.
 pub(super) fn run(command: &ProfileCommand) -> Result<bool, Error> {
-    match *command {}
+    match command {
+        ProfileCommand::List => {
+            shapes::list();
+            Ok(true)
+        }
+        ProfileCommand::Show { profile } => shapes::show(profile).map(|()| true),
+        ProfileCommand::Plot { profiles, output } => shapes::plot(profiles, output).map(|()| true),
+        ProfileCommand::Contact(args) => contact(args).map(|()| true),
+        ProfileCommand::Check(file) => check(file),
+        ProfileCommand::Convert { file, out, raw } => convert(file, out, *raw),
+    }
+}
+
+fn check(file: &FileArgs) -> Result<bool, Error> {
+    let profile = file.read()?;
+    let prepared = file.prepare(&profile)?;
+    say_profile(&profile, &prepared);
+    for finding in &prepared.findings {
+        say(&finding.to_string());
+    }
+    let left = prepared.findings.iter().filter(|finding| finding.action == Action::Left).count();
+    if left > 0 {
+        say(&format!("{left} findings are left to look at"));
+    }
+    Ok(left == 0)
+}
+
+fn say_profile(profile: &MeasuredProfile, prepared: &Prepared) {
+    let (first, last) = (prepared.curve.point(0.0), prepared.curve.point(prepared.curve.length()));
+    let place = |p: nalgebra::Point2<f64>| format!("({:.3}, {:.3})", p.x / MILLIMETRE, p.y / MILLIMETRE);
+    say(&format!(
+        "{}: {}, {}, {} points ({} in the curve), from (y, z) = {} mm to {} mm, {:.3} mm along the profile",
+        profile.name,
+        profile.format,
+        profile.kind.name(),
+        profile.points.len(),
+        prepared.points.len(),
+        place(first),
+        place(last),
+        prepared.curve.length() / MILLIMETRE,
+    ));
+}
+
+fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
+    let (format, kind) = format_of_ending(out)?;
+    let profile = file.read()?;
+    if let Some(kind) = kind.filter(|kind| *kind != profile.kind) {
+        return Err(InputError::new(
+            out.display().to_string(),
+            format!("the ending of a {}", kind.name()),
+            format!("the ending of a {}", profile.kind.name()),
+            "choose another ending, or say with --kind what the profile is",
+        )
+        .into());
+    }
+    let (points, findings) = if raw {
+        (profile.points.clone(), profile.findings.clone())
+    } else {
+        let prepared = file.prepare(&profile)?;
+        (prepared.points, prepared.findings)
+    };
+    let source = file.file.file_name().unwrap_or_default().to_string_lossy();
+    let text = write(format, profile.kind, &points, &format!("converted from {source}"));
+    std::fs::write(out, text).map_err(|cause| {
+        InputError::new(out.display().to_string(), cause, "a file that can be written", "choose another place")
+    })?;
+    findings.iter().for_each(|finding| say(&finding.to_string()));
+    Ok(findings.iter().all(|finding| finding.action != Action::Left))
 }

@@ -7,8 +7,8 @@ use nalgebra::Point2;
 use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryRow};
 
 use crate::records::{
-    BodyMeshRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow,
-    Measured, PenaltyRecord, ReferenceRecord, StageMeasure, StiffnessRecord, TangentRecord, TouchRecord,
+    BodyMeshRecord, ComplianceRecord, FindingRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
+    LoadCurveRow, Measured, PenaltyRecord, ProfileRecord, ReferenceRecord, StageMeasure, StiffnessRecord, TangentRecord, TouchRecord,
 };
 
 use super::{InputRow, ProfilePair};
@@ -146,6 +146,22 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                 mass_kg: 283.4,
             })
             .to_vec(),
+        profiles: vec![ProfileRecord {
+            body: "wheel".into(),
+            file: "worn.prw".into(),
+            format: "Simpack".into(),
+            standard: "S1002".into(),
+            points: 400,
+            findings: vec![FindingRecord {
+                kind: "spike".into(),
+                first_line: Some(17),
+                last_line: Some(18),
+                value: Some(0.31),
+                unit: Some("mm".into()),
+                action: "mended".into(),
+                text: "off the line of its neighbours: dropped".into(),
+            }],
+        }],
         touch: TouchRecord {
             rail_y_mm: -12.1,
             rail_z_mm: 0.4,

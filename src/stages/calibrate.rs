@@ -122,6 +122,7 @@ pub fn calibrate(
             mesh_record("rail", &meshes.rail, study, &rail_on_ends)?,
             mesh_record("wheel", &meshes.wheel, study, &wheel)?,
         ],
+        profiles: geometry.profiles.clone(),
         touch: touch_record(study, geometry),
         input_hash: study.input_hash.clone(),
         version: env!("CARGO_PKG_VERSION").into(),

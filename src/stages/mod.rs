@@ -6,6 +6,7 @@
 mod calibrate;
 mod fields;
 mod loads;
+mod sections;
 mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
@@ -17,13 +18,14 @@ use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
 use railspring_calibrate::contact::{Shape, Surface};
 use railspring_calibrate::error::Result;
-use railspring_calibrate::mesh::{HexMesh, mesh_rail, mesh_wheel};
+use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
-use railspring_calibrate::section::{RailSection, WheelSection, rail_section, wheel_section};
+use railspring_calibrate::section::{RailSection, WheelSection};
 use railspring_calibrate::section_analysis::{SectionProperties, rail_properties};
 use railspring_calibrate::solid::Formulation;
 
 use crate::beam::{RailBeam, Torsion};
+use crate::records::ProfileRecord;
 use crate::report::ProfilePair;
 use crate::study::{ElementKey, EnforcementKey, Study};
 
@@ -43,6 +45,8 @@ pub struct Geometry {
     pub touch: Touch,
     /// The rail as the beam of the moving solver.
     pub beam: RailBeam,
+    /// The measured profiles among the two, and what was done to them.
+    pub profiles: Vec<ProfileRecord>,
 }
 
 /// The meshes of both bodies.
@@ -97,8 +101,8 @@ impl Geometry {
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(study: &Study) -> Result<Geometry> {
-    let rail = rail_section(&study.rail.profile)?;
-    let wheel = wheel_section(&study.wheel.profile, study.wheel.tape_diameter)?;
+    let (rail, rail_profile) = sections::rail(study)?;
+    let (wheel, wheel_profile) = sections::wheel(study)?;
     let track = TrackGeometry {
         gauge: study.track.gauge,
         gauge_height: study.track.gauge_height,
@@ -117,7 +121,8 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
         placed.angle,
         Torsion::RestrainedWarping,
     )?;
-    Ok(Geometry { rail, properties, wheel, placed, tape_y: track.tape_y(), touch, beam })
+    let profiles = rail_profile.into_iter().chain(wheel_profile).collect();
+    Ok(Geometry { rail, properties, wheel, placed, tape_y: track.tape_y(), touch, beam, profiles })
 }
 
 /// Meshes of both bodies.
@@ -125,10 +130,23 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
 /// # Errors
 /// Settings that give an inverted or flat element.
 pub fn meshes(study: &Study, geometry: &Geometry) -> Result<Meshes> {
+    let options = mesh_options(study);
     Ok(Meshes {
-        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &study.mesh)?,
-        wheel: mesh_wheel(&geometry.wheel, &study.mesh)?,
+        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
+        wheel: mesh_wheel(&geometry.wheel, &options)?,
     })
+}
+
+/// The study's mesh; a worn flange is steeper and touches deeper, so beside measured profiles the fine zones go
+/// on further down the two faces.
+fn mesh_options(study: &Study) -> MeshOptions {
+    const DEEPER: f64 = 6e-3;
+    let mut options = study.mesh.clone();
+    if study.rail.measured.is_some() || study.wheel.measured.is_some() {
+        options.rail_zone.face_depth += DEEPER;
+        options.wheel_zone.face_depth += DEEPER;
+    }
+    options
 }
 
 fn formulation(study: &Study) -> Formulation {

@@ -4,12 +4,16 @@
 pub mod document;
 
 mod check;
+mod measured;
 mod resolve;
 mod source;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use railspring_calibrate::profile::wheels::Flange;
+use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::Scenario;
@@ -55,7 +59,8 @@ pub struct Study {
     /// Limits of the verdict.
     pub limits: Limits,
     /// Hash of everything that the numbers depend on: the resolved study without its
-    /// descriptions and limits, and the program's version, which fixes the standard profiles.
+    /// descriptions and limits, the content of its profile files, and the program's
+    /// version, which fixes the standard profiles.
     pub input_hash: String,
     /// All keys with their values, defaults filled in; the keys of each section by name.
     pub resolved: Vec<ResolvedKey>,
@@ -81,6 +86,8 @@ pub struct ResolvedKey {
 pub struct Rail {
     /// Name of the standard section.
     pub profile: String,
+    /// The measured head that takes the place of the standard's.
+    pub measured: Option<MeasuredSurface>,
     /// Inclination as a slope.
     pub inclination: f64,
     /// Length of the modelled piece, m.
@@ -92,8 +99,29 @@ pub struct Rail {
 pub struct Wheel {
     /// Name of the standard running profile.
     pub profile: String,
+    /// The measured profile that takes the place of the standard's.
+    pub measured: Option<MeasuredSurface>,
     /// Diameter at the tape circle, m.
     pub tape_diameter: f64,
+    /// Size of the flange.
+    pub flange: Flange,
+    /// Rim, web and hub.
+    pub body: WheelBody,
+}
+
+/// A measured profile: the content of its file, and how it is prepared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredSurface {
+    /// The file as the study names it.
+    pub file: String,
+    /// The file as it was found.
+    pub path: PathBuf,
+    /// Its content.
+    pub content: Arc<[u8]>,
+    /// Wavelength that smoothing halves, m.
+    pub smoothing: Option<f64>,
+    /// Whether it is laid onto the standard section first.
+    pub aligned: bool,
 }
 
 /// Where the wheel stands on the track; lengths in m.

@@ -2,7 +2,10 @@
 //! concern several keys at once.
 
 use std::f64::consts::PI;
+use std::path::Path;
 
+use railspring_calibrate::profile::wheels::Flange;
+use railspring_calibrate::section::{WebShape, WheelBody};
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
@@ -12,11 +15,12 @@ use serde_json::Value;
 
 use super::document::{
     CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
-    SuspensionKeys, TorsionKeys,
+    SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
 };
+use super::measured::SurfaceKeys;
 use super::{
-    CalibrationSettings, ContactSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings, Source, Study,
-    StudyScenario, Track, Wheel,
+    CalibrationSettings, ContactSettings, MeasuredSurface, Rail, ResolvedKey, SECTIONS, SimulationSettings,
+    Source, Study, StudyScenario, Track, Wheel,
 };
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -25,8 +29,9 @@ type Result<T> = std::result::Result<T, InputError>;
 pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> {
     check_name(&document.name)?;
     let resolved = resolved_keys(&document, &source);
-    let input_hash = input_hash(&document);
-    let rail = rail(&document.rail)?;
+    let rail = rail(&document.rail, source.path())?;
+    let wheel = wheel(&document.wheel, source.path())?;
+    let input_hash = input_hash(&document, &rail, &wheel);
     let calibration = calibration(&document.calibration)?;
     let friction = document.contact.friction;
     let mut scenarios = std::collections::BTreeMap::new();
@@ -40,7 +45,7 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
         name: document.name,
         description: document.description,
         rail,
-        wheel: Wheel { profile: document.wheel.profile, tape_diameter: document.wheel.tape_diameter_m },
+        wheel,
         track: Track {
             gauge: document.track.gauge_mm * MILLIMETRE,
             gauge_height: document.track.gauge_height_mm * MILLIMETRE,
@@ -101,7 +106,7 @@ fn check_name(name: &str) -> Result<()> {
     ))
 }
 
-fn rail(keys: &RailKeys) -> Result<Rail> {
+fn rail(keys: &RailKeys, study: &Path) -> Result<Rail> {
     let inclination = match &keys.inclination {
         Inclination::Slope(slope) => *slope,
         Inclination::Ratio(text) => slope_of(text).ok_or_else(|| {
@@ -113,7 +118,44 @@ fn rail(keys: &RailKeys) -> Result<Rail> {
             )
         })?,
     };
-    Ok(Rail { profile: keys.profile.clone(), inclination, length: keys.length_m })
+    let named = SurfaceKeys {
+        section: "rail",
+        meaning: "Name of the standard section",
+        profile: keys.profile.as_deref(),
+        file: keys.profile_file.as_deref(),
+        standard: keys.standard.as_deref(),
+        smoothing_mm: keys.profile_smoothing_mm,
+        aligned: keys.profile_aligned,
+    };
+    let (profile, measured) = named.resolve(study)?;
+    Ok(Rail { profile, measured, inclination, length: keys.length_m })
+}
+
+fn wheel(keys: &WheelKeys, study: &Path) -> Result<Wheel> {
+    let named = SurfaceKeys {
+        section: "wheel",
+        meaning: "Name of the standard running profile",
+        profile: keys.profile.as_deref(),
+        file: keys.profile_file.as_deref(),
+        standard: keys.standard.as_deref(),
+        smoothing_mm: keys.profile_smoothing_mm,
+        aligned: None,
+    };
+    let (profile, measured) = named.resolve(study)?;
+    let flange = Flange {
+        height: keys.flange_height_mm * MILLIMETRE,
+        thickness: keys.flange_thickness_mm * MILLIMETRE,
+    };
+    let body = WheelBody {
+        web: match keys.body {
+            WebKey::StraightWeb => WebShape::Straight,
+            WebKey::SWeb => WebShape::S,
+        },
+        bore_diameter: keys.bore_mm * MILLIMETRE,
+        hub_diameter: keys.hub_diameter_mm * MILLIMETRE,
+        rim_depth: keys.rim_depth_mm * MILLIMETRE,
+    };
+    Ok(Wheel { profile, measured, tape_diameter: keys.tape_diameter_m, flange, body })
 }
 
 /// Slope of a ratio such as `1:40`.
@@ -276,8 +318,11 @@ fn main_scenario(document: &StudyDocument) -> Result<Option<String>> {
     }
 }
 
-fn input_hash(document: &StudyDocument) -> String {
+fn input_hash(document: &StudyDocument, rail: &Rail, wheel: &Wheel) -> String {
     let mut numeric = document.clone();
+    // A profile file counts by its content, wherever it lies.
+    numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
+    numeric.wheel.profile_file = wheel.measured.as_ref().map(MeasuredSurface::fingerprint);
     numeric.description.clear();
     numeric.verification = Default::default();
     for keys in numeric.scenario.values_mut() {

@@ -9,6 +9,9 @@ use toml::de::{DeTable, DeValue};
 
 use super::check::join;
 
+/// What stands in a message for the value of a key that has to be given.
+pub(super) const MISSING: &str = "(missing)";
+
 /// An input error with the place where it stands.
 #[derive(Debug, Clone)]
 pub struct LocatedError {
@@ -80,7 +83,7 @@ impl Source {
 
     /// Adds file and line to an error of any stage, by its key.
     pub fn locate(&self, mut error: InputError) -> LocatedError {
-        if !self.gives(&error.key) {
+        if !self.gives(&error.key) && error.value != MISSING {
             error.value = format!("{} (default)", error.value);
         }
         LocatedError { path: self.path.clone(), line: self.line(&error.key), error }

@@ -187,3 +187,47 @@ fn the_schema_describes_every_key() {
     assert!(found.is_empty(), "{found:?}");
     assert!(schema["properties"].as_object().unwrap().len() >= 10);
 }
+
+#[test]
+fn measured_profiles_are_named_by_file_and_body() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.toml");
+    let head = folder.path().join("head.csv");
+    std::fs::write(&head, "0,0\n").unwrap();
+    let study = |rail: &str| {
+        Study::parse(&path, &format!("name = \"x\"\n[rail]\n{rail}\n[wheel]\nprofile = \"S1002\"\n"))
+    };
+    let given = "profile_file = \"head.csv\"\nstandard = \"60E1\"\nprofile_smoothing_mm = 2";
+    let read = study(given).unwrap();
+    let measured = read.rail.measured.as_ref().unwrap();
+    assert_eq!((read.rail.profile.as_str(), measured.smoothing, measured.aligned), ("60E1", Some(2e-3), false));
+    assert_eq!(&*measured.content, b"0,0\n");
+
+    // The hash follows the content, not the place.
+    std::fs::copy(&head, folder.path().join("other.csv")).unwrap();
+    assert_eq!(study(&given.replace("head", "other")).unwrap().input_hash, read.input_hash);
+    std::fs::write(&head, "0,1\n").unwrap();
+    assert_ne!(study(given).unwrap().input_hash, read.input_hash);
+
+    let refused = |rail: &str| study(rail).unwrap_err().to_string();
+    let body = refused("profile_file = \"head.csv\"");
+    assert!(body.contains(":2: rail.standard = (missing): expected") && body.contains("joined to"), "{body}");
+    let both = refused("profile = \"60E1\"\nprofile_file = \"head.csv\"");
+    assert!(both.contains(":3: rail.profile = \"60E1\": expected either"), "{both}");
+    let absent = refused("profile_file = \"no.csv\"\nstandard = \"60E1\"");
+    assert!(absent.contains(":3: rail.profile_file = \"no.csv\": expected a readable file"), "{absent}");
+    let alone = refused("profile = \"60E1\"\nprofile_smoothing_mm = 2");
+    assert!(alone.contains(":4: rail.profile_smoothing_mm = 2: expected rail.profile_file"), "{alone}");
+}
+
+#[test]
+fn the_worn_study_reads_its_profiles() {
+    let study = Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies/worn.toml")).unwrap();
+    assert!(study.rail.measured.is_some() && study.wheel.measured.is_some());
+    let geometry = crate::stages::geometry(&study).unwrap();
+    assert_eq!(geometry.profiles.len(), 2);
+    assert!(geometry.profiles.iter().flat_map(|p| &p.findings).all(|f| f.action != "left"));
+    // Worn off: the crown's 1.5 mm, of which 8/15 over 68 mm, and a little of the gauge corner.
+    let area = geometry.rail.area.area;
+    assert!((76.70e-4 - 0.65e-4..76.70e-4 - 0.54e-4).contains(&area), "{area}");
+}

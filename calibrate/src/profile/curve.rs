@@ -61,7 +61,8 @@ impl ProfileCurve {
     ///
     /// # Errors
     /// [`InputError`] for fewer than four points, for a point that is not finite, coincides with its
-    /// predecessor or steps back, and for a kink that is not an inner point.
+    /// predecessor or steps back, for a kink that is not an inner point, and for points so uneven that the
+    /// spline's length does not settle.
     pub fn from_points(points: &[Point2<f64>], kinks: &[usize]) -> Result<Self> {
         check_points(points)?;
         check_kinks(points.len(), kinks)?;
@@ -71,11 +72,27 @@ impl ProfileCurve {
             pieces.push(Piece { points: points[start..=end].to_vec(), end_tangents: None });
             start = end;
         }
-        Ok(Self::from_pieces(pieces))
+        let (knots, cubics, breaks) = Self::joined(pieces);
+        if !knots[knots.len() - 1].is_finite() {
+            return Err(InputError::new(
+                "profile",
+                format!("{} points", points.len()),
+                "points that a smooth curve of finite length runs through",
+                "the spacing is too uneven where the line bends: smooth or thin the points",
+            )
+            .into());
+        }
+        Ok(Self::assemble(knots, cubics, breaks))
     }
 
     /// Joins pieces that follow each other; each starts where the one before it ends, whatever its first point.
-    pub(crate) fn from_pieces(mut pieces: Vec<Piece>) -> Self {
+    pub(crate) fn from_pieces(pieces: Vec<Piece>) -> Self {
+        let (knots, cubics, breaks) = Self::joined(pieces);
+        Self::assemble(knots, cubics, breaks)
+    }
+
+    /// Knots, cubics and breakpoints of pieces that follow each other.
+    fn joined(mut pieces: Vec<Piece>) -> (Vec<f64>, Vec<Cubic>, Vec<usize>) {
         for i in 1..pieces.len() {
             pieces[i].points[0] = pieces[i - 1].points[pieces[i - 1].points.len() - 1];
         }
@@ -92,7 +109,7 @@ impl ProfileCurve {
             }
             cubics.extend(fitted.cubics);
         }
-        Self::assemble(knots, cubics, breaks)
+        (knots, cubics, breaks)
     }
 
     fn assemble(knots: Vec<f64>, cubics: Vec<Cubic>, breaks: Vec<usize>) -> Self {

@@ -195,7 +195,8 @@ fn graph_piece(zone: impl Fn(f64) -> (f64, f64), from: f64, to: f64) -> Piece {
 /// Flange of S1002 in mm, up to the end of its face: the published numbers where there are, else solved for.
 fn s1002_flange(flange: &Flange) -> Result<Vec<Segment>> {
     flange.shoulder_radius()?;
-    if flange.thickness != NOMINAL_THICKNESS {
+    // ROUNDOFF: a thickness given in mm and converted.
+    if (flange.thickness - NOMINAL_THICKNESS).abs() > 1e-12 {
         return Err(InputError::new(
             "wheel.flange_thickness_mm",
             format!("{} mm", flange.thickness / MILLIMETRE),

@@ -1,14 +1,18 @@
 //! Cross-sections of the two bodies: running surface, the rest of the outline, section properties.
 
+mod align;
+mod join;
 mod properties;
 mod rail;
 mod wheel;
 mod wheel_body;
 
+pub use align::{Alignment, align_rail};
 pub use properties::AreaProperties;
-pub use rail::{RailSection, rail_section};
+pub use rail::{RailSection, rail_section, rail_section_with_head};
 pub use wheel::{
     RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section, wheel_section_on,
+    wheel_section_with_profile,
 };
 pub use wheel_body::{WebShape, WheelBody};
 

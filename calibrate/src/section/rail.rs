@@ -3,10 +3,12 @@
 use nalgebra::Point2;
 
 use super::FILLET_STEP;
+use super::join::join;
 use super::properties::{AreaProperties, area_moments};
 use crate::error::Result;
 use crate::profile::rails::{rail_outline, running_curve};
 use crate::profile::{ProfileCurve, Segment, polyline};
+use crate::profile_file::Finding;
 
 /// Cross-section of a rail in its profile frame: y to the field side, z down, origin at the top on the axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +59,34 @@ pub fn rail_section(name: &str) -> Result<RailSection> {
         iyy: moments.yy,
     };
     Ok(RailSection { name: name.to_owned(), running, body, body_outline: outline.rest, height, area })
+}
+
+/// The section of a measured head on the standard section `name`: the running surface is the measured one, joined
+/// to the standard's with continuous tangents; web, foot and the underside of the head are the standard's. The
+/// head has to be in the frame of the section (origin at the unworn top, on the axis).
+///
+/// What was done is added to `findings`.
+///
+/// # Errors
+/// [`crate::error::InputError`] for an unknown name, and with the key `rail.profile_file` for a head whose ends do
+/// not lie near the standard surface.
+pub fn rail_section_with_head(
+    name: &str,
+    head: &ProfileCurve,
+    findings: &mut Vec<Finding>,
+) -> Result<RailSection> {
+    let standard = rail_section(name)?;
+    let running = join(&standard.running, head, "rail.profile_file", findings)?;
+    let moments = area_moments(&running, &standard.body_outline);
+    let mut section = RailSection { name: format!("measured head on {name}"), running, ..standard };
+    let last = section.body.len() - 1;
+    section.body[0] = section.running.point(section.running.length());
+    section.body[last] = section.running.point(0.0);
+    section.area.area = moments.area;
+    section.area.centroid_height = section.height - moments.centroid.y;
+    section.area.ixx = moments.zz;
+    section.area.iyy = moments.yy;
+    Ok(section)
 }
 
 #[cfg(test)]

@@ -5,10 +5,12 @@ use std::f64::consts::TAU;
 use nalgebra::Point2;
 
 use super::FILLET_STEP;
+use super::join::join;
 use super::properties::boundary_integral;
 use super::wheel_body::WheelBody;
 use crate::error::Result;
 use crate::profile::wheels::wheel_profile;
+use crate::profile_file::Finding;
 use crate::profile::{ProfileCurve, Segment, polyline};
 
 /// Cross-section of a wheel in its profile frame: y from the tape circle to the field side, z down; a point
@@ -75,6 +77,26 @@ pub fn wheel_section_on(
     body[last] = running.point(0.0);
     let bore_radius = 0.5 * form.bore_diameter;
     Ok(WheelSection { name: name.to_owned(), running, body, body_outline, radius, bore_radius })
+}
+
+/// The section of a measured running profile on a `standard` wheel: the profile is joined to the standard's with
+/// continuous tangents; chamfer, rim, web and hub are the standard's. The profile's origin is the tape
+/// circle, at which the wheel has the nominal diameter where its z is 0. What was done is added to `findings`.
+///
+/// # Errors
+/// [`crate::error::InputError`] with the key `wheel.profile_file` for a profile whose ends do not lie
+/// near the standard surface.
+pub fn wheel_section_with_profile(
+    standard: WheelSection,
+    profile: &ProfileCurve,
+    findings: &mut Vec<Finding>,
+) -> Result<WheelSection> {
+    let running = join(&standard.running, profile, "wheel.profile_file", findings)?;
+    let mut section = WheelSection { name: format!("measured profile on {}", standard.name), running, ..standard };
+    let last = section.body.len() - 1;
+    section.body[0] = section.running.point(section.running.length());
+    section.body[last] = section.running.point(0.0);
+    Ok(section)
 }
 
 /// Mass properties of the full wheel.

@@ -1,0 +1,118 @@
+//! Gaps, real corners, and the range that a profile must cover.
+
+use nalgebra::Vector2;
+
+use super::check::{median, turn};
+use super::finding::{Action, Finding, FindingKind, Findings};
+use super::{MeasuredPoint, ProfileKind};
+use crate::units::MILLIMETRE;
+
+/// A gap is this many times the median step ...
+const GAP_TO_STEP: f64 = 20.0;
+/// ... and at least this long, m.
+const SMALLEST_GAP: f64 = 0.5 * MILLIMETRE;
+/// Smallest length over which the direction beside a corner is taken, m.
+const WINDOW: f64 = 1.0 * MILLIMETRE;
+/// Points on either side of a corner that the direction is taken over at least.
+const WINDOW_POINTS: usize = 3;
+/// Smallest corner, degrees.
+const SMALLEST_KINK: f64 = 1.0;
+/// A corner turns by this many times the usual change of the turn from point to point.
+const KINK_TO_SCATTER: f64 = 12.0;
+/// Share of the turn within the window that is at the corner itself.
+const CONCENTRATED: f64 = 0.7;
+
+/// Reports long steps between neighbours.
+pub(super) fn report_gaps(points: &[MeasuredPoint], findings: &mut Vec<Finding>) {
+    let steps: Vec<f64> = points.windows(2).map(|w| (w[1].point - w[0].point).norm()).collect();
+    let least = SMALLEST_GAP.max(GAP_TO_STEP * median(steps.clone()));
+    let mut gaps = Findings::new(findings, FindingKind::Gap);
+    for (step, w) in steps.iter().zip(points.windows(2)) {
+        if *step > least {
+            let text = "no points in between: bridged by the spline";
+            gaps.add((w[0].line, w[1].line), (step / MILLIMETRE, "mm"), Action::Left, text);
+        }
+    }
+}
+
+/// Indices of the points at which the profile has a real corner: a change of direction that is concentrated at one
+/// point and stands out of the scatter of the measurement.
+pub(super) fn find_kinks(points: &[MeasuredPoint], findings: &mut Vec<Finding>) -> Vec<usize> {
+    let n = points.len();
+    if n < 2 * WINDOW_POINTS + 1 {
+        return Vec::new();
+    }
+    let chord = |i: usize| points[i + 1].point - points[i].point;
+    let turns: Vec<f64> = (1..n - 1).map(|i| turn(chord(i - 1), chord(i))).collect();
+    let changes = turns.windows(3).map(|t| (t[1] - 0.5 * (t[0] + t[2])).abs()).collect();
+    let least = SMALLEST_KINK.max(KINK_TO_SCATTER * median(changes));
+    let mut found = Vec::new();
+    let mut kinks = Findings::new(findings, FindingKind::Kink);
+    for i in WINDOW_POINTS..n - WINDOW_POINTS {
+        let here = turns[i - 1];
+        if here.abs() < CONCENTRATED * least {
+            continue;
+        }
+        let across = turn(direction(points, i, -1), direction(points, i, 1));
+        let neighbours = turns[i - 2].abs().max(turns[i].abs());
+        let sharpest = here.abs() > 2.0 * neighbours;
+        if across.abs() > least && here * across > 0.0 && here.abs() > CONCENTRATED * across.abs() && sharpest {
+            found.push(i);
+            let line = points[i].line;
+            kinks.add((line, line), (across, "degrees"), Action::Noted, "a real corner: kept as one");
+        }
+    }
+    found
+}
+
+/// Direction of travel beside the point `i`, over the window before (`side` -1) or after it (1).
+fn direction(points: &[MeasuredPoint], i: usize, side: isize) -> Vector2<f64> {
+    let here = points[i].point;
+    let mut k = i;
+    for count in 1.. {
+        let Some(next) = k.checked_add_signed(side).filter(|&next| next < points.len()) else { break };
+        k = next;
+        if count >= WINDOW_POINTS && (points[k].point - here).norm() >= WINDOW {
+            break;
+        }
+    }
+    side as f64 * (points[k].point - here)
+}
+
+/// Depth below the top that a rail's gauge side has to reach, m: the gauge is measured 14 mm below.
+const GAUGE_DEPTH: f64 = 16.0 * MILLIMETRE;
+/// Distance from the crown's top that a rail has to reach on the field side, m.
+const FIELD_REACH: f64 = 20.0 * MILLIMETRE;
+/// Where a wheel has to begin and to end, m from the tape circle.
+const WHEEL_RANGE: (f64, f64) = (-0.040, 0.030);
+
+/// Reports a profile that does not cover the range in which wheel and rail touch.
+pub(super) fn report_range(kind: ProfileKind, points: &[MeasuredPoint], findings: &mut Vec<Finding>) {
+    let (first, last) = (&points[0], &points[points.len() - 1]);
+    let mut short = Findings::new(findings, FindingKind::TooShort);
+    match kind {
+        ProfileKind::Rail => {
+            let Some(top) = points.iter().min_by(|a, b| a.point.y.total_cmp(&b.point.y)) else { return };
+            let depth = first.point.y - top.point.y;
+            if depth < GAUGE_DEPTH {
+                let text = "depth reached on the gauge side: 16 mm are needed to find gauge and flange contact";
+                short.add((first.line, first.line), (depth / MILLIMETRE, "mm"), Action::Left, text);
+            }
+            let reach = last.point.x - top.point.x;
+            if reach < FIELD_REACH {
+                let text = "distance reached from the top to the field side: 20 mm are needed";
+                short.add((last.line, last.line), (reach / MILLIMETRE, "mm"), Action::Left, text);
+            }
+        }
+        ProfileKind::Wheel => {
+            if first.point.x > WHEEL_RANGE.0 {
+                let text = "where the wheel begins: its flange face from y = -40 mm on is needed";
+                short.add((first.line, first.line), (first.point.x / MILLIMETRE, "mm"), Action::Left, text);
+            }
+            if last.point.x < WHEEL_RANGE.1 {
+                let text = "where the wheel ends: its tread up to y = 30 mm is needed";
+                short.add((last.line, last.line), (last.point.x / MILLIMETRE, "mm"), Action::Left, text);
+            }
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Profiles from files: Simpack, MiniProf, text and CSV; what is wrong with them, and how it is mended.
+//!
+//! [`read`] gives the points of a file in the profile frame (y to the field side, z down, m), each with its
+//! line. [`prepare`] checks and repairs them and makes the curve. [`write`] writes a profile in any of the
+//! formats. Nothing is changed silently: every stage adds [`Finding`]s.
+
+mod check;
+mod columns;
+mod finding;
+mod kinks;
+mod loops;
+mod miniprof;
+mod orient;
+mod prepare;
+mod shape;
+mod simpack;
+mod smooth;
+mod text;
+
+use std::fmt;
+use std::path::Path;
+
+use nalgebra::Point2;
+
+use crate::error::{InputError, Result};
+
+pub use finding::{Action, Finding, FindingKind};
+pub use prepare::{PrepareOptions, Prepared, prepare};
+pub use smooth::{Smoothed, smooth};
+
+/// Most points of a profile that are read.
+const MOST_POINTS: usize = 5_000_000;
+
+/// What a profile belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProfileKind {
+    /// A rail.
+    Rail,
+    /// A wheel.
+    Wheel,
+}
+
+impl ProfileKind {
+    /// Name in messages and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rail => "rail",
+            Self::Wheel => "wheel",
+        }
+    }
+}
+
+/// Format of a profile file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProfileFormat {
+    /// Simpack `.prr` and `.prw`.
+    Simpack,
+    /// MiniProf `.ban` and `.whl`.
+    MiniProf,
+    /// Columns separated by blanks or tabs.
+    Text,
+    /// Columns separated by commas or semicolons.
+    Csv,
+}
+
+impl fmt::Display for ProfileFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Simpack => "Simpack",
+            Self::MiniProf => "MiniProf",
+            Self::Text => "text columns",
+            Self::Csv => "CSV",
+        })
+    }
+}
+
+/// What the reader is told about a file; everything that is `None` it finds out itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ReadOptions {
+    /// Wheel or rail.
+    pub kind: Option<ProfileKind>,
+    /// Length of the file's unit, m; replaces what the file says.
+    pub unit: Option<f64>,
+    /// Whether y counts towards the track centre in the file; not for Simpack files, whose header says so.
+    pub mirror_y: Option<bool>,
+    /// Whether z counts upwards in the file; not for Simpack files, whose header says so.
+    pub mirror_z: Option<bool>,
+}
+
+/// A point of a profile with the place it comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredPoint {
+    /// Position in the profile frame, m.
+    pub point: Point2<f64>,
+    /// Line of the file, counted from one.
+    pub line: usize,
+    /// Weight in smoothing, 1 unless the file gives another.
+    pub weight: f64,
+}
+
+/// A profile as its file gives it, in the profile frame: y to the field side, z down, in order of increasing y.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredProfile {
+    /// Name of the file.
+    pub name: String,
+    /// Format of the file.
+    pub format: ProfileFormat,
+    /// Wheel or rail.
+    pub kind: ProfileKind,
+    /// The points; a wheel's run from the flange to the field side, a rail's from the gauge to the field side.
+    pub points: Vec<MeasuredPoint>,
+    /// What the reader found and did.
+    pub findings: Vec<Finding>,
+}
+
+/// Reads a profile file.
+///
+/// # Errors
+/// [`InputError`] with the file's line and column for a file that cannot be read or understood; with the file's
+/// name where it stays open whether it is a wheel or a rail, or what its unit is.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<MeasuredProfile> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|cause| InputError::new(&name, cause, "a readable profile file", "check the path"))?;
+    parse(&name, &bytes, options)
+}
+
+/// As [`read`], from the content of a file. `name` is used in messages, and its ending tells the format where the
+/// content does not.
+///
+/// # Errors
+/// As [`read`].
+///
+/// ```
+/// use railspring_calibrate::profile_file::{ProfileKind, ReadOptions, parse};
+/// let text = "y_mm;z_mm\n-36;14,3\n-26;2,3\n-10,2;0,2\n0;0\n10,2;0,2\n26;2,3\n36;14,3\n";
+/// let rail = parse("head.csv", text.as_bytes(), &ReadOptions::default())?;
+/// assert_eq!(rail.kind, ProfileKind::Rail);
+/// assert_eq!((rail.points[0].point.x, rail.points[0].line), (-0.036, 2));
+/// # Ok::<(), railspring_calibrate::error::Error>(())
+/// ```
+pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<MeasuredProfile> {
+    let text = text::decode(name, bytes)?;
+    let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let raw = if simpack::recognises(&text) {
+        simpack::parse(name, &text, &ending)?
+    } else if miniprof::recognises(&text, &ending) {
+        miniprof::parse(name, &text, &ending)?
+    } else {
+        columns::parse(name, &text, &ending)?
+    };
+    orient::orient(name, raw, options)
+}
+
+/// A profile as a file of the format: points in the profile frame, m.
+///
+/// Simpack and text files hold millimetres; MiniProf files have the axes that this format has by convention.
+pub fn write(format: ProfileFormat, kind: ProfileKind, points: &[MeasuredPoint], comment: &str) -> String {
+    let comment: String = comment.chars().map(|c| if c.is_control() || c == '\'' { ' ' } else { c }).collect();
+    match format {
+        ProfileFormat::Simpack => simpack::write(kind, points, &comment),
+        ProfileFormat::MiniProf => miniprof::write(kind, points, &comment),
+        ProfileFormat::Text => columns::write(kind, points, &comment, "\t"),
+        ProfileFormat::Csv => columns::write(kind, points, &comment, ","),
+    }
+}
+
+/// The format, and where the ending says so the kind, of a file to be written.
+///
+/// # Errors
+/// [`InputError`] for an unknown ending.
+pub fn format_of_ending(path: &Path) -> Result<(ProfileFormat, Option<ProfileKind>)> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    Ok(match ending.as_str() {
+        "prr" => (ProfileFormat::Simpack, Some(ProfileKind::Rail)),
+        "prw" => (ProfileFormat::Simpack, Some(ProfileKind::Wheel)),
+        "ban" => (ProfileFormat::MiniProf, Some(ProfileKind::Rail)),
+        "whl" => (ProfileFormat::MiniProf, Some(ProfileKind::Wheel)),
+        "txt" | "dat" => (ProfileFormat::Text, None),
+        "csv" => (ProfileFormat::Csv, None),
+        _ => {
+            return Err(InputError::new(
+                path.display().to_string(),
+                format!("ending \"{ending}\""),
+                "one of .prr, .prw, .ban, .whl, .txt, .dat, .csv",
+                "choose an ending that names the format",
+            )
+            .into());
+        }
+    })
+}
+
+/// What the axes of a file are known to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Convention {
+    /// Stated by the file: nothing is turned over.
+    Stated,
+    /// MiniProf's: a rail's y counts towards the track centre, z upwards; a wheel's y from the flange back.
+    MiniProf,
+    /// Unknown: y to the field side is assumed, the rest told from the shape.
+    Free,
+}
+
+/// Rows of a file as they stand there, or as its header says.
+struct Raw {
+    format: ProfileFormat,
+    /// What the file itself says.
+    kind: Option<ProfileKind>,
+    convention: Convention,
+    /// Length of the unit, m, and the line that says so (0: the format's own unit).
+    unit: Option<(f64, usize)>,
+    points: Vec<MeasuredPoint>,
+    findings: Vec<Finding>,
+}
+
+/// Adds a point.
+///
+/// # Errors
+/// More points than a profile can have.
+fn push(name: &str, points: &mut Vec<MeasuredPoint>, y: f64, z: f64, line: usize, weight: f64) -> Result<()> {
+    if points.len() >= MOST_POINTS {
+        return Err(text::error_at(
+            name,
+            line,
+            1,
+            "",
+            format!("at most {MOST_POINTS} points"),
+            "give a single profile, thinned out",
+        ));
+    }
+    points.push(MeasuredPoint { point: Point2::new(y, z), line, weight });
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,262 @@
+//! From the rows of a file to the profile frame: unit, wheel or rail, direction of the axes, order, origin.
+
+use super::finding::{Action, Finding, FindingKind, Findings};
+use super::shape::Shape;
+use super::text::error_at;
+use super::{Convention, MeasuredPoint, MeasuredProfile, ProfileKind, Raw, ReadOptions};
+use crate::error::{InputError, Result};
+use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
+use crate::units::MILLIMETRE;
+
+/// Extent of a profile, m: from part of a head to a whole wheel.
+const EXTENT: std::ops::RangeInclusive<f64> = 0.02..=0.4;
+/// A point further than this from the middle of the profile is none of it, m.
+const FAR_OFF: f64 = 0.25;
+/// Largest share of such points that are dropped.
+const MOST_FAR_OFF: f64 = 0.05;
+/// Where the tip of a flange is expected, m from the tape circle.
+const TIP: std::ops::RangeInclusive<f64> = -0.070..=-0.040;
+/// A tread further than this from the origin at the tape circle is moved there, m.
+const ORIGIN: f64 = 5.0 * MILLIMETRE;
+/// A tread nearer than this to the origin needs no remark, m.
+const AT_ORIGIN: f64 = 0.5 * MILLIMETRE;
+
+/// Turns raw rows into a profile.
+pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<MeasuredProfile> {
+    if raw.points.len() < 4 {
+        let line = raw.points.last().map_or(1, |p| p.line);
+        let count = format!("{} points", raw.points.len());
+        return Err(error_at(name, line, 1, &count, "at least 4 points", "give the whole profile"));
+    }
+    scale(name, &mut raw, options)?;
+    drop_far_off(name, &mut raw)?;
+    let kind = recognise(name, &mut raw, options)?;
+    turn_over(kind, &mut raw, options);
+    put_in_order(kind, &mut raw);
+    if kind == ProfileKind::Wheel {
+        place_wheel(&mut raw);
+    }
+    let Raw { format, points, findings, .. } = raw;
+    Ok(MeasuredProfile { name: name.to_owned(), format, kind, points, findings })
+}
+
+/// Extents in y and z without the outermost 2 % of the points on either side.
+fn extent(points: &[MeasuredPoint]) -> f64 {
+    let spread = |mut values: Vec<f64>| {
+        values.sort_unstable_by(f64::total_cmp);
+        let cut = values.len() / 50;
+        values[values.len() - 1 - cut] - values[cut]
+    };
+    let y = spread(points.iter().map(|p| p.point.x).collect());
+    let z = spread(points.iter().map(|p| p.point.y).collect());
+    y.hypot(z)
+}
+
+fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
+    let extent = extent(&raw.points);
+    let lines = (raw.points[0].line, raw.points[raw.points.len() - 1].line);
+    let wrong = |line: usize, remedy: &str| {
+        error_at(name, line, 1, &format!("{extent:.4} units across"), "a profile 20 to 400 mm across", remedy)
+    };
+    let unit = match (options.unit, raw.unit) {
+        (Some(unit), _) => {
+            if !EXTENT.contains(&(unit * extent)) {
+                return Err(wrong(lines.0, "give the unit in which the file is written"));
+            }
+            unit
+        }
+        (None, Some((unit, line))) => {
+            if !EXTENT.contains(&(unit * extent)) {
+                let stated = if line == 0 { lines.0 } else { line };
+                return Err(wrong(stated, "the unit of the file does not fit its numbers: give the right unit"));
+            }
+            unit
+        }
+        (None, None) => {
+            let fits: Vec<(f64, &str)> = [(MILLIMETRE, "mm"), (1.0, "m")]
+                .into_iter()
+                .filter(|(unit, _)| EXTENT.contains(&(unit * extent)))
+                .collect();
+            let [(unit, unit_name)] = fits[..] else {
+                return Err(wrong(lines.0, "the unit is neither mm nor m: give it"));
+            };
+            let text = format!("the profile is {extent:.3} {unit_name} across, so the unit is {unit_name}");
+            raw.findings.push(
+                Finding::new(FindingKind::Unit, Action::Noted, text)
+                    .on_lines(lines.0, lines.1)
+                    .with_value(extent, unit_name),
+            );
+            unit
+        }
+    };
+    // Dividing by the units a metre rounds once only: 14.3 mm becomes the number nearest to 0.0143 m.
+    let per_metre = (1.0 / unit).round();
+    let exact = unit < 1.0 && (per_metre * unit - 1.0).abs() < 1e-12;
+    raw.points.iter_mut().for_each(|p| if exact { p.point /= per_metre } else { p.point *= unit });
+    Ok(())
+}
+
+fn drop_far_off(name: &str, raw: &mut Raw) -> Result<()> {
+    let median = |mut values: Vec<f64>| {
+        values.sort_unstable_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    let y = median(raw.points.iter().map(|p| p.point.x).collect());
+    let z = median(raw.points.iter().map(|p| p.point.y).collect());
+    let distance = |p: &MeasuredPoint| (p.point.x - y).hypot(p.point.y - z);
+    let far = raw.points.iter().filter(|p| distance(p) > FAR_OFF).count();
+    if far == 0 {
+        return Ok(());
+    }
+    if far as f64 > MOST_FAR_OFF * raw.points.len() as f64 {
+        let first = raw.points.iter().find(|p| distance(p) > FAR_OFF).map_or(1, |p| p.line);
+        let value = format!("{far} points");
+        return Err(error_at(
+            name, first, 1, &value, "points within 250 mm of the profile's middle", "give a single profile",
+        ));
+    }
+    let mut spikes = Findings::new(&mut raw.findings, FindingKind::Spike);
+    for p in raw.points.iter().filter(|p| distance(p) > FAR_OFF) {
+        spikes.add((p.line, p.line), (distance(p) / MILLIMETRE, "mm"), Action::Mended, "far off the profile: dropped");
+    }
+    drop(spikes);
+    raw.points.retain(|p| distance(p) <= FAR_OFF);
+    if raw.points.len() < 4 {
+        return Err(error_at(name, 1, 1, "", "at least 4 points", "give the whole profile"));
+    }
+    Ok(())
+}
+
+fn recognise(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<ProfileKind> {
+    let seen = Shape::of(&raw.points).and_then(|shape| shape.kind());
+    let said = options.kind.or(raw.kind);
+    if let (Some(said), Some(seen)) = (said, seen)
+        && said != seen
+    {
+        let text = format!("given as a {}, but it has the shape of a {}", said.name(), seen.name());
+        raw.findings.push(Finding::new(FindingKind::Shape, Action::Left, text));
+    }
+    said.or(seen).ok_or_else(|| {
+        InputError::new(
+            name,
+            "a profile that may be a wheel or a rail",
+            "a file that says which, or the shape of a whole wheel or rail head",
+            "say whether it is a wheel or a rail",
+        )
+        .into()
+    })
+}
+
+fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
+    let shape = Shape::of(&raw.points);
+    let upside_down = shape.and_then(|shape| shape.upside_down(kind));
+    let flange_wrong = match kind {
+        ProfileKind::Rail => None,
+        ProfileKind::Wheel => shape.and_then(|shape| shape.flange_at_large_y()),
+    };
+    let stated = raw.convention == Convention::Stated;
+    let miniprof = raw.convention == Convention::MiniProf;
+    let mirror_y = match (stated, options.mirror_y, kind) {
+        (true, ..) => false,
+        (_, Some(mirror), _) => mirror,
+        (_, _, ProfileKind::Rail) => miniprof,
+        (_, _, ProfileKind::Wheel) => flange_wrong.unwrap_or(false),
+    };
+    let mirror_z = match (stated, options.mirror_z) {
+        (true, _) => false,
+        (_, Some(mirror)) => mirror,
+        _ => upside_down.unwrap_or(miniprof && kind == ProfileKind::Rail),
+    };
+    let mut note = |kind, action, text: &str| raw.findings.push(Finding::new(kind, action, text));
+    if mirror_y {
+        let why = match kind {
+            ProfileKind::Rail if options.mirror_y.is_none() => {
+                "y of a MiniProf rail counts towards the track centre: turned over"
+            }
+            _ if options.mirror_y.is_some() => "y turned over as asked for",
+            _ => "the flange is at the end of large y: turned over",
+        };
+        note(FindingKind::Mirrored, Action::Mended, why);
+    } else if flange_wrong == Some(true) {
+        note(
+            FindingKind::Mirrored,
+            Action::Left,
+            if stated {
+                "the flange is at the field side, as the header has it: check mirror.y"
+            } else {
+                "the flange is at the field side, as asked for"
+            },
+        );
+    }
+    if mirror_z {
+        let why = if options.mirror_z.is_some() { "z turned over as asked for" } else { "z counts upwards: turned over" };
+        note(FindingKind::UpsideDown, Action::Mended, why);
+    } else if upside_down == Some(true) {
+        note(
+            FindingKind::UpsideDown,
+            Action::Left,
+            if stated { "upside down, as the header has it: check mirror.z" } else { "upside down, as asked for" },
+        );
+    } else if upside_down.is_none() {
+        note(FindingKind::UpsideDown, Action::Left, "the shape does not tell which side is up: z is taken as it stands");
+    }
+    for p in &mut raw.points {
+        if mirror_y {
+            p.point.x = -p.point.x;
+        }
+        if mirror_z {
+            p.point.y = -p.point.y;
+        }
+    }
+}
+
+/// Lets the points run from small to large y.
+fn put_in_order(kind: ProfileKind, raw: &mut Raw) {
+    let tenth = raw.points.len().div_ceil(10);
+    let mean = |part: &[MeasuredPoint]| part.iter().map(|p| p.point.x).sum::<f64>() / part.len() as f64;
+    let (start, end) = (mean(&raw.points[..tenth]), mean(&raw.points[raw.points.len() - tenth..]));
+    if end < start {
+        raw.points.reverse();
+        // The wheels of Simpack files run from the field side by convention.
+        if raw.convention != Convention::Stated || kind == ProfileKind::Rail {
+            let text = "the points run towards the track centre: order reversed";
+            raw.findings.push(Finding::new(FindingKind::Reversed, Action::Mended, text));
+        }
+    }
+}
+
+/// Puts the origin of a wheel at the tape circle.
+fn place_wheel(raw: &mut Raw) {
+    let tip = |points: &[MeasuredPoint]| {
+        points.iter().max_by(|a, b| a.point.y.total_cmp(&b.point.y)).map_or(0.0, |p| p.point.x)
+    };
+    let least_y = raw.points.iter().map(|p| p.point.x).fold(f64::INFINITY, f64::min);
+    let from_back = raw.convention == Convention::MiniProf || raw.convention == Convention::Free;
+    if from_back && !TIP.contains(&tip(&raw.points)) && (-0.02..0.02).contains(&least_y) {
+        raw.points.iter_mut().for_each(|p| p.point.x -= TAPE_CIRCLE_FROM_FLANGE_BACK);
+        let text = "y counts from the flange back: 70 mm subtracted";
+        raw.findings.push(Finding::new(FindingKind::Origin, Action::Mended, text).with_value(-70.0, "mm"));
+    }
+    let at = tip(&raw.points);
+    if !TIP.contains(&at) {
+        let text = "the flange tip is expected 40 to 70 mm from the tape circle: check the origin of y";
+        raw.findings.push(Finding::new(FindingKind::Origin, Action::Left, text).with_value(at / MILLIMETRE, "mm"));
+    }
+    let crossing = raw.points.windows(2).find(|pair| pair[0].point.x <= 0.0 && pair[1].point.x > 0.0);
+    let Some([a, b]) = crossing.map(|pair| [pair[0].point, pair[1].point]) else {
+        return;
+    };
+    let height = a.y + (b.y - a.y) * (0.0 - a.x) / (b.x - a.x);
+    let finding = |action, text| {
+        Finding::new(FindingKind::Origin, action, text).with_value(height / MILLIMETRE, "mm")
+    };
+    if height.abs() > ORIGIN && from_back {
+        raw.points.iter_mut().for_each(|p| p.point.y -= height);
+        raw.findings.push(finding(Action::Mended, "height of the tread at the tape circle: moved to 0"));
+    } else if height.abs() > ORIGIN {
+        raw.findings.push(finding(Action::Left, "height of the tread at the tape circle: check the origin of z"));
+    } else if height.abs() > AT_ORIGIN {
+        let text = "height of the tread at the tape circle: kept, the rolling radius there differs from the nominal";
+        raw.findings.push(finding(Action::Noted, text));
+    }
+}

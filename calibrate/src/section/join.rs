@@ -1,0 +1,201 @@
+//! A measured running surface on a standard body.
+
+use nalgebra::{Point2, Vector2};
+
+use crate::error::{InputError, Result};
+use crate::profile::{Piece, ProfileCurve};
+use crate::profile_file::{Action, Finding, FindingKind};
+use crate::units::MILLIMETRE;
+
+/// Least length over which a measured surface passes into the standard one, m.
+const LEAST_BLEND: f64 = 3.0 * MILLIMETRE;
+/// Greatest such length, m.
+const GREATEST_BLEND: f64 = 15.0 * MILLIMETRE;
+/// Length of the transition as a multiple of the distance to be bridged.
+const BLEND_TO_OFFSET: f64 = 8.0;
+/// Greatest distance of a measured end from the standard surface, m.
+const GREATEST_OFFSET: f64 = 5.0 * MILLIMETRE;
+/// Greatest angle between the two surfaces at a measured end, degrees.
+const GREATEST_TURN: f64 = 30.0;
+/// Distance of the samples of the transition and of the standard surface, m.
+const STEP: f64 = 0.2 * MILLIMETRE;
+/// A knot this near to a cut is left out, m.
+const NEAR_CUT: f64 = 0.02 * MILLIMETRE;
+
+/// One end of the join: arc lengths at which the standard surface ends and the measured one begins.
+struct Seam {
+    standard: f64,
+    measured: f64,
+    offset: f64,
+}
+
+/// The measured curve with the standard one beyond its ends, joined with continuous tangents. The ends are those
+/// of the standard curve. Where the measured curve reaches the standard's end or goes beyond, it is cut off before.
+///
+/// # Errors
+/// [`InputError`] with the key `key` if the ends of the measured curve do not lie near the standard one.
+pub(super) fn join(
+    standard: &ProfileCurve,
+    measured: &ProfileCurve,
+    key: &str,
+    findings: &mut Vec<Finding>,
+) -> Result<ProfileCurve> {
+    let start = seam(standard, measured, Side::Start, key)?;
+    let end = seam(standard, measured, Side::End, key)?;
+    if end.measured - start.measured < 2.0 * LEAST_BLEND || end.standard <= start.standard {
+        return Err(InputError::new(
+            key,
+            format!("{:.2} mm on the standard surface", (end.measured - start.measured).max(0.0) / MILLIMETRE),
+            "a measured surface that covers the standard's contact range",
+            "check that the profile is in the frame of the standard section, or have it aligned",
+        )
+        .into());
+    }
+    for (seam, side) in [(&start, Side::Start), (&end, Side::End)] {
+        let at = standard.point(seam.standard);
+        let text = format!(
+            "{} joined to the standard surface at y = {:.3}, z = {:.3} mm; distance bridged with continuous tangent",
+            side.name(),
+            at.x / MILLIMETRE,
+            at.y / MILLIMETRE
+        );
+        findings.push(
+            Finding::new(FindingKind::Joined, Action::Noted, text)
+                .with_value(seam.offset / (1e-3 * MILLIMETRE), "\u{b5}m"),
+        );
+    }
+    let mut pieces = part(standard, 0.0, start.standard, Samples::Even);
+    let into = (standard.point(start.standard), direction(standard, start.standard, Side::End));
+    let out = (measured.point(start.measured), direction(measured, start.measured, Side::Start));
+    pieces.push(transition(into, out));
+    pieces.extend(part(measured, start.measured, end.measured, Samples::Knots));
+    let into = (measured.point(end.measured), direction(measured, end.measured, Side::End));
+    let out = (standard.point(end.standard), direction(standard, end.standard, Side::Start));
+    pieces.push(transition(into, out));
+    pieces.extend(part(standard, end.standard, standard.length(), Samples::Even));
+    Ok(ProfileCurve::from_pieces(pieces))
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Start,
+    End,
+}
+
+impl Side {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Start => "measured start",
+            Self::End => "measured end",
+        }
+    }
+}
+
+/// Where the standard surface is left (or reached again) and where the measured one begins (or ends).
+fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, key: &str) -> Result<Seam> {
+    // Arc lengths counted from the end in question, inwards.
+    let from = |curve: &ProfileCurve, inwards: f64| match side {
+        Side::Start => inwards,
+        Side::End => curve.length() - inwards,
+    };
+    let inwards = |curve: &ProfileCurve, s: f64| from(curve, s);
+    let end = measured.point(from(measured, 0.0));
+    let (s, offset) = standard.closest(&end);
+    let reach = inwards(standard, s);
+    let blend = |offset: f64| (BLEND_TO_OFFSET * offset).clamp(LEAST_BLEND, GREATEST_BLEND);
+    let mut found = Seam { standard: 0.0, measured: 0.0, offset };
+    if reach > blend(offset) {
+        found.standard = from(standard, reach - blend(offset));
+        found.measured = from(measured, 0.0);
+    } else {
+        // The measured curve runs to the end of the standard one: cut it off where the transition begins. Its
+        // offset there sets the length, so look twice.
+        let mut length = LEAST_BLEND;
+        for _ in 0..2 {
+            let (cut, distance) = measured.closest(&standard.point(from(standard, length)));
+            found = Seam { standard: from(standard, 0.0), measured: cut, offset: distance };
+            length = blend(distance);
+        }
+    }
+    let at_standard = standard.closest(&measured.point(found.measured)).0;
+    let turn = standard.tangent(at_standard).angle(&direction(measured, found.measured, side)).to_degrees();
+    if found.offset > GREATEST_OFFSET || turn > GREATEST_TURN {
+        let p = measured.point(found.measured);
+        return Err(InputError::new(
+            key,
+            format!(
+                "{} (y {:.2} mm, z {:.2} mm), {:.2} mm off the standard surface and turned by {turn:.1} degrees",
+                side.name(),
+                p.x / MILLIMETRE,
+                p.y / MILLIMETRE,
+                found.offset / MILLIMETRE,
+            ),
+            format!("at most {} mm and {GREATEST_TURN} degrees", GREATEST_OFFSET / MILLIMETRE),
+            "check the standard, and that the profile is in its frame, or have it aligned",
+        )
+        .into());
+    }
+    Ok(found)
+}
+
+/// Unit tangent at `s`, at a breakpoint that of the side on which the curve goes on.
+fn direction(curve: &ProfileCurve, s: f64, side: Side) -> Vector2<f64> {
+    const INSIDE: f64 = 1e-9;
+    match side {
+        Side::Start => curve.tangent(s),
+        Side::End => curve.tangent(s - INSIDE),
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Samples {
+    /// Evenly spaced points.
+    Even,
+    /// The knots of the curve itself.
+    Knots,
+}
+
+/// Pieces of a curve between two arc lengths, divided at its breakpoints.
+fn part(curve: &ProfileCurve, from: f64, to: f64, samples: Samples) -> Vec<Piece> {
+    let inside = |s: &f64| *s > from + NEAR_CUT && *s < to - NEAR_CUT;
+    let mut ends = vec![from];
+    ends.extend(curve.breakpoints().into_iter().filter(inside));
+    ends.push(to);
+    let own: Vec<f64> = match samples {
+        Samples::Even => Vec::new(),
+        Samples::Knots => curve.knots().to_vec(),
+    };
+    let mut pieces = Vec::new();
+    for pair in ends.windows(2).filter(|pair| pair[1] > pair[0]) {
+        let (s0, s1) = (pair[0], pair[1]);
+        let inner: Vec<f64> = match samples {
+            Samples::Even => {
+                let count = ((s1 - s0) / STEP).ceil().max(1.0) as usize;
+                (1..count).map(|i| s0 + (s1 - s0) * i as f64 / count as f64).collect()
+            }
+            Samples::Knots => {
+                own.iter().copied().filter(|s| *s > s0 + NEAR_CUT && *s < s1 - NEAR_CUT).collect()
+            }
+        };
+        let points = std::iter::once(s0).chain(inner).chain(std::iter::once(s1)).map(|s| curve.point(s)).collect();
+        let tangents = [direction(curve, s0, Side::Start), direction(curve, s1, Side::End)];
+        pieces.push(Piece { points, end_tangents: Some(tangents) });
+    }
+    pieces
+}
+
+/// A cubic from one point and direction to another.
+fn transition(into: (Point2<f64>, Vector2<f64>), out: (Point2<f64>, Vector2<f64>)) -> Piece {
+    let chord = out.0 - into.0;
+    let length = chord.norm();
+    let at = |t: f64| {
+        let (t2, t3) = (t * t, t * t * t);
+        into.0
+            + length * (t3 - 2.0 * t2 + t) * into.1
+            + (3.0 * t2 - 2.0 * t3) * chord
+            + length * (t3 - t2) * out.1
+    };
+    let count = (length / STEP).ceil().max(4.0) as usize;
+    let points = (0..=count).map(|i| at(i as f64 / count as f64)).collect();
+    Piece { points, end_tangents: Some([into.1, out.1]) }
+}
