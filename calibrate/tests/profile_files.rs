@@ -174,7 +174,7 @@ fn an_unworn_surface_joins_without_a_trace() {
     let joined = rail_section_with_head("60E1", &prepared(&head).curve, &mut findings).unwrap();
     let found = deviation(joined.running.sample(0.1 * MM).iter(), &rail.running);
     assert!(found < DISCRETISATION, "{found}");
-    assert!((joined.properties.area / rail.properties.area - 1.0).abs() < 1e-7);
+    assert!((joined.area.area / rail.area.area - 1.0).abs() < 1e-7);
     assert_eq!(findings.iter().filter(|f| f.kind == FindingKind::Joined).count(), 2);
     assert!(joined.running.kinks().is_empty());
 
@@ -184,8 +184,12 @@ fn an_unworn_surface_joins_without_a_trace() {
         if cut {
             profile.points.retain(|p| (-66.0 * MM..55.0 * MM).contains(&p.point.x));
         }
-        let joined =
-            wheel_section_with_profile("S1002", 0.858, &prepared(&profile).curve, &mut findings).unwrap();
+        let joined = wheel_section_with_profile(
+            wheel_section("S1002", 0.858).unwrap(),
+            &prepared(&profile).curve,
+            &mut findings,
+        )
+        .unwrap();
         let found = deviation(joined.running.sample(0.1 * MM).iter(), &wheel.running);
         assert!(found < DISCRETISATION, "{found}");
     }
@@ -207,7 +211,7 @@ fn worn_surfaces_make_sections_that_can_be_meshed() {
     assert!(section.running.kinks().is_empty(), "{:?}", section.running.kinks());
     // ∫ 3 mm (1 - (y/34)²)² dy = 3 · 68 · 8/15 mm².
     let lost = 3.0 * 68.0 * 8.0 / 15.0 * MM * MM;
-    let difference = rail.properties.area - section.properties.area;
+    let difference = rail.area.area - section.area.area;
     assert!((difference / lost - 1.0).abs() < 1e-3, "{difference}");
     let placed = place_rail(&section, &TrackGeometry::standard()).unwrap();
     let mesh = mesh_rail(&section, &placed, 0.555, &MeshOptions::default()).unwrap();
@@ -221,8 +225,12 @@ fn worn_surfaces_make_sections_that_can_be_meshed() {
         Point2::new(p.x, p.y - 2.0 * MM * t * t)
     };
     let profile = measured(&wheel.running, ProfileKind::Wheel, hollow);
-    let section =
-        wheel_section_with_profile("S1002", 0.858, &prepared(&profile).curve, &mut findings).unwrap();
+    let section = wheel_section_with_profile(
+        wheel_section("S1002", 0.858).unwrap(),
+        &prepared(&profile).curve,
+        &mut findings,
+    )
+    .unwrap();
     let mesh = mesh_wheel(&section, &MeshOptions::default()).unwrap();
     let q = quality(&mesh).unwrap();
     println!("worn wheel: smallest scaled Jacobian {:.3}", q.min_scaled_jacobian);

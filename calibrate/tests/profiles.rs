@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use nalgebra::{Point2, Rotation2, Vector2};
 use railspring_calibrate::error::Error;
 use railspring_calibrate::profile::rails::{RAIL_NAMES, rail_outline, running_curve};
-use railspring_calibrate::profile::wheels::wheel_profile;
+use railspring_calibrate::profile::wheels::{Flange, wheel_profile, wheel_profile_with_flange};
 use railspring_calibrate::profile::{ProfileCurve, Segment};
 
 /// ROUNDOFF: some hundred operations on coordinates below 1 m.
@@ -246,7 +246,13 @@ fn rail_outlines_are_closed_and_tangential() {
 /// UIC60 head that of its published joint (1e-5 mm in y, times the slope changes along the chain).
 #[test]
 fn rail_outlines_meet_the_independent_construction() {
-    for (name, file, model) in [("60E1", "60E1", 1e-9), ("UIC60", "UIC60headvariant_on_60E1", 20e-9)] {
+    let rails = [
+        ("60E1", "60E1", 1e-9, 19),
+        ("UIC60", "UIC60headvariant_on_60E1", 20e-9, 19),
+        ("60E2", "60E2", 1e-9, 20),
+        ("54E1", "54E1", 1e-9, 16),
+    ];
+    for (name, file, model, joints) in rails {
         let Some(table) = facts(&format!("geometry/rail_{file}_half_segments.csv")) else { return };
         let outline = rail_outline(name).unwrap();
         let ends: Vec<_> = outline.running.iter().chain(&outline.rest).map(Segment::end).collect();
@@ -263,7 +269,7 @@ fn rail_outlines_meet_the_independent_construction() {
             assert!(nearest < model, "{name} {}: {:e} m", column[1], nearest);
             compared += 1;
         }
-        assert_eq!(compared, 19);
+        assert_eq!(compared, joints, "{name}");
     }
 }
 
@@ -330,4 +336,84 @@ fn s1002_is_smooth_and_has_its_features() {
         -wheel.tangent(wheel.s_at_y(-39e-3).unwrap()).y.atan2(wheel.tangent(wheel.s_at_y(-39e-3).unwrap()).x);
     assert!((angle.to_degrees() - 70.0).abs() < 1e-4, "{angle}");
     assert!(wheel_profile("s1002").unwrap_err().to_string().contains("wheel.profile"));
+}
+
+/// Source: the construction points of EN 13715:2020 for h = 28, 30, 32 (`geometry/en13715_flange_points.csv`, mm).
+/// Goal: the solved tangencies. Accuracy (MODEL): the source's points are tangent to 0.003 mm, at h = 32 to 0.007 mm.
+#[test]
+fn flanges_pass_the_published_construction_points() {
+    let Some(table) = facts("geometry/en13715_flange_points.csv") else { return };
+    let mut compared = 0;
+    for row in table.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit())) {
+        let column: Vec<&str> = row.split(',').collect();
+        // Centres do not lie on the profile.
+        if !["H2", "H1", "G1", "F1", "E1", "D1"].contains(&column[1]) {
+            continue;
+        }
+        let value = |i: usize| 1e-3 * column[i].parse::<f64>().unwrap();
+        let model = if column[0] == "32" { 7e-6 } else { 3e-6 };
+        for thickness in [32.5e-3, 30e-3, 33e-3] {
+            let wheel =
+                wheel_profile_with_flange("EN13715-1in40", &Flange { height: value(0), thickness }).unwrap();
+            let shifted = !column[1].starts_with('H');
+            let y = value(2) + if shifted { thickness - 32.5e-3 } else { 0.0 };
+            let off = wheel.closest(&Point2::new(y, value(3))).1;
+            assert!(off < model, "h {} e {thickness} {}: {off:e} m", column[0], column[1]);
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 3 * 6 * 3);
+}
+
+/// Source: the 1/40 profile from the standard's rounded joints, `geometry/en13715_1in40_points.csv` (mm). Accuracy
+/// (MODEL): its joints are rounded to 0.001 mm and jump by up to 0.0015 mm.
+#[test]
+fn cone_1_in_40_meets_the_published_points() {
+    const MODEL: f64 = 2e-6;
+    let Some(table) = facts("geometry/en13715_1in40_points.csv") else { return };
+    let wheel = wheel_profile("EN13715-1in40").unwrap();
+    let mut compared = 0;
+    for row in table.lines().filter(|l| l.starts_with(|c: char| c == '-' || c.is_ascii_digit())) {
+        let (y, z) = row.split_once(',').unwrap();
+        let (y, z): (f64, f64) = (y.parse().unwrap(), z.parse().unwrap());
+        if y > 60.0 {
+            continue;
+        }
+        let off = wheel.closest(&Point2::new(1e-3 * y, 1e-3 * z)).1;
+        assert!(off < MODEL, "y = {y}: {off:e} m");
+        compared += 1;
+    }
+    assert!(compared > 600, "{compared}");
+    // The kink to the outer slope is the standard's.
+    assert_eq!(wheel.kinks().len(), 1);
+    assert!((wheel.point(wheel.kinks()[0]) - Point2::new(35e-3, -0.875e-3)).norm() < ROUNDOFF);
+}
+
+/// The other heights of S1002 keep its tread, bit for bit up to the arc length, and have the height asked for; the
+/// nominal flange solved for agrees with the published one to its digits.
+#[test]
+fn s1002_has_the_heights_of_the_standard() {
+    let nominal = wheel_profile("S1002").unwrap();
+    for height in [28e-3, 30e-3, 32e-3] {
+        let wheel = wheel_profile_with_flange("S1002", &Flange { height, ..Flange::default() }).unwrap();
+        let tip = wheel.sample(1e-5).iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
+        assert!((tip - height).abs() < 5e-9, "{height}: {tip}");
+        assert!(wheel.kinks().is_empty());
+        for y in [-36e-3, -20e-3, 0.0, 40e-3] {
+            let [a, b] = [&nominal, &wheel].map(|w| w.point(w.s_at_y(y).unwrap()));
+            assert!((a - b).norm() < DISCRETISATION, "{height} {y}");
+        }
+    }
+    let solved = wheel_profile("EN13715-1in40").unwrap();
+    for s in spread(300).map(|t| t * nominal.s_at_y(-38.4e-3).unwrap()) {
+        // MODEL: the published centres and joints have six to nine decimals of a mm.
+        assert!(solved.closest(&nominal.point(s)).1 < 1e-9, "{s}");
+    }
+    let refused = |name: &str, height: f64, thickness: f64| {
+        wheel_profile_with_flange(name, &Flange { height, thickness }).unwrap_err().to_string()
+    };
+    assert!(refused("S1002", 28e-3, 30e-3).contains("wheel.flange_thickness_mm"));
+    assert!(refused("EN13715-1in40", 28e-3, 27e-3).contains("wheel.flange_thickness_mm"));
+    assert!(refused("EN13715-1in40", 29e-3, f64::NAN).contains("wheel.flange_thickness_mm"));
+    assert!(refused("EN13715-1in40", 29e-3, 30e-3).contains("wheel.flange_height_mm"));
 }

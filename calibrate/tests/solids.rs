@@ -5,6 +5,7 @@ use railspring_calibrate::analytic::beam::Bending;
 use railspring_calibrate::mesh::{BlockOptions, MeshOptions, mesh_block, mesh_rail};
 use railspring_calibrate::placement::{TrackGeometry, place_rail};
 use railspring_calibrate::section::rail_section;
+use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
 
@@ -113,12 +114,12 @@ fn sag_over_timoshenko(length: f64) -> f64 {
     unit.iter_mut().skip(2).step_by(3).for_each(|u| *u = 9.81);
     let forces = system.nodal_mass().times(&unit);
     let u = Superelement::new(system).unwrap().solve(&forces);
-    let centroid = section.height - section.properties.centroid_height;
+    let centroid = section.height - section.area.centroid_height;
     let near: Vec<usize> = (0..mesh.nodes.len())
         .filter(|&n| mesh.nodes[n].x.abs() < 1e-9 && (mesh.nodes[n].z - centroid).abs() < 8e-3)
         .collect();
     let measured = near.iter().map(|&n| u[3 * n + 2]).sum::<f64>() / near.len() as f64;
-    let p = &section.properties;
+    let p = rail_properties(&section).unwrap();
     let q = material.density * p.area * 9.81;
     let shear = p.shear_coefficient_vertical * material.shear_modulus() * p.area;
     let exact = q * length.powi(4) / (384.0 * material.young * p.ixx) + q * length.powi(2) / (8.0 * shear);

@@ -5,7 +5,7 @@ use nalgebra::{
 };
 
 use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason};
-use railspring_calibrate::section::SectionProperties;
+use railspring_calibrate::section_analysis::SectionProperties;
 
 use super::element::BeamElement;
 use super::section::{BeamSection, Torsion};

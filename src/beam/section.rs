@@ -2,7 +2,7 @@
 
 use railspring_calibrate::analytic::beam::restrained_warping_factor;
 use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::section::SectionProperties;
+use railspring_calibrate::section_analysis::SectionProperties;
 use railspring_calibrate::solid::Material;
 
 /// How the beam resists torsion.

@@ -1,7 +1,9 @@
 //! The command line: arguments, messages and exit codes.
 
+mod contact;
 mod profile;
 mod progress;
+mod shapes;
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -10,7 +10,8 @@ use railspring_calibrate::profile_file::{
 };
 use railspring_calibrate::units::MILLIMETRE;
 
-use super::say;
+use super::contact::{ContactArgs, contact};
+use super::{say, shapes};
 
 /// What can be done with a profile.
 #[derive(Debug, Subcommand)]
@@ -30,6 +31,25 @@ pub(super) enum ProfileCommand {
         #[arg(long, conflicts_with = "smooth_mm")]
         raw: bool,
     },
+    /// List the standard rails and wheels
+    List,
+    /// Print the numbers of a standard profile or of a profile file
+    Show {
+        /// Name of a standard, or a file
+        #[arg(value_name = "PROFILE")]
+        profile: String,
+    },
+    /// Draw profiles and their curvature
+    Plot {
+        /// Names of standards, or files
+        #[arg(value_name = "PROFILE", required = true)]
+        profiles: Vec<String>,
+        /// Figure to write
+        #[arg(short, long, value_name = "SVG", default_value = "profile.svg")]
+        output: PathBuf,
+    },
+    /// Find the contact points over the lateral shift, the rolling-radius difference and the equivalent conicity
+    Contact(ContactArgs),
 }
 
 /// A profile file and what is known about it.
@@ -109,6 +129,13 @@ impl FileArgs {
 /// Files that cannot be read, understood or written.
 pub(super) fn run(command: &ProfileCommand) -> Result<bool, Error> {
     match command {
+        ProfileCommand::List => {
+            shapes::list();
+            Ok(true)
+        }
+        ProfileCommand::Show { profile } => shapes::show(profile).map(|()| true),
+        ProfileCommand::Plot { profiles, output } => shapes::plot(profiles, output).map(|()| true),
+        ProfileCommand::Contact(args) => contact(args).map(|()| true),
         ProfileCommand::Check(file) => check(file),
         ProfileCommand::Convert { file, out, raw } => convert(file, out, *raw),
     }

@@ -3,9 +3,9 @@
 //! Everything the page shows comes in through [`ReportData`]; nothing is
 //! computed here but what a picture or a table needs.
 
-mod plot;
+pub mod plot;
 mod legend;
-mod panel;
+pub mod panel;
 mod tables;
 mod figures;
 mod positions;

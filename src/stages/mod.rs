@@ -21,6 +21,7 @@ use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
 use railspring_calibrate::section::{RailSection, WheelSection};
+use railspring_calibrate::section_analysis::{SectionProperties, rail_properties};
 use railspring_calibrate::solid::Formulation;
 
 use crate::beam::{RailBeam, Torsion};
@@ -32,6 +33,8 @@ use crate::study::{ElementKey, EnforcementKey, Study};
 pub struct Geometry {
     /// Section of the rail, in its profile frame.
     pub rail: RailSection,
+    /// The rail as a beam.
+    pub properties: SectionProperties,
     /// Section of the wheel, in its profile frame.
     pub wheel: WheelSection,
     /// The rail in the track.
@@ -62,7 +65,7 @@ impl Geometry {
 
     /// World position (y, z) at which the beam's node line, the line of shear centres, passes, m.
     pub fn node_line(&self) -> Point2<f64> {
-        self.placed.to_world(&Point2::new(0.0, self.rail.height - self.rail.properties.shear_centre_height))
+        self.placed.to_world(&Point2::new(0.0, self.rail.height - self.properties.shear_centre_height))
     }
 
     /// Relative radii of curvature along the track and across at the first touch, m.
@@ -109,8 +112,9 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
     };
     let placed = place_rail(&rail, &track)?;
     let touch = touch(&placed, &wheel.running, track.tape_y())?;
+    let properties = rail_properties(&rail)?;
     let beam = RailBeam::rail(
-        &rail.properties,
+        &properties,
         &study.material,
         study.rail.length,
         study.simulation.rail_elements,
@@ -118,7 +122,7 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
         Torsion::RestrainedWarping,
     )?;
     let profiles = rail_profile.into_iter().chain(wheel_profile).collect();
-    Ok(Geometry { rail, wheel, placed, tape_y: track.tape_y(), touch, beam, profiles })
+    Ok(Geometry { rail, properties, wheel, placed, tape_y: track.tape_y(), touch, beam, profiles })
 }
 
 /// Meshes of both bodies.

@@ -2,11 +2,12 @@
 
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::profile_file::{
     Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, ProfileKind, ReadOptions, parse, prepare,
 };
 use railspring_calibrate::section::{
-    RailSection, WheelSection, align_rail, rail_section, rail_section_with_head, wheel_section,
+    RailSection, WheelSection, align_rail, rail_section, rail_section_with_head, wheel_section_on,
     wheel_section_with_profile,
 };
 use railspring_calibrate::units::MILLIMETRE;
@@ -51,13 +52,16 @@ pub(super) fn rail(study: &Study) -> Result<(RailSection, Option<ProfileRecord>)
 
 /// Section of the wheel, and the record of its measured profile.
 pub(super) fn wheel(study: &Study) -> Result<(WheelSection, Option<ProfileRecord>)> {
-    let (standard, diameter) = (&study.wheel.profile, study.wheel.tape_diameter);
-    let Some(measured) = &study.wheel.measured else {
-        return Ok((wheel_section(standard, diameter)?, None));
+    let keys = &study.wheel;
+    let standard = &keys.profile;
+    let nominal = wheel_profile_with_flange(standard, &keys.flange)
+        .and_then(|running| wheel_section_on(running, standard, keys.tape_diameter, &keys.body));
+    let Some(measured) = &keys.measured else {
+        return Ok((nominal?, None));
     };
+    let nominal = nominal.map_err(|error| standard_key(error, "wheel"))?;
     let (profile, curve, mut findings) = curve_of(measured, ProfileKind::Wheel)?;
-    let section = wheel_section_with_profile(standard, diameter, &curve, &mut findings)
-        .map_err(|error| standard_key(error, "wheel"))?;
+    let section = wheel_section_with_profile(nominal, &curve, &mut findings)?;
     Ok((section, Some(record("wheel", measured, standard, &profile, &findings))))
 }
 
@@ -126,7 +130,7 @@ mod tests {
         assert_eq!(geometry.profiles.len(), 2);
         assert!(geometry.profiles.iter().flat_map(|p| &p.findings).all(|f| f.action != "left"));
         // Worn off: the crown's 1.5 mm, of which 8/15 over 68 mm, and a little of the gauge corner.
-        let area = geometry.rail.properties.area;
+        let area = geometry.rail.area.area;
         assert!((76.70e-4 - 0.65e-4..76.70e-4 - 0.54e-4).contains(&area), "{area}");
     }
 }

@@ -102,7 +102,7 @@ fn default_rail_length() -> f64 {
     0.555
 }
 
-/// The wheel: its standard running profile on a generic straight-web body.
+/// The wheel: its running profile, its flange and its generic body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WheelKeys {
@@ -126,10 +126,64 @@ pub struct WheelKeys {
     #[serde(default = "default_tape_diameter")]
     #[schemars(range(min = 0.3, max = 1.5))]
     pub tape_diameter_m: f64,
+    /// Height of the flange, mm: 28, 30 or 32.
+    #[serde(default = "default_flange_height")]
+    #[schemars(range(min = 28.0, max = 32.0))]
+    pub flange_height_mm: f64,
+    /// Thickness of the flange, mm; S1002 is defined for 32.5 alone.
+    #[serde(default = "default_flange_thickness")]
+    #[schemars(range(min = 28.5, max = 33.0))]
+    pub flange_thickness_mm: f64,
+    /// Course of the web.
+    #[serde(default)]
+    pub body: WebKey,
+    /// Diameter of the bore, mm.
+    #[serde(default = "default_bore")]
+    #[schemars(range(min = 40.0, max = 400.0))]
+    pub bore_mm: f64,
+    /// Diameter of the hub, mm.
+    #[serde(default = "default_hub_diameter")]
+    #[schemars(range(min = 60.0, max = 800.0))]
+    pub hub_diameter_mm: f64,
+    /// Depth of the rim below the tread at the tape circle, mm.
+    #[serde(default = "default_rim_depth")]
+    #[schemars(range(min = 30.0, max = 150.0))]
+    pub rim_depth_mm: f64,
+}
+
+/// Course of a wheel's web.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WebKey {
+    /// Straight.
+    #[default]
+    StraightWeb,
+    /// S-shaped.
+    SWeb,
 }
 
 fn default_tape_diameter() -> f64 {
     0.858
+}
+
+fn default_flange_height() -> f64 {
+    28.0
+}
+
+fn default_flange_thickness() -> f64 {
+    32.5
+}
+
+fn default_bore() -> f64 {
+    192.0
+}
+
+fn default_hub_diameter() -> f64 {
+    270.0
+}
+
+fn default_rim_depth() -> f64 {
+    65.0
 }
 
 /// Where the wheel stands on the track.

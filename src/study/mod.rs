@@ -14,7 +14,9 @@ use std::sync::Arc;
 
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::profile::wheels::Flange;
 use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::Material;
 use toml::de::DeTable;
 
@@ -101,6 +103,10 @@ pub struct Wheel {
     pub measured: Option<MeasuredSurface>,
     /// Diameter at the tape circle, m.
     pub tape_diameter: f64,
+    /// Size of the flange.
+    pub flange: Flange,
+    /// Rim, web and hub.
+    pub body: WheelBody,
 }
 
 /// A measured profile: the content of its file, and how it is prepared.

@@ -6,14 +6,16 @@ use std::path::Path;
 
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::profile::wheels::Flange;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::section::{WebShape, WheelBody};
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
 use super::document::{
     CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
-    SuspensionKeys, TorsionKeys, WheelKeys,
+    SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
 };
 use super::measured::SurfaceKeys;
 use super::{
@@ -140,7 +142,20 @@ fn wheel(keys: &WheelKeys, study: &Path) -> Result<Wheel> {
         aligned: None,
     };
     let (profile, measured) = named.resolve(study)?;
-    Ok(Wheel { profile, measured, tape_diameter: keys.tape_diameter_m })
+    let flange = Flange {
+        height: keys.flange_height_mm * MILLIMETRE,
+        thickness: keys.flange_thickness_mm * MILLIMETRE,
+    };
+    let body = WheelBody {
+        web: match keys.body {
+            WebKey::StraightWeb => WebShape::Straight,
+            WebKey::SWeb => WebShape::S,
+        },
+        bore_diameter: keys.bore_mm * MILLIMETRE,
+        hub_diameter: keys.hub_diameter_mm * MILLIMETRE,
+        rim_depth: keys.rim_depth_mm * MILLIMETRE,
+    };
+    Ok(Wheel { profile, measured, tape_diameter: keys.tape_diameter_m, flange, body })
 }
 
 /// Slope of a ratio such as `1:40`.

@@ -268,7 +268,7 @@ mod tests {
     fn the_rail_has_its_volume_good_elements_and_conforms() {
         let (section, _, mesh) = rail();
         let q = assert_good(&mesh, 17_000);
-        assert!((q.volume / (section.properties.area * LENGTH) - 1.0).abs() < DISCRETISATION_RAIL, "{q:?}");
+        assert!((q.volume / (section.area.area * LENGTH) - 1.0).abs() < DISCRETISATION_RAIL, "{q:?}");
         let options = MeshOptions::default();
         let plane = mesh_section(
             &rail_outline(&section, &options).unwrap(),

@@ -5,6 +5,7 @@
 //! of increasing y. Sources, units and axes: `data/profiles/README.md`.
 
 mod curve;
+mod flange;
 pub mod rails;
 pub(crate) mod root;
 mod segment;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
+use super::curve::ProfileCurve;
 use super::spline::{GAUSS, Piece};
 
 /// A straight line or a circular arc, with a direction of travel.
@@ -80,6 +81,24 @@ impl Segment {
         self.point(1.0)
     }
 
+    /// The point of the segment nearest to `p`.
+    pub fn closest(&self, p: &Point2<f64>) -> Point2<f64> {
+        match *self {
+            Self::Line { start, end } => {
+                let along = end - start;
+                self.point(((p - start).dot(&along) / along.norm_squared()).clamp(0.0, 1.0))
+            }
+            Self::Arc { centre, start_angle, sweep, .. } => {
+                let offset = p - centre;
+                // The angle from the middle of the arc, within half a turn.
+                let (sin, cos) = (start_angle + 0.5 * sweep).sin_cos();
+                let middle = Vector2::new(cos, sin);
+                let angle = middle.perp(&offset).atan2(middle.dot(&offset));
+                self.point((0.5 + angle / sweep).clamp(0.0, 1.0))
+            }
+        }
+    }
+
     /// The same segment travelled the other way.
     pub fn reversed(&self) -> Self {
         match *self {
@@ -149,6 +168,18 @@ impl Segment {
             }
         }
         sum
+    }
+}
+
+impl ProfileCurve {
+    /// The curve of lines and arcs that follow each other, with their own tangents at every joint; arcs are sampled at
+    /// most `step` (m) apart. Each segment starts where the one before it ends, whatever its own start.
+    ///
+    /// # Panics
+    /// Without any segment.
+    pub fn from_segments(segments: &[Segment], step: f64) -> Self {
+        assert!(!segments.is_empty(), "a curve needs a segment");
+        Self::from_pieces(segments.iter().map(|s| s.piece(step)).collect())
     }
 }
 

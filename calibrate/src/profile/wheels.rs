@@ -1,19 +1,23 @@
 //! Standard wheel profiles from their zone formulas.
 //!
-//! Source: S1002 of EN 13715 (UIC 510-2), flange height 28 mm, flange thickness 32.5 mm. The published zones
-//! meet with steps of up to 0.12 µm; half of each step (in value and slope) is taken up on either side of the
-//! joint within 2 mm, so that the curve and its tangent are continuous.
+//! Source: S1002 and the 1/40 profile of EN 13715 (UIC 510-2). The published zones of S1002 meet with steps of up
+//! to 0.12 µm; half of each step (in value and slope) is taken up on either side of the joint within 2 mm, so that
+//! the curve and its tangent are continuous. The flange of S1002 can be higher than the 28 mm of its formulas, but
+//! not thinner: the formulas of its throat belong to 32.5 mm.
 
 use nalgebra::{Point2, Vector2};
 
 use super::curve::ProfileCurve;
-use super::segment::Segment;
+use super::flange::{NOMINAL_THICKNESS, THROAT_RADIUS};
+use super::segment::{EndlessLine, Segment};
 use super::spline::Piece;
 use crate::error::{InputError, Result};
 use crate::units::MILLIMETRE;
 
+pub use super::flange::Flange;
+
 /// Names that [`wheel_profile`] knows.
-pub const WHEEL_NAMES: [&str; 1] = ["S1002"];
+pub const WHEEL_NAMES: [&str; 2] = ["S1002", "EN13715-1in40"];
 
 /// Distance of the tape circle from the flange back, m.
 pub const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;
@@ -74,8 +78,31 @@ const ZONE_C: [f64; 8] = [
 /// # Ok::<(), railspring_calibrate::error::Error>(())
 /// ```
 pub fn wheel_profile(name: &str) -> Result<ProfileCurve> {
+    wheel_profile_with_flange(name, &Flange::default())
+}
+
+/// As [`wheel_profile`] with a flange of another size of the standard.
+///
+/// With a thickness below 32.5 mm the two halves of the flange tip cross in a ridge on its top, up to 0.17 mm below
+/// the nominal height, as the standard's shift of the construction points has it.
+///
+/// # Errors
+/// [`InputError`] for an unknown name, a flange that the standard does not have, or S1002 with a thickness other
+/// than 32.5 mm.
+///
+/// ```
+/// use railspring_calibrate::profile::wheels::{Flange, wheel_profile_with_flange};
+/// let thin = Flange { height: 0.030, thickness: 0.030 };
+/// let wheel = wheel_profile_with_flange("EN13715-1in40", &thin)?;
+/// // The face lies 30 mm from the flange back, 10 mm below the tape circle.
+/// let face = wheel.closest(&nalgebra::Point2::new(-0.040, 0.010));
+/// assert!(face.1 < 1e-6);
+/// # Ok::<(), railspring_calibrate::error::Error>(())
+/// ```
+pub fn wheel_profile_with_flange(name: &str, flange: &Flange) -> Result<ProfileCurve> {
     match name {
-        "S1002" => Ok(ProfileCurve::from_pieces(s1002())),
+        "S1002" => Ok(ProfileCurve::from_pieces(s1002(flange)?)),
+        "EN13715-1in40" => Ok(ProfileCurve::from_pieces(cone_1_in_40(flange)?)),
         _ => Err(InputError::new(
             "wheel.profile",
             format!("{name:?}"),
@@ -165,19 +192,73 @@ fn graph_piece(zone: impl Fn(f64) -> (f64, f64), from: f64, to: f64) -> Piece {
     Piece { points, end_tangents: Some([tangent(from), tangent(to)]) }
 }
 
-fn s1002() -> Vec<Piece> {
+/// Flange of S1002 in mm, up to the end of its face: the published numbers where there are, else solved for.
+fn s1002_flange(flange: &Flange) -> Result<Vec<Segment>> {
+    flange.shoulder_radius()?;
+    // ROUNDOFF: a thickness given in mm and converted.
+    if (flange.thickness - NOMINAL_THICKNESS).abs() > 1e-12 {
+        return Err(InputError::new(
+            "wheel.flange_thickness_mm",
+            format!("{} mm", flange.thickness / MILLIMETRE),
+            "32.5 mm with S1002, whose throat is published for this thickness alone",
+            "take EN13715-1in40, or give a thinner S1002 as a measured profile",
+        )
+        .into());
+    }
+    let face_end = Point2::new(limit::E_D, zone_d(limit::E_D).0);
+    if !flange.is_nominal() {
+        let mut segments = flange.shape()?.segments;
+        let last = segments.len() - 1;
+        segments[last] = Segment::line(segments[last].start(), face_end);
+        return Ok(segments);
+    }
     let arcs = [
         flange_arc((-49.5, 9.519_259_302), 20.5, [limit::FLANGE_BACK, limit::H_G]),
         flange_arc((-55.0, 16.0), 12.0, [limit::H_G, limit::G_F]),
         flange_arc((-58.558_326_413, 8.834_924_13), 20.0, [limit::G_F, limit::F_E]),
     ];
     // Zone E is the straight flange face: it joins the neighbouring zones' ends.
-    let face = Segment::line(arcs[2].end(), Point2::new(limit::E_D, zone_d(limit::E_D).0));
+    let face = Segment::line(arcs[2].end(), face_end);
+    Ok(arcs.into_iter().chain([face]).collect())
+}
+
+fn pieces_of(segments: &[Segment]) -> Vec<Piece> {
+    segments.iter().map(|s| s.scaled(MILLIMETRE).piece(STEP * MILLIMETRE)).collect()
+}
+
+/// The 1/40 profile: R13 and R36 from the flange face to the cone 1:40 through the tape circle, and from y = 35 mm
+/// the outer slope 1:15, the least of the standard's 6.7 to 15 %.
+fn cone_1_in_40(flange: &Flange) -> Result<Vec<Piece>> {
+    const CONE: f64 = 1.0 / 40.0;
+    const OUTER: f64 = 1.0 / 15.0;
+    const CONE_END: f64 = 35.0;
+    const HOLLOW_RADIUS: f64 = 36.0;
+    let shape = flange.shape()?;
+    let throat = shape.throat_centre;
+    let cone = EndlessLine::new(Point2::origin(), Vector2::new(1.0, -CONE));
+    // R36 touches R13 from outside and the cone from above.
+    let centre_line = cone.parallel(HOLLOW_RADIUS);
+    let foot = centre_line.foot(throat);
+    let half_chord = ((HOLLOW_RADIUS - THROAT_RADIUS).powi(2) - (foot - throat).norm_squared()).sqrt();
+    let hollow = foot + half_chord * centre_line.direction;
+    let joint = throat + THROAT_RADIUS * (throat - hollow).normalize();
+    let mut segments = shape.segments;
+    let face_end = segments[segments.len() - 1].end();
+    let cone_start = cone.foot(hollow);
+    let cone_end = Point2::new(CONE_END, -CONE * CONE_END);
+    segments.push(Segment::arc(throat, face_end, joint));
+    segments.push(Segment::arc(hollow, joint, cone_start));
+    segments.push(Segment::line(cone_start, cone_end));
+    let outer = Vector2::new(1.0, -OUTER) * (limit::CHAMFER - CONE_END);
+    segments.push(Segment::line(cone_end, cone_end + outer));
+    Ok(pieces_of(&segments))
+}
+
+fn s1002(flange: &Flange) -> Result<Vec<Piece>> {
     let d_c = Joint::new(limit::D_C, zone_d, zone_c);
     let c_b = Joint::new(limit::C_B, zone_c, zone_b);
     let plus = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
-    let mut pieces: Vec<Piece> =
-        arcs.iter().chain([&face]).map(|s| s.scaled(MILLIMETRE).piece(STEP * MILLIMETRE)).collect();
+    let mut pieces = pieces_of(&s1002_flange(flange)?);
     pieces.push(graph_piece(|y| plus(zone_d(y), d_c.correction(y, 1.0)), limit::E_D, limit::D_C));
     pieces.push(graph_piece(
         |y| plus(plus(zone_c(y), d_c.correction(y, -1.0)), c_b.correction(y, 1.0)),
@@ -186,5 +267,5 @@ fn s1002() -> Vec<Piece> {
     ));
     pieces.push(graph_piece(|y| plus(zone_b(y), c_b.correction(y, -1.0)), limit::C_B, limit::B_A));
     pieces.push(graph_piece(zone_a, limit::B_A, limit::CHAMFER));
-    pieces
+    Ok(pieces)
 }

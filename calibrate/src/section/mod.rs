@@ -5,14 +5,16 @@ mod join;
 mod properties;
 mod rail;
 mod wheel;
+mod wheel_body;
 
 pub use align::{Alignment, align_rail};
-pub use properties::SectionProperties;
+pub use properties::AreaProperties;
 pub use rail::{RailSection, rail_section, rail_section_with_head};
 pub use wheel::{
-    RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section,
+    RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section, wheel_section_on,
     wheel_section_with_profile,
 };
+pub use wheel_body::{WebShape, WheelBody};
 
 use crate::units::MILLIMETRE;
 

@@ -4,9 +4,9 @@ use nalgebra::{Point2, Vector2};
 
 use crate::profile::{ProfileCurve, Segment};
 
-/// Properties of a beam's cross-section; vertical bending turns about the lateral axis.
+/// What follows from the outline of a rail alone; vertical bending turns about the lateral axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SectionProperties {
+pub struct AreaProperties {
     /// Area, m².
     pub area: f64,
     /// Height of the centroid above the foot, m.
@@ -15,16 +15,6 @@ pub struct SectionProperties {
     pub ixx: f64,
     /// Second moment of area for lateral bending, m⁴.
     pub iyy: f64,
-    /// Torsion constant of Saint-Venant, m⁴.
-    pub torsion_constant: f64,
-    /// Warping constant about the shear centre, m⁶.
-    pub warping_constant: f64,
-    /// Height of the shear centre above the foot, m.
-    pub shear_centre_height: f64,
-    /// Effective shear area over area, vertical shear.
-    pub shear_coefficient_vertical: f64,
-    /// Effective shear area over area, lateral shear.
-    pub shear_coefficient_lateral: f64,
 }
 
 /// Area, centroid and central second moments of a closed outline.

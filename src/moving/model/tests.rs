@@ -6,6 +6,7 @@ use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
 use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::Material;
 
 /// A profile 80 mm wide through z(y), with a kink in the middle or without.
@@ -283,14 +284,14 @@ fn sprung_mass_crosses_a_simply_supported_beam() {
 /// The publication's wheel and rail.
 fn published() -> MovingModel {
     let section = rail_section("60E1").unwrap();
+    let properties = rail_properties(&section).unwrap();
     let track = TrackGeometry::standard();
     let rail = place_rail(&section, &track).unwrap();
     let wheel = wheel_section("S1002", 0.858).unwrap();
     let touch = touch(&rail, &wheel.running, track.tape_y()).unwrap();
     let beam =
-        RailBeam::rail(&section.properties, &Material::STEEL, 0.555, 20, rail.angle, Torsion::default())
-            .unwrap();
-    let centre = section.height - section.properties.shear_centre_height;
+        RailBeam::rail(&properties, &Material::STEEL, 0.555, 20, rail.angle, Torsion::default()).unwrap();
+    let centre = section.height - properties.shear_centre_height;
     let node_line = rail.to_world(&Point2::new(0.0, centre));
     let support = RailSupport::Beam { beam, node_line, damping: 0.0 };
     let springs = WheelSprings { horizontal: 6e8, normal: StiffnessLaw::published(), longitudinal: 6e8 };

@@ -1,0 +1,283 @@
+//! Generic bodies of wheels: rim, web and hub under a running profile.
+//!
+//! The dimensions are plausible values of engineering practice: no standard's drawing is public with numbers.
+
+use nalgebra::{Matrix5, Point2, Vector2, Vector5};
+
+use crate::error::{InputError, Result};
+use crate::profile::{EndlessLine, Segment, fillet};
+use crate::units::MILLIMETRE;
+
+/// Course of the web between hub and rim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WebShape {
+    /// Straight, its thickness falling from the hub to the rim.
+    #[default]
+    Straight,
+    /// S-shaped: it leaves the hub towards the flange, bulges to the field side and meets the rim in its middle.
+    S,
+}
+
+/// Dimensions of a generic wheel body; the rim is 135 mm wide with its field face at y = 65 mm, the fillets R30.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelBody {
+    /// Course of the web.
+    pub web: WebShape,
+    /// Diameter of the bore, m.
+    pub bore_diameter: f64,
+    /// Diameter of the hub, m.
+    pub hub_diameter: f64,
+    /// Depth of the rim below the tread at the tape circle, m.
+    pub rim_depth: f64,
+}
+
+impl Default for WheelBody {
+    /// Straight web, bore 192 mm, hub 270 mm, rim 65 mm.
+    fn default() -> Self {
+        Self {
+            web: WebShape::Straight,
+            bore_diameter: 192.0 * MILLIMETRE,
+            hub_diameter: 270.0 * MILLIMETRE,
+            rim_depth: 65.0 * MILLIMETRE,
+        }
+    }
+}
+
+/// Field face of the rim, mm.
+const RIM_FACE: f64 = 65.0;
+/// Radius of the fillets between web, rim and hub, mm.
+const FILLET: f64 = 30.0;
+/// Least length of the web between its fillets, mm.
+const LEAST_WEB: f64 = 20.0;
+/// The web's thickness is given this far inside the hub's surface and inside the rim, mm.
+const OVERLAP: f64 = 10.0;
+/// Least wall of the hub, mm.
+const LEAST_HUB_WALL: f64 = 10.0;
+/// Longest piece of the polygon that stands for the side of an S web, mm.
+const WEB_STEP: f64 = 2.0;
+
+/// Straight web: middle plane, and thickness at hub and rim, mm.
+mod straight {
+    pub const MIDDLE: f64 = -2.5;
+    pub const THICKNESS: [f64; 2] = [30.0, 24.0];
+}
+
+/// S web at five stations from the hub to the rim: fraction of the way, middle line and thickness in mm.
+mod s_shaped {
+    pub const FRACTION: [f64; 5] = [0.0, 68.0 / 283.0, 148.0 / 283.0, 223.0 / 283.0, 1.0];
+    pub const MIDDLE: [f64; 5] = [-12.5, 10.0, 47.5, 22.0, 5.5];
+    pub const THICKNESS: [f64; 5] = [30.0, 26.0, 22.0, 23.0, 26.0];
+}
+
+impl WheelBody {
+    /// Checks the dimensions against each other for a tape diameter in m.
+    ///
+    /// # Errors
+    /// [`InputError`] naming the key that leaves too little room.
+    pub(super) fn check(&self, tape_diameter: f64) -> Result<()> {
+        let [bore, hub, rim] =
+            [self.bore_diameter, self.hub_diameter, self.rim_depth].map(|v| v / MILLIMETRE);
+        let out_of = |key: &str, value: f64, least: f64, greatest: f64, remedy: &str| {
+            let expected = format!("{least} to {greatest} mm");
+            Err(InputError::new(key, format!("{value} mm"), expected, remedy).into())
+        };
+        if !(40.0..=400.0).contains(&bore) {
+            return out_of("wheel.bore_mm", bore, 40.0, 400.0, "check the diameter and its unit");
+        }
+        let least_hub = bore + 2.0 * LEAST_HUB_WALL;
+        if !(least_hub..=800.0).contains(&hub) {
+            return out_of("wheel.hub_diameter_mm", hub, least_hub, 800.0, "leave a wall around the bore");
+        }
+        if !(30.0..=150.0).contains(&rim) {
+            return out_of("wheel.rim_depth_mm", rim, 30.0, 150.0, "check the depth and its unit");
+        }
+        const GREATEST: f64 = 1.5;
+        let least = 2.0 * MILLIMETRE * (0.5 * hub + rim + 2.0 * FILLET + LEAST_WEB);
+        if !(least..=GREATEST).contains(&tape_diameter) {
+            return Err(InputError::new(
+                "wheel.tape_diameter_m",
+                format!("{tape_diameter} m"),
+                format!("{least:.2} to {GREATEST:.2} m"),
+                "choose a diameter that leaves room for hub, web and rim; check its unit",
+            )
+            .into());
+        }
+        Ok(())
+    }
+
+    /// Outline from `tread_end` over chamfer, web, hub and bore to `flange_start` (m, wheel profile frame) for the
+    /// rolling radius `radius` (m).
+    pub(super) fn outline(
+        &self,
+        tread_end: Point2<f64>,
+        flange_start: Point2<f64>,
+        radius: f64,
+    ) -> Vec<Segment> {
+        let (tread_end, flange_start) = (tread_end / MILLIMETRE, flange_start / MILLIMETRE);
+        let r0 = radius / MILLIMETRE;
+        let levels =
+            Levels { rim: -self.rim_depth / MILLIMETRE, hub: 0.5 * self.hub_diameter / MILLIMETRE - r0 };
+        let bore = 0.5 * self.bore_diameter / MILLIMETRE - r0;
+        let ([field, back], [hub_back, hub_face]) = match self.web {
+            WebShape::Straight => (straight_sides(&levels), [-82.0, 88.0]),
+            WebShape::S => (s_sides(&levels), [-87.0, 88.0]),
+        };
+        let chamfer = RIM_FACE - tread_end.x;
+        Outline::from(tread_end)
+            .to(Point2::new(RIM_FACE, tread_end.y - chamfer))
+            .to(Point2::new(RIM_FACE, levels.rim))
+            .along(&field)
+            .to(Point2::new(hub_face, levels.hub))
+            .to(Point2::new(hub_face, bore))
+            .to(Point2::new(hub_back, bore))
+            .to(Point2::new(hub_back, levels.hub))
+            .along(&back)
+            .to(Point2::new(flange_start.x, levels.rim))
+            .to(flange_start)
+            .segments
+            .iter()
+            .map(|s| s.scaled(MILLIMETRE))
+            .collect()
+    }
+}
+
+/// z of the inner side of the rim and of the hub's surface, mm.
+struct Levels {
+    rim: f64,
+    hub: f64,
+}
+
+/// Field side (from rim to hub) and back (from hub to rim) of the straight web with their fillets.
+fn straight_sides(levels: &Levels) -> [Vec<Segment>; 2] {
+    // Half the web's thickness grows linearly from the rim to the hub.
+    let [z_hub, z_rim] = [levels.hub - OVERLAP, levels.rim + OVERLAP];
+    let [half_hub, half_rim] = straight::THICKNESS.map(|t| 0.5 * t);
+    let towards_hub = |side: f64| {
+        let at_rim = Point2::new(straight::MIDDLE + side * half_rim, z_rim);
+        let at_hub = Point2::new(straight::MIDDLE + side * half_hub, z_hub);
+        EndlessLine::new(at_rim, at_hub - at_rim)
+    };
+    let reverse = |line: &EndlessLine| EndlessLine::new(line.point, -line.direction);
+    let inwards = Vector2::new(-1.0, 0.0);
+    let rim = EndlessLine::new(Point2::new(0.0, levels.rim), inwards);
+    let hub = EndlessLine::new(Point2::new(0.0, levels.hub), -inwards);
+    let (field, back) = (towards_hub(1.0), reverse(&towards_hub(-1.0)));
+    [
+        vec![fillet(&rim, &field, FILLET), fillet(&field, &hub, FILLET)],
+        vec![fillet(&hub, &back, FILLET), fillet(&back, &rim, FILLET)],
+    ]
+}
+
+/// The same of the S web, whose sides are polygons.
+fn s_sides(levels: &Levels) -> [Vec<Segment>; 2] {
+    let middle = Clamped::through(&s_shaped::FRACTION, &s_shaped::MIDDLE);
+    let thickness = Clamped::through(&s_shaped::FRACTION, &s_shaped::THICKNESS);
+    let (z_hub, z_rim) = (levels.hub - OVERLAP, levels.rim + OVERLAP);
+    let span = z_rim - z_hub;
+    // Point of a side at a fraction of the way from hub to rim, and the unit normal out of the web.
+    let edge = |side: f64, t: f64| {
+        let (y, slope) = middle.at(t);
+        let normal = side * Vector2::new(1.0, -slope / span).normalize();
+        (Point2::new(y, z_hub + t * span) + 0.5 * thickness.at(t).0 * normal, normal)
+    };
+    [1.0, -1.0].map(|side| {
+        // Where the centre of the fillet, its radius off the web's side, has its radius' distance from the level.
+        let touching = |z: f64, [mut low, mut high]: [f64; 2]| {
+            let above = |t: f64| {
+                let (point, normal) = edge(side, t);
+                point.y + FILLET * normal.y > z
+            };
+            let falling = above(low);
+            // 60 halvings leave a fraction below round-off.
+            for _ in 0..60 {
+                let half = 0.5 * (low + high);
+                if above(half) == falling { low = half } else { high = half }
+            }
+            0.5 * (low + high)
+        };
+        let at_hub = touching(levels.hub + FILLET, [0.0, 0.5]);
+        let at_rim = touching(levels.rim - FILLET, [0.5, 1.0]);
+        let parts = (span.abs() / WEB_STEP).ceil() as usize;
+        let points: Vec<Point2<f64>> =
+            (0..=parts).map(|i| edge(side, at_hub + (at_rim - at_hub) * i as f64 / parts as f64).0).collect();
+        let corner = |t: f64, level: f64| {
+            let (point, normal) = edge(side, t);
+            let centre = point + FILLET * normal;
+            Segment::arc(centre, Point2::new(centre.x, level), point)
+        };
+        let mut from_hub = vec![corner(at_hub, levels.hub)];
+        from_hub.extend(points.windows(2).map(|p| Segment::line(p[0], p[1])));
+        from_hub.push(corner(at_rim, levels.rim).reversed());
+        if side > 0.0 { from_hub.iter().rev().map(Segment::reversed).collect() } else { from_hub }
+    })
+}
+
+/// A cubic spline through five stations that begins and ends level.
+struct Clamped {
+    x: [f64; 5],
+    value: [f64; 5],
+    slope: [f64; 5],
+}
+
+impl Clamped {
+    fn through(x: &[f64; 5], value: &[f64; 5]) -> Self {
+        let mut matrix = Matrix5::identity();
+        let mut right = Vector5::zeros();
+        for i in 1..4 {
+            let [before, after] = [x[i] - x[i - 1], x[i + 1] - x[i]];
+            // Equal second derivatives on both sides of the station.
+            matrix[(i, i - 1)] = 1.0 / before;
+            matrix[(i, i)] = 2.0 / before + 2.0 / after;
+            matrix[(i, i + 1)] = 1.0 / after;
+            right[i] = 3.0 * (value[i] - value[i - 1]) / (before * before)
+                + 3.0 * (value[i + 1] - value[i]) / (after * after);
+        }
+        let slope = matrix.lu().solve(&right).expect("the matrix is diagonally dominant");
+        Self { x: *x, value: *value, slope: slope.into() }
+    }
+
+    /// Value and slope at `x`.
+    fn at(&self, x: f64) -> (f64, f64) {
+        let i = self.x[1..4].partition_point(|&station| station <= x);
+        let h = self.x[i + 1] - self.x[i];
+        let t = (x - self.x[i]) / h;
+        let ([a, b], [p, q]) =
+            ([self.value[i], self.value[i + 1]], [h * self.slope[i], h * self.slope[i + 1]]);
+        let value = a + t * (p + t * (3.0 * (b - a) - 2.0 * p - q + t * (2.0 * (a - b) + p + q)));
+        let slope = p + t * (2.0 * (3.0 * (b - a) - 2.0 * p - q) + 3.0 * t * (2.0 * (a - b) + p + q));
+        (value, slope / h)
+    }
+}
+
+/// An outline drawn from point to point.
+struct Outline {
+    at: Point2<f64>,
+    segments: Vec<Segment>,
+}
+
+impl Outline {
+    fn from(start: Point2<f64>) -> Self {
+        Self { at: start, segments: Vec::new() }
+    }
+
+    /// A straight line to `end`.
+    fn to(mut self, end: Point2<f64>) -> Self {
+        self.segments.push(Segment::line(self.at, end));
+        self.at = end;
+        self
+    }
+
+    /// The `segments`, with straight lines to each that does not begin where the one before it ends.
+    fn along(mut self, segments: &[Segment]) -> Self {
+        // ROUNDOFF: coordinates of up to a metre, in mm.
+        const ROUNDOFF: f64 = 1e-9;
+        for segment in segments {
+            if (segment.start() - self.at).norm() > ROUNDOFF {
+                self = self.to(segment.start());
+            }
+            self.at = segment.end();
+            self.segments.push(*segment);
+        }
+        self
+    }
+}

@@ -1,0 +1,225 @@
+//! The subcommand `profile contact`: rigid contact over the lateral shift.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::placement::{TrackGeometry, place_rail};
+use railspring_calibrate::profile::wheels::wheel_profile;
+use railspring_calibrate::rigid_contact::{
+    ContactPoint, Roll, RunningFunction, RunningPoint, WheelOnRail, Wheelset, WheelsetPosition,
+};
+use railspring_calibrate::section::rail_section;
+use railspring_calibrate::units::MILLIMETRE;
+
+use super::say;
+use super::shapes::write;
+use crate::report::panel::{Panel, stacked};
+use crate::report::plot::{BLUE, DARK, Dash, GREY, RED, Series};
+use crate::stages::geometry;
+use crate::study::Study;
+
+/// Which pair, and where.
+#[derive(Debug, Args)]
+pub(super) struct ContactArgs {
+    /// A study, or the names of a wheel and a rail, for instance `S1002 60E1`
+    #[arg(value_name = "STUDY | WHEEL RAIL", num_args = 1..=2, required = true)]
+    pair: Vec<String>,
+    /// Slope of the rails with a named pair
+    #[arg(long, value_name = "SLOPE", default_value_t = 0.025)]
+    inclination: f64,
+    /// Rolling radius at the tape circle with a named pair, mm
+    #[arg(long, value_name = "MM", default_value_t = 460.0)]
+    radius_mm: f64,
+    /// Largest shift to either side, mm
+    #[arg(long, value_name = "MM", default_value_t = 8.0)]
+    shift_mm: f64,
+    /// Step of the shift, mm
+    #[arg(long, value_name = "MM", default_value_t = 0.1)]
+    step_mm: f64,
+    /// Yaw, mrad
+    #[arg(long, value_name = "MRAD", default_value_t = 0.0, allow_negative_numbers = true)]
+    yaw_mrad: f64,
+    /// Points that would touch after the wheel is lowered by this much count too, µm
+    #[arg(long, value_name = "UM", default_value_t = 0.0)]
+    gap_um: f64,
+    /// Keep the axle level instead of letting both wheels touch
+    #[arg(long)]
+    no_roll: bool,
+    /// Prefix of the files to write: PREFIX.csv and PREFIX.svg
+    #[arg(short, long, value_name = "PREFIX", default_value = "contact")]
+    output: PathBuf,
+}
+
+impl ContactArgs {
+    fn wheelset(&self) -> Result<Wheelset, Error> {
+        let (side, tape_y) = if let [wheel, rail] = self.pair.as_slice() {
+            let track = TrackGeometry { inclination: self.inclination, ..TrackGeometry::standard() };
+            if !(100.0..=1000.0).contains(&self.radius_mm) {
+                let expected = "100 to 1000 mm";
+                return Err(InputError::new("--radius-mm", self.radius_mm, expected, "check its unit").into());
+            }
+            let rail = place_rail(&rail_section(rail)?, &track)?;
+            let side =
+                WheelOnRail { rail, wheel: wheel_profile(wheel)?, radius: self.radius_mm * MILLIMETRE };
+            (side, track.tape_y())
+        } else {
+            let study = Study::read(self.pair[0].as_ref()).map_err(|located| Error::from(located.error))?;
+            let found = geometry(&study)?;
+            let side =
+                WheelOnRail { rail: found.placed, wheel: found.wheel.running, radius: found.wheel.radius };
+            (side, found.tape_y - study.track.lateral_shift)
+        };
+        Ok(Wheelset::symmetric(side, tape_y))
+    }
+}
+
+/// Runs the subcommand.
+pub(super) fn contact(args: &ContactArgs) -> Result<(), Error> {
+    let wheelset = args.wheelset()?;
+    let roll = if args.no_roll { Roll::Fixed(0.0) } else { Roll::Coupled };
+    let parts = (2.0 * args.shift_mm / args.step_mm).round();
+    if !(2.0..=100_000.0).contains(&parts) {
+        return Err(InputError::new(
+            "--step-mm",
+            args.step_mm,
+            "a step that divides the shifts into 2 to 100000 parts",
+            "choose shift and step anew",
+        )
+        .into());
+    }
+    let gap = args.gap_um.max(0.0) * 1e-3 * MILLIMETRE;
+    let mut rows = Vec::new();
+    for i in 0..=parts as usize {
+        let lateral_shift = args.shift_mm * (2.0 * i as f64 / parts - 1.0) * MILLIMETRE;
+        let position = WheelsetPosition { lateral_shift, yaw: 1e-3 * args.yaw_mrad, roll };
+        rows.push((lateral_shift, wheelset.contacts(&position, gap)?));
+    }
+    let radius = |points: &[ContactPoint]| points[0].rolling_radius;
+    let differences = rows
+        .iter()
+        .map(|(shift, both)| RunningPoint {
+            shift: *shift,
+            difference: radius(&both.right.points) - radius(&both.left.points),
+        })
+        .collect();
+    let function = RunningFunction::from_points(differences)?;
+
+    let mut csv = String::from(
+        "shift_mm,side,point,gap_um,height_mm,roll_mrad,x_mm,y_mm,z_mm,y_wheel_mm,contact_angle_rad,rolling_radius_mm,rail_curvature_per_m,wheel_curvature_per_m\n",
+    );
+    for (shift, both) in &rows {
+        for (name, side) in [("left", &both.left), ("right", &both.right)] {
+            for (index, p) in side.points.iter().enumerate() {
+                let wheel_y = wheelset.right.wheel.point(p.wheel_s).x;
+                let _ = writeln!(
+                    csv,
+                    "{:.6},{name},{},{:.6},{:.6},{:.6},{:.6},{:.6},{:.6},{:.6},{:.8},{:.6},{:.6},{:.6}",
+                    shift / MILLIMETRE,
+                    index + 1,
+                    p.gap / (1e-3 * MILLIMETRE),
+                    side.height / MILLIMETRE,
+                    1e3 * both.roll,
+                    p.point.x / MILLIMETRE,
+                    p.point.y / MILLIMETRE,
+                    p.point.z / MILLIMETRE,
+                    wheel_y / MILLIMETRE,
+                    p.contact_angle,
+                    p.rolling_radius / MILLIMETRE,
+                    p.rail_curvature,
+                    p.wheel_curvature,
+                );
+            }
+        }
+    }
+    say("shift mm   y rail mm   y wheel mm   angle rad   radius mm   difference mm   (right wheel)");
+    for ((shift, both), point) in rows.iter().zip(function.points()) {
+        let millimetres = shift / MILLIMETRE;
+        if (millimetres - millimetres.round()).abs() < 1e-6 {
+            let p = &both.right.points[0];
+            let wheel_y = wheelset.right.wheel.point(p.wheel_s).x;
+            say(&format!(
+                "{millimetres:8.2} {:11.3} {:12.3} {:11.5} {:11.4} {:15.4}",
+                p.point.y / MILLIMETRE,
+                wheel_y / MILLIMETRE,
+                p.contact_angle,
+                p.rolling_radius / MILLIMETRE,
+                point.difference / MILLIMETRE,
+            ));
+        }
+    }
+    let amplitudes = (1..).map(|i| 0.5 * f64::from(i)).take_while(|a| *a <= args.shift_mm);
+    let conicity: Vec<(f64, f64)> = amplitudes
+        .filter_map(|a| function.equivalent_conicity(a * MILLIMETRE).map(|tangent| (a, tangent)))
+        .collect();
+    if let Some((amplitude, tangent)) = conicity.iter().find(|(a, _)| *a == 3.0) {
+        say(&format!("equivalent conicity at {amplitude} mm: {tangent:.4}"));
+    }
+    let (table, figure) = (args.output.with_extension("csv"), args.output.with_extension("svg"));
+    write(&table, &csv)?;
+    write(&figure, &picture(&wheelset, &rows, &function, conicity))?;
+    say(&format!("{}\n{}", table.display(), figure.display()));
+    Ok(())
+}
+
+/// Wheel above rail with lines between the points that touch, rolling-radius difference and conicity.
+fn picture(
+    wheelset: &Wheelset,
+    rows: &[(f64, railspring_calibrate::rigid_contact::WheelsetContact)],
+    function: &RunningFunction,
+    conicity: Vec<(f64, f64)>,
+) -> String {
+    /// How far the wheel is drawn above the rail, mm.
+    const LIFT: f64 = 25.0;
+    /// About this many lines are drawn.
+    const LINES: usize = 32;
+    let side = &wheelset.right;
+    let on_rail = |p: nalgebra::Point2<f64>| (p.x / MILLIMETRE, -p.y / MILLIMETRE);
+    let on_wheel = |p: nalgebra::Point2<f64>| ((p.x + wheelset.tape_y) / MILLIMETRE, LIFT - p.y / MILLIMETRE);
+    let sample = 0.25 * MILLIMETRE;
+    let rail: Vec<_> = side.rail.curve.sample(sample).into_iter().map(on_rail).collect();
+    let wheel: Vec<_> = side.wheel.sample(sample).into_iter().map(on_wheel).collect();
+    // Lines are parted by a point that is not finite.
+    let mut lines = Vec::new();
+    for (_, both) in rows.iter().step_by(rows.len().div_ceil(LINES)) {
+        for p in &both.right.points {
+            lines.push(on_wheel(side.wheel.point(p.wheel_s)));
+            lines.push(on_rail(side.rail.curve.point(p.rail_s)));
+            lines.push((f64::NAN, f64::NAN));
+        }
+    }
+    let panel = |x_label: &str, y_label: &str, from_zero, series| Panel {
+        x_label: x_label.into(),
+        y_label: y_label.into(),
+        from_zero,
+        series,
+    };
+    let difference =
+        function.points().iter().map(|p| (p.shift / MILLIMETRE, p.difference / MILLIMETRE)).collect();
+    let panels = [
+        panel(
+            "y from the track centre, wheelset in the middle (mm)",
+            "height, the wheel lifted (mm)",
+            false,
+            vec![
+                Series::line("points that touch", lines, RED, Dash::Solid),
+                Series::line("wheel", wheel, DARK, Dash::Solid),
+                Series::line("rail", rail, GREY, Dash::Solid),
+            ],
+        ),
+        panel(
+            "lateral shift (mm)",
+            "rolling-radius difference (mm)",
+            false,
+            vec![Series::line("rolling-radius difference", difference, BLUE, Dash::Solid)],
+        ),
+        panel(
+            "amplitude (mm)",
+            "equivalent conicity",
+            true,
+            vec![Series::line("equivalent conicity", conicity, DARK, Dash::Dashed)],
+        ),
+    ];
+    stacked(760, 330, &panels)
+}

@@ -1,0 +1,163 @@
+//! The subcommands that show profiles: `list`, `show`, `plot`.
+
+use std::path::Path;
+
+use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::profile::rails::RAIL_NAMES;
+use railspring_calibrate::profile::wheels::{WHEEL_NAMES, wheel_profile};
+use railspring_calibrate::profile_file::{PrepareOptions, ReadOptions, prepare, read};
+use railspring_calibrate::section::rail_section;
+use railspring_calibrate::section_analysis::rail_properties;
+use railspring_calibrate::units::MILLIMETRE;
+
+use super::say;
+use crate::report::panel::{Panel, stacked};
+use crate::report::plot::{BLUE, DARK, Dash, Marker, ORANGE, RED, Series};
+
+/// What a name means.
+fn meaning(name: &str) -> &'static str {
+    match name {
+        "60E1" => "rail, EN 13674-1",
+        "UIC60" => "rail, head of UIC 861-3 on web and foot of 60E1",
+        "60E2" => "rail, EN 13674-1, relieved gauge corner",
+        "54E1" => "rail, EN 13674-1",
+        "S1002" => "wheel, EN 13715; flange height 28, 30 or 32 mm, thickness 32.5 mm",
+        "EN13715-1in40" => {
+            "wheel, EN 13715 cone 1:40; flange height 28, 30 or 32 mm, thickness 28.5 to 33 mm"
+        }
+        _ => "standard profile",
+    }
+}
+
+/// Prints the standards.
+pub(super) fn list() {
+    for name in RAIL_NAMES.iter().chain(&WHEEL_NAMES) {
+        say(&format!("{name:14} {}", meaning(name)));
+    }
+    say("wheel bodies   straight-web, s-web: generic, with bore, hub and rim to be set in a study");
+}
+
+/// The running surface of a standard or of a file.
+pub(super) fn curve(profile: &str) -> Result<ProfileCurve, Error> {
+    if RAIL_NAMES.contains(&profile) {
+        return Ok(rail_section(profile)?.running);
+    }
+    if WHEEL_NAMES.contains(&profile) {
+        return wheel_profile(profile);
+    }
+    let path = Path::new(profile);
+    if !path.exists() {
+        let names: Vec<&str> = RAIL_NAMES.iter().chain(&WHEEL_NAMES).copied().collect();
+        return Err(InputError::new(
+            "profile",
+            format!("{profile:?}"),
+            format!("one of {}, or a profile file", names.join(", ")),
+            "see `railspring profile list`, or check the path",
+        )
+        .into());
+    }
+    let measured = read(path, &ReadOptions::default())?;
+    Ok(prepare(&measured, &PrepareOptions { smoothing: None })?.curve)
+}
+
+/// Prints the numbers of a profile.
+pub(super) fn show(profile: &str) -> Result<(), Error> {
+    let running = curve(profile)?;
+    let millimetres = |value: f64| value / MILLIMETRE;
+    say(&format!(
+        "{profile}: {}",
+        if Path::new(profile).exists() { "profile file" } else { meaning(profile) }
+    ));
+    let (start, end) = (running.point(0.0), running.point(running.length()));
+    say(&format!(
+        "running surface    {:.3} mm long, from (y, z) = ({:.3}, {:.3}) to ({:.3}, {:.3}) mm; z down",
+        millimetres(running.length()),
+        millimetres(start.x),
+        millimetres(start.y),
+        millimetres(end.x),
+        millimetres(end.y),
+    ));
+    for s in running.breakpoints() {
+        let p = running.point(s);
+        let before = running.curvature(s - 1e-9);
+        let radius = |k: f64| if k.abs() < 1e-3 { "straight".into() } else { format!("R {:.2}", 1e3 / k) };
+        let kink = if running.kinks().contains(&s) { ", kink" } else { "" };
+        say(&format!(
+            "joint              (y, z) = ({:.4}, {:.4}) mm, {} | {}{kink}",
+            millimetres(p.x),
+            millimetres(p.y),
+            radius(before),
+            radius(running.curvature(s)),
+        ));
+    }
+    if RAIL_NAMES.contains(&profile) {
+        let p = rail_properties(&rail_section(profile)?)?;
+        let rows = [
+            ("area", p.area * 1e4, "cm²"),
+            ("centroid", p.centroid_height * 1e3, "mm above the foot"),
+            ("Ixx", p.ixx * 1e8, "cm⁴, vertical bending"),
+            ("Iyy", p.iyy * 1e8, "cm⁴, lateral bending"),
+            ("J", p.torsion_constant * 1e8, "cm⁴, torsion"),
+            ("warping constant", p.warping_constant * 1e12, "cm⁶"),
+            ("shear centre", p.shear_centre_height * 1e3, "mm above the foot"),
+            ("shear coefficient", p.shear_coefficient_vertical, "vertical"),
+            ("shear coefficient", p.shear_coefficient_lateral, "lateral"),
+        ];
+        for (what, value, unit) in rows {
+            say(&format!("{what:18} {value:.4} {unit}"));
+        }
+    }
+    Ok(())
+}
+
+/// Colours and dashes of the profiles of a figure.
+const STYLES: [(plotters::style::RGBColor, Dash); 4] =
+    [(DARK, Dash::Solid), (RED, Dash::Dashed), (BLUE, Dash::Dotted), (ORANGE, Dash::Solid)];
+
+/// Draws profiles over each other, and their curvature below.
+pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
+    let (mut shapes, mut curvatures) = (Vec::new(), Vec::new());
+    for (profile, (color, dash)) in profiles.iter().zip(STYLES.iter().cycle().copied()) {
+        let curve = curve(profile)?;
+        let parameters = curve.sample_parameters(0.1 * MILLIMETRE);
+        let points = |f: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
+            parameters.iter().map(|&s| (curve.point(s).x / MILLIMETRE, f(s))).collect()
+        };
+        shapes.push(Series::line(profile, points(&|s| -curve.point(s).y / MILLIMETRE), color, dash));
+        curvatures.push(Series::line(profile, points(&|s| curve.curvature(s) * MILLIMETRE), color, dash));
+        let kinks: Vec<(f64, f64)> = curve
+            .kinks()
+            .iter()
+            .map(|&s| curve.point(s))
+            .map(|p| (p.x / MILLIMETRE, -p.y / MILLIMETRE))
+            .collect();
+        if !kinks.is_empty() {
+            shapes.push(Series::marks("kink", kinks, RED, Marker::Circle));
+        }
+    }
+    let panel = |y_label: &str, series| Panel {
+        x_label: "y to the field side (mm)".into(),
+        y_label: y_label.into(),
+        from_zero: false,
+        series,
+    };
+    let figure =
+        stacked(760, 320, &[panel("height \u{2212}z (mm)", shapes), panel("curvature (1/mm)", curvatures)]);
+    write(output, &figure)?;
+    say(&output.display().to_string());
+    Ok(())
+}
+
+/// Writes a file.
+pub(super) fn write(path: &Path, text: &str) -> Result<(), Error> {
+    std::fs::write(path, text).map_err(|cause| {
+        InputError::new(
+            "--output",
+            path.display().to_string(),
+            format!("a place that can be written to ({cause})"),
+            "check the path and the permissions",
+        )
+        .into()
+    })
+}
