@@ -110,8 +110,8 @@ impl WheelOnRail<'_> {
             let compliance = self.compliance(&points, directions);
             let mut free = points.gap.clone();
             free.resize(directions * points.len(), 0.0);
-            if let Some(b) = before.filter(|_| directions == 3) {
-                self.add_slip_since(b, &points, &(hub - b.hub), &mut free);
+            if directions == 3 {
+                self.add_slip_since(before, &points, &hub, &mut free);
             }
             let start = match (&previous, before) {
                 (Some((p, s)), _) => carry_over(p, &s.forces, &points, directions),
@@ -170,17 +170,28 @@ impl WheelOnRail<'_> {
         .into())
     }
 
-    /// Adds the tangential motion since `before` that the hub and the elastic displacements of then make up.
-    fn add_slip_since(&self, before: &Pressed, points: &ContactPoints, hub: &Vector2<f64>, free: &mut [f64]) {
+    /// Adds the tangential motion with the hub at `hub` since the state `before`, or since just touching; the contact
+    /// forces add theirs.
+    fn add_slip_since(
+        &self,
+        before: Option<&Pressed>,
+        points: &ContactPoints,
+        hub: &Vector2<f64>,
+        free: &mut [f64],
+    ) {
         let n = points.len();
+        let moved = hub - before.map_or(Vector2::zeros(), |b| b.hub);
         for row in n..3 * n {
             let (j, d) = (row % n, row / n);
             let direction = points.direction(j, d);
-            let elastic =
-                |weights, u: &[f64]| -> f64 { ContactPoints::row(weights, d).map(|(i, w)| w * u[i]).sum() };
-            free[row] += direction.y * hub.x + direction.z * hub.y
-                - elastic(&points.opposing[j], &before.wheel_displacement)
-                + elastic(&points.base[j], &before.rail_displacement);
+            free[row] += direction.y * moved.x + direction.z * moved.y;
+            if let Some(before) = before {
+                let elastic = |weights, u: &[f64]| -> f64 {
+                    ContactPoints::row(weights, d).map(|(i, w)| w * u[i]).sum()
+                };
+                free[row] -= elastic(&points.opposing[j], &before.wheel_displacement);
+                free[row] += elastic(&points.base[j], &before.rail_displacement);
+            }
         }
     }
 }
