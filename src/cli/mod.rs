@@ -9,6 +9,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use railspring_calibrate::error::{Error, InputError};
 
+use crate::crosscheck::compare::Check;
+use crate::crosscheck::exchange::Case;
+use crate::crosscheck::{CrosscheckRecord, crosscheck};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
 use crate::records::VerificationRecord;
@@ -52,6 +55,17 @@ enum Command {
     Mesh(StudyArgs),
     /// Write the report again from the files of the output folder
     Report(StudyArgs),
+    /// Let independent judges repeat the solid model and compare
+    Crosscheck {
+        #[command(flatten)]
+        study: StudyArgs,
+        /// Python with scikit-fem, meshio and scipy; left out, a virtual environment in the cache folder
+        #[arg(long, value_name = "PATH")]
+        python: Option<PathBuf>,
+        /// Leave out elements of second order, which take most of the time
+        #[arg(long)]
+        quick: bool,
+    },
     /// Print the JSON schema of the study file
     Schema,
 }
@@ -115,6 +129,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
             return Ok(true);
         }
         Command::Simulate { study, law } => (study, law.as_deref()),
+        Command::Crosscheck { study, .. } => (study, None),
         Command::Run(study)
         | Command::Calibrate(study)
         | Command::Verify(study)
@@ -135,7 +150,10 @@ fn staged(
     law: Option<&std::path::Path>,
 ) -> Result<bool, Error> {
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
-    let makes_its_own = matches!(command, Command::Run(_) | Command::Calibrate(_) | Command::Mesh(_));
+    let makes_its_own = matches!(
+        command,
+        Command::Run(_) | Command::Calibrate(_) | Command::Mesh(_) | Command::Crosscheck { .. }
+    );
     let folder = if makes_its_own || law.is_some() {
         OutputFolder::create(&path)?
     } else {
@@ -155,6 +173,19 @@ fn staged(
         Command::Verify(_) => pipeline.verify()?,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
+        Command::Crosscheck { python, quick, .. } => {
+            let cases: &[Case] = if *quick {
+                &[Case::SameMesh, Case::SameMeshFriction]
+            } else {
+                &[Case::SameMesh, Case::SameMeshFriction, Case::SecondOrder]
+            };
+            let record = crosscheck(study, &folder, python.as_deref(), cases, &progress)?;
+            progress.finish();
+            if !args.quiet {
+                print_crosscheck(&record);
+            }
+            record.holds
+        }
         Command::Schema => unreachable!("printed without a study"),
     };
     progress.finish();
@@ -180,6 +211,26 @@ fn print_verdict(verdict: &VerificationRecord) {
         let unit = if line.unit == "1" { String::new() } else { format!(" {}", line.unit) };
         let value = line.value.map_or_else(|| "none".into(), |value| format!("{value:.4}{unit}"));
         say(&format!("{word}  {subject}: {} {value} (limit {}{unit})", line.meaning, line.limit));
+    }
+}
+
+/// The largest differences of the cross-check, and every limit that does not hold.
+fn print_crosscheck(record: &CrosscheckRecord) {
+    let mut shown: Vec<(&str, &str)> = Vec::new();
+    for check in &record.checks {
+        let same = |other: &&Check| other.problem == check.problem && other.quantity == check.quantity;
+        let worst = record.checks.iter().filter(same).max_by(|a, b| a.difference.total_cmp(&b.difference));
+        if shown.contains(&(&check.problem, &check.quantity)) {
+            continue;
+        }
+        shown.push((&check.problem, &check.quantity));
+        let Some(worst) = worst else { continue };
+        let word = if record.checks.iter().filter(same).all(|c| c.holds) { "holds" } else { "FAILS" };
+        let load = worst.load_kn.map_or_else(String::new, |load| format!(" at {load} kN"));
+        say(&format!(
+            "{word}  {}: {}: {:.3e}{load} (limit {:.1e}, {:?})",
+            check.problem, check.quantity, worst.difference, worst.limit, worst.cause
+        ));
     }
 }
 

@@ -4,10 +4,12 @@
 //! [`crate::pipeline`].
 
 mod calibrate;
+mod crosscheck;
 mod fields;
 mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
+pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, judged_loads, rail_held};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
 pub use simulate::{Springs, simulate, simulate_solid};
 
