@@ -6,12 +6,12 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use railspring_calibrate::error::{Error, InputError};
 
-use crate::crosscheck::compare::Check;
 use crate::crosscheck::exchange::Case;
-use crate::crosscheck::{CrosscheckRecord, crosscheck};
+use crate::crosscheck::deck::Format;
+use crate::crosscheck::{CrosscheckRecord, crosscheck, export};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
 use crate::records::VerificationRecord;
@@ -65,6 +65,17 @@ enum Command {
         /// Leave out elements of second order, which take most of the time
         #[arg(long)]
         quick: bool,
+        /// Ask another program too, if it is installed
+        #[arg(long = "with", value_name = "PROGRAM")]
+        with: Option<OtherJudge>,
+    },
+    /// Write the solid problem as a deck for another program
+    Export {
+        #[command(flatten)]
+        study: StudyArgs,
+        /// The program
+        #[arg(long, value_name = "FORMAT")]
+        format: Format,
     },
     /// Print the JSON schema of the study file
     Schema,
@@ -85,6 +96,13 @@ struct StudyArgs {
     /// Number of threads; left out, one for each core. The results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+}
+
+/// A judge besides the reference.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum OtherJudge {
+    /// CalculiX, run on the exported deck
+    Calculix,
 }
 
 /// A failure with the place where it stands.
@@ -129,7 +147,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
             return Ok(true);
         }
         Command::Simulate { study, law } => (study, law.as_deref()),
-        Command::Crosscheck { study, .. } => (study, None),
+        Command::Crosscheck { study, .. } | Command::Export { study, .. } => (study, None),
         Command::Run(study)
         | Command::Calibrate(study)
         | Command::Verify(study)
@@ -152,7 +170,7 @@ fn staged(
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
     let makes_its_own = matches!(
         command,
-        Command::Run(_) | Command::Calibrate(_) | Command::Mesh(_) | Command::Crosscheck { .. }
+        Command::Run(_) | Command::Calibrate(_) | Command::Mesh(_) | Command::Crosscheck { .. } | Command::Export { .. }
     );
     let folder = if makes_its_own || law.is_some() {
         OutputFolder::create(&path)?
@@ -173,13 +191,14 @@ fn staged(
         Command::Verify(_) => pipeline.verify()?,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
-        Command::Crosscheck { python, quick, .. } => {
+        Command::Export { format, .. } => export(study, *format, &folder, &progress).map(|_| true)?,
+        Command::Crosscheck { python, quick, with, .. } => {
             let cases: &[Case] = if *quick {
                 &[Case::SameMesh, Case::SameMeshFriction]
             } else {
                 &[Case::SameMesh, Case::SameMeshFriction, Case::SecondOrder]
             };
-            let record = crosscheck(study, &folder, python.as_deref(), cases, &progress)?;
+            let record = crosscheck(study, &folder, python.as_deref(), cases, with.is_some(), &progress)?;
             progress.finish();
             if !args.quiet {
                 print_crosscheck(&record);

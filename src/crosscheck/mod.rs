@@ -2,23 +2,30 @@
 //!
 //! * [`exchange`]: the questions, as files that know nothing of the tool's formulations;
 //! * [`python`]: the environment of the scikit-fem reference, and running it;
+//! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
 //! * [`compare`]: answers against answers, with limits and their causes.
 
+pub mod calculix;
 pub mod compare;
+pub mod deck;
 pub mod exchange;
 pub mod python;
 
 use std::path::Path;
+use std::time::Instant;
 
 use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 
 use crate::measure::begin;
 use crate::output::OutputFolder;
 use crate::stages::{self, Answers, Geometry, Meshes};
 use crate::study::Study;
-use compare::{Check, Provenance, ReferenceResult, Timing, compare};
+use calculix::displacement_at;
+use compare::{Cause, Check, MODEL, Provenance, ReferenceResult, Timing, compare};
+use deck::{Deck, Format};
 use exchange::{Case, Exchange};
 use python::Python;
 
@@ -79,6 +86,85 @@ pub fn prepare(study: &Study, cases: &[Case], monitor: &dyn Monitor) -> Result<P
     Ok(Prepared { geometry, meshes, answers, exchange })
 }
 
+/// Writes a deck of the study's problem into `folder`: its own element and friction, a step for every
+/// judged load; the name of the file.
+///
+/// # Errors
+/// Those of meshing and calibration, and a folder that cannot be written.
+pub fn export(study: &Study, format: Format, folder: &OutputFolder, monitor: &dyn Monitor) -> Result<String> {
+    let geometry = stages::geometry(study)?;
+    let meshes = stages::meshes(study, &geometry)?;
+    let answers = stages::answers(study, &geometry, &meshes, monitor)?;
+    let lowerings: Vec<f64> = answers.own_element.points.iter().map(|p| p.displacement).collect();
+    let deck = Deck {
+        study,
+        geometry: &geometry,
+        meshes: &meshes,
+        element: study.mesh.element,
+        friction: study.contact.friction,
+        lowerings: &lowerings,
+    };
+    let name = match format {
+        Format::Calculix => "calculix.inp",
+        Format::Abaqus => "abaqus.inp",
+    };
+    folder.write(name, deck.text(format)?.as_bytes())?;
+    Ok(name.into())
+}
+
+/// Lets CalculiX solve the frictionless problem with the study's element.
+fn calculix_checks(
+    study: &Study,
+    prepared: &Prepared,
+    folder: &OutputFolder,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Check>, Timing)> {
+    const PROBLEM: &str = "contact without friction, faceted surfaces";
+    let (program, judge) = calculix::version()?;
+    let curve = &prepared.answers.own_element;
+    let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
+    let deck = Deck {
+        study,
+        geometry: &prepared.geometry,
+        meshes: &prepared.meshes,
+        element: study.mesh.element,
+        friction: 0.0,
+        lowerings: &lowerings,
+    };
+    folder.write("calculix.inp", deck.text(Format::Calculix)?.as_bytes())?;
+    monitor.progress("CalculiX", 0, 1)?;
+    let clock = Instant::now();
+    let steps = calculix::run(program, folder.path(), "calculix")?;
+    let seconds = clock.elapsed().as_secs_f64();
+    monitor.progress("CalculiX", 1, 1)?;
+    let checks = curve
+        .points
+        .iter()
+        .map(|point| {
+            let judged = displacement_at(&steps, point.force).unwrap_or(f64::NAN);
+            Check::new(
+                PROBLEM,
+                "hub displacement",
+                Some(point.force),
+                "mm",
+                (point.displacement / MILLIMETRE, judged / MILLIMETRE),
+                &judge,
+                (judged / point.displacement - 1.0).abs(),
+                (MODEL, Cause::Model),
+            )
+        })
+        .collect();
+    let timing = Timing {
+        problem: PROBLEM.into(),
+        judge,
+        degrees_of_freedom: 3 * (prepared.meshes.rail.nodes.len() + prepared.meshes.wheel.nodes.len()),
+        loads: lowerings.len(),
+        tool_seconds: curve.seconds,
+        judge_seconds: seconds,
+    };
+    Ok((checks, timing))
+}
+
 /// Runs the whole cross-check and writes its files; the record says whether all limits hold.
 ///
 /// # Errors
@@ -88,9 +174,13 @@ pub fn crosscheck(
     folder: &OutputFolder,
     interpreter: Option<&Path>,
     cases: &[Case],
+    with_calculix: bool,
     monitor: &dyn Monitor,
 ) -> Result<CrosscheckRecord> {
     let begun = begin();
+    if with_calculix {
+        calculix::version()?;
+    }
     // first, so that a missing Python is told before anything is computed
     let python = Python::prepare(interpreter, &python::cache_folder(), monitor)?;
     let prepared = prepare(study, cases, monitor)?;
@@ -98,7 +188,12 @@ pub fn crosscheck(
     prepared.exchange.write(&exchange_folder)?;
     python.run(exchange_folder.path(), monitor)?;
     let reference = ReferenceResult::read(&exchange_folder)?;
-    let (checks, timings) = compare(&prepared.answers, study.mesh.contact_element, cases, &reference)?;
+    let (mut checks, mut timings) = compare(&prepared.answers, study.mesh.contact_element, cases, &reference)?;
+    if with_calculix {
+        let (more, timing) = calculix_checks(study, &prepared, &exchange_folder, monitor)?;
+        checks.extend(more);
+        timings.push(timing);
+    }
     let record = CrosscheckRecord {
         study: study.name.clone(),
         holds: checks.iter().all(|check| check.holds),

@@ -9,17 +9,20 @@ accelerated projected gradients (A. Beck, M. Teboulle, SIAM J. Imaging Sci. 2
 (2009)); normal and tangential problems alternate until both rest.
 """
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
+from numpy.typing import NDArray
 from scipy.optimize import brentq, nnls
 
 from .body import Body, Floats, Ints
 from .exchange import Side
 from .surface import Graph, bilinear, functionals, rail_gap, shape_rows, wheel_points
 
+Flags = NDArray[np.bool_]
 Progress = Callable[[str, int, int], None]
 
 STEP_FOR_TANGENT = 1e-3
@@ -44,14 +47,14 @@ class State:
 class Contact:
     """A wheel above a rail, condensed to the multipliers.
 
-    ``reach``: nodes of the wheel with a smaller vertical gap when the bodies just touch are candidates, m.
+    ``reach``: nodes of the wheel with a smaller vertical gap when the bodies just touch are candidates, m. ``tangential``: whether friction will be asked for.
     """
 
     def __init__(
-        self, wheel: Body, rail: Body, sides: tuple[Side, Side], friction: float, reach: float, progress: Progress
+        self, wheel: Body, rail: Body, sides: tuple[Side, Side], tangential: bool, reach: float, progress: Progress
     ) -> None:
         wheel_side, rail_side = sides
-        self.friction = friction
+        self.friction = 0.0
         around = self._touch(wheel, wheel_side, rail_side)
         self.wheel_curve = Graph(wheel_side.curve, around)
         self.rail_curve = Graph(rail_side.curve, around + wheel_side.origin[0] - rail_side.origin[0])
@@ -71,7 +74,7 @@ class Contact:
         across = np.array([np.zeros_like(gap), normal[2], -normal[1]])
         across /= np.linalg.norm(across, axis=0)
         directions = [normal, across, np.cross(normal.T, across.T).T]
-        if friction == 0.0:
+        if not tangential:
             directions = directions[:1]
         self.vertical = np.concatenate([self._sum(d[2], count) / self.area for d in directions])
         self.compliance = np.zeros((len(directions) * count,) * 2)
@@ -89,6 +92,12 @@ class Contact:
         self.compliance = 0.5 * (self.compliance + self.compliance.T)
         self.count = count
         self._root = la.cholesky(self.compliance[:count, :count], lower=True)
+
+    def with_friction(self, coefficient: float) -> "Contact":
+        """The same contact with Coulomb friction."""
+        other = copy.copy(self)
+        other.friction = coefficient
+        return other
 
     def _touch(self, wheel: Body, wheel_side: Side, rail_side: Side) -> float:
         """Lateral coordinate, in the wheel's profile frame, where the gap of the profiles is smallest."""
@@ -120,7 +129,7 @@ class Contact:
         self.rim_of = self.rim[chosen]
         return index, np.array(np.nonzero(touched))
 
-    def _locate(self, rail: Body, side: Side, x: Floats, y: Floats) -> tuple[Ints, Floats, NDArrayBool]:
+    def _locate(self, rail: Body, side: Side, x: Floats, y: Floats) -> tuple[Ints, Floats, Flags]:
         """Rail face and local coordinates under points; which lie outside the grid."""
         lines = rail.points[side.grid.nodes[:, 0], 1]
         rows, u, out_y = _cells(lines, y)
@@ -245,17 +254,14 @@ class Contact:
         return float(self.area[state.normal > 0.0].sum())
 
 
-NDArrayBool = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
-
-
-def _interior(chosen: NDArrayBool) -> NDArrayBool:
+def _interior(chosen: Flags) -> Flags:
     """Nodes whose four neighbours are chosen too."""
     inner = np.zeros_like(chosen)
     inner[1:-1, 1:-1] = chosen[:-2, 1:-1] & chosen[2:, 1:-1] & chosen[1:-1, :-2] & chosen[1:-1, 2:]
     return inner
 
 
-def _cells(lines: Floats, at: Floats) -> tuple[Ints, Floats, NDArrayBool]:
+def _cells(lines: Floats, at: Floats) -> tuple[Ints, Floats, Flags]:
     cell = np.clip(np.searchsorted(lines, at, side="right") - 1, 0, len(lines) - 2)
     local = (at - lines[cell]) / (lines[cell + 1] - lines[cell])
     return cell, np.clip(local, 0.0, 1.0), (local < -1e-9) | (local > 1.0 + 1e-9)
