@@ -237,7 +237,7 @@ fn print_verdict(verdict: &VerificationRecord) {
 fn print_crosscheck(record: &CrosscheckRecord) {
     let mut shown: Vec<(&str, &str)> = Vec::new();
     for check in &record.checks {
-        let same = |other: &&Check| other.problem == check.problem && other.quantity == check.quantity;
+        let same = |other: &&crate::crosscheck::compare::Check| other.problem == check.problem && other.quantity == check.quantity;
         let worst = record.checks.iter().filter(same).max_by(|a, b| a.difference.total_cmp(&b.difference));
         if shown.contains(&(&check.problem, &check.quantity)) {
             continue;
