@@ -10,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use railspring_calibrate::error::{Error, InputError};
 
 use crate::crosscheck::exchange::Case;
+use crate::crosscheck::page::worst;
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::{CrosscheckRecord, crosscheck, export};
 use crate::output::OutputFolder;
@@ -235,20 +236,12 @@ fn print_verdict(verdict: &VerificationRecord) {
 
 /// The largest differences of the cross-check, and every limit that does not hold.
 fn print_crosscheck(record: &CrosscheckRecord) {
-    let mut shown: Vec<(&str, &str)> = Vec::new();
-    for check in &record.checks {
-        let same = |other: &&crate::crosscheck::compare::Check| other.problem == check.problem && other.quantity == check.quantity;
-        let worst = record.checks.iter().filter(same).max_by(|a, b| a.difference.total_cmp(&b.difference));
-        if shown.contains(&(&check.problem, &check.quantity)) {
-            continue;
-        }
-        shown.push((&check.problem, &check.quantity));
-        let Some(worst) = worst else { continue };
-        let word = if record.checks.iter().filter(same).all(|c| c.holds) { "holds" } else { "FAILS" };
-        let load = worst.load_kn.map_or_else(String::new, |load| format!(" at {load} kN"));
+    for (check, holds) in worst(&record.checks) {
+        let word = if holds { "holds" } else { "FAILS" };
+        let load = check.load_kn.map_or_else(String::new, |load| format!(" at {load} kN"));
         say(&format!(
-            "{word}  {}: {}: {:.3e}{load} (limit {:.1e}, {:?})",
-            check.problem, check.quantity, worst.difference, worst.limit, worst.cause
+            "{word}  {}: {}: {:.2e}{load} (limit {:.0e})",
+            check.problem, check.quantity, check.difference, check.limit
         ));
     }
 }

@@ -3,12 +3,14 @@
 //! * [`exchange`]: the questions, as files that know nothing of the tool's formulations;
 //! * [`python`]: the environment of the scikit-fem reference, and running it;
 //! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
-//! * [`compare`]: answers against answers, with limits and their causes.
+//! * [`compare`]: answers against answers, with limits and their causes;
+//! * [`page`]: the page for whoever must trust the numbers.
 
 pub mod calculix;
 pub mod compare;
 pub mod deck;
 pub mod exchange;
+pub mod page;
 pub mod python;
 
 use std::path::Path;
@@ -31,6 +33,8 @@ use python::Python;
 
 /// Result of the cross-check.
 pub const CROSSCHECK: &str = "crosscheck.json";
+/// The page about it.
+pub const PAGE: &str = "crosscheck.html";
 /// Folder of the exchange inside the output folder.
 pub const EXCHANGE_FOLDER: &str = "crosscheck";
 /// How much coarser the contact elements of the second-order mesh are.
@@ -206,5 +210,6 @@ pub fn crosscheck(
         timings,
     };
     folder.write_json(CROSSCHECK, &record)?;
+    folder.write(PAGE, page::page(&record, &prepared, &reference).as_bytes())?;
     Ok(record)
 }

@@ -4,7 +4,7 @@
 //! computed here but what a picture or a table needs.
 
 mod figures;
-mod plot;
+pub(crate) mod plot;
 mod positions;
 mod tables;
 

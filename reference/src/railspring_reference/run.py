@@ -17,7 +17,7 @@ from .body import Body
 from .contact import Contact
 from .exchange import Exchange
 
-FIRST_REACH = 0.12e-3
+FIRST_REACH = 0.08e-3
 """First guess of the largest gap of a candidate at touching, m."""
 PACKAGES = ("scikit-fem", "meshio", "numpy", "scipy")
 BODIES = ("rail", "wheel")
