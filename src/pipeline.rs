@@ -15,7 +15,8 @@ use railspring_calibrate::units::KILONEWTON_PER_METRE;
 use crate::measure::{Stopwatch, begin};
 use crate::output::{OutputFolder, read_json, read_text};
 use crate::records::{
-    LawRecord, LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord, history_csv, to_csv,
+    LawRecord, LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord, history_csv,
+    to_csv,
 };
 use crate::report::{self, ReportData, ScenarioRun};
 use crate::stages::{self, Calibration, Fields, Geometry, Meshes, Springs};
@@ -61,15 +62,14 @@ impl<'a> Pipeline<'a> {
     pub fn run(mut self) -> Result<bool> {
         self.measured.stages.clear();
         let geometry = stages::geometry(self.study)?;
+        stages::check_loads(self.study, &geometry)?;
         let meshes = self.mesh_stage(&geometry)?;
         let calibration = self.calibrate_stage(&geometry, &meshes)?;
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
             let simple = self.simulate_stage(&geometry, &calibration.stiffness, name, scenario)?;
-            let solid = scenario
-                .solid
-                .then(|| self.solid_stage(&geometry, &meshes, name, scenario))
-                .transpose()?;
+            let solid =
+                scenario.solid.then(|| self.solid_stage(&geometry, &meshes, name, scenario)).transpose()?;
             runs.push((name.clone(), Runs { simple, solid }));
         }
         let verdict = self.verify_stage(&calibration.stiffness, &runs)?;
@@ -83,6 +83,7 @@ impl<'a> Pipeline<'a> {
     /// Those of the stage.
     pub fn calibrate(mut self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
+        stages::check_loads(self.study, &geometry)?;
         let meshes = self.mesh_stage(&geometry)?;
         self.calibrate_stage(&geometry, &meshes)?;
         Ok(())
@@ -132,7 +133,9 @@ impl<'a> Pipeline<'a> {
             let file = self.file(name, "solid_history");
             let solid = match scenario.solid {
                 false => None,
-                true if self.folder.file(&file).exists() => Some(self.read_history(&file, &model("solid", name))?),
+                true if self.folder.file(&file).exists() => {
+                    Some(self.read_history(&file, &model("solid", name))?)
+                }
                 true => {
                     if solid_model.is_none() {
                         let geometry = stages::geometry(self.study)?;
@@ -162,7 +165,8 @@ impl<'a> Pipeline<'a> {
         for (name, scenario) in &self.study.scenarios {
             let simple = self.read_history(&self.file(name, "history"), &model("simple", name))?;
             let file = self.file(name, "solid_history");
-            let solid = scenario.solid.then(|| self.read_history(&file, &model("solid", name))).transpose()?;
+            let solid =
+                scenario.solid.then(|| self.read_history(&file, &model("solid", name))).transpose()?;
             runs.push((name.clone(), Runs { simple, solid }));
         }
         let verdict: VerificationRecord = self.folder.read_json(VERIFICATION, "verify")?;
@@ -172,7 +176,8 @@ impl<'a> Pipeline<'a> {
     fn mesh_stage(&mut self, geometry: &Geometry) -> Result<Meshes> {
         let watch = Stopwatch::start();
         let meshes = stages::meshes(self.study, geometry)?;
-        self.note(watch, "meshes", None)?;
+        // Kept until there is a result: a study that is refused later leaves no file behind.
+        self.measured.note(watch.stop("meshes", None));
         Ok(meshes)
     }
 
@@ -226,7 +231,11 @@ impl<'a> Pipeline<'a> {
         Ok(history)
     }
 
-    fn verify_stage(&mut self, stiffness: &StiffnessRecord, runs: &[(String, Runs)]) -> Result<VerificationRecord> {
+    fn verify_stage(
+        &mut self,
+        stiffness: &StiffnessRecord,
+        runs: &[(String, Runs)],
+    ) -> Result<VerificationRecord> {
         let calibration = calibration_lines(self.study, stiffness);
         let mut scenarios = Vec::new();
         for (name, runs) in runs {
@@ -344,8 +353,10 @@ impl<'a> Pipeline<'a> {
     fn read_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
         let path = self.folder.file(LOAD_CURVE);
         let text = read_text(&path, "calibrate")?;
-        csv::Reader::from_reader(text.as_bytes()).deserialize().collect::<std::result::Result<_, _>>().map_err(
-            |cause| {
+        csv::Reader::from_reader(text.as_bytes())
+            .deserialize()
+            .collect::<std::result::Result<_, _>>()
+            .map_err(|cause| {
                 InputError::new(
                     path.display().to_string(),
                     cause,
@@ -353,8 +364,7 @@ impl<'a> Pipeline<'a> {
                     "write it again with that command",
                 )
                 .into()
-            },
-        )
+            })
     }
 }
 
@@ -371,10 +381,15 @@ fn law(record: &LawRecord) -> StiffnessLaw {
     }
 }
 
-/// A contact that grows over the edge of the fine zone means a load too large for the study.
+/// A contact that grows over the edge of the fine zone means a load too large for the study; the
+/// key is the one that the study has.
 fn uncarried(study: &Study, error: Error) -> Error {
-    let key = if study.source.gives("calibration.loads_kn") { "calibration.loads_kn" } else { "calibration.load_max_kn" };
+    let given = study.source.gives("calibration.loads_kn");
+    let key = if given { "calibration.loads_kn" } else { "calibration.load_max_kn" };
     match error {
+        Error::Input(cause) if cause.key == "calibration.loads_kn" => {
+            InputError { key: key.into(), ..cause }.into()
+        }
         Error::Numerics(cause) if cause.reason == StopReason::EdgeOfCandidates => InputError::new(
             key,
             cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}")),

@@ -180,13 +180,21 @@ pub struct TouchRecord {
     /// Contact angle, degrees.
     pub angle_deg: f64,
     /// Hertz tangent stiffness at 1 kN for the curvatures there, kN/m; it grows with the cube root of the load.
+    #[serde(deserialize_with = "null_as_infinite")]
     pub hertz_kn_per_m: f64,
-    /// Radius of the rail across, mm (negative: hollow).
+    /// Radius of the rail across, mm (negative: hollow; `null`: straight).
+    #[serde(deserialize_with = "null_as_infinite")]
     pub rail_radius_mm: f64,
-    /// Radius of the wheel profile across, mm (negative: hollow).
+    /// Radius of the wheel profile across, mm (negative: hollow; `null`: straight).
+    #[serde(deserialize_with = "null_as_infinite")]
     pub wheel_radius_mm: f64,
     /// Rolling radius of the wheel, mm.
     pub rolling_radius_mm: f64,
+}
+
+/// JSON has no infinity and writes `null` in its place.
+fn null_as_infinite<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 /// One row of `load_curve.csv`: one load, with the reference in use.

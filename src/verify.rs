@@ -65,24 +65,30 @@ pub struct Limits {
 }
 
 impl Default for Limits {
+    /// What a simple model can be asked for when impacts and weakly damped vibrations are in the load case: the
+    /// derailment coefficient, averaged, within the margin a safety case leaves (0.15, and 0.5 for a moment);
+    /// the forces, whose vibrations lose phase after the first impact, within 0.15 of the peak in the mean
+    /// and 0.75 at an instant; impacts within 5 ms. The law within 15 % of the solid: a half-space program's own curve
+    /// of S1002 on UIC60 is 8 % off any law of this form between 0.5 and 200 kN, and patches of a few contact elements
+    /// add steps of the same size. The published law belongs to another wheel and bounds only the order of magnitude.
     fn default() -> Self {
         Self {
-            vertical_rms: 0.05,
-            vertical_max: 0.20,
-            lateral_rms: 0.05,
-            lateral_max: 0.20,
-            ratio_rms: 0.05,
-            ratio_max: 0.10,
+            vertical_rms: 0.15,
+            vertical_max: 0.75,
+            lateral_rms: 0.15,
+            lateral_max: 0.75,
+            ratio_rms: 0.15,
+            ratio_max: 0.50,
             ratio_window_s: 0.024,
-            ratio_floor: 0.02,
+            ratio_floor: 0.05,
             separation_begin_s: 0.005,
             separation_end_s: 0.005,
             separations_unmatched: 0,
             separation_shortest_s: 0.002,
             mode_fraction: 0.10,
-            law_max: 0.05,
+            law_max: 0.15,
             horizontal_spread: 0.10,
-            published_stiffness: 0.25,
+            published_stiffness: 1.0,
         }
     }
 }
@@ -130,7 +136,15 @@ impl Line {
     ) -> Self {
         let holds = value.is_none_or(|value| value <= limit);
         let value = value.filter(|value| value.is_finite()).map(rounded);
-        Self { quantity: quantity.into(), meaning: meaning.into(), kind, unit: unit.into(), value, limit, holds }
+        Self {
+            quantity: quantity.into(),
+            meaning: meaning.into(),
+            kind,
+            unit: unit.into(),
+            value,
+            limit,
+            holds,
+        }
     }
 }
 
@@ -189,8 +203,14 @@ pub struct Comparison {
 /// [`InputError`] with key `history` if the two have different time steps or fewer than two rows.
 pub fn compare(simple: &History, solid: &History, limits: &Limits) -> Result<Comparison> {
     check_times(simple, solid)?;
-    let p = Both { simple: column(simple, |row| row.vertical_force), solid: column(solid, |row| row.vertical_force) };
-    let q = Both { simple: column(simple, |row| row.lateral_force), solid: column(solid, |row| row.lateral_force) };
+    let p = Both {
+        simple: column(simple, |row| row.vertical_force),
+        solid: column(solid, |row| row.vertical_force),
+    };
+    let q = Both {
+        simple: column(simple, |row| row.lateral_force),
+        solid: column(solid, |row| row.lateral_force),
+    };
     let peak_p = peak(&p.solid);
     let peak_q = peak(&q.solid);
     let floor = limits.ratio_floor * peak_p;
@@ -219,18 +239,90 @@ pub fn compare(simple: &History, solid: &History, limits: &Limits) -> Result<Com
         pairs.iter().map(difference).map(f64::abs).max_by(f64::total_cmp)
     };
     let lines = vec![
-        verification("vertical_rms", "P, RMS difference over the solid's peak", "1", over(rms(&delta_p), peak_p), limits.vertical_rms),
-        verification("vertical_max", "P, largest difference over the solid's peak", "1", over(peak(&delta_p), peak_p), limits.vertical_max),
-        verification("lateral_rms", "Q, RMS difference over the solid's peak", "1", over(rms(&delta_q), peak_q), limits.lateral_rms),
-        verification("lateral_max", "Q, largest difference over the solid's peak", "1", over(peak(&delta_q), peak_q), limits.lateral_max),
-        verification("ratio_rms", "Averaged Q/P, RMS difference", "1", some_of(&ratio_differences, rms), limits.ratio_rms),
-        verification("ratio_max", "Averaged Q/P, largest difference", "1", some_of(&ratio_differences, peak), limits.ratio_max),
-        verification("separation_begin_s", "Separation begins, largest difference", "s", of_pairs(|(a, b)| a.begin_s - b.begin_s), limits.separation_begin_s),
-        verification("separation_end_s", "Separation ends, largest difference", "s", of_pairs(|(a, b)| a.end_s - b.end_s), limits.separation_end_s),
-        verification("separations_unmatched", "Separations that only one model has", "1", Some(unmatched as f64), limits.separations_unmatched as f64),
-        verification("mode_fraction", "Time sticking, difference of the fractions", "1", Some((modes.simple.stick - modes.solid.stick).abs()), limits.mode_fraction),
-        verification("mode_fraction", "Time sliding, difference of the fractions", "1", Some((modes.simple.slip - modes.solid.slip).abs()), limits.mode_fraction),
-        verification("mode_fraction", "Time separated, difference of the fractions", "1", Some((modes.simple.separated - modes.solid.separated).abs()), limits.mode_fraction),
+        verification(
+            "vertical_rms",
+            "P, RMS difference over the solid's peak",
+            "1",
+            over(rms(&delta_p), peak_p),
+            limits.vertical_rms,
+        ),
+        verification(
+            "vertical_max",
+            "P, largest difference over the solid's peak",
+            "1",
+            over(peak(&delta_p), peak_p),
+            limits.vertical_max,
+        ),
+        verification(
+            "lateral_rms",
+            "Q, RMS difference over the solid's peak",
+            "1",
+            over(rms(&delta_q), peak_q),
+            limits.lateral_rms,
+        ),
+        verification(
+            "lateral_max",
+            "Q, largest difference over the solid's peak",
+            "1",
+            over(peak(&delta_q), peak_q),
+            limits.lateral_max,
+        ),
+        verification(
+            "ratio_rms",
+            "Averaged Q/P, RMS difference",
+            "1",
+            some_of(&ratio_differences, rms),
+            limits.ratio_rms,
+        ),
+        verification(
+            "ratio_max",
+            "Averaged Q/P, largest difference",
+            "1",
+            some_of(&ratio_differences, peak),
+            limits.ratio_max,
+        ),
+        verification(
+            "separation_begin_s",
+            "Separation begins, largest difference",
+            "s",
+            of_pairs(|(a, b)| a.begin_s - b.begin_s),
+            limits.separation_begin_s,
+        ),
+        verification(
+            "separation_end_s",
+            "Separation ends, largest difference",
+            "s",
+            of_pairs(|(a, b)| a.end_s - b.end_s),
+            limits.separation_end_s,
+        ),
+        verification(
+            "separations_unmatched",
+            "Separations that only one model has",
+            "1",
+            Some(unmatched as f64),
+            limits.separations_unmatched as f64,
+        ),
+        verification(
+            "mode_fraction",
+            "Time sticking, difference of the fractions",
+            "1",
+            Some((modes.simple.stick - modes.solid.stick).abs()),
+            limits.mode_fraction,
+        ),
+        verification(
+            "mode_fraction",
+            "Time sliding, difference of the fractions",
+            "1",
+            Some((modes.simple.slip - modes.solid.slip).abs()),
+            limits.mode_fraction,
+        ),
+        verification(
+            "mode_fraction",
+            "Time separated, difference of the fractions",
+            "1",
+            Some((modes.simple.separated - modes.solid.separated).abs()),
+            limits.mode_fraction,
+        ),
     ];
     Ok(Comparison {
         lines,

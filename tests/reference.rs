@@ -27,6 +27,7 @@ profile = "S1002"
 tape_diameter_m = 0.858
 [mesh]
 contact_element_mm = 6
+contact_element_along_mm = 6
 element = "full-integration"
 [contact]
 friction = 0.5
@@ -116,7 +117,8 @@ fn a_wrong_modulus_and_a_flipped_element_are_found() {
     let hex = &mut exchange.bodies[1].mesh.hexes[middle];
     *hex = [hex[4], hex[5], hex[6], hex[7], hex[0], hex[1], hex[2], hex[3]];
     let checks = judged(&exchange);
-    let (rail, wheel): (Vec<&str>, Vec<&str>) = failing(&checks).into_iter().partition(|q| q.starts_with("rail"));
+    let (rail, wheel): (Vec<&str>, Vec<&str>) =
+        failing(&checks).into_iter().partition(|q| q.starts_with("rail"));
     assert!(rail.contains(&"rail: nodal displacements under given forces, largest difference"), "{rail:?}");
     assert_eq!(rail.iter().filter(|q| q.contains("compliance column")).count(), 6, "{rail:?}");
     assert_eq!(wheel, ["wheel: sign of the smallest Jacobian determinant"]);
@@ -131,7 +133,10 @@ fn a_wrong_load_is_found() {
     exchange.loads[2] *= 1.02;
     let wrong = judged(&exchange);
     let names = failing(&wrong);
-    assert!(names.contains(&"wheel: nodal displacements under given forces, largest difference"), "{names:?}");
+    assert!(
+        names.contains(&"wheel: nodal displacements under given forces, largest difference"),
+        "{names:?}"
+    );
     assert!(names.contains(&"load"), "{names:?}");
     let hub = |checks: &[Check]| {
         let hubs: Vec<f64> =

@@ -4,8 +4,8 @@ use faer::Mat;
 use nalgebra::{Point2, Point3, Vector2};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::contact::{
-    BodyCompliance, Compliance, ContactPoints, HalfSpace, PairingLimits, PenaltySprings, PointMode, Problem, Shape,
-    Side, Solution, Surface, hub_response, pair, solve, total,
+    BodyCompliance, Compliance, ContactPoints, HalfSpace, PairingLimits, PenaltySprings, PointMode, Problem,
+    Shape, Side, Solution, Surface, hub_response, pair, solve, total,
 };
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, mesh_block};
 use railspring_calibrate::profile::ProfileCurve;
@@ -43,7 +43,7 @@ fn straight(width: f64) -> ProfileCurve {
 fn condensed(mesh: &HexMesh, material: Material) -> Superelement<'_> {
     let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
     let system = System::new(mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
-    Superelement::new(system, 0.0, &[]).unwrap()
+    Superelement::new(system).unwrap()
 }
 
 /// Two blocks of the same footprint with non-matching meshes, the upper one on a free hub.
@@ -57,7 +57,9 @@ struct Blocks {
 impl Blocks {
     fn new(lower: [usize; 3], upper: [usize; 3]) -> Self {
         let (width, heights) = (0.02, [0.015, 0.01]);
-        let block = |height, divisions| mesh_block(&BlockOptions::uniform([width, width, height], divisions)).unwrap();
+        let block = |height, divisions| {
+            mesh_block(&BlockOptions::uniform([width, width, height], divisions)).unwrap()
+        };
         Self { width, heights, lower: block(heights[0], lower), upper: upside_down(block(heights[1], upper)) }
     }
 
@@ -66,7 +68,8 @@ impl Blocks {
         let material = Material { poisson: 0.0, ..Material::STEEL };
         let (lower, upper) = (condensed(&self.lower, material), condensed(&self.upper, material));
         let curve = straight(self.width);
-        let surface = |grid| Surface { curve: &curve, shape: Shape::Extruded, grid, origin: Vector2::zeros() };
+        let surface =
+            |grid| Surface { curve: &curve, shape: Shape::Extruded, grid, origin: Vector2::zeros() };
         let points = pair(
             &surface(&self.lower.contact),
             &surface(&self.upper.contact),
@@ -83,7 +86,8 @@ impl Blocks {
         );
         let mut free = points.gap.clone();
         free.resize(directions * points.len(), 0.0);
-        let problem = Problem { points: &points, compliance: &compliance, free: &free, friction, hub: &[(2, -load)] };
+        let problem =
+            Problem { points: &points, compliance: &compliance, free: &free, friction, hub: &[(2, -load)] };
         let start = vec![0.0; free.len()];
         let solution = solve(&problem, &start).unwrap();
         (points, solution)
@@ -91,7 +95,9 @@ impl Blocks {
 }
 
 fn spread(points: &ContactPoints, solution: &Solution, pressure: f64) -> f64 {
-    (0..points.len()).map(|j| (solution.forces[j] / points.area[j] / pressure - 1.0).abs()).fold(0.0, f64::max)
+    (0..points.len())
+        .map(|j| (solution.forces[j] / points.area[j] / pressure - 1.0).abs())
+        .fold(0.0, f64::max)
 }
 
 /// Source: uniaxial stress. Goal: a uniform pressure crosses non-matching meshes exactly, the hub moves by
@@ -119,14 +125,24 @@ fn a_wrong_weight_fails_the_patch_test() {
 }
 
 /// A rigid-plane approach of two bodies whose gap is x²/2Rx + s²/2Rs, on half-spaces.
-fn half_space_hertz(radius_x: f64, radius_s: f64, load: f64, h: f64, count: (usize, usize)) -> (f64, f64, f64) {
-    let points = ContactPoints::flat_grid(count, h, |s, x| {
-        s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x)
-    });
+fn half_space_hertz(
+    radius_x: f64,
+    radius_s: f64,
+    load: f64,
+    h: f64,
+    count: (usize, usize),
+) -> (f64, f64, f64) {
+    let points =
+        ContactPoints::flat_grid(count, h, |s, x| s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x));
     let contact_modulus = Material::STEEL.contact_modulus();
     let compliance = total(&[&HalfSpace { contact_modulus }], &points, 1);
-    let problem =
-        Problem { points: &points, compliance: &compliance, free: &points.gap, friction: 0.0, hub: &[(2, -load)] };
+    let problem = Problem {
+        points: &points,
+        compliance: &compliance,
+        free: &points.gap,
+        friction: 0.0,
+        hub: &[(2, -load)],
+    };
     let solution = solve(&problem, &vec![0.0; points.len()]).unwrap();
     let largest = solution.forces.iter().zip(&points.area).map(|(f, a)| f / a).fold(0.0, f64::max);
     let tangent = hub_response(&problem, &solution, &[2], false).unwrap().stiffness[(0, 0)];
@@ -210,7 +226,9 @@ fn hertz_on_finite_element_blocks() {
     for (radius_x, radius_s) in [(1.0, 1.0), (1.0, 0.7)] {
         let coarse = block_hertz(0.004, radius_x, radius_s);
         let standard = block_hertz(0.002, radius_x, radius_s);
-        println!("radii {radius_x} {radius_s}: errors of approach and pressure {coarse:?} (4 mm), {standard:?} (2 mm)");
+        println!(
+            "radii {radius_x} {radius_s}: errors of approach and pressure {coarse:?} (4 mm), {standard:?} (2 mm)"
+        );
         assert!(standard.0.abs() < 0.03, "approach off by {}", standard.0);
         assert!(standard.1.abs() < 0.05, "largest pressure off by {}", standard.1);
         assert!(standard.0.abs() < 0.7 * coarse.0.abs(), "approach: {coarse:?} {standard:?}");
@@ -233,7 +251,8 @@ fn sticking_sliding_and_separation() {
     let compliance = springs(&points, c);
     let run = |gap: f64, slip: [f64; 2]| {
         let free = [gap, slip[0], slip[1]];
-        let problem = Problem { points: &points, compliance: &compliance, free: &free, friction: mu, hub: &[] };
+        let problem =
+            Problem { points: &points, compliance: &compliance, free: &free, friction: mu, hub: &[] };
         solve(&problem, &[0.0; 3]).unwrap()
     };
     let normal = press / c;

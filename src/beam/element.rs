@@ -246,6 +246,11 @@ mod tests {
             let spin = motions[3].dot(&(m * motions[3])) / length;
             let arm = section.centroid[0].powi(2) + section.centroid[1].powi(2);
             assert!((spin / (section.polar + section.mass * arm) - 1.0).abs() < ROUNDOFF);
+            // A twist takes the centroid, above the node line, to the field side.
+            let sway = motions[1].dot(&(m * motions[3])) / length;
+            let (sin, cos) = angle.sin_cos();
+            let above = -(section.centroid[0] * sin + section.centroid[1] * cos);
+            assert!((sway / (section.mass * above) - 1.0).abs() < ROUNDOFF);
             // Pitch about the first node: rotary inertia, axial at the centroid, and mL²/3.
             let level = BeamElement { section: &section, length, angle: 0.0 };
             let pitch = rigid_motions(length, 0.0, section.centroid)[4];

@@ -9,9 +9,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use railspring_calibrate::error::{Error, InputError};
 
+use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
 use crate::crosscheck::page::worst;
-use crate::crosscheck::deck::Format;
 use crate::crosscheck::{CrosscheckRecord, crosscheck, export};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
@@ -171,7 +171,11 @@ fn staged(
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
     let makes_its_own = matches!(
         command,
-        Command::Run(_) | Command::Calibrate(_) | Command::Mesh(_) | Command::Crosscheck { .. } | Command::Export { .. }
+        Command::Run(_)
+            | Command::Calibrate(_)
+            | Command::Mesh(_)
+            | Command::Crosscheck { .. }
+            | Command::Export { .. }
     );
     let folder = if makes_its_own || law.is_some() {
         OutputFolder::create(&path)?
@@ -213,7 +217,8 @@ fn staged(
         if matches!(command, Command::Run(_) | Command::Verify(_)) {
             print_verdict(&folder.read_json(VERIFICATION, "verify")?);
         }
-        let last = if matches!(command, Command::Run(_) | Command::Report(_)) { folder.file(REPORT) } else { path };
+        let last =
+            if matches!(command, Command::Run(_) | Command::Report(_)) { folder.file(REPORT) } else { path };
         say(&last.display().to_string());
     }
     Ok(holds)

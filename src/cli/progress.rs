@@ -73,7 +73,7 @@ impl Monitor for Progress {
             state.stage = stage.to_string();
             state.tenths = 0;
         }
-        let tenths = if total == 0 { 10 } else { 10 * done / total };
+        let tenths = (10 * done).checked_div(total).unwrap_or(10);
         match self.style {
             Style::Bar => {
                 if new_stage && let Some(old) = state.bar.take() {

@@ -27,7 +27,8 @@ pub fn version() -> Result<(&'static str, String)> {
             Some((program, format!("CalculiX {number}")))
         })
         .ok_or_else(|| {
-            InputError::new("--with calculix", "no program ccx on the path", "CalculiX CrunchiX", REMEDY).into()
+            InputError::new("--with calculix", "no program ccx on the path", "CalculiX CrunchiX", REMEDY)
+                .into()
         })
 }
 

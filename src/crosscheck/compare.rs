@@ -241,9 +241,10 @@ pub fn compare(
                 Some(curve) => (format!("contact with friction {}", answers.friction), curve),
                 None => continue,
             },
-            Case::SecondOrder => {
-                (format!("{} against elements of second order", answers.own_element_name), &answers.own_element)
-            }
+            Case::SecondOrder => (
+                format!("{} against elements of second order", answers.own_element_name),
+                &answers.own_element,
+            ),
         };
         let judged = reference.contact.get(case.name()).ok_or_else(|| incomplete("contact", case.name()))?;
         curve_checks(&problem, case, curve, judged, contact_element, &judge, &mut checks);

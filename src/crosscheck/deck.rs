@@ -65,9 +65,19 @@ impl Deck<'_> {
         let offset = rail.nodes.len();
         let hub = offset + wheel.nodes.len() + 1;
         let mut out = String::new();
-        let _ = writeln!(out, "*HEADING\nrailspring {}: study {}, input {}", env!("CARGO_PKG_VERSION"), self.study.name, &self.study.input_hash[..12]);
+        let _ = writeln!(
+            out,
+            "*HEADING\nrailspring {}: study {}, input {}",
+            env!("CARGO_PKG_VERSION"),
+            self.study.name,
+            &self.study.input_hash[..12]
+        );
         let _ = writeln!(out, "** Units: mm, N, MPa. x along the track, y to the field side, z down.");
-        let _ = writeln!(out, "** Wheel lowered by {:.6e} mm beyond touching of the smooth surfaces: facets just touch.", shift / MILLIMETRE);
+        let _ = writeln!(
+            out,
+            "** Wheel lowered by {:.6e} mm beyond touching of the smooth surfaces: facets just touch.",
+            shift / MILLIMETRE
+        );
         let _ = writeln!(out, "*NODE, NSET=NALL");
         let moved = wheel.nodes.iter().map(|p| p + axle);
         for (n, p) in rail.nodes.iter().copied().chain(moved).chain([Point3::from(axle); 2]).enumerate() {
@@ -78,7 +88,9 @@ impl Deck<'_> {
             ElementKey::IncompatibleModes => "C3D8I",
             ElementKey::FullIntegration => "C3D8",
         };
-        for (name, mesh, nodes, elements) in [("RAIL", rail, 0, 0), ("WHEEL", wheel, offset, rail.hexes.len())] {
+        for (name, mesh, nodes, elements) in
+            [("RAIL", rail, 0, 0), ("WHEEL", wheel, offset, rail.hexes.len())]
+        {
             let _ = writeln!(out, "*ELEMENT, TYPE={kind}, ELSET={name}");
             for (e, hex) in mesh.hexes.iter().enumerate() {
                 let list: Vec<String> = hex.iter().map(|n| (n + nodes + 1).to_string()).collect();
@@ -121,16 +133,21 @@ impl Deck<'_> {
         let _ = writeln!(out, "*SURFACE INTERACTION, NAME=CONTACT");
         match format {
             Format::Calculix => {
-                let _ = writeln!(out, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{CONTACT_STIFFNESS:e}, 1., 1e-3");
+                let _ = writeln!(
+                    out,
+                    "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{CONTACT_STIFFNESS:e}, 1., 1e-3"
+                );
             }
             Format::Abaqus => {
-                let _ = writeln!(out, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{CONTACT_STIFFNESS:e}");
+                let _ =
+                    writeln!(out, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{CONTACT_STIFFNESS:e}");
             }
         }
         if self.friction > 0.0 {
             match format {
                 Format::Calculix => {
-                    let _ = writeln!(out, "*FRICTION\n{}, {:e}", self.friction, STICK_SHARE * CONTACT_STIFFNESS);
+                    let _ =
+                        writeln!(out, "*FRICTION\n{}, {:e}", self.friction, STICK_SHARE * CONTACT_STIFFNESS);
                 }
                 Format::Abaqus => {
                     let _ = writeln!(out, "*FRICTION\n{},", self.friction);
@@ -150,14 +167,23 @@ fn set(out: &mut String, name: &str, nodes: impl Iterator<Item = usize>) {
 }
 
 fn material(out: &mut String, material: &Material) {
-    let _ = writeln!(out, "*MATERIAL, NAME=STEEL\n*ELASTIC\n{:.12e}, {}", material.young / MEGAPASCAL, material.poisson);
+    let _ = writeln!(
+        out,
+        "*MATERIAL, NAME=STEEL\n*ELASTIC\n{:.12e}, {}",
+        material.young / MEGAPASCAL,
+        material.poisson
+    );
     // t/mm³, the density that goes with mm and N
     let _ = writeln!(out, "*DENSITY\n{:.12e}", material.density * 1e-12);
-    let _ = writeln!(out, "*SOLID SECTION, ELSET=RAIL, MATERIAL=STEEL\n*SOLID SECTION, ELSET=WHEEL, MATERIAL=STEEL");
+    let _ = writeln!(
+        out,
+        "*SOLID SECTION, ELSET=RAIL, MATERIAL=STEEL\n*SOLID SECTION, ELSET=WHEEL, MATERIAL=STEEL"
+    );
 }
 
 /// Faces S1 to S6 of a brick by the positions of their nodes.
-const FACES: [[usize; 4]; 6] = [[0, 1, 2, 3], [4, 7, 6, 5], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]];
+const FACES: [[usize; 4]; 6] =
+    [[0, 1, 2, 3], [4, 7, 6, 5], [0, 4, 5, 1], [1, 5, 6, 2], [2, 6, 7, 3], [3, 7, 4, 0]];
 
 /// The facets of the contact grid as faces of elements.
 fn surface(out: &mut String, name: &str, mesh: &HexMesh, elements: usize) -> Result<()> {
@@ -199,10 +225,13 @@ pub fn facet_clearance(geometry: &Geometry, meshes: &Meshes) -> f64 {
     let line: Vec<Point3<f64>> =
         (0..rail.contact.along_profile.len()).map(|i| rail.nodes[rail.contact.node(i, 0)]).collect();
     let rail_height = |y: f64| -> Option<f64> {
-        line.windows(2).filter(|w| w[0].y <= y && y <= w[1].y && w[1].y > w[0].y).map(|w| {
-            let t = (y - w[0].y) / (w[1].y - w[0].y);
-            w[0].z + t * (w[1].z - w[0].z)
-        }).min_by(f64::total_cmp)
+        line.windows(2)
+            .filter(|w| w[0].y <= y && y <= w[1].y && w[1].y > w[0].y)
+            .map(|w| {
+                let t = (y - w[0].y) / (w[1].y - w[0].y);
+                w[0].z + t * (w[1].z - w[0].z)
+            })
+            .min_by(f64::total_cmp)
     };
     let grid = &wheel.contact;
     let mut clearance = f64::INFINITY;

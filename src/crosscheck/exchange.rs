@@ -95,7 +95,8 @@ impl Exchange {
         cases: Vec<Case>,
     ) -> Self {
         let body = |meshes: &Meshes, k: usize, answered: bool| {
-            let (mesh, answer) = if k == 0 { (&meshes.rail, &answers.rail) } else { (&meshes.wheel, &answers.wheel) };
+            let (mesh, answer) =
+                if k == 0 { (&meshes.rail, &answers.rail) } else { (&meshes.wheel, &answers.wheel) };
             let held = if k == 0 { rail_held(study, mesh) } else { &mesh.bore };
             let (running, origin, radius) = if k == 0 {
                 (&geometry.placed.curve, Point2::origin(), 0.0)
@@ -106,7 +107,11 @@ impl Exchange {
                 mesh: mesh.clone(),
                 material: study.material,
                 held: held.to_vec(),
-                forces: if answered { answer.forces.clone() } else { vec![Vector3::zeros(); mesh.nodes.len()] },
+                forces: if answered {
+                    answer.forces.clone()
+                } else {
+                    vec![Vector3::zeros(); mesh.nodes.len()]
+                },
                 columns: if answered {
                     answer.columns.iter().map(|&(n, axis)| (mesh.contact.nodes[n], axis)).collect()
                 } else {
@@ -136,8 +141,12 @@ impl Exchange {
             let mut entries = serde_json::Map::new();
             for (body, name) in bodies.iter().zip(BODIES) {
                 let file = format!("{prefix}{name}.vtu");
-                let text =
-                    vtu(&body.mesh.nodes, Cells::Hexes(&body.mesh.hexes), &[Field::Vector(FORCE, &body.forces)], &[])?;
+                let text = vtu(
+                    &body.mesh.nodes,
+                    Cells::Hexes(&body.mesh.hexes),
+                    &[Field::Vector(FORCE, &body.forces)],
+                    &[],
+                )?;
                 folder.write(&file, text.as_bytes())?;
                 entries.insert(name.into(), body.entry(&file));
             }

@@ -85,6 +85,7 @@ pub fn prepare(study: &Study, cases: &[Case], monitor: &dyn Monitor) -> Result<P
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
     let mut coarser = study.clone();
     coarser.mesh.contact_element *= COARSER;
+    coarser.mesh.contact_element_along *= COARSER;
     let coarse = stages::meshes(&coarser, &geometry)?;
     let exchange = Exchange::new(study, &geometry, &meshes, &coarse, &answers, cases.to_vec());
     Ok(Prepared { geometry, meshes, answers, exchange })
@@ -104,7 +105,7 @@ pub fn export(study: &Study, format: Format, folder: &OutputFolder, monitor: &dy
         study,
         geometry: &geometry,
         meshes: &meshes,
-        element: study.mesh.element,
+        element: study.element,
         friction: study.contact.friction,
         lowerings: &lowerings,
     };
@@ -131,7 +132,7 @@ fn calculix_checks(
         study,
         geometry: &prepared.geometry,
         meshes: &prepared.meshes,
-        element: study.mesh.element,
+        element: study.element,
         friction: 0.0,
         lowerings: &lowerings,
     };
@@ -192,7 +193,8 @@ pub fn crosscheck(
     prepared.exchange.write(&exchange_folder)?;
     python.run(exchange_folder.path(), monitor)?;
     let reference = ReferenceResult::read(&exchange_folder)?;
-    let (mut checks, mut timings) = compare(&prepared.answers, study.mesh.contact_element, cases, &reference)?;
+    let (mut checks, mut timings) =
+        compare(&prepared.answers, study.mesh.contact_element, cases, &reference)?;
     if with_calculix {
         let (more, timing) = calculix_checks(study, &prepared, &exchange_folder, monitor)?;
         checks.extend(more);

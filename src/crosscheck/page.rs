@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use super::compare::{Cause, Check, ReferenceResult};
 use super::{CrosscheckRecord, Prepared};
-use crate::report::plot::{BLUE, DARK, Dash, GREY, Marker, ORANGE, Panel, RED, Series, px, stacked, svg, text};
+use crate::report::panel::{Panel, stacked};
+use crate::report::plot::{BLUE, DARK, Dash, GREY, Marker, ORANGE, RED, Series, px, svg, text};
 
 /// Template of the page.
 const TEMPLATE: &str = include_str!("page.html");
@@ -23,10 +24,12 @@ pub fn page(record: &CrosscheckRecord, prepared: &Prepared, reference: &Referenc
         "svg": inline(&curves(record)),
         "caption": "Difference of hub displacement and tangent stiffness from the judges, relative to the tool, over the load.",
     })];
-    for (k, (name, mesh, answer)) in
-        [("rail", &prepared.meshes.rail, &prepared.answers.rail), ("wheel", &prepared.meshes.wheel, &prepared.answers.wheel)]
-            .into_iter()
-            .enumerate()
+    for (k, (name, mesh, answer)) in [
+        ("rail", &prepared.meshes.rail, &prepared.answers.rail),
+        ("wheel", &prepared.meshes.wheel, &prepared.answers.wheel),
+    ]
+    .into_iter()
+    .enumerate()
     {
         let theirs = reference.displacement(k);
         if theirs.len() == answer.displacement.len() {
@@ -58,7 +61,8 @@ fn inline(svg: &str) -> String {
 pub fn worst(checks: &[Check]) -> Vec<(&Check, bool)> {
     let mut found: Vec<(&Check, bool)> = Vec::new();
     for check in checks {
-        let same = |c: &Check| c.problem == check.problem && c.quantity == check.quantity && c.judge == check.judge;
+        let same =
+            |c: &Check| c.problem == check.problem && c.quantity == check.quantity && c.judge == check.judge;
         match found.iter_mut().find(|(c, _)| same(c)) {
             // differences that are not a number are the worst of all
             Some((c, holds)) => {
@@ -143,7 +147,10 @@ fn curves(record: &CrosscheckRecord) -> String {
     stacked(
         WIDTH,
         220,
-        &[panel("hub displacement", "hub displacement, %"), panel("tangent stiffness", "tangent stiffness, %")],
+        &[
+            panel("hub displacement", "hub displacement, %"),
+            panel("tangent stiffness", "tangent stiffness, %"),
+        ],
     )
 }
 
@@ -183,7 +190,10 @@ fn section(mesh: &HexMesh, own: &[Vector3<f64>], theirs: &[Vector3<f64>]) -> Str
         }
         for decade in DECADES.0 as i32..=DECADES.1 as i32 {
             let x = MARGIN + 70.0 * f64::from(decade - DECADES.0 as i32);
-            area.draw(&Rectangle::new([pixel(x, 8.0), pixel(x + 14.0, 20.0)], shade(f64::from(decade)).filled()))?;
+            area.draw(&Rectangle::new(
+                [pixel(x, 8.0), pixel(x + 14.0, 20.0)],
+                shade(f64::from(decade)).filled(),
+            ))?;
             area.draw(&Text::new(format!("1e{decade}"), pixel(x + 18.0, 8.0), text(11, BLACK)))?;
         }
         Ok(())

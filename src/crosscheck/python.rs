@@ -40,7 +40,8 @@ impl Python {
     /// # Errors
     /// [`InputError`] with key `--python` that says what is missing and how to get it.
     pub fn prepare(given: Option<&Path>, cache: &Path, monitor: &dyn Monitor) -> Result<Self> {
-        let package = cache.join(format!("reference-{}", &blake3::hash(package_bytes().as_slice()).to_hex()[..12]));
+        let package =
+            cache.join(format!("reference-{}", &blake3::hash(package_bytes().as_slice()).to_hex()[..12]));
         write_package(&package).map_err(|cause| cache_error(cache, &cause))?;
         let interpreter = match given {
             Some(path) => path.to_path_buf(),
@@ -96,8 +97,11 @@ impl Python {
         for line in output.lines().map_while(std::result::Result::ok) {
             let parts: Vec<&str> = line.split('\t').collect();
             if let ["PROGRESS", stage, done, total] = parts[..]
-                && let Err(stop) =
-                    monitor.progress(&format!("reference: {stage}"), done.parse().unwrap_or(0), total.parse().unwrap_or(1))
+                && let Err(stop) = monitor.progress(
+                    &format!("reference: {stage}"),
+                    done.parse().unwrap_or(0),
+                    total.parse().unwrap_or(1),
+                )
             {
                 let _ = child.kill();
                 let _ = child.wait();
@@ -113,7 +117,10 @@ impl Python {
             "reference",
             said.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("no message").trim(),
             "a reference run that ends",
-            format!("see the exchange folder {}; run `python -m railspring_reference` on it", folder.display()),
+            format!(
+                "see the exchange folder {}; run `python -m railspring_reference` on it",
+                folder.display()
+            ),
         )
         .into())
     }
@@ -135,7 +142,8 @@ pub fn cache_folder() -> PathBuf {
 /// The interpreter of the virtual environment in `cache`; made if its mark of completion is absent.
 fn environment(cache: &Path, monitor: &dyn Monitor) -> Result<PathBuf> {
     let folder = cache.join(format!("venv-{}", &blake3::hash(LOCK.as_bytes()).to_hex()[..12]));
-    let interpreter = if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") };
+    let interpreter =
+        if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") };
     let complete = folder.join("complete");
     if complete.exists() && interpreter.exists() {
         return Ok(interpreter);
@@ -149,7 +157,9 @@ fn environment(cache: &Path, monitor: &dyn Monitor) -> Result<PathBuf> {
                 .output()
                 .is_ok_and(|output| output.status.success())
         })
-        .ok_or_else(|| missing(Path::new("python3"), "no Python 3.11 or newer with venv was found on the path"))?;
+        .ok_or_else(|| {
+            missing(Path::new("python3"), "no Python 3.11 or newer with venv was found on the path")
+        })?;
     monitor.progress("making the Python environment", 0, 2)?;
     let lock = cache.join("requirements.lock");
     std::fs::write(&lock, LOCK).map_err(|cause| cache_error(cache, &cause))?;
@@ -164,7 +174,11 @@ fn environment(cache: &Path, monitor: &dyn Monitor) -> Result<PathBuf> {
         }
         let said = [output.stderr, output.stdout].concat();
         let text = String::from_utf8_lossy(&said);
-        Err(missing(program, text.lines().find(|l| l.contains("ERROR")).or(text.lines().last()).unwrap_or("failed")).into())
+        Err(missing(
+            program,
+            text.lines().find(|l| l.contains("ERROR")).or(text.lines().last()).unwrap_or("failed"),
+        )
+        .into())
     };
     made(&["-m".as_ref(), "venv".as_ref(), "--clear".as_ref(), folder.as_os_str()], Path::new(base))?;
     monitor.progress("making the Python environment", 1, 2)?;

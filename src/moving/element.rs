@@ -168,7 +168,10 @@ mod tests {
         // Singular along the friction cone: sliding costs nothing.
         assert!(symmetric.determinant().abs() < ROUNDOFF * k * k);
         // A normal displacement gives the same forces in (3) and (4).
-        assert!((symmetric.column(1) - contact_stiffness(ContactMode::Slip, k, mu).column(1)).norm() < ROUNDOFF * k);
+        assert!(
+            (symmetric.column(1) - contact_stiffness(ContactMode::Slip, k, mu).column(1)).norm()
+                < ROUNDOFF * k
+        );
     }
 
     #[test]

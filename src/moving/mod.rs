@@ -24,12 +24,13 @@
 pub mod element;
 mod model;
 mod newmark;
+mod run;
 mod solve;
 mod support;
 mod surface;
 mod wheel;
 
-pub use model::{InitialMotion, MovingModel, MovingRun, RunStatistics};
+pub use model::{InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
 pub use support::RailSupport;
 pub use surface::SlidingMatrix;
 pub use wheel::WheelSprings;

@@ -63,7 +63,9 @@ mod tests {
                 let t = 0.01 * f64::from(step);
                 // m·a = 3 with m = 1.
                 let u = (3.0 + scheme.inertia(&m)) / scheme.acceleration;
-                assert!((scheme.velocity * u - scheme.damping(&m) - (1.0 + 3.0 * t)).abs() < 100.0 * ROUNDOFF);
+                assert!(
+                    (scheme.velocity * u - scheme.damping(&m) - (1.0 + 3.0 * t)).abs() < 100.0 * ROUNDOFF
+                );
                 m = scheme.advance(&m, u);
                 assert!((m.u - (t + 1.5 * t * t)).abs() < ROUNDOFF);
             }

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
 
-use super::surface::{ActiveNode, ContactLaw, ContactSurface, FrictionLimit, Pose, Vector6};
+use super::surface::{ActiveNode, ContactLaw, ContactSurface, FrictionLimit, Pose, SlidingMatrix, Vector6};
 use super::wheel::WheelSprings;
 
 type Vector8 = SVector<f64, 8>;
@@ -17,6 +17,7 @@ type Matrix8 = SMatrix<f64, 8, 8>;
 /// Newton iterations from the last state, and after each update of the friction limits.
 const DIRECT_ITERATIONS: usize = 15;
 const RETRY_ITERATIONS: usize = 10;
+const SYMMETRIC_PATIENCE: usize = 6;
 
 /// Updates of the friction limits, and damped iterations with each, when Newton alone does not settle.
 const LIMIT_UPDATES: usize = 20;
@@ -25,6 +26,9 @@ const LINE_SEARCH: usize = 20;
 
 /// Out-of-balance force relative to the forces at work at which a step has converged.
 const TOLERANCE: f64 = 1e-8;
+
+/// What rounding of coordinates of up to a metre leaves of a penetration, m; times the penalty it bounds the reachable balance.
+const RESOLUTION: f64 = 1e-15;
 
 /// The same at which damped iterations with given friction limits stop.
 const DESCENT_TOLERANCE: f64 = 1e-4;
@@ -90,12 +94,15 @@ impl StepSystem<'_> {
         let mut x = Vector8::zeros();
         x.fixed_rows_mut::<6>(0).copy_from(&self.start.0);
         x.fixed_rows_mut::<2>(6).copy_from(&self.start.1);
-        let mut outcome = self.iterate(surface, &x, DIRECT_ITERATIONS);
-        let mut spent = DIRECT_ITERATIONS;
+        // The symmetric matrix of eq. 4 makes the iteration linear instead of quadratic.
+        let patience = if self.law.sliding == SlidingMatrix::Symmetric { SYMMETRIC_PATIENCE } else { 1 };
+        let (direct, retry) = (patience * DIRECT_ITERATIONS, patience * RETRY_ITERATIONS);
+        let mut outcome = self.iterate(surface, &x, direct);
+        let mut spent = direct;
         let mut limits = self.start_limits.clone();
         for _ in 0..LIMIT_UPDATES {
             if let Ok(solution) = &mut outcome {
-                if spent > DIRECT_ITERATIONS {
+                if spent > direct {
                     solution.iterations += spent;
                 }
                 break;
@@ -106,8 +113,8 @@ impl StepSystem<'_> {
             for node in &balance.active {
                 limits[node.node] = self.law.friction * node.normal_force;
             }
-            outcome = self.iterate(surface, &x, RETRY_ITERATIONS);
-            spent += iterations + RETRY_ITERATIONS;
+            outcome = self.iterate(surface, &x, retry);
+            spent += iterations + retry;
         }
         outcome
     }
@@ -123,7 +130,6 @@ impl StepSystem<'_> {
         let mut x = *x;
         let mut balance = self.balance(surface, &x, self.start_force, limit);
         for iteration in 0..DESCENT_ITERATIONS {
-            if std::env::var("DBG").is_ok() { eprintln!("de {iteration} err {:.3e} x {:?} active {:?}", balance.error, x.as_slice(), balance.active.iter().map(|a| (a.node, a.mode.name(), a.normal_force as i64, a.tangential_force as i64)).collect::<Vec<_>>()); }
             if balance.error <= DESCENT_TOLERANCE {
                 return Ok((x, balance, iteration));
             }
@@ -161,7 +167,6 @@ impl StepSystem<'_> {
         let mut x = *x;
         let mut balance = self.balance(surface, &x, self.start_force, FrictionLimit::Coulomb(&[]));
         for iteration in 0..most {
-            if std::env::var("DBG").is_ok() { eprintln!("it {iteration} err {:.3e} x {:?} active {:?}", balance.error, x.as_slice(), balance.active.iter().map(|a| (a.node, a.mode.name(), a.normal_force as i64, a.tangential_force as i64)).collect::<Vec<_>>()); }
             if balance.error <= TOLERANCE && !balance.provisional {
                 return Ok(Solution {
                     pose: x.fixed_rows::<6>(0).into_owned(),
@@ -241,7 +246,10 @@ impl StepSystem<'_> {
             }
             None => (0..2).for_each(|i| held(&mut residual, &mut matrix, 6 + i, self.start.1[i])),
         }
-        let scale = self.load.max(force.norm()).max(contact.force.fixed_rows::<4>(0).amax()).max(1.0);
+        // In a step that was halved many times the wheel's inertia is the stiffest part.
+        let inertia = self.surroundings.wheel.map_or(0.0, |(own, _)| 0.1 * own[0].max(own[1]));
+        let floor = self.law.penalty.max(inertia) * RESOLUTION / TOLERANCE;
+        let scale = self.load.max(force.norm()).max(contact.force.fixed_rows::<4>(0).amax()).max(floor);
         let error = (0..8)
             .map(|i| if i == 4 || i == 5 { residual[i].abs() / LEVER } else { residual[i].abs() })
             // Not f64::max, which would hide a value that is not a number.

@@ -9,6 +9,7 @@ use crate::beam::{RailBeam, RailModes};
 
 /// What carries the rail.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a model has one")]
 pub enum RailSupport {
     /// The rail does not move.
     Rigid,
@@ -18,8 +19,8 @@ pub enum RailSupport {
         beam: RailBeam,
         /// Where its node line (the shear centres) passes the plane of the profile, m.
         node_line: Point2<f64>,
-        /// Modal damping ratio of the rail; the publication has none.
-        damping_ratio: f64,
+        /// Damping proportional to stiffness, s, as [`railspring_calibrate::solid::Material::damping`].
+        damping: f64,
     },
 }
 
@@ -49,9 +50,9 @@ pub(super) struct RailStep {
 }
 
 impl<'a> RailDynamics<'a> {
-    pub fn new(beam: &'a RailBeam, damping_ratio: f64) -> Result<Self> {
+    pub fn new(beam: &'a RailBeam, damping: f64) -> Result<Self> {
         let modes = beam.modes()?;
-        let damping = modes.squares.iter().map(|s| 2.0 * damping_ratio * s.sqrt()).collect();
+        let damping = modes.squares.iter().map(|square| damping * square).collect();
         let middle = modes.project(&beam.section_motion(0.5 * beam.length())[2]);
         Ok(Self { beam, modes, damping, middle })
     }

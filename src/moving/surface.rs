@@ -165,7 +165,8 @@ impl<'a> ContactSurface<'a> {
     /// new to the list.
     pub fn list(&mut self, start: &Pose, reach: f64) {
         let reach = reach + LEAST_REACH;
-        let moved = if self.listed_at[0].is_nan() { f64::INFINITY } else { self.motion(&self.listed_at, start) };
+        let moved =
+            if self.listed_at[0].is_nan() { f64::INFINITY } else { self.motion(&self.listed_at, start) };
         let before = std::mem::take(&mut self.listed);
         let mut known = before.iter().peekable();
         for i in 0..self.nodes.len() {
@@ -328,7 +329,13 @@ impl<'a> ContactSurface<'a> {
         }
         // The arms and, with the wheel, the local axes turn too.
         result.stiffness[(4, 4)] -= arm_c.dot(&force);
-        let relative = Vector2::new(-force.y, force.x);
+        let mut relative = Vector2::new(-force.y, force.x);
+        if active.mode == ContactMode::Stick {
+            // The last force is carried to a tangent that turns with the wheel.
+            let last = &self.nodes[active.node];
+            let normal = Vector2::new(-active.tangent.y, active.tangent.x);
+            relative += active.tangent * (last.tangent.dot(&normal) * last.force);
+        }
         let column = transformation.transpose()
             * SVector::<f64, 4>::from([-relative.x, -relative.y, relative.x, relative.y]);
         for i in 0..6 {

@@ -21,7 +21,8 @@ const CONTACTS_AT_LEAST: usize = 2;
 
 /// The file's bytes.
 pub fn write(history: &History) -> Vec<u8> {
-    let contacts = history.rows.iter().map(|row| row.contacts.len()).max().unwrap_or(0).max(CONTACTS_AT_LEAST);
+    let contacts =
+        history.rows.iter().map(|row| row.contacts.len()).max().unwrap_or(0).max(CONTACTS_AT_LEAST);
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut heading: Vec<String> = COMMON.iter().map(ToString::to_string).collect();
     for contact in 1..=contacts {
@@ -33,7 +34,11 @@ pub fn write(history: &History) -> Vec<u8> {
             number(row.time),
             number(row.vertical_force / KILONEWTON),
             number(row.lateral_force / KILONEWTON),
-            if row.vertical_force > 0.0 { number(row.lateral_force / row.vertical_force) } else { String::new() },
+            if row.vertical_force > 0.0 {
+                number(row.lateral_force / row.vertical_force)
+            } else {
+                String::new()
+            },
             number(row.wheel_y / MILLIMETRE),
             number(row.wheel_z / MILLIMETRE),
             row.mode().name().to_string(),
@@ -98,7 +103,9 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize) -> Result<Histor
         let record = record.map_err(|cause| broken(line, cause.to_string()))?;
         let cell = |column: usize| record.get(column).unwrap_or_default();
         let value = |column: usize| -> Result<f64> {
-            cell(column).parse().map_err(|_| broken(line, format!("{:?} in column {}", cell(column), column + 1)))
+            cell(column)
+                .parse()
+                .map_err(|_| broken(line, format!("{:?} in column {}", cell(column), column + 1)))
         };
         let point = |column: usize| -> Result<Point2<f64>> {
             Ok(Point2::new(value(column)? * MILLIMETRE, value(column + 1)? * MILLIMETRE))
@@ -157,7 +164,8 @@ mod tests {
     fn a_history_survives_the_file() {
         // ROUNDOFF: twelve digits are written.
         const ROUNDOFF: f64 = 1e-11;
-        let history = History { rows: (0..4).map(|n| row(n as f64 * 0.0005, n)).collect(), degrees_of_freedom: 116 };
+        let history =
+            History { rows: (0..4).map(|n| row(n as f64 * 0.0005, n)).collect(), degrees_of_freedom: 116 };
         let bytes = write(&history);
         let text = String::from_utf8(bytes.clone()).unwrap();
         assert!(text.starts_with("time_s,p_kn,q_kn,q_over_p,"), "{text}");

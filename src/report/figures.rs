@@ -9,10 +9,13 @@ use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use crate::records::{ComplianceRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord};
 use crate::verify::averaged_ratio;
 
+use super::legend::{Entry, draw_legend, legend_height};
+use super::panel::{Panel, stacked};
 use super::plot::{
-    self, BLUE, DARK, Dash, Drawn, Entry, GREY, LIGHT, Marker, ORANGE, Panel, RED, Series, draw_legend, frame, label,
-    legend_height, nice_range, nice_step, px, stacked, stroke, svg,
+    BLUE, DARK, DARK_RED, Dash, Drawn, GREY, LIGHT, Marker, ORANGE, PALE_BLUE, RED, Series, frame, label,
+    nice_range, nice_step, px, stroke, svg, tick,
 };
+use super::tables::number;
 
 /// Width of all figures, px.
 pub const WIDTH: u32 = 860;
@@ -30,20 +33,22 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
         .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
         .collect();
     let curve = |f: &dyn Fn(f64) -> f64| forces.iter().map(|x| (*x, f(*x) * 1e-6)).collect::<Vec<_>>();
-    let mut series = Vec::new();
     let hertz = stiffness.touch.hertz_kn_per_m;
     let name = "Hertz at the first touch";
-    series.push(Series::line(name, curve(&|f| hertz * f.cbrt()), GREY, Dash::Dotted));
+    let mut series = vec![Series::line(name, curve(&|f| hertz * f.cbrt()), GREY, Dash::Dotted)];
+    let mut marks = Vec::new();
+    for reference in &stiffness.references {
+        let (marker, color) = reference_style(&reference.reference);
+        let name = format!("solid and its law: {}", reference_name(&reference.reference));
+        series.push(Series::line("", curve(&|f| reference.law.tangent(f)), color, Dash::Solid));
+        let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
+        marks.push(Series::marks(&name, points, color, marker).sampled(Dash::Solid));
+    }
+    // On top of the lines, so that it is seen where it coincides with one of them.
     let published = StiffnessLaw::published();
     let tangent = |f: f64| published.tangent(f * KILONEWTON) / KILONEWTON_PER_METRE;
     series.push(Series::line("published law", curve(&tangent), RED, Dash::Dashed));
-    for reference in &stiffness.references {
-        let (marker, color) = reference_style(&reference.reference);
-        let name = reference_name(&reference.reference);
-        series.push(Series::line("", curve(&|f| reference.law.tangent(f)), color, Dash::Solid));
-        let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
-        series.push(Series::marks(&format!("solid and its law: {name}"), points, color, marker).sampled(Dash::Solid));
-    }
+    series.extend(marks);
     stacked(
         WIDTH,
         380,
@@ -60,21 +65,18 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
 pub fn displacement(stiffness: &StiffnessRecord) -> String {
     let largest = stiffness.law.range_kn[1];
     let published = StiffnessLaw::published();
-    let mut series = vec![Series::line(
-        "published law",
-        (0..=CURVE_POINTS)
-            .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
-            .map(|f| (published.displacement(f * KILONEWTON) / MILLIMETRE, f))
-            .collect(),
-        RED,
-        Dash::Dashed,
-    )];
+    let mut series = Vec::new();
     for reference in &stiffness.references {
         let (marker, color) = reference_style(&reference.reference);
         let name = format!("solid: {}", reference_name(&reference.reference));
         let points = reference.points.iter().map(|p| (p.displacement_mm, p.force_kn)).collect();
         series.push(Series::joined(&name, points, color, Dash::Solid, marker));
     }
+    let law = (0..=CURVE_POINTS)
+        .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
+        .map(|f| (published.displacement(f * KILONEWTON) / MILLIMETRE, f))
+        .collect();
+    series.push(Series::line("published law", law, RED, Dash::Dashed));
     stacked(
         WIDTH,
         340,
@@ -89,7 +91,9 @@ pub fn displacement(stiffness: &StiffnessRecord) -> String {
 
 /// Semi-axes and largest pressure of the patch over load.
 pub fn patch(rows: &[LoadCurveRow]) -> String {
-    let of = |value: fn(&LoadCurveRow) -> f64| rows.iter().map(|row| (row.force_kn, value(row))).collect::<Vec<_>>();
+    let of = |value: fn(&LoadCurveRow) -> f64| {
+        rows.iter().map(|row| (row.force_kn, value(row))).collect::<Vec<_>>()
+    };
     stacked(
         WIDTH,
         230,
@@ -99,8 +103,20 @@ pub fn patch(rows: &[LoadCurveRow]) -> String {
                 y_label: "semi-axis, mm".into(),
                 from_zero: true,
                 series: vec![
-                    Series::joined("along the track", of(|r| r.semi_axis_along_mm), BLUE, Dash::Solid, Marker::Disc),
-                    Series::joined("across", of(|r| r.semi_axis_across_mm), RED, Dash::Dashed, Marker::Square),
+                    Series::joined(
+                        "along the track",
+                        of(|r| r.semi_axis_along_mm),
+                        BLUE,
+                        Dash::Solid,
+                        Marker::Disc,
+                    ),
+                    Series::joined(
+                        "across",
+                        of(|r| r.semi_axis_across_mm),
+                        RED,
+                        Dash::Dashed,
+                        Marker::Square,
+                    ),
                 ],
             },
             Panel {
@@ -121,14 +137,15 @@ pub fn patch(rows: &[LoadCurveRow]) -> String {
 
 /// P and Q of both models over time.
 pub fn forces(simple: &History, solid: Option<&History>) -> String {
-    let panel = |symbol: &str, name: &str, value: fn(&railspring_calibrate::history::HistoryRow) -> f64| Panel {
-        x_label: "time, s".into(),
-        y_label: format!("{name} {symbol}, kN"),
-        from_zero: true,
-        series: both(simple, solid, |history| {
-            history.rows.iter().map(|row| (row.time, value(row) / KILONEWTON)).collect()
-        }),
-    };
+    let panel =
+        |symbol: &str, name: &str, value: fn(&railspring_calibrate::history::HistoryRow) -> f64| Panel {
+            x_label: "time, s".into(),
+            y_label: format!("{name} {symbol}, kN"),
+            from_zero: true,
+            series: both(simple, solid, |history| {
+                history.rows.iter().map(|row| (row.time, value(row) / KILONEWTON)).collect()
+            }),
+        };
     stacked(
         WIDTH,
         240,
@@ -184,11 +201,8 @@ pub fn wheel(simple: &History, solid: Option<&History>) -> String {
 pub fn modes(simple: &History, solid: Option<&History>) -> String {
     const ROW: u32 = 24;
     const LEFT: u32 = 112;
-    let entries = [
-        Entry::patch("sticking", DARK),
-        Entry::patch("sliding", ORANGE),
-        Entry::patch("separated", WHITE),
-    ];
+    let entries =
+        [Entry::patch("sticking", DARK), Entry::patch("sliding", ORANGE), Entry::patch("separated", WHITE)];
     let models: Vec<(&str, &History)> =
         [Some(("simple", simple)), solid.map(|solid| ("solid", solid))].into_iter().flatten().collect();
     let top = legend_height(WIDTH, &entries);
@@ -207,7 +221,13 @@ pub fn modes(simple: &History, solid: Option<&History>) -> String {
         for (name, history) in &models {
             for (region, on_flange) in [("tread", false), ("flange", true)] {
                 let (a, b) = (px(y + 2), px(y + ROW - 2));
-                text(format!("{name}, {region}"), (px(LEFT - 8), (a + b) / 2), HPos::Right, VPos::Center, 12)?;
+                text(
+                    format!("{name}, {region}"),
+                    (px(LEFT - 8), (a + b) / 2),
+                    HPos::Right,
+                    VPos::Center,
+                    12,
+                )?;
                 for (mode, begin, end) in spans(history, on_flange) {
                     let color = match mode {
                         ContactMode::Stick => DARK,
@@ -226,7 +246,7 @@ pub fn modes(simple: &History, solid: Option<&History>) -> String {
         for n in 0..=(end / step + 1e-9).floor() as usize {
             let time = n as f64 * step;
             rest.draw(&PathElement::new([(x_of(time), base), (x_of(time), base + px(4))], stroke(BLACK, 8)))?;
-            text(plot::tick(time, step), (x_of(time), base + px(7)), HPos::Center, VPos::Top, 11)?;
+            text(tick(time, step), (x_of(time), base + px(7)), HPos::Center, VPos::Top, 11)?;
         }
         text("time, s".into(), ((x_of(0.0) + x_of(end)) / 2, base + px(24)), HPos::Center, VPos::Top, 12)
     })
@@ -252,53 +272,63 @@ fn spans(history: &History, on_flange: bool) -> Vec<(ContactMode, f64, f64)> {
 
 /// Where the compliance sits, one bar a load.
 pub fn compliance(rows: &[ComplianceRecord]) -> String {
+    let rows = &some_loads(rows);
     const ROW: u32 = 34;
     const LEFT: u32 = 84;
-    let parts: [(&str, RGBColor, fn(&ComplianceRecord) -> f64); 4] = [
+    type Part = (&'static str, RGBColor, fn(&ComplianceRecord) -> f64);
+    let parts: [Part; 4] = [
         ("local contact", DARK, |r| r.local_um_per_kn),
         ("wheel body", BLUE, |r| r.wheel_um_per_kn),
         ("rail body", ORANGE, |r| r.rail_um_per_kn),
         ("rail as a beam", LIGHT, |r| r.beam_um_per_kn),
     ];
     let entries: Vec<Entry> = parts.iter().map(|(name, color, _)| Entry::patch(name, *color)).collect();
-    let total = |row: &ComplianceRecord| parts.iter().map(|(_, _, value)| value(row)).sum::<f64>();
     let top = legend_height(WIDTH, &entries);
     let height = top + ROW * rows.len() as u32 + 52;
     svg(WIDTH, height, |root| {
         let (legend, rest) = root.split_vertically(px(top));
         draw_legend(&legend, WIDTH, &entries)?;
-        // A part may be negative: the bars then start left of zero.
-        let most_negative = |row: &ComplianceRecord| parts.iter().map(|(_, _, v)| v(row).min(0.0)).sum::<f64>();
+        // Negative parts stand left of zero, so that the sum is right end less left end.
+        let side = |row: &ComplianceRecord, sign: f64| {
+            parts.iter().map(|(_, _, value)| value(row)).filter(|v| v * sign > 0.0).sum::<f64>()
+        };
         let (low, high, step) =
-            nice_range(rows.iter().flat_map(|row| [total(row) - most_negative(row), most_negative(row)]), true);
-        let x_of = |value: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 24)) * (value - low) / (high - low)) as i32;
+            nice_range(rows.iter().flat_map(|row| [side(row, 1.0), side(row, -1.0)]), true);
+        let x_of =
+            |value: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 24)) * (value - low) / (high - low)) as i32;
         let base = px(ROW * rows.len() as u32 + 4);
         for n in 0..=((high - low) / step).round() as usize {
             let value = low + n as f64 * step;
             rest.draw(&PathElement::new([(x_of(value), 0), (x_of(value), base)], stroke(LIGHT, 7)))?;
             let style = label(11, HPos::Center, VPos::Top);
-            rest.draw(&Text::new(plot::tick(value, step), (x_of(value), base + px(5)), style))?;
+            rest.draw(&Text::new(tick(value, step), (x_of(value), base + px(5)), style))?;
         }
         for (index, row) in rows.iter().enumerate() {
             let (a, b) = (px(ROW * index as u32 + 5), px(ROW * (index as u32 + 1) - 5));
             let middle = (a + b) / 2;
             let style = label(12, HPos::Right, VPos::Center);
-            rest.draw(&Text::new(format!("{} kN", round(row.force_kn)), (px(LEFT - 8), middle), style))?;
-            let mut begin = most_negative(row);
+            rest.draw(&Text::new(
+                format!("{} kN", number((row.force_kn * 10.0).round() / 10.0)),
+                (px(LEFT - 8), middle),
+                style,
+            ))?;
+            let mut ends = [0.0f64, 0.0];
             for (_, color, value) in &parts {
-                let size = value(row).abs();
-                let corners = [(x_of(begin), a), (x_of(begin + size), b)];
+                let value = value(row);
+                let end = &mut ends[usize::from(value < 0.0)];
+                let (left, right) = (x_of(end.min(*end + value)), x_of(end.max(*end + value)));
+                *end += value;
+                let corners = [(left, a), (right, b)];
                 rest.draw(&Rectangle::new(corners, color.filled()))?;
                 rest.draw(&frame(corners, stroke(BLACK, 6)))?;
                 let dark = *color == DARK || *color == BLUE;
-                let number = format!("{:.3}", value(row));
-                // A number that does not fit its part is left to the table.
-                if x_of(begin + size) - x_of(begin) > px(number.len() as u32 * 7) {
-                    let style = label(11, HPos::Center, VPos::Center).color(if dark { &WHITE } else { &BLACK });
-                    let at = ((x_of(begin) + x_of(begin + size)) / 2, middle);
-                    rest.draw(&Text::new(number, at, style))?;
+                let text = format!("{value:.3}").replace('-', "\u{2212}");
+                // A number that does not fit its part is left to the files.
+                if right - left > px(text.chars().count() as u32 * 7) {
+                    let style =
+                        label(11, HPos::Center, VPos::Center).color(if dark { &WHITE } else { &BLACK });
+                    rest.draw(&Text::new(text, ((left + right) / 2, middle), style))?;
                 }
-                begin += size;
             }
         }
         rest.draw(&PathElement::new([(x_of(low), base), (x_of(high), base)], stroke(BLACK, 8)))?;
@@ -307,6 +337,18 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
         rest.draw(&Text::new("tangent compliance d\u{3b4}/dP, \u{b5}m/kN", at, style))?;
         Ok(())
     })
+}
+
+/// A handful of loads over the whole range.
+fn some_loads(rows: &[ComplianceRecord]) -> Vec<ComplianceRecord> {
+    let largest = rows.iter().map(|row| row.force_kn).fold(0.0, f64::max);
+    let mut chosen: Vec<ComplianceRecord> = Vec::new();
+    for share in [0.02, 0.05, 0.12, 0.3, 0.6, 1.0] {
+        let distance = |row: &ComplianceRecord| (row.force_kn - share * largest).abs();
+        let near = rows.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        chosen.extend(near.filter(|row| !chosen.contains(row)).copied());
+    }
+    chosen
 }
 
 /// The horizontal stiffness over the preload.
@@ -323,14 +365,19 @@ pub fn horizontal(stiffness: &StiffnessRecord) -> String {
             y_label: "dQ/dy, 10\u{2076} kN/m".into(),
             from_zero: true,
             series: vec![
-                Series::line("constant in use", vec![(ends.0, constant), (ends.1, constant)], RED, Dash::Dashed),
+                Series::line(
+                    "constant in use",
+                    vec![(ends.0, constant), (ends.1, constant)],
+                    RED,
+                    Dash::Dashed,
+                ),
                 Series::marks("solid, sticking", points, BLUE, Marker::Disc),
             ],
         }],
     )
 }
 
-/// Curves of both models; the solid in the background.
+/// Curves of both models; the solid's is broad and pale, so that the simple one's can be seen on it.
 fn both(
     simple: &History,
     solid: Option<&History>,
@@ -338,10 +385,10 @@ fn both(
 ) -> Vec<Series> {
     let mut series = Vec::new();
     if let Some(solid) = solid {
-        series.push(Series::line("solid model", points(solid), BLUE, Dash::Solid));
+        series.push(Series::line("solid model", points(solid), PALE_BLUE, Dash::Solid).broad());
     }
     let dash = if solid.is_some() { Dash::Dashed } else { Dash::Solid };
-    series.push(Series::line("simple model", points(simple), RED, dash));
+    series.push(Series::line("simple model", points(simple), DARK_RED, dash));
     series
 }
 

@@ -3,13 +3,15 @@
 //! Everything the page shows comes in through [`ReportData`]; nothing is
 //! computed here but what a picture or a table needs.
 
-mod figures;
 pub(crate) mod plot;
-mod positions;
+mod legend;
+pub(crate) mod panel;
 mod tables;
+mod figures;
+mod positions;
 
-use railspring_calibrate::history::History;
 use minijinja::value::Serde;
+use railspring_calibrate::history::History;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -160,14 +162,12 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
     add(
         "ratio",
         figures::ratio(run.simple, run.solid, data.ratio_window, data.ratio_floor),
-        format!("Derailment coefficient Q/P{both}: Q and P averaged over a window of time before they are divided. Gaps: no contact in the whole window."),
+        format!(
+            "Derailment coefficient Q/P{both}: Q and P averaged over a window of time before they are divided. Gaps: too little vertical force in the window."
+        ),
     );
     add("wheel", figures::wheel(run.simple, run.solid), format!("Displacement of the wheel centre{both}."));
-    add(
-        "modes",
-        figures::modes(run.simple, run.solid),
-        format!("Contact modes on tread and flange{both}."),
-    );
+    add("modes", figures::modes(run.simple, run.solid), format!("Contact modes on tread and flange{both}."));
     add(
         "positions",
         positions::positions(data.profiles, run.snapshots, run.simple, run.solid),

@@ -7,10 +7,10 @@ use railspring_calibrate::history::{ContactMode, History, HistoryRow};
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 use super::figures::{WIDTH, round};
+use super::legend::{Entry, draw_legend, legend_height};
 use super::plot::{
-    Area, BLUE, DARK, Drawn, GREY, LIGHT, RED, Series, draw_legend, frame, label, legend_height, px, stroke, svg,
+    Area, BLUE, DARK, Dash, Drawn, GREY, LIGHT, Marker, RED, Series, frame, label, mark, px, stroke, svg,
 };
-use super::plot::{Dash, Entry, Marker};
 
 /// The two profiles as polylines, and where they stand.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +25,8 @@ pub struct ProfilePair {
     pub wheel: Vec<Point2<f64>>,
     /// Origin of the wheel's profile frame (the tape point) in the world at t = 0, m.
     pub wheel_origin: Point2<f64>,
+    /// Where the lowered wheel first touches the rail, world, m.
+    pub touch: Point2<f64>,
 }
 
 impl ProfilePair {
@@ -55,6 +57,10 @@ pub fn positions(profiles: &ProfilePair, times: &[f64], simple: &History, solid:
     ];
     if solid.is_some() {
         entries.push(Entry::of(&Series::marks("contact, solid model", vec![], BLUE, Marker::Square)));
+    }
+    if nearest(simple, times.iter().copied().fold(f64::INFINITY, f64::min)).is_some_and(|row| row.time == 0.0)
+    {
+        entries.push(Entry::of(&Series::marks("first touch", vec![], BLACK, Marker::Circle)));
     }
     let top = legend_height(WIDTH, &entries);
     let columns = times.len().clamp(1, 3);
@@ -89,7 +95,7 @@ fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Opt
     let (low, high) = ends(&rail);
     // The flange fits beside the head; what of the tread reaches beyond the field side is cut off.
     let (low, high) = (low - 0.044, high + 0.012);
-    let scale = (f64::from(width) / (high - low))
+    let scale = (f64::from(width as i32 - px(18)) / (high - low))
         .min(f64::from(height as i32 - title - bottom) / ((DEPTH_MM + ABOVE_MM) * MILLIMETRE));
     let middle = 0.5 * (low + high);
     let to_pixel = |p: &Point2<f64>| {
@@ -134,6 +140,10 @@ fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Opt
             area.draw(&Circle::new((x, y), r, color.filled()))?;
         }
     }
+    let unloaded = |row: &HistoryRow| row.contacts.is_empty() && row.time == 0.0;
+    if unloaded(row) {
+        mark(area, Marker::Circle, BLACK, to_pixel(&profiles.touch))?;
+    }
     let below = height as i32 - bottom + px(8);
     centre(below, format!("simple: {}", in_words(row)), 11)?;
     if let Some(solid) = solid {
@@ -150,7 +160,7 @@ fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Opt
 /// The contacts of a row in words.
 fn in_words(row: &HistoryRow) -> String {
     if row.contacts.is_empty() {
-        return "separated".into();
+        return if row.time == 0.0 { "just touching, no load yet".into() } else { "separated".into() };
     }
     let one = |contact: &railspring_calibrate::history::ContactState| {
         let mode = if contact.mode == ContactMode::Stick { "sticks" } else { "slides" };

@@ -7,8 +7,8 @@ use nalgebra::Point2;
 use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryRow};
 
 use crate::records::{
-    BodyMeshRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow, Measured,
-    PenaltyRecord, ReferenceRecord, StageMeasure, StiffnessRecord, TangentRecord, TouchRecord,
+    BodyMeshRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow,
+    Measured, PenaltyRecord, ReferenceRecord, StageMeasure, StiffnessRecord, TangentRecord, TouchRecord,
 };
 
 use super::{InputRow, ProfilePair};
@@ -21,7 +21,11 @@ pub(crate) fn history(shift: f64) -> History {
             let apart = (0.146 + shift..0.171 + shift).contains(&time);
             let vertical_force =
                 if apart { 0.0 } else { (12e3 + 61e3 * (TAU * 10.0 * (time - shift)).sin()).max(2e3) };
-            let lateral_force = if apart { 0.0 } else { 20e3 * (1.0 - (-time / 0.01).exp()) + 1e3 * (TAU * 60.0 * time).sin() };
+            let lateral_force = if apart {
+                0.0
+            } else {
+                20e3 * (1.0 - (-time / 0.01).exp()) + 1e3 * (TAU * 60.0 * time).sin()
+            };
             let wheel_y = 0.0067 * (1.0 - (-time / 0.006).exp());
             let contact = |mode, rail, wheel, share: f64| ContactState {
                 mode,
@@ -36,11 +40,23 @@ pub(crate) fn history(shift: f64) -> History {
                 let mode = if time > 0.03 { ContactMode::Stick } else { ContactMode::Slip };
                 contacts.push(contact(mode, Point2::new(-0.0335, 0.0087), Point2::new(-0.0380, 0.0080), 0.6));
             }
-            contacts.push(contact(ContactMode::Slip, Point2::new(-0.011, 0.0003), Point2::new(-0.015 - wheel_y, 0.0006), 1.0));
+            contacts.push(contact(
+                ContactMode::Slip,
+                Point2::new(-0.011, 0.0003),
+                Point2::new(-0.015 - wheel_y, 0.0006),
+                1.0,
+            ));
             if apart {
                 contacts.clear();
             }
-            HistoryRow { time, vertical_force, lateral_force, wheel_y, wheel_z: -0.0004 * (PI * time * 20.0).sin(), contacts }
+            HistoryRow {
+                time,
+                vertical_force,
+                lateral_force,
+                wheel_y,
+                wheel_z: -0.0004 * (PI * time * 20.0).sin(),
+                contacts,
+            }
         })
         .collect();
     History { rows, degrees_of_freedom: 116 }
@@ -91,7 +107,11 @@ pub(crate) fn stiffness() -> StiffnessRecord {
         horizontal: HorizontalRecord {
             relative_spread: 0.031,
             points: [20.0, 50.0, 85.0, 120.0]
-                .map(|p| HorizontalPointRecord { preload_kn: p, stiffness_kn_per_m: 4.2e5 + 60.0 * p, deviation: p * 1e-4 })
+                .map(|p| HorizontalPointRecord {
+                    preload_kn: p,
+                    stiffness_kn_per_m: 4.2e5 + 60.0 * p,
+                    deviation: p * 1e-4,
+                })
                 .to_vec(),
         },
         references: vec![
@@ -167,24 +187,59 @@ pub(crate) fn profiles() -> ProfilePair {
     let mm = |points: &[(f64, f64)]| points.iter().map(|(y, z)| Point2::new(y * 1e-3, z * 1e-3)).collect();
     ProfilePair {
         rail: mm(&[
-            (-8.0, 60.0), (-12.0, 45.0), (-36.0, 37.0), (-36.0, 14.0), (-33.0, 7.0), (-26.0, 2.2), (-10.0, 0.2), (0.0, 0.0),
-            (10.0, 0.2), (26.0, 2.2), (33.0, 7.0), (36.0, 14.0), (36.0, 37.0), (12.0, 45.0), (8.0, 60.0),
+            (-8.0, 60.0),
+            (-12.0, 45.0),
+            (-36.0, 37.0),
+            (-36.0, 14.0),
+            (-33.0, 7.0),
+            (-26.0, 2.2),
+            (-10.0, 0.2),
+            (0.0, 0.0),
+            (10.0, 0.2),
+            (26.0, 2.2),
+            (33.0, 7.0),
+            (36.0, 14.0),
+            (36.0, 37.0),
+            (12.0, 45.0),
+            (8.0, 60.0),
         ]),
         rail_angle: -0.025,
         rail_origin: Point2::new(0.7535, 0.0002),
         wheel: mm(&[
-            (-70.0, -80.0), (-70.0, 18.0), (-63.0, 27.0), (-55.0, 28.0), (-48.0, 22.0), (-44.0, 14.0), (-38.5, 6.0), (-30.0, 1.8),
-            (-20.0, 0.7), (0.0, 0.0), (30.0, -1.0), (60.0, -3.0), (65.0, -8.0), (65.0, -80.0),
+            (-70.0, -80.0),
+            (-70.0, 18.0),
+            (-63.0, 27.0),
+            (-55.0, 28.0),
+            (-48.0, 22.0),
+            (-44.0, 14.0),
+            (-38.5, 6.0),
+            (-30.0, 1.8),
+            (-20.0, 0.7),
+            (0.0, 0.0),
+            (30.0, -1.0),
+            (60.0, -3.0),
+            (65.0, -8.0),
+            (65.0, -80.0),
         ]),
         wheel_origin: Point2::new(0.75, -0.0003),
+        touch: Point2::new(0.742, 0.0004),
     }
 }
 
 /// Some keys.
 pub(crate) fn inputs() -> Vec<InputRow> {
-    [("rail", "profile", "60E1", true), ("rail", "length_m", "0.555", false), ("track", "gauge_mm", "1435", false)]
-        .map(|(section, key, value, given)| InputRow { section: section.into(), key: key.into(), value: value.into(), given })
-        .to_vec()
+    [
+        ("rail", "profile", "60E1", true),
+        ("rail", "length_m", "0.555", false),
+        ("track", "gauge_mm", "1435", false),
+    ]
+    .map(|(section, key, value, given)| InputRow {
+        section: section.into(),
+        key: key.into(),
+        value: value.into(),
+        given,
+    })
+    .to_vec()
 }
 
 /// Some measures.

@@ -42,8 +42,10 @@ pub(super) struct LineText {
 pub(super) fn lines(verdict: Option<&VerificationRecord>) -> Vec<LineText> {
     let Some(verdict) = verdict else { return Vec::new() };
     let calibration = verdict.calibration.iter().map(|line| ("springs", line));
-    let scenarios =
-        verdict.scenarios.iter().flat_map(|s| s.comparison.lines.iter().map(|line| (s.scenario.as_str(), line)));
+    let scenarios = verdict
+        .scenarios
+        .iter()
+        .flat_map(|s| s.comparison.lines.iter().map(|line| (s.scenario.as_str(), line)));
     calibration.chain(scenarios).map(|(subject, line)| line_text(subject, line)).collect()
 }
 
@@ -94,7 +96,11 @@ pub(super) fn modes(run: &ScenarioRun<'_>) -> Vec<[String; 3]> {
     let solid = run.solid.map(verify::mode_fractions);
     let percent = |value: f64| format!("{:.1} %", value * 100.0);
     let row = |name: &str, value: fn(&verify::ModeFractions) -> f64| {
-        [name.into(), percent(value(&simple)), solid.as_ref().map_or_else(|| "not run".into(), |s| percent(value(s)))]
+        [
+            name.into(),
+            percent(value(&simple)),
+            solid.as_ref().map_or_else(|| "not run".into(), |s| percent(value(s))),
+        ]
     };
     vec![row("sticking", |m| m.stick), row("sliding", |m| m.slip), row("separated", |m| m.separated)]
 }

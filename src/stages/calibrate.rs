@@ -45,7 +45,7 @@ pub fn calibrate(
 ) -> Result<(Calibration, PressedFields)> {
     let element = formulation(study);
     let condense = |mesh, supports: Supports| -> Result<Superelement> {
-        Superelement::new(System::new(mesh, study.material, element, &supports)?, 0.0, &[])
+        Superelement::new(System::new(mesh, study.material, element, &supports)?)
     };
     let held = |nodes: &[usize]| Supports { held: nodes.to_vec(), ..Supports::default() };
     monitor.progress("superelements", 0, 3)?;
@@ -208,8 +208,7 @@ fn touch_record(study: &Study, geometry: &Geometry) -> TouchRecord {
     // the wheel's material lies above its curve, so a bulge of the wheel has negative curvature
     let wheel_curvature = -geometry.wheel.running.curvature(touch.wheel_s);
     let rolling_radius = geometry.wheel.radius + wheel.y;
-    let across = 1.0 / (rail_curvature + wheel_curvature);
-    let along = rolling_radius / touch.contact_angle.cos();
+    let [along, across] = geometry.relative_radii();
     let hertz = point_contact(KILONEWTON, along, across, study.material.contact_modulus());
     TouchRecord {
         rail_y_mm: rail.x / MILLIMETRE,

@@ -89,33 +89,39 @@ pub fn judged_loads(study: &Study) -> Vec<f64> {
 ///
 /// # Errors
 /// Those of the calibration.
-pub fn answers(study: &Study, geometry: &Geometry, meshes: &Meshes, monitor: &dyn Monitor) -> Result<Answers> {
+pub fn answers(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    monitor: &dyn Monitor,
+) -> Result<Answers> {
     let held = rail_held(study, &meshes.rail).to_vec();
     let loads = judged_loads(study);
     let rail_supports = Supports { held: held.clone(), ..Supports::default() };
     let wheel_supports = Supports { followers: meshes.wheel.bore.clone(), ..Supports::default() };
     let condense = |element: Formulation| -> Result<(Superelement<'_>, Superelement<'_>)> {
-        let one = |mesh, supports| Superelement::new(System::new(mesh, study.material, element, supports)?, 0.0, &[]);
+        let one = |mesh, supports| Superelement::new(System::new(mesh, study.material, element, supports)?);
         let (wheel, rail) =
             rayon::join(|| one(&meshes.wheel, &wheel_supports), || one(&meshes.rail, &rail_supports));
         Ok((wheel?, rail?))
     };
-    let curve = |wheel: &Superelement, rail: &Superelement, friction: f64| -> Result<(AnsweredCurve, Vec<Pressed>)> {
-        let clock = Stopwatch::start();
-        let pair = WheelOnRail {
-            rail,
-            wheel,
-            rail_surface: geometry.rail_surface(&meshes.rail),
-            wheel_surface: geometry.wheel_surface(&meshes.wheel),
-            friction,
-            enforcement: Enforcement::Exact,
+    let curve =
+        |wheel: &Superelement, rail: &Superelement, friction: f64| -> Result<(AnsweredCurve, Vec<Pressed>)> {
+            let clock = Stopwatch::start();
+            let pair = WheelOnRail {
+                rail,
+                wheel,
+                rail_surface: geometry.rail_surface(&meshes.rail),
+                wheel_surface: geometry.wheel_surface(&meshes.wheel),
+                friction,
+                enforcement: Enforcement::Exact,
+            };
+            // hub against support: what the calibration calls the foot's reference, whatever is held
+            let (normal, states) =
+                calibrate_normal(&pair, &loads, Reference::Foot, None, &study.material, monitor)?;
+            let seconds = clock.stop("", None).seconds;
+            Ok((AnsweredCurve { points: normal.points, seconds }, states))
         };
-        // hub against support: what the calibration calls the foot's reference, whatever is held
-        let (normal, states) =
-            calibrate_normal(&pair, &loads, Reference::Foot, None, &study.material, monitor)?;
-        let seconds = clock.stop("", None).seconds;
-        Ok((AnsweredCurve { points: normal.points, seconds }, states))
-    };
     monitor.progress("superelements, full integration", 0, 1)?;
     let clock = Stopwatch::start();
     let (wheel, rail) = condense(Formulation::FullIntegration)?;
@@ -160,7 +166,13 @@ pub fn answers(study: &Study, geometry: &Geometry, meshes: &Meshes, monitor: &dy
 }
 
 /// Displacements under the contact forces of a state, and compliance columns under its most loaded nodes.
-fn answer(mesh: &HexMesh, element: &Superelement, state: &Pressed, side: Side, held: Vec<usize>) -> AnsweredBody {
+fn answer(
+    mesh: &HexMesh,
+    element: &Superelement,
+    state: &Pressed,
+    side: Side,
+    held: Vec<usize>,
+) -> AnsweredBody {
     let contact_nodes = mesh.contact.nodes.len();
     let retained = state.body_forces(side, element);
     let mut forces = vec![Vector3::zeros(); mesh.nodes.len()];

@@ -48,7 +48,14 @@ impl PressedFields {
         let hub = Vector3::new(0.0, state.hub.x, state.hub.y);
         let axle = Vector3::new(0.0, geometry.tape_y, geometry.touch.tape_z - geometry.wheel.radius);
         Self {
-            rail: BodyFields::new(&meshes.rail, pair.rail, state, Side::Base, Vector3::zeros(), Vector3::zeros()),
+            rail: BodyFields::new(
+                &meshes.rail,
+                pair.rail,
+                state,
+                Side::Base,
+                Vector3::zeros(),
+                Vector3::zeros(),
+            ),
             wheel: BodyFields::new(&meshes.wheel, pair.wheel, state, Side::Opposing, axle, hub),
             contact: ContactFields::new(state, &meshes.rail),
         }
@@ -69,7 +76,10 @@ impl BodyFields {
             points: mesh.nodes.iter().map(|p| p + origin).collect(),
             hexes: mesh.hexes.clone(),
             stress: nodal_stress(mesh, &element.system.material, &displacement),
-            displacement: displacement.chunks_exact(3).map(|u| Vector3::new(u[0], u[1], u[2]) + rigid).collect(),
+            displacement: displacement
+                .chunks_exact(3)
+                .map(|u| Vector3::new(u[0], u[1], u[2]) + rigid)
+                .collect(),
         }
     }
 }
@@ -90,7 +100,8 @@ impl ContactFields {
             points: grid.nodes.iter().map(|&n| mesh.nodes[n]).collect(),
             quads: (0..rows - 1)
                 .flat_map(|i| {
-                    (0..columns - 1).map(move |k| [node(i, k), node(i, k + 1), node(i + 1, k + 1), node(i + 1, k)])
+                    (0..columns - 1)
+                        .map(move |k| [node(i, k), node(i, k + 1), node(i + 1, k + 1), node(i + 1, k)])
                 })
                 .collect(),
             gap,

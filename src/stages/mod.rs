@@ -6,18 +6,20 @@
 mod calibrate;
 mod crosscheck;
 mod fields;
+mod loads;
 mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, judged_loads, rail_held};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
+pub use loads::check_loads;
 pub use simulate::{Springs, simulate, simulate_solid};
 
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
 use railspring_calibrate::contact::{Shape, Surface};
 use railspring_calibrate::error::Result;
-use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::mesh::{HexMesh, mesh_rail, mesh_wheel};
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
 use railspring_calibrate::section::{RailSection, WheelSection, rail_section, wheel_section};
 use railspring_calibrate::solid::Formulation;
@@ -59,6 +61,15 @@ impl Geometry {
     /// World position (y, z) at which the beam's node line, the line of shear centres, passes, m.
     pub fn node_line(&self) -> Point2<f64> {
         self.placed.to_world(&Point2::new(0.0, self.rail.height - self.rail.properties.shear_centre_height))
+    }
+
+    /// Relative radii of curvature along the track and across at the first touch, m.
+    pub fn relative_radii(&self) -> [f64; 2] {
+        let rail = self.placed.curve.curvature(self.touch.rail_s);
+        // The wheel's material lies above its curve, so a bulge of the wheel has negative curvature.
+        let wheel = -self.wheel.running.curvature(self.touch.wheel_s);
+        let rolling_radius = self.wheel.radius + self.wheel.running.point(self.touch.wheel_s).y;
+        [rolling_radius / self.touch.contact_angle.cos(), 1.0 / (rail + wheel)]
     }
 
     fn rail_surface<'a>(&'a self, mesh: &'a HexMesh) -> Surface<'a> {
@@ -112,24 +123,14 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
 /// # Errors
 /// Settings that give an inverted or flat element.
 pub fn meshes(study: &Study, geometry: &Geometry) -> Result<Meshes> {
-    let options = mesh_options(study);
     Ok(Meshes {
-        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
-        wheel: mesh_wheel(&geometry.wheel, &options)?,
+        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &study.mesh)?,
+        wheel: mesh_wheel(&geometry.wheel, &study.mesh)?,
     })
 }
 
-fn mesh_options(study: &Study) -> MeshOptions {
-    MeshOptions {
-        contact_element: study.mesh.contact_element,
-        window_half_length: study.mesh.window_half_length,
-        growth: study.mesh.growth,
-        ..MeshOptions::default()
-    }
-}
-
 fn formulation(study: &Study) -> Formulation {
-    match study.mesh.element {
+    match study.element {
         ElementKey::IncompatibleModes => Formulation::IncompatibleModes,
         ElementKey::FullIntegration => Formulation::FullIntegration,
     }
@@ -154,5 +155,6 @@ pub fn profiles(geometry: &Geometry) -> ProfilePair {
         rail_origin: geometry.placed.origin,
         wheel: outline(geometry.wheel.running.sample(STEP), &geometry.wheel.body),
         wheel_origin: Point2::from(geometry.tape()),
+        touch: geometry.touch.point,
     }
 }

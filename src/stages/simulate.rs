@@ -33,7 +33,11 @@ pub fn simulate(
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<History> {
-    let support = RailSupport::Beam { beam: geometry.beam.clone(), node_line: geometry.node_line(), damping_ratio: 0.0 };
+    let support = RailSupport::Beam {
+        beam: geometry.beam.clone(),
+        node_line: geometry.node_line(),
+        damping: study.material.damping,
+    };
     let wheel_springs = WheelSprings {
         horizontal: springs.horizontal,
         normal: springs.normal,
@@ -51,7 +55,8 @@ pub fn simulate(
     );
     let body = body_of_revolution(&geometry.wheel, study.material.density);
     let scale = springs.wheel_mass / body.mass;
-    model.wheel_inertia = [body.diameter_inertia, body.axle_inertia, body.diameter_inertia].map(|i| i * scale);
+    model.wheel_inertia =
+        [body.diameter_inertia, body.axle_inertia, body.diameter_inertia].map(|i| i * scale);
     model.penalty = study.simulation.contact_penalty;
     model.node_spacing = study.simulation.rail_node_spacing;
     model.sliding = match study.simulation.sliding_matrix {

@@ -65,7 +65,8 @@ impl<'a> Checker<'a> {
         for name in schema.get("required").and_then(Value::as_array).into_iter().flatten() {
             let name = name.as_str().unwrap_or_default();
             if !table.contains_key(name) {
-                let meaning = properties.and_then(|p| p.get(name)).map(|p| self.describe(p)).unwrap_or_default();
+                let meaning =
+                    properties.and_then(|p| p.get(name)).map(|p| self.describe(p)).unwrap_or_default();
                 let expected = properties
                     .and_then(|p| p.get(name))
                     .map(|p| self.expectation(p))
@@ -92,7 +93,9 @@ impl<'a> Checker<'a> {
         findings: &mut Vec<Finding>,
     ) {
         let resolved = self.resolve(schema);
-        if let Some(options) = resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array) {
+        if let Some(options) =
+            resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array)
+        {
             // The alternatives differ in type; a value of the right type is checked in full
             // against that alternative, so that its range is named.
             let of_type: Vec<&Value> =
@@ -131,7 +134,8 @@ impl<'a> Checker<'a> {
 
     fn mismatch(&self, value: &DeValue<'_>, schema: &'a Value, path: &str, offset: usize) -> Finding {
         let meaning = self.describe(schema);
-        let remedy = if meaning.is_empty() { "correct the value".into() } else { format!("this key is: {meaning}") };
+        let remedy =
+            if meaning.is_empty() { "correct the value".into() } else { format!("this key is: {meaning}") };
         Finding {
             offset: Some(offset),
             error: InputError::new(path, render(value), self.expectation(schema), remedy),
@@ -169,7 +173,9 @@ impl<'a> Checker<'a> {
     /// What a schema accepts, in words.
     fn expectation(&self, schema: &'a Value) -> String {
         let resolved = self.resolve(schema);
-        if let Some(options) = resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array) {
+        if let Some(options) =
+            resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array)
+        {
             let constants: Vec<String> =
                 options.iter().filter_map(|o| o.get("const")).map(Value::to_string).collect();
             if constants.len() == options.len() {
@@ -224,16 +230,16 @@ fn kind(schema: &Value) -> &str {
 }
 
 fn accepts_type(schema: &Value, value: &DeValue<'_>) -> bool {
-    match (kind(schema), value) {
-        ("number", DeValue::Float(_) | DeValue::Integer(_)) => true,
-        ("integer", DeValue::Integer(_)) => true,
-        ("string", DeValue::String(_)) => true,
-        ("boolean", DeValue::Boolean(_)) => true,
-        ("array", DeValue::Array(_)) => true,
-        ("object", DeValue::Table(_)) => true,
-        ("", _) => true,
-        _ => false,
-    }
+    matches!(
+        (kind(schema), value),
+        ("number", DeValue::Float(_) | DeValue::Integer(_))
+            | ("integer", DeValue::Integer(_))
+            | ("string", DeValue::String(_))
+            | ("boolean", DeValue::Boolean(_))
+            | ("array", DeValue::Array(_))
+            | ("object", DeValue::Table(_))
+            | ("", _)
+    )
 }
 
 fn accepts_value(schema: &Value, value: &DeValue<'_>) -> bool {

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use railspring_calibrate::error::InputError;
+use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::solid::Material;
 use toml::de::DeTable;
@@ -38,7 +39,9 @@ pub struct Study {
     /// Material of both bodies.
     pub material: Material,
     /// The solid meshes.
-    pub mesh: MeshSettings,
+    pub mesh: MeshOptions,
+    /// Formulation of the eight-node brick.
+    pub element: ElementKey,
     /// Contact between the solids.
     pub contact: ContactSettings,
     /// Loads and reference of the law.
@@ -106,21 +109,6 @@ pub struct Track {
     pub lateral_shift: f64,
 }
 
-/// Settings of the solid meshes; lengths in m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeshSettings {
-    /// Edge length in the contact zone.
-    pub contact_element: f64,
-    /// Half length of the contact zone along the track.
-    pub window_half_length: f64,
-    /// Ratio of neighbouring element sizes away from the contact zone.
-    pub growth: f64,
-    /// Largest element edge.
-    pub body_element: f64,
-    /// Formulation of the brick.
-    pub element: ElementKey,
-}
-
 /// Contact between the solids.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSettings {
@@ -175,7 +163,15 @@ pub struct StudyScenario {
 
 /// Sections of the study file, in their order.
 pub const SECTIONS: [&str; 10] = [
-    "rail", "wheel", "track", "material", "mesh", "contact", "calibration", "simulation", "scenario",
+    "rail",
+    "wheel",
+    "track",
+    "material",
+    "mesh",
+    "contact",
+    "calibration",
+    "simulation",
+    "scenario",
     "verification",
 ];
 
@@ -189,7 +185,12 @@ impl Study {
         let text = std::fs::read_to_string(path).map_err(|cause| LocatedError {
             path: path.to_path_buf(),
             line: None,
-            error: InputError::new("study file", cause, "a readable TOML file", "check the path of the study"),
+            error: InputError::new(
+                "study file",
+                cause,
+                "a readable TOML file",
+                "check the path of the study",
+            ),
         })?;
         Self::parse(path, &text)
     }

@@ -1,19 +1,22 @@
 //! From the keys of the file to values in SI units, with the checks that
 //! concern several keys at once.
 
+use std::f64::consts::PI;
+
 use railspring_calibrate::error::InputError;
-use railspring_calibrate::solid::Material;
+use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
 use super::document::{
-    CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys,
-    TorsionKeys,
+    CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
+    SuspensionKeys, TorsionKeys,
 };
 use super::{
-    CalibrationSettings, ContactSettings, MeshSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings,
-    Source, Study, StudyScenario, Track, Wheel,
+    CalibrationSettings, ContactSettings, Rail, ResolvedKey, SECTIONS, SimulationSettings, Source, Study,
+    StudyScenario, Track, Wheel,
 };
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -33,14 +36,6 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
     }
     let main_scenario = main_scenario(&document)?;
     let mesh = &document.mesh;
-    if mesh.body_element_mm < mesh.contact_element_mm {
-        return Err(InputError::new(
-            "mesh.body_element_mm",
-            mesh.body_element_mm,
-            format!("at least mesh.contact_element_mm = {}", mesh.contact_element_mm),
-            "enlarge it",
-        ));
-    }
     Ok(Study {
         name: document.name,
         description: document.description,
@@ -56,14 +51,20 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
             young: document.material.young_gpa * GIGAPASCAL,
             poisson: document.material.poisson,
             density: document.material.density_kg_per_m3,
+            damping: document.material.damping_ratio / (PI * document.material.damping_frequency_hz),
         },
-        mesh: MeshSettings {
+        mesh: MeshOptions {
             contact_element: mesh.contact_element_mm * MILLIMETRE,
+            contact_element_along: mesh.contact_element_along_mm * MILLIMETRE,
             window_half_length: mesh.window_half_length_mm * MILLIMETRE,
             growth: mesh.growth,
-            body_element: mesh.body_element_mm * MILLIMETRE,
-            element: mesh.element,
+            rail_section_element: mesh.rail_section_element_mm * MILLIMETRE,
+            wheel_section_element: mesh.wheel_section_element_mm * MILLIMETRE,
+            rail_length_element: mesh.rail_length_element_mm * MILLIMETRE,
+            wheel_arc_element: mesh.wheel_arc_element_mm * MILLIMETRE,
+            ..MeshOptions::default()
         },
+        element: mesh.element,
         contact: ContactSettings {
             enforcement: document.contact.enforcement,
             penalty: document.contact.penalty_kn_per_m * KILONEWTON_PER_METRE,
@@ -162,6 +163,10 @@ fn spaced(low: f64, high: f64, count: usize, spacing: SpacingKey) -> Vec<f64> {
                 (0, _) => low,
                 (last, _) if last == count - 1 => high,
                 (_, SpacingKey::Linear) => low + t * (high - low),
+                (_, SpacingKey::Approach) => {
+                    let approach = |load: f64| load.powf(2.0 / 3.0);
+                    (approach(low) + t * (approach(high) - approach(low))).powf(1.5)
+                }
                 (_, SpacingKey::Geometric) => low * (high / low).powf(t),
             }
         })
@@ -304,19 +309,27 @@ fn flatten(section: &str, value: &Value, source: &Source, keys: &mut Vec<Resolve
         let full = format!("{section}.{key}");
         match value {
             Value::Object(_) => flatten(&full, value, source, keys),
-            Value::String(text) if text.is_empty() => {}
+            // The report shows the descriptions as text.
+            _ if key == "description" => {}
             _ => keys.push(ResolvedKey {
                 section: section.to_string(),
                 key: key.clone(),
-                value: match value {
-                    Value::String(text) => text.clone(),
-                    Value::Array(items) => {
-                        items.iter().map(Value::to_string).collect::<Vec<_>>().join(", ")
-                    }
-                    other => other.to_string(),
-                },
+                value: plain(value),
                 given: source.gives(&full),
             }),
         }
+    }
+}
+
+/// A value as a person would write it.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        Value::Array(items) => items.iter().map(plain).collect::<Vec<_>>().join(", "),
+        Value::Number(number) if number.is_f64() => {
+            let value = number.as_f64().unwrap_or_default();
+            if value.abs() >= 1e6 { format!("{value:e}") } else { value.to_string() }
+        }
+        other => other.to_string(),
     }
 }

@@ -73,7 +73,10 @@ fn unknown_keys_name_the_line_and_the_nearest_known_key() {
     assert!(unit.starts_with("x.toml:7: track.gauge_m = 1.435: expected a key of [track] ("), "{unit}");
     assert!(unit.ends_with("did you mean `track.gauge_mm`?"), "{unit}");
     let section = message("[tracks]\n");
-    assert!(section.starts_with("x.toml:6: tracks") && section.ends_with("did you mean `track`?"), "{section}");
+    assert!(
+        section.starts_with("x.toml:6: tracks") && section.ends_with("did you mean `track`?"),
+        "{section}"
+    );
     let nested = message("[scenario.s]\nlateral_force = { means_kn = 1 }\nvertical_force = {}\n");
     assert!(nested.starts_with("x.toml:7: scenario.s.lateral_force.means_kn = 1"), "{nested}");
     assert!(nested.ends_with("did you mean `scenario.s.lateral_force.mean_kn`?"), "{nested}");
@@ -84,7 +87,10 @@ fn unknown_keys_name_the_line_and_the_nearest_known_key() {
 #[test]
 fn missing_keys_name_their_section() {
     let missing = parse("name = \"x\"\n\n[rail]\n[wheel]\nprofile = \"S1002\"\n").unwrap_err().to_string();
-    assert!(missing.starts_with("x.toml:3: rail.profile = (missing): expected a text in quotes"), "{missing}");
+    assert!(
+        missing.starts_with("x.toml:3: rail.profile = (missing): expected a text in quotes"),
+        "{missing}"
+    );
     assert!(missing.contains("add this key to [rail]: Name of the standard section"), "{missing}");
     let section = parse("name = \"x\"\n[rail]\nprofile = \"60E1\"\n").unwrap_err().to_string();
     assert!(section.starts_with("x.toml: wheel = (missing): expected a section"), "{section}");
@@ -95,15 +101,24 @@ fn missing_keys_name_their_section() {
 #[test]
 fn wrong_types_and_ranges_say_what_was_expected() {
     let text = message("[track]\n\ngauge_mm = \"1435 mm\"\n");
-    assert!(text.starts_with("x.toml:8: track.gauge_mm = \"1435 mm\": expected a number from 500 to 2000"), "{text}");
+    assert!(
+        text.starts_with("x.toml:8: track.gauge_mm = \"1435 mm\": expected a number from 500 to 2000"),
+        "{text}"
+    );
     let range = message("[material]\npoisson = 0.5\n");
-    assert!(range.starts_with("x.toml:7: material.poisson = 0.5: expected a number from 0 to 0.49"), "{range}");
+    assert!(
+        range.starts_with("x.toml:7: material.poisson = 0.5: expected a number from 0 to 0.49"),
+        "{range}"
+    );
     let nan = message("[material]\npoisson = nan\n");
     assert!(nan.contains("poisson = nan: expected"), "{nan}");
     let choice = message("[contact]\nenforcement = \"hard\"\n");
     assert!(choice.contains("= \"hard\": expected one of \"exact\", \"penalty\""), "{choice}");
     let list = message("[calibration]\nloads_kn = [1, 2, 3, -4]\n");
-    assert!(list.starts_with("x.toml:7: calibration.loads_kn[3] = -4: expected a number from 0.01"), "{list}");
+    assert!(
+        list.starts_with("x.toml:7: calibration.loads_kn[3] = -4: expected a number from 0.01"),
+        "{list}"
+    );
     let few = message("[calibration]\nloads_kn = [1, 2, 3]\n");
     assert!(few.contains("= [1, 2, 3]: expected a list of at least 4 entries"), "{few}");
     let whole = message("[simulation]\nrail_elements = 20.5\n");
@@ -143,9 +158,14 @@ fn broken_toml_names_its_line() {
 fn an_error_of_a_later_stage_finds_its_line() {
     let study = parse(&format!("{SHORT}[track]\nlateral_shift_mm = 80\n")).unwrap();
     let error = InputError::new("track.lateral_shift_mm", "80 mm", "e", "r");
-    assert_eq!(study.source.locate(error).to_string(), "x.toml:7: track.lateral_shift_mm = 80 mm: expected e; r");
+    assert_eq!(
+        study.source.locate(error).to_string(),
+        "x.toml:7: track.lateral_shift_mm = 80 mm: expected e; r"
+    );
     let default = InputError::new("track.gauge_mm", "1435 mm", "e", "r");
-    assert!(study.source.locate(default).to_string().starts_with("x.toml:6: track.gauge_mm = 1435 mm (default)"));
+    assert!(
+        study.source.locate(default).to_string().starts_with("x.toml:6: track.gauge_mm = 1435 mm (default)")
+    );
     assert!(study.owns("mesh.growth") && !study.owns("output folder"));
 }
 

@@ -10,7 +10,11 @@ use super::*;
 const ROUNDOFF: f64 = 1e-5;
 const STEP: f64 = 0.0005;
 
-fn history(rows: usize, force: impl Fn(f64) -> (f64, f64), mode: impl Fn(f64) -> Option<ContactMode>) -> History {
+fn history(
+    rows: usize,
+    force: impl Fn(f64) -> (f64, f64),
+    mode: impl Fn(f64) -> Option<ContactMode>,
+) -> History {
     let rows = (0..rows)
         .map(|n| {
             let time = n as f64 * STEP;
@@ -58,12 +62,8 @@ fn force_differences_are_over_the_peak_of_the_solid() {
         if t == 0.0 { 200e3 } else { 100e3 }
     }
     let comparison = compare(&simple, &solid, &Limits::default()).unwrap();
-    let expected = [
-        ("P, RMS", 0.05 / 2f64.sqrt()),
-        ("P, largest", 0.05),
-        ("Q, RMS", 0.02),
-        ("Q, largest", 0.02),
-    ];
+    let expected =
+        [("P, RMS", 0.05 / 2f64.sqrt()), ("P, largest", 0.05), ("Q, RMS", 0.02), ("Q, largest", 0.02)];
     for (meaning, expected) in expected {
         let found = value(&comparison, meaning).unwrap();
         assert!((found - expected).abs() < ROUNDOFF, "{meaning}: {found}, expected {expected}");

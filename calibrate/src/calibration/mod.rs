@@ -3,10 +3,12 @@
 
 mod press;
 
-pub use press::{Enforcement, Pressed, WheelOnRail};
 pub(crate) use press::carry_over;
+pub use press::{Enforcement, Pressed, WheelOnRail};
 
-use crate::contact::{BodyCompliance, Compliance, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total};
+use crate::contact::{
+    BodyCompliance, Compliance, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total,
+};
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::law::{LawFit, fit_law};
 use crate::monitor::Monitor;
@@ -171,8 +173,8 @@ fn load_point(
         Enforcement::Penalty(stiffness) => share(&PenaltySprings { stiffness }),
     };
     let local = half_spaces + penalty;
-    let wheel =
-        share(&BodyCompliance { compliance: &wheel_on_rail.wheel.compliance, side: Side::Opposing }) - 0.5 * half_spaces;
+    let wheel = share(&BodyCompliance { compliance: &wheel_on_rail.wheel.compliance, side: Side::Opposing })
+        - 0.5 * half_spaces;
     let rail = share(&BodyCompliance { compliance: &wheel_on_rail.rail.compliance, side: Side::Base })
         - 0.5 * half_spaces
         - beam_flexibility;
@@ -239,7 +241,9 @@ pub fn patch(state: &Pressed) -> Patch {
     let points = &state.points;
     let forces = &state.solution.forces[..points.len()];
     let sum: f64 = forces.iter().sum();
-    let mean = |value: &dyn Fn(usize) -> f64| forces.iter().enumerate().map(|(j, f)| f * value(j)).sum::<f64>() / sum;
+    let mean = |value: &dyn Fn(usize) -> f64| {
+        forces.iter().enumerate().map(|(j, f)| f * value(j)).sum::<f64>() / sum
+    };
     let semi_axis = |axis: usize| {
         let centre = mean(&|j| points.position[j][axis]);
         let moment =

@@ -96,9 +96,8 @@ impl WheelOnRail<'_> {
             return Err(refused_load(load, "a positive load").into());
         }
         let directions = self.directions();
-        let mut hub = before.map_or(Vector2::zeros(), |b| {
-            Vector2::new(b.hub.x, b.hub.y * (load / b.load).powf(0.75))
-        });
+        let mut hub =
+            before.map_or(Vector2::zeros(), |b| Vector2::new(b.hub.x, b.hub.y * (load / b.load).powf(0.75)));
         let mut largest_gap = 0.15e-3;
         let mut moved = f64::NAN;
         let mut active = 0;
@@ -177,7 +176,8 @@ impl WheelOnRail<'_> {
         for row in n..3 * n {
             let (j, d) = (row % n, row / n);
             let direction = points.direction(j, d);
-            let elastic = |weights, u: &[f64]| -> f64 { ContactPoints::row(weights, d).map(|(i, w)| w * u[i]).sum() };
+            let elastic =
+                |weights, u: &[f64]| -> f64 { ContactPoints::row(weights, d).map(|(i, w)| w * u[i]).sum() };
             free[row] += direction.y * hub.x + direction.z * hub.y
                 - elastic(&points.opposing[j], &before.wheel_displacement)
                 + elastic(&points.base[j], &before.rail_displacement);
@@ -188,13 +188,7 @@ impl WheelOnRail<'_> {
 impl Pressed {
     /// The contact problem at this state, for linearisation.
     pub fn problem<'b>(&'b self, friction: f64) -> Problem<'b> {
-        Problem {
-            points: &self.points,
-            compliance: &self.compliance,
-            free: &self.free,
-            friction,
-            hub: &[],
-        }
+        Problem { points: &self.points, compliance: &self.compliance, free: &self.free, friction, hub: &[] }
     }
 
     /// Forces on the retained equations of one body, N.
@@ -204,7 +198,12 @@ impl Pressed {
 }
 
 /// Forces of the points that both sets share, zero for the others.
-pub(crate) fn carry_over(from: &ContactPoints, forces: &[f64], to: &ContactPoints, directions: usize) -> Vec<f64> {
+pub(crate) fn carry_over(
+    from: &ContactPoints,
+    forces: &[f64],
+    to: &ContactPoints,
+    directions: usize,
+) -> Vec<f64> {
     let mut start = vec![0.0; directions * to.len()];
     // both sets are sorted by grid index
     let mut i = 0;

@@ -18,5 +18,5 @@ mod surface;
 
 pub use compliance::{BodyCompliance, Compliance, HalfSpace, PenaltySprings, Side, total};
 pub use pairing::{ContactPoints, PairingLimits, pair};
-pub use solver::{PointMode, Problem, Solution, hub_response, HubResponse, solve};
+pub use solver::{HubResponse, PointMode, Problem, Solution, hub_response, solve};
 pub use surface::{Shape, Surface};

@@ -210,9 +210,10 @@ pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Contac
                 slot[i * columns + k] = points.len();
                 points.index.push((i, k));
                 points.position.push(Point2::new(s[i], x[k]));
-                points
-                    .widths
-                    .push(Vector2::new(0.5 * (s[(i + 1).min(rows - 1)] - s[i.saturating_sub(1)]), track_width(k)));
+                points.widths.push(Vector2::new(
+                    0.5 * (s[(i + 1).min(rows - 1)] - s[i.saturating_sub(1)]),
+                    track_width(k),
+                ));
                 points.at_edge.push(i == 0 || k == 0 || i + 1 == rows || k + 1 == columns);
             }
         }
@@ -272,7 +273,12 @@ pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Contac
                                 points.normal[j] += normal * w;
                                 points.opposing_position[j] += on_opposing.coords * w;
                                 for (ei, ek, n) in corners(u, v) {
-                                    add_weight(&mut points.base[j], (i + ei) * columns + k + ek, w * n, &normal);
+                                    add_weight(
+                                        &mut points.base[j],
+                                        (i + ei) * columns + k + ek,
+                                        w * n,
+                                        &normal,
+                                    );
                                 }
                                 for (ea, eb, n) in corners(ua, vb) {
                                     let node = (a + ea) * opposing.grid.along_track.len() + b + eb;
@@ -321,15 +327,15 @@ fn profile_intervals(
     s1: f64,
     seeds: (f64, f64),
 ) -> Vec<(f64, f64)> {
-    let facing = |s: f64, guess: f64| {
-        opposing.project(&base.world(s), 0.0, &base.curve.upward_normal(s), guess)
-    };
+    let facing =
+        |s: f64, guess: f64| opposing.project(&base.world(s), 0.0, &base.curve.upward_normal(s), guess);
     let mut cuts = Vec::new();
     if let (Some(a), Some(b)) = (facing(s0, seeds.0), facing(s1, seeds.1)) {
         let (a, b) = (a.along_profile, b.along_profile);
         let (low, high) = (a.min(b), a.max(b));
         for &line in opposing.grid.along_profile.iter().filter(|&&l| l > low && l < high) {
-            let root = crossing((s0, a - line), (s1, b - line), |s| Some(facing(s, line)?.along_profile - line));
+            let root =
+                crossing((s0, a - line), (s1, b - line), |s| Some(facing(s, line)?.along_profile - line));
             cuts.extend(root);
         }
     }

@@ -103,7 +103,7 @@ impl<'a> State<'a> {
         let diagonal: f64 = (0..rows).map(|i| problem.compliance[(i, i)]).sum();
         let mut state = Self {
             problem,
-            directions: if count == 0 { 1 } else { rows / count },
+            directions: rows.checked_div(count).unwrap_or(1),
             forces: start.to_vec(),
             hub: vec![0.0; problem.hub.len()],
             separation: vec![0.0; rows],
@@ -206,14 +206,21 @@ impl<'a> State<'a> {
         Err(self.failure(NEWTON_LIMIT, correction, active_count, StopReason::IterationLimit))
     }
 
-    fn failure(&self, iteration: usize, residual: f64, active: usize, reason: StopReason) -> crate::error::Error {
+    fn failure(
+        &self,
+        iteration: usize,
+        residual: f64,
+        active: usize,
+        reason: StopReason,
+    ) -> crate::error::Error {
         NumericsError { stage: "contact".into(), step: None, iteration, residual, active, reason }.into()
     }
 
     /// One Newton step on the load-carrying points; the others are set free of force.
     fn step(&mut self, modes: &[PointMode], active: &[usize]) -> bool {
         let n = self.problem.points.len();
-        let rows: Vec<usize> = (0..self.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
+        let rows: Vec<usize> =
+            (0..self.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
         for j in (0..n).filter(|&j| modes[j] == PointMode::Open) {
             (0..self.directions).for_each(|d| self.forces[d * n + j] = 0.0);
         }
@@ -257,7 +264,13 @@ impl<'a> State<'a> {
 
     /// Replaces the tangential rows of slipping points by the linearised cone condition
     /// `τ = μ·p·v/|v|`, `v = τ - scale·slip`.
-    fn slip_rows(&self, modes: &[PointMode], active: &[usize], matrix: &mut DMatrix<f64>, rhs: &mut DVector<f64>) {
+    fn slip_rows(
+        &self,
+        modes: &[PointMode],
+        active: &[usize],
+        matrix: &mut DMatrix<f64>,
+        rhs: &mut DVector<f64>,
+    ) {
         let n = self.problem.points.len();
         let a = active.len();
         for (local, &j) in active.iter().enumerate().filter(|(_, j)| modes[**j] == PointMode::Slip) {
@@ -340,7 +353,12 @@ pub struct HubResponse {
 /// Linearises the contact at a converged state for hub motions along world `axes`: all load-carrying
 /// points move as their modes say; `sticking` holds the slipping ones too. No differences of load
 /// steps are involved. `None` if no point carries load.
-pub fn hub_response(problem: &Problem, solution: &Solution, axes: &[usize], sticking: bool) -> Option<HubResponse> {
+pub fn hub_response(
+    problem: &Problem,
+    solution: &Solution,
+    axes: &[usize],
+    sticking: bool,
+) -> Option<HubResponse> {
     let held = Problem { hub: &[], ..*problem };
     let mut state = State::new(&held, &solution.forces);
     state.separation.copy_from_slice(&solution.separation);
@@ -351,20 +369,26 @@ pub fn hub_response(problem: &Problem, solution: &Solution, axes: &[usize], stic
         .collect();
     let n = problem.points.len();
     let active: Vec<usize> = (0..n).filter(|&j| modes[j] != PointMode::Open).collect();
-    let rows: Vec<usize> = (0..state.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
+    let rows: Vec<usize> =
+        (0..state.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
     let (m, k) = (rows.len(), axes.len());
     // columns: contact forces, then hub motions
     let mut system = DMatrix::from_fn(m, m + k, |r, c| {
         state.scale
-            * if c < m { problem.compliance[(rows[r], rows[c])] } else { state.hub_weight(rows[r], axes[c - m]) }
+            * if c < m {
+                problem.compliance[(rows[r], rows[c])]
+            } else {
+                state.hub_weight(rows[r], axes[c - m])
+            }
     });
     if state.directions == 3 {
         state.slip_rows(&modes, &active, &mut system, &mut DVector::zeros(m));
     }
     let motion = system.columns(m, k).into_owned();
     let response = system.columns(0, m).into_owned().lu().solve(&motion)?;
-    let stiffness =
-        DMatrix::from_fn(k, k, |a, h| (0..m).map(|r| state.hub_weight(rows[r], axes[a]) * response[(r, h)]).sum());
+    let stiffness = DMatrix::from_fn(k, k, |a, h| {
+        (0..m).map(|r| state.hub_weight(rows[r], axes[a]) * response[(r, h)]).sum()
+    });
     let mut forces = DMatrix::zeros(problem.free.len(), k);
     for (r, &row) in rows.iter().enumerate() {
         for h in 0..k {

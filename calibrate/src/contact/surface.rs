@@ -69,7 +69,13 @@ impl Surface<'_> {
 
     /// Follows the ray from (x, `point`) along `normal` to this surface, starting the search at
     /// arc length `guess`; `None` if it misses.
-    pub fn project(&self, point: &Point2<f64>, x: f64, normal: &Vector2<f64>, guess: f64) -> Option<Projection> {
+    pub fn project(
+        &self,
+        point: &Point2<f64>,
+        x: f64,
+        normal: &Vector2<f64>,
+        guess: f64,
+    ) -> Option<Projection> {
         let start = point - self.origin;
         let radius = match self.shape {
             Shape::Extruded => 0.0,
@@ -93,14 +99,22 @@ impl Surface<'_> {
             let residual = Vector2::new(start.x + g * normal.x - p.x, rho - radius - p.y);
             if residual.norm() < 1e-14 {
                 let inside = (-1e-12..=length + 1e-12).contains(&s);
-                return inside.then_some(Projection { along_profile: s.clamp(0.0, length), along_track, gap: g });
+                return inside.then_some(Projection {
+                    along_profile: s.clamp(0.0, length),
+                    along_track,
+                    gap: g,
+                });
             }
             let step = Matrix2::new(-t.x, normal.x, -t.y, slope).try_inverse()? * -residual;
             // rays that run almost along the surface make wild steps: keep to the neighbourhood
             let scale = (5e-3 / step.x.abs().max(step.y.abs())).min(1.0);
             let next = (s + scale * step.x).clamp(0.0, length);
             if (next - s).abs() < 1e-16 && (scale * step.y).abs() < 1e-16 {
-                return (residual.norm() < 1e-11).then_some(Projection { along_profile: s, along_track, gap: g });
+                return (residual.norm() < 1e-11).then_some(Projection {
+                    along_profile: s,
+                    along_track,
+                    gap: g,
+                });
             }
             s = next;
             g += scale * step.y;

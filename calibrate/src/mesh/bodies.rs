@@ -55,7 +55,7 @@ pub fn mesh_wheel(section: &WheelSection, options: &MeshOptions) -> Result<HexMe
     options.check()?;
     if options.window_half_length > 0.5 * section.radius {
         return Err(InputError::new(
-            "mesh.window_half_length",
+            "mesh.window_half_length_mm",
             format!("{:.1} mm", options.window_half_length * 1e3),
             format!("at most half the wheel's radius of {:.1} mm", section.radius * 1e3),
             "shorten the contact window",
@@ -79,7 +79,7 @@ fn on_line(boundary: &[usize], nodes: &[Point2<f64>], z: f64) -> Vec<usize> {
 
 /// Positions along one half of a sweep, from the middle of the window to `end`.
 fn half_positions(options: &MeshOptions, end: f64, largest: f64) -> Vec<f64> {
-    graded(options.window_half_length, end, options.contact_element, options.growth, largest)
+    graded(options.window_half_length, end, options.contact_element_along, options.growth, largest)
 }
 
 /// Outline of a rail's section with its contact nodes, in the profile frame.
@@ -323,7 +323,7 @@ mod tests {
         let (first, last) = (grid.along_profile[0], grid.along_profile[grid.along_profile.len() - 1]);
         assert!((section.running.point(first).y - 20e-3).abs() < ON_CURVE);
         assert!((section.running.point(last).x - 22e-3).abs() < ON_CURVE);
-        assert!((grid.along_track[0] + 14e-3).abs() < ON_CURVE);
+        assert!((grid.along_track[0] + MeshOptions::default().window_half_length).abs() < ON_CURVE);
     }
 
     #[test]
@@ -399,8 +399,8 @@ mod tests {
         assert!(message(default.clone(), 0.02).starts_with("rail.length = 20.0 mm"));
         assert!(message(default.clone(), f64::NAN).starts_with("rail.length"));
         let cases = [
-            ("mesh.contact_element", MeshOptions { contact_element: 0.0, ..default.clone() }),
-            ("mesh.contact_element", MeshOptions { contact_element: f64::NAN, ..default.clone() }),
+            ("mesh.contact_element_mm", MeshOptions { contact_element: 0.0, ..default.clone() }),
+            ("mesh.contact_element_mm", MeshOptions { contact_element: f64::NAN, ..default.clone() }),
             ("mesh.growth", MeshOptions { growth: 0.9, ..default.clone() }),
             ("mesh.layers", MeshOptions { layers: 3, ..default.clone() }),
             ("mesh.rail_zone.face_depth", MeshOptions { rail_zone: zone(0.2, 22e-3), ..default.clone() }),
@@ -413,6 +413,6 @@ mod tests {
         }
         let options = MeshOptions { window_half_length: 0.3, ..default };
         let text = mesh_wheel(&wheel, &options).map(|_| ()).unwrap_err().to_string();
-        assert!(text.starts_with("mesh.window_half_length"), "{text}");
+        assert!(text.starts_with("mesh.window_half_length_mm"), "{text}");
     }
 }

@@ -106,8 +106,11 @@ pub struct FineZone {
 /// Sizes of the elements. All lengths in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshOptions {
-    /// Largest edge of an element in the contact zone, in both directions.
+    /// Largest edge of an element in the contact zone across the track.
     pub contact_element: f64,
+    /// Edge of an element of the contact window along the track. Patches are shorter along the track
+    /// than across it on conformal profiles, so that finer elements pay off here.
+    pub contact_element_along: f64,
     /// Half the length of the contact window along the track.
     pub window_half_length: f64,
     /// Number of structured layers under the contact zone; even.
@@ -139,7 +142,8 @@ impl Default for MeshOptions {
     fn default() -> Self {
         Self {
             contact_element: 2e-3,
-            window_half_length: 14e-3,
+            contact_element_along: 1.5e-3,
+            window_half_length: 12e-3,
             layers: 2,
             first_layer: 2e-3,
             layer_growth: 1.25,
@@ -148,9 +152,9 @@ impl Default for MeshOptions {
             section_growth: 0.3,
             rail_section_element: 12e-3,
             wheel_section_element: 20e-3,
-            growth: 1.45,
-            rail_length_element: 36e-3,
-            wheel_arc_element: 115e-3,
+            growth: 1.6,
+            rail_length_element: 40e-3,
+            wheel_arc_element: 120e-3,
         }
     }
 }
@@ -169,6 +173,7 @@ impl MeshOptions {
             total(self.first_layer, self.layer_growth, self.layers) / total(1.0, layer_growth, layers);
         Self {
             contact_element: self.contact_element / factor,
+            contact_element_along: self.contact_element_along / factor,
             layers,
             first_layer,
             layer_growth,
@@ -200,6 +205,7 @@ impl MeshOptions {
     fn check(&self) -> Result<()> {
         let lengths = [
             ("contact_element", self.contact_element),
+            ("contact_element_along", self.contact_element_along),
             ("window_half_length", self.window_half_length),
             ("first_layer", self.first_layer),
             ("rail_section_element", self.rail_section_element),
@@ -210,7 +216,7 @@ impl MeshOptions {
         for (name, length) in lengths {
             if !(length.is_finite() && length >= SMALLEST_ELEMENT) {
                 return Err(InputError::new(
-                    format!("mesh.{name}"),
+                    format!("mesh.{name}_mm"),
                     format!("{} mm", length * 1e3),
                     format!("{} mm or more", SMALLEST_ELEMENT * 1e3),
                     "give the size of the elements in mm",

@@ -81,7 +81,12 @@ impl Field<'_> {
 ///
 /// # Errors
 /// When a field has not one value for every point or cell.
-pub fn vtu(points: &[Point3<f64>], cells: Cells, point_data: &[Field], cell_data: &[Field]) -> Result<String> {
+pub fn vtu(
+    points: &[Point3<f64>],
+    cells: Cells,
+    point_data: &[Field],
+    cell_data: &[Field],
+) -> Result<String> {
     for (fields, count, what) in [(point_data, points.len(), "point"), (cell_data, cells.len(), "cell")] {
         for field in fields {
             if field.len() != count {
@@ -215,12 +220,8 @@ mod tests {
 
     #[test]
     fn a_field_of_another_mesh_is_refused_by_name() {
-        let error = vtu(
-            &[Point3::origin()],
-            Cells::Quads(&[]),
-            &[Field::Scalar("pressure", &[1.0, 2.0])],
-            &[],
-        );
+        let error =
+            vtu(&[Point3::origin()], Cells::Quads(&[]), &[Field::Scalar("pressure", &[1.0, 2.0])], &[]);
         assert!(error.unwrap_err().to_string().starts_with("point data pressure = 2 values"));
     }
 }

@@ -31,16 +31,26 @@ impl<'a> System<'a> {
     ///
     /// # Errors
     /// [`InputError`] if the material is impossible; a numerical error if the mesh cannot be ordered.
-    pub fn new(mesh: &'a HexMesh, material: Material, formulation: Formulation, supports: &Supports) -> Result<Self> {
+    pub fn new(
+        mesh: &'a HexMesh,
+        material: Material,
+        formulation: Formulation,
+        supports: &Supports,
+    ) -> Result<Self> {
         material.check()?;
         Ok(Self { mesh, material, formulation, numbering: Numbering::new(mesh, supports)? })
     }
 
-    /// Upper triangle of `stiffness + mass_factor·mass`, plus the given diagonal terms.
+    /// Upper triangle of `stiffness_factor·stiffness + mass_factor·mass`, plus the given diagonal terms.
     ///
     /// # Errors
     /// [`InputError`] naming the first element that is inverted or flat.
-    pub fn matrix(&self, mass_factor: f64, diagonal: &[(usize, f64)]) -> Result<SparseColMat<usize, f64>> {
+    pub fn matrix(
+        &self,
+        stiffness_factor: f64,
+        mass_factor: f64,
+        diagonal: &[(usize, f64)],
+    ) -> Result<SparseColMat<usize, f64>> {
         let elements: Vec<brick::Stiffness> = self
             .mesh
             .hexes
@@ -49,7 +59,8 @@ impl<'a> System<'a> {
             .map(|(e, hex)| {
                 let nodes = corners(self.mesh, hex);
                 let mut k = brick::stiffness(&nodes, &self.material, self.formulation)
-                    .ok_or_else(|| flat_element(e, &nodes))?;
+                    .ok_or_else(|| flat_element(e, &nodes))?
+                    * stiffness_factor;
                 if mass_factor != 0.0 {
                     let m = brick::mass(&nodes, self.material.density) * mass_factor;
                     for i in 0..24 {
@@ -80,7 +91,8 @@ impl<'a> System<'a> {
         }
         triplets.extend(diagonal.iter().map(|&(e, v)| Triplet::new(e, e, v)));
         let n = self.numbering.equations;
-        Ok(SparseColMat::try_new_from_triplets(n, n, &triplets).expect("equation numbers are below their count"))
+        Ok(SparseColMat::try_new_from_triplets(n, n, &triplets)
+            .expect("equation numbers are below their count"))
     }
 
     /// Consistent mass of all nodes, held ones and followers included.
@@ -97,7 +109,9 @@ impl<'a> System<'a> {
             // stable: equal columns keep the order of the elements, so sums repeat to the last bit
             row.sort_by_key(|&(column, _)| column);
             for &(column, value) in row.iter() {
-                if mass.columns.len() > mass.starts[mass.starts.len() - 1] && mass.columns.last() == Some(&column) {
+                if mass.columns.len() > mass.starts[mass.starts.len() - 1]
+                    && mass.columns.last() == Some(&column)
+                {
                     *mass.values.last_mut().expect("a value for every column") += value;
                 } else {
                     mass.columns.push(column);

@@ -51,7 +51,9 @@ fn shape(at: &Vector3<f64>) -> SVector<f64, 8> {
 /// Derivatives of the shape functions by the reference coordinates, 3×8.
 fn shape_gradient(at: &Vector3<f64>) -> SMatrix<f64, 3, 8> {
     SMatrix::from_fn(|d, n| {
-        (0..3).map(|e| if e == d { 0.5 * CORNERS[n][e] } else { 0.5 * (1.0 + CORNERS[n][e] * at[e]) }).product()
+        (0..3)
+            .map(|e| if e == d { 0.5 * CORNERS[n][e] } else { 0.5 * (1.0 + CORNERS[n][e] * at[e]) })
+            .product()
     })
 }
 
@@ -81,7 +83,11 @@ fn strain_displacement<const N: usize, const M: usize>(g: &SMatrix<f64, 3, N>) -
 }
 
 /// Stiffness of the brick with the given nodes (m, VTK order), or `None` if it is inverted or flat.
-pub fn stiffness(nodes: &[Point3<f64>; 8], material: &Material, formulation: Formulation) -> Option<Stiffness> {
+pub fn stiffness(
+    nodes: &[Point3<f64>; 8],
+    material: &Material,
+    formulation: Formulation,
+) -> Option<Stiffness> {
     let d = material.elasticity();
     let centre = jacobian(nodes, &shape_gradient(&Vector3::zeros()));
     let centre_inverse = centre.try_inverse()?;
@@ -178,7 +184,8 @@ mod tests {
             assert!((f - full).norm() < ROUNDOFF * full.norm() * 10.0, "{formulation:?}");
             let work: f64 = f.dot(&u);
             let (strain, _) = centre_strain(&nodes, &u);
-            let volume: f64 = gauss_points().map(|at| jacobian(&nodes, &shape_gradient(&at)).determinant()).sum();
+            let volume: f64 =
+                gauss_points().map(|at| jacobian(&nodes, &shape_gradient(&at)).determinant()).sum();
             let expected = (strain.transpose() * Material::STEEL.elasticity() * strain)[0] * volume;
             assert!((work - expected).abs() < ROUNDOFF * expected * 10.0, "{work} {expected}");
         }

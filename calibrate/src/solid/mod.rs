@@ -26,11 +26,14 @@ pub struct Material {
     pub poisson: f64,
     /// Density, kg/m³.
     pub density: f64,
+    /// Damping proportional to stiffness, s: the damping matrix is this times the stiffness matrix, and a mode
+    /// of angular frequency ω has the damping ratio `damping·ω/2`. Statics do not see it.
+    pub damping: f64,
 }
 
 impl Material {
-    /// Rail and wheel steel: 210 GPa, 0.3, 7850 kg/m³.
-    pub const STEEL: Self = Self { young: 210e9, poisson: 0.3, density: 7850.0 };
+    /// Rail and wheel steel: 210 GPa, 0.3, 7850 kg/m³, undamped.
+    pub const STEEL: Self = Self { young: 210e9, poisson: 0.3, density: 7850.0, damping: 0.0 };
 
     /// Checks that the constants describe a stable, compressible material.
     ///
@@ -38,7 +41,8 @@ impl Material {
     /// [`InputError`] naming the constant that is out of range.
     pub fn check(&self) -> Result<()> {
         let refuse = |key: &str, value: f64, expected: &str| {
-            Err(InputError::new(format!("material.{key}"), value, expected, "correct the material constant").into())
+            Err(InputError::new(format!("material.{key}"), value, expected, "correct the material constant")
+                .into())
         };
         if !(self.young > 0.0 && self.young.is_finite()) {
             return refuse("young_gpa", self.young * 1e-9, "a positive modulus");
@@ -48,6 +52,9 @@ impl Material {
         }
         if !(self.density > 0.0 && self.density.is_finite()) {
             return refuse("density_kg_per_m3", self.density, "a positive density");
+        }
+        if !(self.damping >= 0.0 && self.damping.is_finite()) {
+            return refuse("damping_ratio", self.damping, "a damping that is not negative");
         }
         Ok(())
     }

@@ -73,7 +73,15 @@ impl Numbering {
                 }
             }
         }
-        Ok(Self { first, follower, master: supports.master, master_equation, interior, contact, equations: next })
+        Ok(Self {
+            first,
+            follower,
+            master: supports.master,
+            master_equation,
+            interior,
+            contact,
+            equations: next,
+        })
     }
 
     /// Equation of a free motion of the master node (0 to 5: translations x, y, z, rotations), if it is free.
@@ -111,6 +119,20 @@ impl Numbering {
             }
         }
         nodal
+    }
+
+    /// Values of the equations when the whole body moves by `translation`; held nodes stay.
+    pub fn translation(&self, translation: &Vector3<f64>) -> Vec<f64> {
+        let mut values = vec![0.0; self.equations];
+        for &first in self.first.iter().filter(|&&e| e != HELD) {
+            values[first..first + 3].copy_from_slice(translation.as_slice());
+        }
+        for motion in 0..3 {
+            if let Some(e) = self.master_equation(motion) {
+                values[e] = translation[motion];
+            }
+        }
+        values
     }
 
     /// Right-hand side of the equations from nodal forces, `3·node + direction`.

@@ -8,7 +8,8 @@ use faer::sparse::SparseColMat;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::{Mat, Par, Side};
 
@@ -102,7 +103,9 @@ impl Factor {
                 let value = x[block.start + j] / column[j];
                 x[block.start + j] = value;
                 let (top, rest) = column.split_at(block.columns);
-                for (xi, l) in x[block.start + j + 1..block.start + block.columns].iter_mut().zip(&top[j + 1..]) {
+                for (xi, l) in
+                    x[block.start + j + 1..block.start + block.columns].iter_mut().zip(&top[j + 1..])
+                {
                     *xi -= l * value;
                 }
                 below.iter_mut().zip(rest).for_each(|(b, l)| *b += l * value);
@@ -124,7 +127,8 @@ impl Factor {
             for j in (0..block.columns).rev() {
                 let column = block.values.col(j).try_as_col_major().expect("column major").as_slice();
                 let (top, rest) = column.split_at(block.columns);
-                let known = dot(&top[j + 1..], &x[block.start + j + 1..block.start + block.columns]) + dot(rest, &below);
+                let known = dot(&top[j + 1..], &x[block.start + j + 1..block.start + block.columns])
+                    + dot(rest, &below);
                 x[block.start + j] = (x[block.start + j] - known) / column[j];
             }
         }

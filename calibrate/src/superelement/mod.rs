@@ -24,15 +24,39 @@ pub struct Superelement<'a> {
 }
 
 impl<'a> Superelement<'a> {
-    /// Assembles `stiffness + mass_factor·mass` with extra diagonal terms, factors and condenses.
+    /// Assembles, factors and condenses the stiffness.
     ///
     /// # Errors
     /// An inverted element, or a matrix that is not positive definite because the body is not held.
-    pub fn new(system: System<'a>, mass_factor: f64, diagonal: &[(usize, f64)]) -> Result<Self> {
-        let matrix = system.matrix(mass_factor, diagonal)?;
+    pub fn new(system: System<'a>) -> Result<Self> {
+        Self::effective(system, 1.0, 0.0, &[])
+    }
+
+    /// As [`Self::new`] for `stiffness_factor·stiffness + mass_factor·mass` with extra `diagonal` terms.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn effective(
+        system: System<'a>,
+        stiffness_factor: f64,
+        mass_factor: f64,
+        diagonal: &[(usize, f64)],
+    ) -> Result<Self> {
+        let matrix = system.matrix(stiffness_factor, mass_factor, diagonal)?;
         let factor = Factor::new(&matrix, system.numbering.interior)?;
         let compliance = factor.retained_compliance();
         Ok(Self { system, factor, compliance })
+    }
+
+    /// Displacements of all nodes (`3·node + direction`, m) under forces on any of them (same layout, N).
+    pub fn solve(&self, nodal_forces: &[f64]) -> Vec<f64> {
+        let System { mesh, numbering, .. } = &self.system;
+        let mut x = numbering.gather(mesh, nodal_forces);
+        self.factor.forward_interior(&mut x);
+        let retained = times(&self.compliance, &x[numbering.interior..]);
+        x[numbering.interior..].copy_from_slice(&retained);
+        self.factor.backward_interior(&mut x);
+        numbering.expand(mesh, &x)
     }
 
     /// Displacements of all nodes (`3·node + direction`, m) under forces on the retained equations (N).

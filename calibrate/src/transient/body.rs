@@ -4,36 +4,48 @@ use crate::error::Result;
 use crate::solid::{NodalMass, System};
 use crate::superelement::{Superelement, times};
 use faer::Mat;
-use nalgebra::Vector2;
+use faer::sparse::SparseColMat;
+use nalgebra::{Vector2, Vector3};
 
-/// A body with its state at the last finished step. Vectors hold `3·node + direction`.
+/// A body with its state at the last finished step; states by equation.
 pub(super) struct Body<'a> {
     element: Superelement<'a>,
     pub(super) mass: NodalMass,
+    /// Damping matrix, upper triangle; none if the material is undamped.
+    damping: Option<SparseColMat<usize, f64>>,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
-    /// Equations during a step: interior eliminated, retained condensed.
+    /// Right-hand side of the step: interior eliminated, retained condensed.
     work: Vec<f64>,
 }
 
 impl<'a> Body<'a> {
-    /// Factors the effective matrix; `hub_stiffness` is added to the hub's vertical motion.
+    /// Factors the effective matrix `K·(1 + 2β/Δt) + 4/Δt²·M` of a material with the damping β;
+    /// `hub_stiffness` is added to the hub's vertical motion.
     pub(super) fn new(system: System<'a>, dt: f64, hub_stiffness: Option<f64>) -> Result<Self> {
         let mass = system.nodal_mass();
         let diagonal: Vec<(usize, f64)> =
             hub_stiffness.and_then(|k| Some((system.numbering.master_equation(2)?, k))).into_iter().collect();
-        let zeros = vec![0.0; 3 * system.mesh.nodes.len()];
-        let work = vec![0.0; system.numbering.equations];
-        let element = Superelement::new(system, 4.0 / (dt * dt), &diagonal)?;
-        Ok(Self { element, mass, displacement: zeros.clone(), velocity: zeros.clone(), acceleration: zeros, work })
+        let zeros = vec![0.0; system.numbering.equations];
+        let beta = system.material.damping;
+        let damping = (beta > 0.0).then(|| system.matrix(beta, 0.0, &[])).transpose()?;
+        let element = Superelement::effective(system, 1.0 + 2.0 * beta / dt, 4.0 / (dt * dt), &diagonal)?;
+        Ok(Self {
+            element,
+            mass,
+            damping,
+            displacement: zeros.clone(),
+            velocity: zeros.clone(),
+            acceleration: zeros.clone(),
+            work: zeros,
+        })
     }
 
-    /// Gives every node the same initial acceleration (y, z).
+    /// Gives the whole body the same initial acceleration (y, z).
     pub(super) fn start(&mut self, acceleration: &Vector2<f64>) {
-        for a in self.acceleration.chunks_exact_mut(3) {
-            (a[1], a[2]) = (acceleration.x, acceleration.y);
-        }
+        let translation = Vector3::new(0.0, acceleration.x, acceleration.y);
+        self.acceleration = self.element.system.numbering.translation(&translation);
     }
 
     pub(super) fn equations(&self) -> usize {
@@ -52,16 +64,17 @@ impl<'a> Body<'a> {
     /// Eliminates the interior for the step and returns the retained displacements without contact
     /// forces. `hub_force` (y, z) acts on the master node, `gravity` on the whole body.
     pub(super) fn predict(&mut self, dt: f64, hub_force: &[f64; 2], gravity: f64) -> Vec<f64> {
-        let mut inertia: Vec<f64> = self
-            .displacement
-            .iter()
-            .zip(&self.velocity)
-            .zip(&self.acceleration)
-            .map(|((u, v), a)| 4.0 / (dt * dt) * u + 4.0 / dt * v + a)
-            .collect();
-        inertia.iter_mut().skip(2).step_by(3).for_each(|h| *h += gravity);
+        let combine = |du: f64, dv: f64, da: f64| -> Vec<f64> {
+            let states = self.displacement.iter().zip(&self.velocity).zip(&self.acceleration);
+            states.map(|((u, v), a)| du * u + dv * v + da * a).collect()
+        };
         let System { mesh, numbering, .. } = &self.element.system;
+        let mut inertia = numbering.expand(mesh, &combine(4.0 / (dt * dt), 4.0 / dt, 1.0));
+        inertia.iter_mut().skip(2).step_by(3).for_each(|h| *h += gravity);
         self.work = numbering.gather(mesh, &self.mass.times(&inertia));
+        if let Some(damping) = &self.damping {
+            add_symmetric_product(damping, &combine(2.0 / dt, 1.0, 0.0), &mut self.work);
+        }
         for (motion, force) in [1, 2].into_iter().zip(hub_force) {
             if let Some(e) = numbering.master_equation(motion) {
                 self.work[e] += force;
@@ -73,13 +86,12 @@ impl<'a> Body<'a> {
 
     /// Finishes the step under contact forces on the retained equations.
     pub(super) fn correct(&mut self, dt: f64, contact_forces: &[f64]) {
-        let System { mesh, numbering, .. } = &self.element.system;
-        let retained = &mut self.work[numbering.interior..];
-        retained.iter_mut().zip(contact_forces).for_each(|(r, f)| *r += f);
-        let solution = times(&self.element.compliance, retained);
-        retained.copy_from_slice(&solution);
-        self.element.factor.backward_interior(&mut self.work);
-        let end = numbering.expand(mesh, &self.work);
+        let interior = self.element.system.numbering.interior;
+        let mut end = std::mem::take(&mut self.work);
+        end[interior..].iter_mut().zip(contact_forces).for_each(|(r, f)| *r += f);
+        let retained = times(&self.element.compliance, &end[interior..]);
+        end[interior..].copy_from_slice(&retained);
+        self.element.factor.backward_interior(&mut end);
         for (i, u) in end.iter().enumerate() {
             let moved = u - self.displacement[i];
             let v = self.velocity[i];
@@ -89,16 +101,16 @@ impl<'a> Body<'a> {
         self.displacement = end;
     }
 
-    /// Displacements of the contact nodes at the last finished step, in the order of the contact grid.
-    pub(super) fn contact_displacement(&self) -> Vec<f64> {
-        let grid = &self.element.system.mesh.contact.nodes;
-        grid.iter().flat_map(|&n| [0, 1, 2].map(|d| self.displacement[3 * n + d])).collect()
+    /// Displacements of the contact nodes at the last finished step, `3·node + axis` in the order of the contact grid.
+    pub(super) fn contact_displacement(&self) -> &[f64] {
+        let numbering = &self.element.system.numbering;
+        &self.displacement[numbering.interior..numbering.interior + numbering.contact]
     }
 
     /// Hub displacement (y, z) at the last finished step.
     pub(super) fn hub(&self) -> Vector2<f64> {
         Vector2::from_fn(|i, _| {
-            self.element.system.numbering.master_equation(i + 1).map_or(0.0, |e| self.work[e])
+            self.element.system.numbering.master_equation(i + 1).map_or(0.0, |e| self.displacement[e])
         })
     }
 
@@ -112,5 +124,97 @@ impl<'a> Body<'a> {
                 free[row] + column.iter().zip(contact_forces).map(|(c, f)| c * f).sum::<f64>()
             })
         })
+    }
+}
+
+/// Adds a symmetric matrix, given by its upper triangle, times a vector.
+fn add_symmetric_product(upper: &SparseColMat<usize, f64>, vector: &[f64], sum: &mut [f64]) {
+    for column in 0..upper.ncols() {
+        let range = upper.col_ptr()[column]..upper.col_ptr()[column + 1];
+        let mut own = 0.0;
+        for (&row, value) in upper.row_idx()[range.clone()].iter().zip(&upper.val()[range]) {
+            own += value * vector[row];
+            if row != column {
+                sum[row] += value * vector[column];
+            }
+        }
+        sum[column] += own;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{BlockOptions, mesh_block};
+    use crate::solid::{Formulation, Material, Supports};
+
+    /// Source: the wave equation (K.F. Graff, Wave Motion in Elastic Solids, 1975, section 2.2): the loaded end of a
+    /// bar under a sudden constant force moves in a triangular wave between 0 and twice the static displacement, with
+    /// the period 4·L/c. Goal: largest displacement within 2 %, period within 1 %; mean acceleration adds no
+    /// energy, 24 elements and 120 steps a period carry the corners of the wave. Units SI.
+    #[test]
+    fn a_bar_under_a_sudden_force_swings_as_the_wave_equation_says() {
+        const DISCRETISATION: [f64; 2] = [0.02, 0.01];
+        let (length, width) = (0.24, 0.01);
+        let mesh = mesh_block(&BlockOptions::uniform([width, width, length], [1, 1, 24])).unwrap();
+        let material = Material { poisson: 0.0, ..Material::STEEL };
+        let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
+        let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
+        let period = 4.0 * length / (material.young / material.density).sqrt();
+        let dt = period / 120.0;
+        let mut body = Body::new(system, dt, None).unwrap();
+        let force = 1e3;
+        // four corner nodes share the end face
+        let mut forces = vec![0.0; body.compliance().nrows()];
+        forces.iter_mut().skip(2).step_by(3).for_each(|f| *f = force / 4.0);
+        let static_displacement = force * length / (material.young * width * width);
+        let mut track = Vec::new();
+        for _ in 0..360 {
+            body.predict(dt, &[0.0; 2], 0.0);
+            body.correct(dt, &forces);
+            track.push(body.contact_displacement()[2] / static_displacement);
+        }
+        let largest = track.iter().copied().fold(0.0, f64::max);
+        assert!((largest / 2.0 - 1.0).abs() < DISCRETISATION[0], "largest {largest}");
+        // crossings of the static displacement come twice a period
+        let crossings: Vec<f64> = track
+            .windows(2)
+            .enumerate()
+            .filter(|(_, w)| (w[0] - 1.0) * (w[1] - 1.0) < 0.0)
+            .map(|(i, w)| (i as f64 + 1.0 + (1.0 - w[0]) / (w[1] - w[0])) * dt)
+            .collect();
+        let measured = 2.0 * (crossings[4] - crossings[0]) / 4.0;
+        assert!((measured / period - 1.0).abs() < DISCRETISATION[1], "{measured} {period}");
+    }
+
+    /// Source: the logarithmic decrement of a mode with the damping ratio ζ = β·ω/2 (Graff, section 2.5).
+    /// Goal: the first mode of a bar, set swinging by a release from rest, decays by exp(-2π·ζ) a period. The
+    /// higher modes, damped by the square of their frequency, are gone after the first periods. Within 3 %.
+    #[test]
+    fn a_damped_bar_decays_by_its_logarithmic_decrement() {
+        const DISCRETISATION: f64 = 0.03;
+        let (length, width, ratio) = (0.24, 0.01, 0.05);
+        let mesh = mesh_block(&BlockOptions::uniform([width, width, length], [1, 1, 24])).unwrap();
+        let period = 4.0 * length / (Material::STEEL.young / Material::STEEL.density).sqrt();
+        let damping = ratio * period / std::f64::consts::PI;
+        let material = Material { poisson: 0.0, damping, ..Material::STEEL };
+        let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
+        let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
+        let dt = period / 120.0;
+        let mut body = Body::new(system, dt, None).unwrap();
+        let mut forces = vec![0.0; body.compliance().nrows()];
+        forces.iter_mut().skip(2).step_by(3).for_each(|f| *f = 250.0);
+        let swing: Vec<f64> = (0..480)
+            .map(|_| {
+                body.predict(dt, &[0.0; 2], 0.0);
+                body.correct(dt, &forces);
+                body.contact_displacement()[2]
+            })
+            .collect();
+        let rest = 1e3 * length / (material.young * width * width);
+        let peak = |from: usize| swing[from..from + 120].iter().map(|u| (u - rest).abs()).fold(0.0, f64::max);
+        let decrement = (peak(200) / peak(320)).ln();
+        let exact = std::f64::consts::TAU * ratio / (1.0 - ratio * ratio).sqrt();
+        assert!((decrement / exact - 1.0).abs() < DISCRETISATION, "{decrement} {exact}");
     }
 }

@@ -11,8 +11,8 @@ mod body;
 
 use crate::calibration::{Enforcement, carry_over};
 use crate::contact::{
-    BodyCompliance, ContactPoints, PairingLimits, PenaltySprings, PointMode, Problem, Side, Solution, Surface, pair,
-    solve, total,
+    BodyCompliance, ContactPoints, PairingLimits, PenaltySprings, PointMode, Problem, Side, Solution,
+    Surface, pair, solve, total,
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::history::{ContactMode, ContactState, History, HistoryRow};
@@ -86,7 +86,13 @@ impl TransientModel<'_> {
         let suspended_effective = 4.0 * scenario.suspended_mass / (dt * dt) + effective;
         let (rail, wheel) = rayon::join(
             || Body::new(self.rail_system()?, dt, None),
-            || Body::new(self.wheel_system(scenario)?, dt, Some(effective - effective * effective / suspended_effective)),
+            || {
+                Body::new(
+                    self.wheel_system(scenario)?,
+                    dt,
+                    Some(effective - effective * effective / suspended_effective),
+                )
+            },
         );
         let (mut rail, mut wheel) = (rail?, wheel?);
         let wheel_mass = wheel.mass.total();
@@ -106,10 +112,20 @@ impl TransientModel<'_> {
             monitor.progress("transient solid model", step - 1, scenario.steps)?;
             let t = step as f64 * dt;
             let (hub_force, suspended_rhs) = hub_motion.forces(scenario, t, effective, suspended_effective);
-            let (rail_free, wheel_free) =
-                rayon::join(|| rail.predict(dt, &[0.0; 2], 0.0), || wheel.predict(dt, &hub_force, scenario.gravity));
+            let (rail_free, wheel_free) = rayon::join(
+                || rail.predict(dt, &[0.0; 2], 0.0),
+                || wheel.predict(dt, &hub_force, scenario.gravity),
+            );
             let solved = self
-                .contact_step(scenario, &rail, &wheel, &rail_free, &wheel_free, &hub_motion.predicted(dt), &contact)
+                .contact_step(
+                    scenario,
+                    &rail,
+                    &wheel,
+                    &rail_free,
+                    &wheel_free,
+                    &hub_motion.predicted(dt),
+                    &contact,
+                )
                 .map_err(|e| at_step(e, step))?;
             let (points, solution) = (&solved.points, &solved.solution);
             most_active = most_active.max(solution.active());
@@ -190,8 +206,13 @@ impl TransientModel<'_> {
                 }
             };
             let first = carry_over(&start.points, &start.solution.forces, &points, directions);
-            let problem =
-                Problem { points: &points, compliance: &compliance, free: &free, friction: scenario.friction, hub: &[] };
+            let problem = Problem {
+                points: &points,
+                compliance: &compliance,
+                free: &free,
+                friction: scenario.friction,
+                hub: &[],
+            };
             let solution = solve(&problem, &first)?;
             let forces = points.nodal_forces(Side::Opposing, &solution.forces, wheel_free.len());
             let position = wheel.hub_with(wheel_free, &forces);
@@ -216,7 +237,9 @@ impl TransientModel<'_> {
         let mut patches: Vec<Vec<usize>> = Vec::new();
         for &j in &active {
             match patches.last_mut() {
-                Some(patch) if points.index[j].0 <= points.index[patch[patch.len() - 1]].0 + 2 => patch.push(j),
+                Some(patch) if points.index[j].0 <= points.index[patch[patch.len() - 1]].0 + 2 => {
+                    patch.push(j)
+                }
                 _ => patches.push(vec![j]),
             }
         }
@@ -232,9 +255,15 @@ impl TransientModel<'_> {
                 ContactState {
                     mode: if slipping > 0.5 { ContactMode::Slip } else { ContactMode::Stick },
                     rail: self.placed_rail.to_profile(&self.rail_surface.world(s)),
-                    wheel: Point2::new(mean(&|j| points.opposing_position[j].x), mean(&|j| points.opposing_position[j].y)),
+                    wheel: Point2::new(
+                        mean(&|j| points.opposing_position[j].x),
+                        mean(&|j| points.opposing_position[j].y),
+                    ),
                     normal_force: force,
-                    tangential_force: patch.iter().map(|&j| solution.forces.get(n + j).copied().unwrap_or(0.0)).sum(),
+                    tangential_force: patch
+                        .iter()
+                        .map(|&j| solution.forces.get(n + j).copied().unwrap_or(0.0))
+                        .sum(),
                 }
             })
             .collect()
@@ -328,7 +357,13 @@ impl HubMotion {
     }
 
     /// Forces (y, z) on the hub at time `t` with the suspended mass condensed, and that mass's right-hand side.
-    fn forces(&self, scenario: &Scenario, t: f64, effective: f64, suspended_effective: f64) -> ([f64; 2], f64) {
+    fn forces(
+        &self,
+        scenario: &Scenario,
+        t: f64,
+        effective: f64,
+        suspended_effective: f64,
+    ) -> ([f64; 2], f64) {
         let dt = scenario.time_step;
         let m = &self.suspended;
         let inertia = scenario.suspended_mass * (4.0 * m.z / (dt * dt) + 4.0 * m.v / dt + m.a);
@@ -341,7 +376,8 @@ impl HubMotion {
 
     fn advance(&mut self, dt: f64, hub: &Vector2<f64>, rhs: f64, effective: f64, suspended_effective: f64) {
         let velocity = (hub - self.position) * (2.0 / dt) - self.velocity;
-        let acceleration = (hub - self.position) * (4.0 / (dt * dt)) - self.velocity * (4.0 / dt) - self.acceleration;
+        let acceleration =
+            (hub - self.position) * (4.0 / (dt * dt)) - self.velocity * (4.0 / dt) - self.acceleration;
         (self.position, self.velocity, self.acceleration) = (*hub, velocity, acceleration);
         let m = &mut self.suspended;
         let z = (rhs + effective * hub.y) / suspended_effective;

@@ -1,0 +1,190 @@
+//! A whole study on a coarse mesh and a few time steps: every file of the
+//! result, the same bytes on one and on two threads, and the later stages
+//! again from the files alone.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+const STUDY: &str = r#"
+name = "coarse"
+[rail]
+profile = "60E1"
+[wheel]
+profile = "S1002"
+[mesh]
+contact_element_mm = 4
+window_half_length_mm = 14
+[calibration]
+load_min_kn = 10
+load_max_kn = 80
+load_count = 5
+horizontal_preloads_kn = [40, 60]
+[scenario.push]
+steps = 6
+vertical_force = { mean_kn = 10, amplitude_kn = 61.25, frequency_hz = 10 }
+lateral_force = { mean_kn = 20 }
+snapshots_s = [0, 0.003]
+[scenario.ride]
+steps = 6
+solid = false
+speed_m_per_s = 0.5
+start_x_m = 0.2
+vertical_force = { mean_kn = 10, amplitude_kn = 61.25, frequency_hz = 10 }
+lateral_force = {}
+"#;
+
+/// Names of the files that one study writes, in order.
+const FILES: [&str; 10] = [
+    "contact.vtu",
+    "history-ride.csv",
+    "history.csv",
+    "load_curve.csv",
+    "rail.vtu",
+    "report.html",
+    "solid_history.csv",
+    "stiffness.json",
+    "verification.json",
+    "wheel.vtu",
+];
+
+struct Finished {
+    root: PathBuf,
+    code: Option<i32>,
+}
+
+fn railspring(root: &Path, arguments: &[&str]) -> std::process::Output {
+    Command::cargo_bin("railspring").unwrap().current_dir(root).args(arguments).output().unwrap()
+}
+
+fn run_with(threads: &str) -> Finished {
+    // Kept in the build folder: a value that lives as long as the program is never dropped.
+    let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("whole-study-{threads}"));
+    let _ = std::fs::remove_dir_all(&root);
+    std::fs::create_dir_all(&root).unwrap();
+    std::fs::write(root.join("study.toml"), STUDY).unwrap();
+    let output = railspring(&root, &["run", "study.toml", "--threads", threads]);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{text}");
+    Finished { root, code: output.status.code() }
+}
+
+/// The study on two threads, run once for all tests.
+fn finished() -> &'static Finished {
+    static RUN: OnceLock<Finished> = OnceLock::new();
+    RUN.get_or_init(|| run_with("2"))
+}
+
+/// Files of the result with their content; of those that measure, the part that does not.
+fn results(root: &Path) -> BTreeMap<String, String> {
+    let folder = root.join("out/coarse");
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.clone()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(&folder).unwrap().to_string_lossy().into_owned();
+            let text = std::fs::read_to_string(&path).unwrap();
+            let text = match name.as_str() {
+                "measured.json" => continue,
+                "verification.json" => {
+                    let mut value: Value = serde_json::from_str(&text).unwrap();
+                    assert!(value.as_object_mut().unwrap().remove("measured").is_some());
+                    value.to_string()
+                }
+                "report.html" => text.split("<section id=\"measured\">").next().unwrap().to_string(),
+                _ => text,
+            };
+            found.insert(name, text);
+        }
+    }
+    found
+}
+
+#[test]
+fn every_file_is_there_and_nothing_else() {
+    let run = finished();
+    let results = results(&run.root);
+    let (figures, files): (Vec<&String>, Vec<&String>) =
+        results.keys().partition(|name| name.starts_with("figures"));
+    assert_eq!(files, FILES);
+    // Five of the springs, five of each scenario.
+    assert_eq!(figures.len(), 15, "{figures:?}");
+    assert!(
+        results["report.html"].contains("Scenario push") && !results["report.html"].contains("figure failed")
+    );
+    assert_eq!(results["load_curve.csv"].lines().count(), 1 + 5);
+    for file in ["history.csv", "solid_history.csv", "history-ride.csv"] {
+        assert_eq!(results[file].lines().count(), 1 + 7, "{file}");
+    }
+}
+
+#[test]
+fn the_springs_are_recorded_with_what_made_them() {
+    let run = finished();
+    let stiffness: Value = serde_json::from_str(&results(&run.root)["stiffness.json"]).unwrap();
+    let law = &stiffness["law"];
+    for key in ["a_kn_per_m", "b_kn_per_m", "c", "f0_kn", "rms_rel_error", "max_rel_error"] {
+        assert!(law[key].is_f64(), "{key} in {law}");
+    }
+    assert_eq!(law["range_kn"], serde_json::json!([10.0, 80.0]));
+    assert_eq!(stiffness["reference"], "beam");
+    assert!(stiffness["horizontal_kn_per_m"].as_f64().unwrap() > 0.0);
+    assert_eq!(stiffness["input_hash"].as_str().unwrap().len(), 64);
+    assert_eq!(stiffness["references"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn the_exit_code_is_that_of_the_verdict() {
+    let run = finished();
+    let verification: Value = serde_json::from_str(&results(&run.root)["verification.json"]).unwrap();
+    assert_eq!(verification["holds"], run.code == Some(0));
+    assert_eq!(verification["scenarios"].as_array().unwrap().len(), 1, "only one has a solid run");
+}
+
+#[test]
+fn one_and_two_threads_write_the_same_bytes() {
+    let (two, one) = (results(&finished().root), results(&run_with("1").root));
+    assert_eq!(two.keys().collect::<Vec<_>>(), one.keys().collect::<Vec<_>>());
+    for (name, content) in &two {
+        assert!(*content == one[name], "{name} differs");
+    }
+}
+
+#[test]
+fn later_stages_come_to_the_same_from_the_files() {
+    let source = finished();
+    let root = tempfile::tempdir().unwrap();
+    std::fs::write(root.path().join("study.toml"), STUDY).unwrap();
+    let from = source.root.join("out/coarse");
+    let to = root.path().join("out/coarse");
+    std::fs::create_dir_all(&to).unwrap();
+    for name in FILES.iter().filter(|name| !name.starts_with("re")).chain(&["measured.json"]) {
+        std::fs::copy(from.join(name), to.join(name)).unwrap();
+    }
+    for command in ["simulate", "verify", "report"] {
+        let output = railspring(root.path(), &[command, "study.toml", "--quiet"]);
+        let expected = if command == "verify" { source.code } else { Some(0) };
+        assert_eq!(output.status.code(), expected, "{command}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    let (again, before) = (results(root.path()), results(&source.root));
+    for (name, content) in &before {
+        assert!(again.get(name) == Some(content), "{name} differs");
+    }
+
+    // The folder now belongs to another study.
+    std::fs::write(root.path().join("study.toml"), STUDY.replace("load_count = 5", "load_count = 6"))
+        .unwrap();
+    for command in ["verify", "report"] {
+        let output = railspring(root.path(), &[command, "study.toml", "-o", "out/coarse"]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("the study or the program has changed"));
+    }
+}
