@@ -3,6 +3,8 @@
 //! Judges know full integration, so the tool answers with full integration
 //! too, next to the study's own element.
 
+use std::time::Instant;
+
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
     Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_normal,
@@ -16,7 +18,6 @@ use railspring_calibrate::superelement::Superelement;
 use railspring_calibrate::units::KILONEWTON;
 
 use super::{Geometry, Meshes, formulation};
-use crate::measure::Stopwatch;
 use crate::study::{ReferenceKey, Study};
 
 /// Loads at which judges are asked, kN; those above the study's largest load are left out.
@@ -107,7 +108,7 @@ pub fn answers(
     };
     let curve =
         |wheel: &Superelement, rail: &Superelement, friction: f64| -> Result<(AnsweredCurve, Vec<Pressed>)> {
-            let clock = Stopwatch::start();
+            let clock = Instant::now();
             let pair = WheelOnRail {
                 rail,
                 wheel,
@@ -119,13 +120,13 @@ pub fn answers(
             // hub against support: what the calibration calls the foot's reference, whatever is held
             let (normal, states) =
                 calibrate_normal(&pair, &loads, Reference::Foot, None, &study.material, monitor)?;
-            let seconds = clock.stop("", None).seconds;
+            let seconds = clock.elapsed().as_secs_f64();
             Ok((AnsweredCurve { points: normal.points, seconds }, states))
         };
     monitor.progress("superelements, full integration", 0, 1)?;
-    let clock = Stopwatch::start();
+    let clock = Instant::now();
     let (wheel, rail) = condense(Formulation::FullIntegration)?;
-    let factorisation = clock.stop("", None).seconds;
+    let factorisation = clock.elapsed().as_secs_f64();
     let (mut frictionless, smooth_states) = curve(&wheel, &rail, 0.0)?;
     frictionless.seconds += factorisation;
     let (frictional, states) = if study.contact.friction > 0.0 {
@@ -142,9 +143,9 @@ pub fn answers(
         frictionless.clone()
     } else {
         monitor.progress("superelements, the study's element", 0, 1)?;
-        let clock = Stopwatch::start();
+        let clock = Instant::now();
         let (wheel, rail) = condense(own)?;
-        let factorisation = clock.stop("", None).seconds;
+        let factorisation = clock.elapsed().as_secs_f64();
         let (mut own, _) = curve(&wheel, &rail, 0.0)?;
         own.seconds += factorisation;
         own
