@@ -63,9 +63,9 @@ enum Command {
         /// Python with scikit-fem, meshio and scipy; left out, a virtual environment in the cache folder
         #[arg(long, value_name = "PATH")]
         python: Option<PathBuf>,
-        /// Leave out elements of second order, which take most of the time
+        /// Ask for elements of second order too, which take most of the time
         #[arg(long)]
-        quick: bool,
+        second_order: bool,
         /// Ask another program too, if it is installed
         #[arg(long = "with", value_name = "PROGRAM")]
         with: Option<OtherJudge>,
@@ -197,8 +197,8 @@ fn staged(
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
         Command::Export { format, .. } => export(study, *format, &folder, &progress).map(|_| true)?,
-        Command::Crosscheck { python, quick, with, .. } => {
-            let cases: &[Case] = if *quick {
+        Command::Crosscheck { python, second_order, with, .. } => {
+            let cases: &[Case] = if !*second_order {
                 &[Case::SameMesh, Case::SameMeshFriction]
             } else {
                 &[Case::SameMesh, Case::SameMeshFriction, Case::SecondOrder]
