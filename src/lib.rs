@@ -17,4 +17,5 @@ pub mod study;
 pub mod stages;
 pub mod measure;
 pub mod pipeline;
+pub mod crosscheck;
 pub mod cli;

@@ -9,9 +9,13 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use railspring_calibrate::error::{Error, InputError};
 
+use crate::crosscheck::deck::Format;
+use crate::crosscheck::exchange::Case;
+use crate::crosscheck::page::worst;
+use crate::crosscheck::{CrosscheckRecord, crosscheck, export};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
 use crate::records::VerificationRecord;
@@ -56,6 +60,28 @@ enum Command {
     Mesh(StudyArgs),
     /// Write the report again from the files of the output folder
     Report(StudyArgs),
+    /// Let independent judges repeat the solid model and compare
+    Crosscheck {
+        #[command(flatten)]
+        study: StudyArgs,
+        /// Python with scikit-fem, meshio and scipy; left out, a virtual environment in the cache folder
+        #[arg(long, value_name = "PATH")]
+        python: Option<PathBuf>,
+        /// Ask for elements of second order too, which take most of the time
+        #[arg(long)]
+        second_order: bool,
+        /// Ask another program too, if it is installed
+        #[arg(long = "with", value_name = "PROGRAM")]
+        with: Option<OtherJudge>,
+    },
+    /// Write the solid problem as a deck for another program
+    Export {
+        #[command(flatten)]
+        study: StudyArgs,
+        /// The program
+        #[arg(long, value_name = "FORMAT")]
+        format: Format,
+    },
     /// Print the JSON schema of the study file
     Schema,
     /// Look at profiles and their files
@@ -78,6 +104,13 @@ struct StudyArgs {
     /// Number of threads; left out, one for each core. The results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+}
+
+/// A judge besides the reference.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum OtherJudge {
+    /// CalculiX, run on the exported deck
+    Calculix,
 }
 
 /// A failure with the place where it stands.
@@ -123,6 +156,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         }
         Command::Profile(command) => return profile::run(command).map_err(Failure::Plain),
         Command::Simulate { study, law } => (study, law.as_deref()),
+        Command::Crosscheck { study, .. } | Command::Export { study, .. } => (study, None),
         Command::Run(study)
         | Command::Calibrate(study)
         | Command::Verify(study)
@@ -143,7 +177,14 @@ fn staged(
     law: Option<&std::path::Path>,
 ) -> Result<bool, Error> {
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
-    let makes_its_own = matches!(command, Command::Run(_) | Command::Calibrate(_) | Command::Mesh(_));
+    let makes_its_own = matches!(
+        command,
+        Command::Run(_)
+            | Command::Calibrate(_)
+            | Command::Mesh(_)
+            | Command::Crosscheck { .. }
+            | Command::Export { .. }
+    );
     let folder = if makes_its_own || law.is_some() {
         OutputFolder::create(&path)?
     } else {
@@ -163,6 +204,20 @@ fn staged(
         Command::Verify(_) => pipeline.verify()?,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
+        Command::Export { format, .. } => export(study, *format, &folder, &progress).map(|_| true)?,
+        Command::Crosscheck { python, second_order, with, .. } => {
+            let cases: &[Case] = if !*second_order {
+                &[Case::SameMesh, Case::SameMeshFriction]
+            } else {
+                &[Case::SameMesh, Case::SameMeshFriction, Case::SecondOrder]
+            };
+            let record = crosscheck(study, &folder, python.as_deref(), cases, with.is_some(), &progress)?;
+            progress.finish();
+            if !args.quiet {
+                print_crosscheck(&record);
+            }
+            record.holds
+        }
         Command::Schema | Command::Profile(_) => unreachable!("done without a study"),
     };
     progress.finish();
@@ -189,6 +244,18 @@ fn print_verdict(verdict: &VerificationRecord) {
         let unit = if line.unit == "1" { String::new() } else { format!(" {}", line.unit) };
         let value = line.value.map_or_else(|| "none".into(), |value| format!("{value:.4}{unit}"));
         say(&format!("{word}  {subject}: {} {value} (limit {}{unit})", line.meaning, line.limit));
+    }
+}
+
+/// The largest differences of the cross-check, and every limit that does not hold.
+fn print_crosscheck(record: &CrosscheckRecord) {
+    for (check, holds) in worst(&record.checks) {
+        let word = if holds { "holds" } else { "FAILS" };
+        let load = check.load_kn.map_or_else(String::new, |load| format!(" at {load} kN"));
+        say(&format!(
+            "{word}  {}: {}: {:.2e}{load} (limit {:.0e})",
+            check.problem, check.quantity, check.difference, check.limit
+        ));
     }
 }
 

@@ -4,12 +4,14 @@
 //! [`crate::pipeline`].
 
 mod calibrate;
+mod crosscheck;
 mod fields;
 mod loads;
 mod sections;
 mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
+pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, judged_loads, rail_held};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
 pub use loads::check_loads;
 pub use simulate::{Springs, simulate, simulate_solid};

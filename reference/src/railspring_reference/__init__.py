@@ -1,0 +1,11 @@
+"""An independent solution of railspring's solids and contact on scikit-fem.
+
+Shares no code with the tool. Meshes, materials, supports, loads and the two
+profile curves come in through an exchange folder (:mod:`.exchange`); results
+go back through it. Units are SI throughout.
+
+Modules in the order of use: ``exchange``, ``ordering``, ``body``, ``surface``,
+``contact``, ``run``.
+"""
+
+__version__ = "0.1.0"

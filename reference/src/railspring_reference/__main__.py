@@ -1,0 +1,7 @@
+"""``python -m railspring_reference FOLDER``."""
+
+import sys
+
+from .run import main
+
+sys.exit(main())

@@ -1,0 +1,148 @@
+"""A linear elastic body of hexahedra on scikit-fem."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import meshio
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+import skfem
+from numpy.typing import NDArray
+from skfem.io.meshio import from_meshio
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+from .ordering import nested_dissection
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+VTK_CORNERS: Floats = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=np.float64
+)
+"""Reference corners of a hexahedron in the order of VTK."""
+COLUMNS_AT_ONCE = 24
+"""Right-hand sides solved together; bounds the memory."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic elasticity."""
+
+    young_pa: float
+    poisson: float
+
+
+def read_mesh(path: Path) -> meshio.Mesh:
+    """Reads a mesh that must consist of hexahedra with eight nodes."""
+    mesh = meshio.read(path)
+    kinds = {block.type for block in mesh.cells}
+    if kinds != {"hexahedron"}:
+        raise ValueError(f"{path}: cells {sorted(kinds)}: expected hexahedra with eight nodes only")
+    return mesh
+
+
+class Body:
+    """A body, factored with some nodes held.
+
+    ``order`` 1: trilinear elements with 2x2x2 Gauss points. ``order`` 2: serendipity
+    elements (20 nodes) on the same, straight-edged hexahedra with 3x3x3 points.
+    """
+
+    def __init__(self, mesh: meshio.Mesh, material: Material, held: Ints, order: int = 1) -> None:
+        self.points: Floats = np.asarray(mesh.points, dtype=np.float64)
+        self.hexes: Ints = np.asarray(mesh.cells_dict["hexahedron"], dtype=np.int64)
+        self.mesh = from_meshio(mesh)
+        # scikit-fem numbers the corners of a hexahedron in another order: nodes must still be the file's
+        if not np.array_equal(self.mesh.p.T, self.points):
+            raise ValueError("scikit-fem renumbered the nodes of the mesh")
+        self.material = material
+        self.order = order
+        self.scalar = skfem.ElementHex1() if order == 1 else skfem.ElementHexS2()
+        self.basis = skfem.Basis(
+            self.mesh, skfem.ElementVector(self.scalar), quadrature=gauss_cube(2 if order == 1 else 3)
+        )
+        self.held = held
+
+    @cached_property
+    def smallest_jacobian(self) -> float:
+        """Smallest Jacobian determinant at a Gauss point over the mean one of its element's absolute values."""
+        # from the file's own order of corners: scikit-fem's is mirrored and its sign says nothing
+        signs = 2.0 * VTK_CORNERS - 1.0
+        points = 2.0 * gauss_cube(2)[0].T - 1.0
+        factors = 1.0 + signs[None] * points[:, None]
+        slopes = np.stack([signs[:, d] * np.delete(factors, d, axis=2).prod(axis=2) / 8.0 for d in range(3)])
+        det = np.linalg.det(np.einsum("dqn,eni->eqdi", slopes, self.points[self.hexes]))
+        return float((det / np.abs(det).mean(axis=1, keepdims=True)).min())
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of all degrees of freedom, held ones included."""
+        return int(self.basis.N)
+
+    @cached_property
+    def stiffness(self) -> sp.csc_matrix:
+        """Stiffness matrix, N/m, nothing held."""
+        form = linear_elasticity(*lame_parameters(self.material.young_pa, self.material.poisson))
+        return form.assemble(self.basis).tocsc()
+
+    @cached_property
+    def _groups(self) -> Ints:
+        """Degrees of freedom by direction and node; nodes of edges come after those of corners."""
+        groups = self.basis.nodal_dofs
+        return groups if self.order == 1 else np.hstack([groups, self.basis.edge_dofs])
+
+    @cached_property
+    def free(self) -> Ints:
+        """Free degrees of freedom in elimination order."""
+        is_held = np.zeros(len(self.points), dtype=bool)
+        is_held[self.held] = True
+        held = is_held if self.order == 1 else np.concatenate([is_held, is_held[self.mesh.edges].all(axis=0)])
+        groups = self._groups[:, ~held]
+        pattern = self.stiffness[groups[0]][:, groups[0]].tocsr()
+        order = nested_dissection(self.basis.doflocs[:, groups[0]].T, pattern)
+        return groups[:, order].T.ravel()
+
+    @cached_property
+    def _factor(self) -> Callable[[Floats], Floats]:
+        matrix = self.stiffness[self.free][:, self.free].tocsc()
+        # symmetric: no pivoting away from the given order
+        return spl.splu(
+            matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        ).solve
+
+    def solve(self, forces: sp.csc_matrix | Floats, progress: Callable[[int, int], None] | None = None) -> Floats:
+        """Displacements (rows: degrees of freedom) under each column of forces, one step of refinement."""
+        columns = sp.csc_matrix(forces)
+        matrix = self.stiffness[self.free][:, self.free].tocsr()
+        solution = np.zeros(columns.shape)
+        for first in range(0, columns.shape[1], COLUMNS_AT_ONCE):
+            chunk = slice(first, min(first + COLUMNS_AT_ONCE, columns.shape[1]))
+            rhs = columns[:, chunk].toarray()[self.free]
+            u = self._factor(rhs)
+            u += self._factor(rhs - matrix @ u)
+            solution[self.free, chunk] = u
+            if progress:
+                progress(chunk.stop, columns.shape[1])
+        return solution
+
+    def at_nodes(self, solution: Floats) -> Floats:
+        """Values at the mesh's nodes, one row each, from a vector of degrees of freedom."""
+        return solution[self.basis.nodal_dofs].T
+
+    def from_nodes(self, values: Floats) -> Floats:
+        """Vector of degrees of freedom from one row of values a mesh node."""
+        vector = np.zeros(self.basis.N)
+        vector[self.basis.nodal_dofs] = values.T
+        return vector
+
+
+def gauss_cube(count: int) -> tuple[Floats, Floats]:
+    """Gauss rule with ``count`` points a direction on the unit cube."""
+    x, w = np.polynomial.legendre.leggauss(count)
+    x, w = 0.5 * (x + 1.0), 0.5 * w
+    grid = np.meshgrid(x, x, x, indexing="ij")
+    weights = np.einsum("i,j,k->ijk", w, w, w)
+    return np.array([g.ravel() for g in grid]), weights.ravel()

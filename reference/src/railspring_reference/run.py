@@ -1,0 +1,155 @@
+"""The whole reference run: exchange folder in, ``reference.json`` and fields out."""
+
+import datetime
+import hashlib
+import json
+import platform
+import sys
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import __version__
+from .body import Body
+from .contact import Contact
+from .exchange import Exchange
+
+FIRST_REACH = 0.08e-3
+"""First guess of the largest gap of a candidate at touching, m."""
+PACKAGES = ("scikit-fem", "meshio", "numpy", "scipy")
+BODIES = ("rail", "wheel")
+
+
+def progress(stage: str, done: int, total: int) -> None:
+    """One line for the tool: stage, pieces done, pieces in all."""
+    print(f"PROGRESS\t{stage}\t{done}\t{total}", flush=True)
+
+
+def input_hash(folder: Path) -> str:
+    """SHA-256 of the exchange's input files, in the order of their names."""
+    digest = hashlib.sha256()
+    for path in sorted([*folder.glob("*.vtu"), folder / "exchange.json"]):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def elastic(exchange: Exchange, name: str, body: Body) -> dict[str, Any]:
+    """Displacements under the given forces (as raw little-endian doubles) and compliance columns."""
+    columns = exchange.columns(name)
+    rhs = np.zeros((body.basis.N, 1 + len(columns)))
+    rhs[:, 0] = body.from_nodes(exchange.given_forces(name))
+    for j, (node, axis) in enumerate(columns):
+        rhs[body.basis.nodal_dofs[axis, node], 1 + j] = 1.0
+    solution = body.solve(rhs, lambda done, of: progress(f"{name}, given forces", done, of))
+    file = f"reference_{name}.f64"
+    (exchange.folder / file).write_bytes(body.at_nodes(solution[:, 0]).astype("<f8").tobytes())
+    nodes = np.asarray(exchange.data["bodies"][name]["surface"]["nodes"], dtype=np.int64)
+    return {
+        "displacement_file": file,
+        "compliance_columns": [body.at_nodes(solution[:, 1 + j])[nodes].ravel().tolist() for j in range(len(columns))],
+        "smallest_jacobian": body.smallest_jacobian,
+        "degrees_of_freedom": body.degrees_of_freedom,
+    }
+
+
+def condense(exchange: Exchange, bodies: dict[str, Body], variant: str, tangential: bool, label: str) -> Contact:
+    """The contact problem with enough candidates for the largest load."""
+    sides = (exchange.side("wheel", variant), exchange.side("rail", variant))
+    reach = FIRST_REACH
+    for _ in range(3):
+        contact = Contact(
+            bodies["wheel"], bodies["rail"], sides, tangential, reach,
+            lambda stage, done, of: progress(f"{label}: {stage}", done, of),
+        )
+        try:
+            contact.press(float(exchange.loads[-1]), None)
+        except ValueError:
+            reach *= 1.5
+        else:
+            break
+    return contact
+
+
+def load_curve(exchange: Exchange, contact: Contact, label: str) -> list[dict[str, float]]:
+    """Hub displacement, tangent and patch under all loads."""
+    rows = []
+    state = None
+    for k, load in enumerate(exchange.loads):
+        state = contact.press(float(load), state)
+        rows.append(
+            {
+                "load_n": state.load,
+                "hub_m": state.lowering,
+                "tangent_n_per_m": contact.tangent(state),
+                "area_m2": contact.contact_area(state),
+                "peak_pressure_pa": float((state.normal / contact.area).max()),
+            }
+        )
+        progress(f"{label}: loads", k + 1, len(exchange.loads))
+    return rows
+
+
+def run(folder: Path) -> dict[str, Any]:
+    """Solves everything the exchange asks for and writes ``reference.json``."""
+    begun = time.perf_counter()
+    exchange = Exchange(folder)
+    result: dict[str, Any] = {"format": 1, "elastic": {}, "contact": {}}
+    bodies = {name: exchange.body(name) for name in BODIES}
+    for name, body in bodies.items():
+        progress(f"{name}, assembly", 0, 1)
+        result["elastic"][name] = elastic(exchange, name, body)
+    cases = exchange.data["contact"]["cases"]
+    friction = exchange.friction if "same_mesh_friction" in cases else 0.0
+
+    def answer(case: str, contact: Contact, condensed_in: float, dofs: int) -> None:
+        started = time.perf_counter()
+        rows = load_curve(exchange, contact, case.replace("_", " "))
+        result["contact"][case] = {
+            "rows": rows,
+            "friction": contact.friction,
+            "multipliers": contact.count,
+            "degrees_of_freedom": dofs,
+            "seconds": condensed_in + time.perf_counter() - started,
+        }
+
+    if "same_mesh" in cases or friction > 0.0:
+        contact = condense(exchange, bodies, "bodies", friction > 0.0, "same mesh")
+        spent, dofs = time.perf_counter() - begun, sum(b.degrees_of_freedom for b in bodies.values())
+        answer("same_mesh", contact, spent, dofs)
+        if friction > 0.0:
+            answer("same_mesh_friction", contact.with_friction(friction), spent, dofs)
+    del bodies
+    if "second_order" in cases:
+        started = time.perf_counter()
+        higher = {name: exchange.body(name, "second_order", order=2) for name in BODIES}
+        contact = condense(exchange, higher, "second_order", False, "second order")
+        spent, dofs = time.perf_counter() - started, sum(b.degrees_of_freedom for b in higher.values())
+        answer("second_order", contact, spent, dofs)
+    result["provenance"] = {
+        "package": f"railspring-reference {__version__}",
+        "python": platform.python_version(),
+        "packages": {name: version(name) for name in PACKAGES},
+        "input_sha256": input_hash(folder),
+        "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "seconds": time.perf_counter() - begun,
+    }
+    (folder / "reference.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
+    return result
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """``python -m railspring_reference FOLDER``."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if len(arguments) != 1:
+        print("usage: python -m railspring_reference EXCHANGE_FOLDER", file=sys.stderr)
+        return 2
+    try:
+        run(Path(arguments[0]))
+    except (ValueError, OSError, KeyError) as cause:
+        print(f"error: {cause}", file=sys.stderr)
+        return 3
+    return 0

@@ -1,0 +1,90 @@
+"""The elastic bodies against closed solutions."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+
+from railspring_reference.body import Body, Material, gauss_cube, read_mesh
+from railspring_reference.ordering import nested_dissection
+
+ROUNDOFF = 1e-11
+"""Relative rounding of a well-conditioned solve of some hundred equations."""
+STEEL = Material(210e9, 0.3)
+
+
+def block(n: tuple[int, int, int] = (4, 3, 2), size: tuple[float, float, float] = (0.4, 0.3, 0.2)) -> meshio.Mesh:
+    """A block of hexahedra in the order of VTK, its inner nodes moved."""
+    axes = [np.linspace(0.0, s, k + 1) for s, k in zip(size, n, strict=True)]
+    grid = np.array(np.meshgrid(*axes, indexing="ij"))
+    points = grid.reshape(3, -1).T.copy()
+    inner = np.all((points > 1e-9) & (points < np.array(size) - 1e-9), axis=1)
+    points[inner] += 0.01 * np.sin(np.arange(3 * inner.sum())).reshape(-1, 3)
+    number = np.arange(len(points)).reshape(grid.shape[1:])
+    low = [number[a : n[0] + a, b : n[1] + b, : n[2]] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    high = [number[a : n[0] + a, b : n[1] + b, 1:] for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    return meshio.Mesh(points, [("hexahedron", np.array([c.ravel() for c in low + high]).T)])
+
+
+def test_the_rule_integrates_its_degree_exactly() -> None:
+    """Source: integral of x^2 y^3 over the unit cube is 1/12."""
+    (x, y, _), w = gauss_cube(2)
+    assert abs(w @ (x**2 * y**3) - 1.0 / 12.0) < 1e-15
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_distorted_block_keeps_its_volume(order: int) -> None:
+    """Goal: no corner is mixed up between meshio's and scikit-fem's order: volume is the box's."""
+    body = Body(block(), STEEL, np.array([0]), order)
+    assert abs(body.basis.dx.sum() - 0.4 * 0.3 * 0.2) < ROUNDOFF
+    assert body.smallest_jacobian > 0.0
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_patch(order: int) -> None:
+    """Source: constant strain is an exact solution. Forces of a linear field give back that field."""
+    mesh = block()
+    body = Body(mesh, STEEL, np.flatnonzero(mesh.points[:, 0] < 1e-9), order)
+    slope = np.array([[1e-3, 0.0, 0.0], [2e-4, -3e-4, 1e-4], [-1e-4, 2e-4, 5e-4]])
+    slope[:, 1:] = 0.0  # vanishes on the held face
+    exact = np.zeros(body.basis.N)
+    for axis in range(3):
+        dofs = body._groups[axis]
+        exact[dofs] = slope[axis] @ body.basis.doflocs[:, dofs]
+    solution = body.solve((body.stiffness @ exact)[:, None])[:, 0]
+    assert np.abs(solution - exact).max() < ROUNDOFF * np.abs(exact).max()
+    # the same check notices a wrong modulus
+    other = Body(mesh, Material(1.01 * STEEL.young_pa, STEEL.poisson), body.held, order)
+    assert np.abs(other.solve((body.stiffness @ exact)[:, None])[:, 0] - exact).max() > 1e-3 * np.abs(exact).max()
+
+
+def test_an_inverted_hexahedron_shows() -> None:
+    """Goal: swapping two corners of one element makes the smallest determinant negative."""
+    mesh = block()
+    cells = mesh.cells_dict["hexahedron"].copy()
+    cells[5, [0, 6]] = cells[5, [6, 0]]
+    assert Body(meshio.Mesh(mesh.points, [("hexahedron", cells)]), STEEL, np.array([0])).smallest_jacobian < 0.0
+
+
+def test_other_cells_are_refused(tmp_path: Path) -> None:
+    """Goal: tetrahedra are refused with the name of the file."""
+    meshio.Mesh(np.eye(4, 3), [("tetra", np.array([[0, 1, 2, 3]]))]).write(tmp_path / "t.vtu")
+    with pytest.raises(ValueError, match="t.vtu.*expected hexahedra"):
+        read_mesh(tmp_path / "t.vtu")
+
+
+def test_the_order_is_a_permutation_with_little_fill() -> None:
+    """Goal: every node once, and far less fill than in an order by chance."""
+    mesh = block((8, 8, 8), (0.1, 0.1, 0.1))
+    body = Body(mesh, STEEL, np.array([0]))
+    dofs = body.basis.nodal_dofs[0]
+    pattern = body.stiffness[dofs][:, dofs].tocsr()
+    order = nested_dissection(mesh.points, pattern)
+    assert sorted(order) == list(range(len(mesh.points)))
+    matrix = (pattern + sp.eye(len(order)) * abs(pattern).sum()).tocsc()
+    options = {"permc_spec": "NATURAL", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    fill = [spl.splu(matrix[o][:, o], **options).nnz for o in (order, np.random.default_rng(1).permutation(len(order)))]
+    assert fill[0] < 0.6 * fill[1]

@@ -1,0 +1,103 @@
+"""The contact of a cylinder-like wheel on a flat rail block: conditions and balances."""
+
+import meshio
+import numpy as np
+import pytest
+from test_body import STEEL, block
+
+from railspring_reference.body import Body
+from railspring_reference.contact import Contact
+from railspring_reference.exchange import Grid, Side
+from railspring_reference.surface import Graph, rail_gap
+
+SOLVER = 1e-6
+"""Relative end of the alternation of normal and tangential forces."""
+RADIUS = 0.4
+HEIGHT = 0.02
+WIDTH = 0.02
+
+
+def pair(friction: bool = False) -> tuple[Contact, Body]:
+    """A sector of a wheel with a crowned tread (radius 0.2 m across) on a flat block."""
+    n = (10, 10, 4)
+
+    def flat() -> tuple[meshio.Mesh, np.ndarray]:
+        mesh = block(n, (WIDTH, WIDTH, HEIGHT))
+        axes = [np.linspace(0.0, s, k + 1) for s, k in zip((WIDTH, WIDTH, HEIGHT), n, strict=True)]
+        mesh.points[:] = np.array(np.meshgrid(*axes, indexing="ij")).reshape(3, -1).T
+        mesh.points[:, :2] -= 0.5 * WIDTH
+        return mesh, np.arange(len(mesh.points)).reshape([k + 1 for k in n])
+
+    rail_mesh, number = flat()
+    rail = Body(rail_mesh, STEEL, number[:, :, -1].ravel())
+    y = np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, 201)
+    rail_side = Side(
+        Grid(number[:, :, 0].T.copy(), rail_mesh.points[number[:, 0, 0], 0]),
+        np.array([y, np.zeros_like(y)]).T, np.zeros(2), 0.0,
+    )
+    wheel_mesh, number = flat()
+    # the block bent about the axle: its lower face is the tread, a little wider than fine on the rail
+    x, across, depth = wheel_mesh.points.T
+    angle = x * 0.97 / RADIUS
+    rho = RADIUS - across**2 / 0.4 - (HEIGHT - depth)
+    wheel_mesh.points[:] = np.array([rho * np.sin(angle), across, rho * np.cos(angle)]).T
+    wheel = Body(wheel_mesh, STEEL, number[:, :, 0].ravel())
+    wheel_side = Side(
+        Grid(number[:, :, -1].T.copy(), (wheel_mesh.points[number[:, 0, -1], 0] / RADIUS).copy()),
+        np.array([y, -(y**2) / 0.4]).T, np.zeros(2), RADIUS,
+    )
+    wheel_side = Side(Grid(wheel_side.grid.nodes, angle[number[:, 0, -1]]), wheel_side.curve, np.zeros(2), RADIUS)
+    return Contact(wheel, rail, (wheel_side, rail_side), friction, 0.1e-3, lambda *_: None), wheel
+
+
+@pytest.fixture(scope="module")
+def contact() -> Contact:
+    return pair(True)[0]
+
+
+def test_conditions_of_signorini(contact: Contact) -> None:
+    """Goal: no tension, no overlap, no force across a gap; the forces carry the load."""
+    state = contact.press(5e3, None)
+    gap = contact.gap(state.lowering) + contact.compliance[: contact.count, : contact.count] @ state.normal
+    assert (state.normal >= 0.0).all()
+    scale = state.lowering
+    assert gap.min() > -SOLVER * scale
+    assert np.abs(gap[state.normal > 0.0]).max() < SOLVER * scale
+    assert abs(state.normal @ contact.vertical[: contact.count] / 5e3 - 1.0) < SOLVER
+
+
+def test_the_tangent_is_the_slope_of_the_curve(contact: Contact) -> None:
+    """Source: central difference of two presses with the same nodes in contact."""
+    load = 5e3
+    state = contact.press(load, None)
+    low, high = (contact.press(load * f, None) for f in (0.9999, 1.0001))
+    slope = 2e-4 * load / (high.lowering - low.lowering)
+    assert abs(contact.tangent(state) / slope - 1.0) < 1e-4
+
+
+def test_friction_stays_on_its_cone_and_opposes_slip(contact: Contact) -> None:
+    """Goal: |t| <= mu n; slipping points are pushed against their slip; less friction slips more."""
+    frictional = contact.with_friction(0.1)
+    state = frictional.press(5e3, None)
+    size = np.hypot(*state.tangential.T)
+    on = state.normal > 0.0
+    assert (size[on] <= 0.1 * state.normal[on] * (1 + SOLVER)).all()
+    slipping = on & (size > 0.1 * state.normal * (1 - SOLVER)) & (size > 0.0)
+    slip = np.hypot(*state.slip.T)
+    resting = on & ~slipping
+    assert slip[resting].max(initial=0.0) < 1e-4 * state.lowering
+    for j in np.flatnonzero(slipping & (slip > 1e-3 * state.lowering)):
+        assert state.tangential[j] @ state.slip[j] < 0.0
+
+
+def test_the_gap_runs_along_the_normal() -> None:
+    """Source: plane under 45 degrees; the distance along a 30 degree normal from one above it."""
+    from railspring_reference.surface import Points
+
+    curve = Graph(np.array([np.linspace(-1, 1, 21), np.linspace(-1, 1, 21)]).T, 0.0)
+    normal = np.array([[0.0], [-0.5], [np.sqrt(0.75)]])
+    points = Points(np.array([[0.0], [0.0], [-0.1]]), normal, np.ones(1), np.zeros((2, 1), int), np.zeros((2, 1)))
+    gap, y = rail_gap(points, curve, np.zeros(2), 0.0)
+    expected = 0.1 / (np.sqrt(0.75) + 0.5)
+    assert abs(gap[0] - expected) < 1e-12
+    assert abs(y[0] + 0.5 * expected) < 1e-12

@@ -1,0 +1,377 @@
+//! The tool's answers against a judge's: quantity by quantity, with limits
+//! that say where a difference may come from.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use railspring_calibrate::calibration::LoadPoint;
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, SQUARE_MILLIMETRE};
+use serde::{Deserialize, Serialize};
+
+use super::exchange::{BODIES, Case};
+use crate::output::{OutputFolder, read_json};
+use crate::stages::{AnsweredBody, AnsweredCurve, Answers};
+
+/// Same equations, other order of sums: about 1e-16 times the condition number of the meshes, 1e6.
+pub const ROUNDOFF: f64 = 1e-9;
+/// Hub displacement of two contact formulations on the same mesh: the local approach, about a third of
+/// the displacement, is the only part in which they differ, by an element's share of a small patch.
+pub const DISCRETISATION_DISPLACEMENT: f64 = 5e-3;
+/// Tangent stiffness of the same: one order lower in the element size than the displacement.
+pub const DISCRETISATION_TANGENT: f64 = 1e-2;
+/// Contact area of the same, in rings of elements around the patch: a node at its border may carry or not.
+pub const DISCRETISATION_RINGS: f64 = 1.0;
+/// First-order bricks with incompatible modes against elements of second order on another mesh.
+pub const DISCRETISATION_ELEMENT: f64 = 2e-2;
+/// A judge with another contact law (finite contact stiffness) and faceted surfaces.
+pub const MODEL: f64 = 1e-2;
+
+/// Where a difference may come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Cause {
+    /// The same equations in another order.
+    Roundoff,
+    /// Ends of iterations.
+    Solver,
+    /// Other contact formulation, element or mesh.
+    Discretisation,
+    /// Other idealisation.
+    Model,
+}
+
+/// One quantity of the tool against one of a judge.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// The problem, for instance `contact without friction`.
+    pub problem: String,
+    /// The quantity, for instance `hub displacement`.
+    pub quantity: String,
+    /// Load, kN.
+    pub load_kn: Option<f64>,
+    /// Unit of both values.
+    pub unit: String,
+    /// The tool's value.
+    pub tool: f64,
+    /// Who judged.
+    pub judge: String,
+    /// The judge's value.
+    pub judged: f64,
+    /// Difference by the measure of the limit (relative, unless the quantity says otherwise).
+    pub difference: f64,
+    /// Largest difference accepted.
+    pub limit: f64,
+    /// Where a difference up to the limit may come from.
+    pub cause: Cause,
+    /// Whether the limit holds; a difference that is not a number does not.
+    pub holds: bool,
+}
+
+impl Check {
+    /// A check with its verdict.
+    #[allow(clippy::too_many_arguments)]
+    pub fn new(
+        problem: &str,
+        quantity: &str,
+        load: Option<f64>,
+        unit: &str,
+        (tool, judged): (f64, f64),
+        judge: &str,
+        difference: f64,
+        (limit, cause): (f64, Cause),
+    ) -> Self {
+        Self {
+            problem: problem.into(),
+            quantity: quantity.into(),
+            load_kn: load.map(|l| l / KILONEWTON),
+            unit: unit.into(),
+            tool,
+            judge: judge.into(),
+            judged,
+            difference,
+            limit,
+            cause,
+            holds: difference <= limit,
+        }
+    }
+}
+
+/// What the reference wrote.
+#[derive(Debug, Clone, Deserialize)]
+pub struct ReferenceResult {
+    elastic: std::collections::BTreeMap<String, ElasticResult>,
+    contact: std::collections::BTreeMap<String, CurveResult>,
+    /// Versions, hash, date, time.
+    pub provenance: Provenance,
+    #[serde(skip)]
+    displacement: Vec<Vec<Vector3<f64>>>,
+}
+
+/// Where a result comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// The reference package.
+    pub package: String,
+    /// Version of Python.
+    pub python: String,
+    /// Versions of the packages that compute.
+    pub packages: std::collections::BTreeMap<String, String>,
+    /// SHA-256 of the exchange's input files.
+    pub input_sha256: String,
+    /// When it ended.
+    pub date_utc: String,
+    /// How long it took, s.
+    pub seconds: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct ElasticResult {
+    displacement_file: String,
+    compliance_columns: Vec<Vec<f64>>,
+    smallest_jacobian: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct CurveResult {
+    rows: Vec<RowResult>,
+    degrees_of_freedom: usize,
+    seconds: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct RowResult {
+    load_n: f64,
+    hub_m: f64,
+    tangent_n_per_m: f64,
+    area_m2: f64,
+}
+
+/// Time of one load curve, tool and judge.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// The problem.
+    pub problem: String,
+    /// Who judged.
+    pub judge: String,
+    /// Degrees of freedom of the judge's model.
+    pub degrees_of_freedom: usize,
+    /// Loads.
+    pub loads: usize,
+    /// Time of the tool, s.
+    pub tool_seconds: f64,
+    /// Time of the judge, s.
+    pub judge_seconds: f64,
+}
+
+impl ReferenceResult {
+    /// Reads `reference.json` and the displacement files of an exchange folder.
+    ///
+    /// # Errors
+    /// Files that are absent or of another layout.
+    pub fn read(folder: &OutputFolder) -> Result<Self> {
+        let mut result: Self = read_json(&folder.file("reference.json"), "crosscheck")?;
+        for body in BODIES {
+            let elastic = result.elastic(body)?;
+            let path = folder.file(&elastic.displacement_file);
+            result.displacement.push(read_vectors(&path)?);
+        }
+        Ok(result)
+    }
+
+    fn elastic(&self, body: &str) -> Result<&ElasticResult> {
+        self.elastic.get(body).ok_or_else(|| incomplete("elastic", body).into())
+    }
+
+    /// Nodal displacements of a body (0 rail, 1 wheel) under the given forces, m.
+    pub fn displacement(&self, body: usize) -> &[Vector3<f64>] {
+        &self.displacement[body]
+    }
+
+    /// Name of the judge with its version.
+    pub fn judge(&self) -> String {
+        let version = self.provenance.packages.get("scikit-fem").map_or("", String::as_str);
+        format!("scikit-fem {version}")
+    }
+}
+
+fn incomplete(section: &str, name: &str) -> InputError {
+    InputError::new(
+        "reference.json",
+        format!("no {section}.{name}"),
+        "an answer to every question",
+        "run `railspring crosscheck` again",
+    )
+}
+
+fn read_vectors(path: &Path) -> Result<Vec<Vector3<f64>>> {
+    let bytes = std::fs::read(path).map_err(|cause| {
+        InputError::new(
+            path.display().to_string(),
+            cause,
+            "displacements as the reference writes them",
+            "run `railspring crosscheck` again",
+        )
+    })?;
+    let (values, _) = bytes.as_chunks::<8>();
+    let values: Vec<f64> = values.iter().map(|v| f64::from_le_bytes(*v)).collect();
+    Ok(values.chunks_exact(3).map(|u| Vector3::new(u[0], u[1], u[2])).collect())
+}
+
+/// All checks against the reference, and the times.
+///
+/// # Errors
+/// An answer that is not there.
+pub fn compare(
+    answers: &Answers,
+    contact_element: f64,
+    cases: &[Case],
+    reference: &ReferenceResult,
+) -> Result<(Vec<Check>, Vec<Timing>)> {
+    let judge = reference.judge();
+    let mut checks = Vec::new();
+    for (k, (name, body)) in BODIES.iter().zip([&answers.rail, &answers.wheel]).enumerate() {
+        elastic_checks(name, body, reference.displacement(k), reference.elastic(name)?, &judge, &mut checks);
+    }
+    let mut timings = Vec::new();
+    for &case in cases {
+        let (problem, curve) = match case {
+            Case::SameMesh => ("contact without friction".to_string(), &answers.frictionless),
+            Case::SameMeshFriction => match &answers.frictional {
+                Some(curve) => (format!("contact with friction {}", answers.friction), curve),
+                None => continue,
+            },
+            Case::SecondOrder => (
+                format!("{} against elements of second order", answers.own_element_name),
+                &answers.own_element,
+            ),
+        };
+        let judged = reference.contact.get(case.name()).ok_or_else(|| incomplete("contact", case.name()))?;
+        curve_checks(&problem, case, curve, judged, contact_element, &judge, &mut checks);
+        timings.push(Timing {
+            problem,
+            judge: judge.clone(),
+            degrees_of_freedom: judged.degrees_of_freedom,
+            loads: judged.rows.len(),
+            tool_seconds: curve.seconds,
+            judge_seconds: judged.seconds,
+        });
+    }
+    Ok((checks, timings))
+}
+
+fn elastic_checks(
+    name: &str,
+    body: &AnsweredBody,
+    displacement: &[Vector3<f64>],
+    judged: &ElasticResult,
+    judge: &str,
+    checks: &mut Vec<Check>,
+) {
+    let problem = format!("{name}, same mesh and element");
+    let jacobian = judged.smallest_jacobian;
+    checks.push(Check::new(
+        &problem,
+        &format!("{name}: sign of the smallest Jacobian determinant"),
+        None,
+        "1",
+        (1.0, jacobian.signum()),
+        judge,
+        (1.0 - jacobian.signum()).abs(),
+        (ROUNDOFF, Cause::Roundoff),
+    ));
+    let largest = |field: &[Vector3<f64>]| field.iter().map(Vector3::norm).fold(0.0, f64::max);
+    let scale = largest(&body.displacement);
+    let difference = if displacement.len() == body.displacement.len() {
+        displacement.iter().zip(&body.displacement).map(|(a, b)| (a - b).norm()).fold(0.0, f64_max)
+    } else {
+        f64::NAN
+    };
+    checks.push(Check::new(
+        &problem,
+        &format!("{name}: nodal displacements under given forces, largest difference"),
+        None,
+        "mm",
+        (scale / MILLIMETRE, largest(displacement) / MILLIMETRE),
+        judge,
+        difference / scale,
+        (ROUNDOFF, Cause::Roundoff),
+    ));
+    for (own, theirs) in body.compliance.iter().zip(&judged.compliance_columns) {
+        let size = |column: &[f64]| column.iter().map(|v| v.abs()).fold(0.0, f64::max);
+        let difference = own.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64_max);
+        checks.push(Check::new(
+            &problem,
+            &format!("{name}: compliance columns, largest difference"),
+            None,
+            "mm/kN",
+            (size(own) * KILONEWTON / MILLIMETRE, size(theirs) * KILONEWTON / MILLIMETRE),
+            judge,
+            difference / size(own),
+            (ROUNDOFF, Cause::Roundoff),
+        ));
+    }
+}
+
+/// The larger one; not a number if either is.
+fn f64_max(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+fn curve_checks(
+    problem: &str,
+    case: Case,
+    curve: &AnsweredCurve,
+    judged: &CurveResult,
+    contact_element: f64,
+    judge: &str,
+    checks: &mut Vec<Check>,
+) {
+    let (displacement, tangent) = match case {
+        Case::SecondOrder => (DISCRETISATION_ELEMENT, 2.0 * DISCRETISATION_ELEMENT),
+        Case::SameMesh | Case::SameMeshFriction => (DISCRETISATION_DISPLACEMENT, DISCRETISATION_TANGENT),
+    };
+    for (own, theirs) in curve.points.iter().zip(&judged.rows) {
+        let load = Some(own.force);
+        let mut relative = |quantity: &str, unit: &str, factor: f64, values: (f64, f64), limit: f64| {
+            checks.push(Check::new(
+                problem,
+                quantity,
+                load,
+                unit,
+                (values.0 / factor, values.1 / factor),
+                judge,
+                (values.1 / values.0 - 1.0).abs(),
+                (limit, Cause::Discretisation),
+            ));
+        };
+        relative("load", "kN", KILONEWTON, (own.force, theirs.load_n), ROUNDOFF);
+        relative("hub displacement", "mm", MILLIMETRE, (own.displacement, theirs.hub_m), displacement);
+        relative(
+            "tangent stiffness",
+            "kN/m",
+            KILONEWTON_PER_METRE,
+            (own.solid_tangent, theirs.tangent_n_per_m),
+            tangent,
+        );
+        if case == Case::SecondOrder {
+            continue;
+        }
+        checks.push(Check::new(
+            problem,
+            "contact area, difference in rings of elements",
+            load,
+            "mm²",
+            (own.contact_area / SQUARE_MILLIMETRE, theirs.area_m2 / SQUARE_MILLIMETRE),
+            judge,
+            (own.contact_area - theirs.area_m2).abs() / (perimeter(own) * contact_element),
+            (DISCRETISATION_RINGS, Cause::Discretisation),
+        ));
+    }
+}
+
+/// Perimeter of the contact ellipse, m (S. Ramanujan's first approximation, 1914).
+fn perimeter(point: &LoadPoint) -> f64 {
+    let (a, b) = (point.semi_axis_along, point.semi_axis_across);
+    std::f64::consts::PI * (3.0 * (a + b) - ((3.0 * a + b) * (a + 3.0 * b)).sqrt())
+}

@@ -1,0 +1,226 @@
+//! Finding or making the Python environment, and running the reference in it.
+
+use std::ffi::OsString;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::monitor::Monitor;
+
+/// Exact versions of all packages.
+const LOCK: &str = include_str!("../../reference/requirements.lock");
+/// The reference package itself, so that the installed program needs no source tree.
+const PACKAGE: [(&str, &str); 8] = [
+    ("__init__.py", include_str!("../../reference/src/railspring_reference/__init__.py")),
+    ("__main__.py", include_str!("../../reference/src/railspring_reference/__main__.py")),
+    ("ordering.py", include_str!("../../reference/src/railspring_reference/ordering.py")),
+    ("body.py", include_str!("../../reference/src/railspring_reference/body.py")),
+    ("exchange.py", include_str!("../../reference/src/railspring_reference/exchange.py")),
+    ("surface.py", include_str!("../../reference/src/railspring_reference/surface.py")),
+    ("contact.py", include_str!("../../reference/src/railspring_reference/contact.py")),
+    ("run.py", include_str!("../../reference/src/railspring_reference/run.py")),
+];
+/// What to do where Python is missing.
+const REMEDY: &str = "install Python 3.11 or newer with the module venv (Debian: apt install python3-venv), or name an \
+                      interpreter that has scikit-fem, meshio and scipy with --python PATH; all other commands work \
+                      without it";
+
+/// An interpreter that can run the reference.
+#[derive(Debug, Clone)]
+pub struct Python {
+    interpreter: PathBuf,
+    package: PathBuf,
+}
+
+impl Python {
+    /// Takes the given interpreter, or makes a virtual environment in `cache` with the locked
+    /// packages if none is there yet.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `--python` that says what is missing and how to get it.
+    pub fn prepare(given: Option<&Path>, cache: &Path, monitor: &dyn Monitor) -> Result<Self> {
+        let package =
+            cache.join(format!("reference-{}", &blake3::hash(package_bytes().as_slice()).to_hex()[..12]));
+        write_package(&package).map_err(|cause| cache_error(cache, &cause))?;
+        let interpreter = match given {
+            Some(path) => path.to_path_buf(),
+            None => environment(cache, monitor)?,
+        };
+        let python = Self { interpreter, package };
+        python.probe()?;
+        Ok(python)
+    }
+
+    /// The interpreter.
+    pub fn interpreter(&self) -> &Path {
+        &self.interpreter
+    }
+
+    /// Fails if the packages cannot be imported.
+    fn probe(&self) -> Result<()> {
+        let output = Command::new(&self.interpreter)
+            .args(["-c", "import skfem, meshio, scipy, numpy"])
+            .stdin(Stdio::null())
+            .output()
+            .map_err(|cause| missing(&self.interpreter, &cause.to_string()))?;
+        if output.status.success() {
+            return Ok(());
+        }
+        let text = String::from_utf8_lossy(&output.stderr);
+        Err(missing(&self.interpreter, text.lines().last().unwrap_or("it cannot import the packages")).into())
+    }
+
+    /// Runs the reference on an exchange folder, handing its progress on.
+    ///
+    /// # Errors
+    /// [`InputError`] with what the reference said when it failed; the user's wish to stop.
+    pub fn run(&self, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
+        let mut child = Command::new(&self.interpreter)
+            .args(["-m", "railspring_reference"])
+            .arg(folder)
+            .env("PYTHONPATH", &self.package)
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|cause| missing(&self.interpreter, &cause.to_string()))?;
+        let mut errors = child.stderr.take().expect("stderr is piped");
+        // a full pipe would block the reference, so its messages are read at the same time
+        let reader = std::thread::spawn(move || {
+            let mut text = String::new();
+            let _ = errors.read_to_string(&mut text);
+            text
+        });
+        let output = BufReader::new(child.stdout.take().expect("stdout is piped"));
+        for line in output.lines().map_while(std::result::Result::ok) {
+            let parts: Vec<&str> = line.split('\t').collect();
+            if let ["PROGRESS", stage, done, total] = parts[..]
+                && let Err(stop) = monitor.progress(
+                    &format!("reference: {stage}"),
+                    done.parse().unwrap_or(0),
+                    total.parse().unwrap_or(1),
+                )
+            {
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(stop);
+            }
+        }
+        let status = child.wait().map_err(|cause| missing(&self.interpreter, &cause.to_string()))?;
+        let said = reader.join().unwrap_or_default();
+        if status.success() {
+            return Ok(());
+        }
+        Err(InputError::new(
+            "reference",
+            said.lines().rev().find(|l| !l.trim().is_empty()).unwrap_or("no message").trim(),
+            "a reference run that ends",
+            format!(
+                "see the exchange folder {}; run `python -m railspring_reference` on it",
+                folder.display()
+            ),
+        )
+        .into())
+    }
+}
+
+/// Default folder of the virtual environment: `RAILSPRING_CACHE`, else the user's cache folder.
+pub fn cache_folder() -> PathBuf {
+    let user = |name: &str, below: &[&str]| -> Option<PathBuf> {
+        let root = std::env::var_os(name).filter(|v: &OsString| !v.is_empty())?;
+        Some(below.iter().fold(PathBuf::from(root), |path, part| path.join(part)))
+    };
+    user("RAILSPRING_CACHE", &[])
+        .or_else(|| user("XDG_CACHE_HOME", &["railspring"]))
+        .or_else(|| user("LOCALAPPDATA", &["railspring"]))
+        .or_else(|| user("HOME", &[".cache", "railspring"]))
+        .unwrap_or_else(|| PathBuf::from(".railspring-cache"))
+}
+
+/// The interpreter of the virtual environment in `cache`; made if its mark of completion is absent.
+fn environment(cache: &Path, monitor: &dyn Monitor) -> Result<PathBuf> {
+    let folder = cache.join(format!("venv-{}", &blake3::hash(LOCK.as_bytes()).to_hex()[..12]));
+    let interpreter =
+        if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") };
+    let complete = folder.join("complete");
+    if complete.exists() && interpreter.exists() {
+        return Ok(interpreter);
+    }
+    let base = ["python3", "python"]
+        .into_iter()
+        .find(|name| {
+            Command::new(name)
+                .args(["-c", "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))"])
+                .stdin(Stdio::null())
+                .output()
+                .is_ok_and(|output| output.status.success())
+        })
+        .ok_or_else(|| {
+            missing(Path::new("python3"), "no Python 3.11 or newer with venv was found on the path")
+        })?;
+    monitor.progress("making the Python environment", 0, 2)?;
+    let lock = cache.join("requirements.lock");
+    std::fs::write(&lock, LOCK).map_err(|cause| cache_error(cache, &cause))?;
+    let made = |arguments: &[&std::ffi::OsStr], program: &Path| -> Result<()> {
+        let output = Command::new(program)
+            .args(arguments)
+            .stdin(Stdio::null())
+            .output()
+            .map_err(|cause| missing(program, &cause.to_string()))?;
+        if output.status.success() {
+            return Ok(());
+        }
+        let said = [output.stderr, output.stdout].concat();
+        let text = String::from_utf8_lossy(&said);
+        Err(missing(
+            program,
+            text.lines().find(|l| l.contains("ERROR")).or(text.lines().last()).unwrap_or("failed"),
+        )
+        .into())
+    };
+    made(&["-m".as_ref(), "venv".as_ref(), "--clear".as_ref(), folder.as_os_str()], Path::new(base))?;
+    monitor.progress("making the Python environment", 1, 2)?;
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r"];
+    let mut arguments: Vec<&std::ffi::OsStr> = install.iter().map(|a| a.as_ref()).collect();
+    arguments.push(lock.as_os_str());
+    made(&arguments, &interpreter)?;
+    std::fs::write(&complete, "").map_err(|cause| cache_error(cache, &cause))?;
+    monitor.progress("making the Python environment", 2, 2)?;
+    Ok(interpreter)
+}
+
+fn package_bytes() -> Vec<u8> {
+    PACKAGE.iter().flat_map(|(name, text)| [name.as_bytes(), text.as_bytes()].concat()).collect()
+}
+
+fn write_package(folder: &Path) -> std::io::Result<()> {
+    let package = folder.join("railspring_reference");
+    std::fs::create_dir_all(&package)?;
+    for (name, text) in PACKAGE {
+        let file = package.join(name);
+        if std::fs::read(&file).ok().as_deref() != Some(text.as_bytes()) {
+            std::fs::write(file, text)?;
+        }
+    }
+    Ok(())
+}
+
+fn missing(interpreter: &Path, cause: &str) -> InputError {
+    InputError::new(
+        "--python",
+        format!("{} ({cause})", interpreter.display()),
+        "a Python that runs the reference (scikit-fem, meshio, numpy, scipy)",
+        REMEDY,
+    )
+}
+
+fn cache_error(cache: &Path, cause: &std::io::Error) -> InputError {
+    InputError::new(
+        "cache folder",
+        format!("{} ({cause})", cache.display()),
+        "a folder that can be created and written",
+        "set RAILSPRING_CACHE to another one",
+    )
+}

@@ -1,0 +1,185 @@
+//! The scikit-fem reference: its own tests, agreement on the same mesh, and
+//! that planted errors are found and named.
+//!
+//! Needs Python 3.11 or newer with `venv`, and the package index on the first
+//! run: the environment is made under `target/` from the lock file.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Mutex, OnceLock};
+
+use railspring::crosscheck::compare::{Check, ROUNDOFF, ReferenceResult, compare};
+use railspring::crosscheck::exchange::{Case, Exchange};
+use railspring::crosscheck::python::Python;
+use railspring::crosscheck::{Prepared, prepare};
+use railspring::output::OutputFolder;
+use railspring::study::Study;
+use railspring_calibrate::monitor::Silent;
+
+/// Coarse enough for a few seconds, fine enough for a contact.
+const STUDY: &str = r#"
+name = "coarse"
+[rail]
+profile = "60E1"
+length_m = 0.555
+[wheel]
+profile = "S1002"
+tape_diameter_m = 0.858
+[mesh]
+contact_element_mm = 6
+contact_element_along_mm = 6
+element = "full-integration"
+[contact]
+friction = 0.5
+[calibration]
+load_min_kn = 5
+load_max_kn = 85
+load_count = 5
+"#;
+
+/// One environment and one set of answers for all tests of this file.
+fn python() -> &'static Python {
+    static PYTHON: OnceLock<Python> = OnceLock::new();
+    static MAKING: Mutex<()> = Mutex::new(());
+    let _one = MAKING.lock().unwrap();
+    PYTHON.get_or_init(|| {
+        let cache = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+        Python::prepare(None, &cache, &Silent).unwrap_or_else(|e| panic!("{e}"))
+    })
+}
+
+fn study() -> Study {
+    Study::parse(Path::new("coarse.toml"), STUDY).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn prepared() -> &'static Prepared {
+    static PREPARED: OnceLock<Prepared> = OnceLock::new();
+    PREPARED.get_or_init(|| prepare(&study(), &[Case::SameMesh], &Silent).unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// Checks of the reference on a possibly spoilt exchange.
+fn judged(exchange: &Exchange) -> Vec<Check> {
+    let root = tempfile::tempdir().unwrap();
+    let folder = OutputFolder::create(&root.path().join("exchange")).unwrap();
+    exchange.write(&folder).unwrap_or_else(|e| panic!("{e}"));
+    python().run(folder.path(), &Silent).unwrap_or_else(|e| panic!("{e}"));
+    let reference = ReferenceResult::read(&folder).unwrap_or_else(|e| panic!("{e}"));
+    compare(&prepared().answers, study().mesh.contact_element, &exchange.cases, &reference).unwrap().0
+}
+
+/// Checks of the exchange as it is.
+fn right() -> &'static [Check] {
+    static RIGHT: OnceLock<Vec<Check>> = OnceLock::new();
+    RIGHT.get_or_init(|| judged(&prepared().exchange))
+}
+
+/// Quantities whose limit does not hold.
+fn failing(checks: &[Check]) -> Vec<&str> {
+    checks.iter().filter(|c| !c.holds).map(|c| c.quantity.as_str()).collect()
+}
+
+/// Goal: the tests of `reference/` pass in the locked environment.
+#[test]
+fn the_references_own_tests_pass() {
+    let output = Command::new(python().interpreter())
+        .args(["-m", "pytest"])
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("reference"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(said.contains(" passed"), "{said}");
+}
+
+/// Source: scikit-fem on the same mesh and element. Goal: displacements of both bodies under the
+/// contact forces, and compliance columns, m and m/N. Accuracy: rounding (1e-9 relative).
+#[test]
+fn the_same_mesh_and_element_agree_to_rounding() {
+    let checks: Vec<&Check> = right().iter().filter(|c| c.load_kn.is_none()).collect();
+    let failing: Vec<&&Check> = checks.iter().filter(|c| !c.holds).collect();
+    assert!(failing.is_empty(), "{failing:?}");
+    let displacements = checks.iter().filter(|c| c.quantity.contains("nodal displacements")).count();
+    let columns = checks.iter().filter(|c| c.quantity.contains("compliance column")).count();
+    assert_eq!((displacements, columns), (2, 12));
+    // a comparison of a field with itself would hold exactly
+    assert!(checks.iter().any(|c| c.difference > 0.0 && c.limit == ROUNDOFF));
+}
+
+/// Goal: a modulus off by 1 % is found in every displacement of that body and of no other; one
+/// flipped element of the other body is found and named.
+#[test]
+fn a_wrong_modulus_and_a_flipped_element_are_found() {
+    let mut exchange = prepared().exchange.clone();
+    exchange.cases.clear();
+    exchange.bodies[0].material.young *= 1.01;
+    let middle = exchange.bodies[1].mesh.hexes.len() / 2;
+    let hex = &mut exchange.bodies[1].mesh.hexes[middle];
+    *hex = [hex[4], hex[5], hex[6], hex[7], hex[0], hex[1], hex[2], hex[3]];
+    let checks = judged(&exchange);
+    let (rail, wheel): (Vec<&str>, Vec<&str>) =
+        failing(&checks).into_iter().partition(|q| q.starts_with("rail"));
+    assert!(rail.contains(&"rail: nodal displacements under given forces, largest difference"), "{rail:?}");
+    assert_eq!(rail.iter().filter(|q| q.contains("compliance column")).count(), 6, "{rail:?}");
+    assert_eq!(wheel, ["wheel: sign of the smallest Jacobian determinant"]);
+}
+
+/// Goal: a load step off by 2 % and a nodal force off by 2 % are found; the load step also moves the hub.
+#[test]
+fn a_wrong_load_is_found() {
+    let mut exchange = prepared().exchange.clone();
+    let largest = exchange.bodies[1].forces.iter_mut().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
+    *largest *= 1.02;
+    exchange.loads[2] *= 1.02;
+    let wrong = judged(&exchange);
+    let names = failing(&wrong);
+    assert!(
+        names.contains(&"wheel: nodal displacements under given forces, largest difference"),
+        "{names:?}"
+    );
+    assert!(names.contains(&"load"), "{names:?}");
+    let hub = |checks: &[Check]| {
+        let hubs: Vec<f64> =
+            checks.iter().filter(|c| c.quantity == "hub displacement").map(|c| c.judged).collect();
+        hubs[2]
+    };
+    assert!(hub(&wrong) / hub(right()) > 1.01, "{} {}", hub(&wrong), hub(right()));
+}
+
+/// Source: the reference's mortar contact, multipliers on the wheel, non-negative least squares.
+/// Goal: hub displacement over the load on a mesh of 6 mm; the patch at 5 kN is one node.
+/// Accuracy: a node that carries or not, a share of the local approach.
+#[test]
+fn another_contact_formulation_agrees() {
+    /// One node of a patch of about six, times the third of the displacement that is local.
+    const DISCRETISATION: f64 = 0.05;
+    /// Area within one ring of elements around the patch.
+    const RINGS: f64 = 1.0;
+    let checks = right();
+    let largest = |quantity: &str| {
+        let found = checks.iter().filter(|c| c.quantity.starts_with(quantity)).map(|c| c.difference);
+        found.reduce(f64::max).unwrap()
+    };
+    let (hub, area) = (largest("hub displacement"), largest("contact area"));
+    assert!(hub > 0.0 && hub < DISCRETISATION, "{hub}");
+    assert!(area < RINGS, "{area}");
+}
+
+/// Goal: without a usable Python the command says what is missing and how to get it, exit code 2.
+#[test]
+fn a_missing_python_is_told() {
+    let root = tempfile::tempdir().unwrap();
+    let file = root.path().join("study.toml");
+    std::fs::write(&file, STUDY).unwrap();
+    let output = assert_cmd::Command::cargo_bin("railspring")
+        .unwrap()
+        .args(["crosscheck", "--python", "/no/such/python", "-o"])
+        .arg(root.path().join("out"))
+        .arg(&file)
+        .env("RAILSPRING_CACHE", root.path().join("cache"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("--python") && said.contains("install Python"), "{said}");
+}
