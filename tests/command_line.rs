@@ -183,3 +183,29 @@ fn the_shipped_studies_are_readable() {
         }
     }
 }
+
+/// Checking and converting a profile: findings on standard output, exit code 1 where something is left.
+#[test]
+fn profiles_are_checked_and_converted() {
+    let worn = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles/worn-s1002.whl");
+    let worn = worn.to_str().unwrap();
+    let place = Place::with_study(GOOD);
+    let checked = place.run(&["profile", "check", worn, "--smooth-mm", "3"]);
+    let text = String::from_utf8(checked.stdout).unwrap();
+    assert_eq!(checked.status.code(), Some(0), "{text}");
+    assert!(text.contains("MiniProf, wheel, 589 points") && text.contains("smoothed"), "{text}");
+
+    let converted = place.run(&["profile", "convert", worn, "wheel.prw", "--raw"]);
+    assert_eq!(converted.status.code(), Some(0), "{}", message(&converted));
+    let again = place.run(&["profile", "check", "wheel.prw"]);
+    assert!(String::from_utf8(again.stdout).unwrap().contains("Simpack, wheel, 589 points"));
+
+    let ending = place.run(&["profile", "convert", worn, "wheel.prr"]);
+    assert_eq!(ending.status.code(), Some(2));
+    assert!(message(&ending).contains("wheel.prr = the ending of a rail"), "{}", message(&ending));
+
+    std::fs::write(place.root.path().join("bad.csv"), "y_mm,z_mm\n1,2\n1,x\n").unwrap();
+    let bad = place.run(&["profile", "check", "bad.csv"]);
+    assert_eq!(bad.status.code(), Some(2));
+    assert!(message(&bad).starts_with("error: bad.csv:3:3 = \"x\""), "{}", message(&bad));
+}

@@ -8,8 +8,8 @@ use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel, quality};
 use railspring_calibrate::placement::{TrackGeometry, place_rail};
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile_file::{
-    Action, FindingKind, MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileFormat, ProfileKind,
-    ReadOptions, parse, prepare, write,
+    Action, FindingKind, MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileFormat,
+    ProfileKind, ReadOptions, parse, prepare, write,
 };
 use railspring_calibrate::section::{
     align_rail, rail_section, rail_section_with_head, wheel_section, wheel_section_with_profile,
@@ -81,7 +81,10 @@ fn benchmark_rail_is_the_uic60_head() {
     let found = deviation(head.iter(), &standard);
     println!(
         "cot {:.3}, shift ({:.4}, {:.4}) mm, largest deviation {:.5} mm",
-        1.0 / motion.angle.tan(), motion.translation.x / MM, motion.translation.y / MM, found / MM
+        1.0 / motion.angle.tan(),
+        motion.translation.x / MM,
+        motion.translation.y / MM,
+        found / MM
     );
     assert!(head.len() > 2000 && found < MODEL, "{found}");
     assert!((1.0 / motion.angle.tan() - 40.0).abs() < 0.01, "{}", motion.angle);
@@ -105,7 +108,9 @@ fn both_formats_of_the_benchmark_rail_agree() {
     const ROUNDOFF: f64 = 1e-16;
     /// DISCRETISATION: where neighbouring points are closer than 0.01 mm, each curve runs through others of them.
     const BETWEEN: f64 = 0.1 * UM;
-    let (Some(simpack), Some(miniprof)) = (benchmark("MBench_UIC60_v3.prr"), benchmark("MBench_UIC60_v3.ban")) else {
+    let (Some(simpack), Some(miniprof)) =
+        (benchmark("MBench_UIC60_v3.prr"), benchmark("MBench_UIC60_v3.ban"))
+    else {
         return;
     };
     assert_eq!(miniprof.kind, ProfileKind::Rail);
@@ -121,11 +126,13 @@ fn both_formats_of_the_benchmark_rail_agree() {
 }
 
 /// What a standard's running surface looks like as a measurement.
-fn measured(curve: &ProfileCurve, kind: ProfileKind, change: impl Fn(Point2<f64>) -> Point2<f64>) -> MeasuredProfile {
+fn measured(
+    curve: &ProfileCurve,
+    kind: ProfileKind,
+    change: impl Fn(Point2<f64>) -> Point2<f64>,
+) -> MeasuredProfile {
     let points = curve.sample(0.2 * MM).into_iter().enumerate();
-    let points = points
-        .map(|(i, p)| MeasuredPoint { point: change(p), line: i + 1, weight: 1.0 })
-        .collect();
+    let points = points.map(|(i, p)| MeasuredPoint { point: change(p), line: i + 1, weight: 1.0 }).collect();
     MeasuredProfile { name: "made".into(), format: ProfileFormat::Text, kind, points, findings: Vec::new() }
 }
 
@@ -137,7 +144,8 @@ fn written_files_are_read_back() {
     let rail = measured(&rail_section("60E1").unwrap().running, ProfileKind::Rail, |p| p);
     let wheel = measured(&wheel_section("S1002", 0.92).unwrap().running, ProfileKind::Wheel, |p| p);
     for (profile, endings) in [(rail, ["prr", "ban", "txt", "csv"]), (wheel, ["prw", "whl", "txt", "csv"])] {
-        let formats = [ProfileFormat::Simpack, ProfileFormat::MiniProf, ProfileFormat::Text, ProfileFormat::Csv];
+        let formats =
+            [ProfileFormat::Simpack, ProfileFormat::MiniProf, ProfileFormat::Text, ProfileFormat::Csv];
         for (format, ending) in formats.into_iter().zip(endings) {
             let text = write(format, profile.kind, &profile.points, "a wheel on a rail");
             let name = format!("again.{ending}");
@@ -176,8 +184,12 @@ fn an_unworn_surface_joins_without_a_trace() {
         if cut {
             profile.points.retain(|p| (-66.0 * MM..55.0 * MM).contains(&p.point.x));
         }
-        let joined =
-            wheel_section_with_profile(wheel_section("S1002", 0.858).unwrap(), &prepared(&profile).curve, &mut findings).unwrap();
+        let joined = wheel_section_with_profile(
+            wheel_section("S1002", 0.858).unwrap(),
+            &prepared(&profile).curve,
+            &mut findings,
+        )
+        .unwrap();
         let found = deviation(joined.running.sample(0.1 * MM).iter(), &wheel.running);
         assert!(found < DISCRETISATION, "{found}");
     }
@@ -213,7 +225,12 @@ fn worn_surfaces_make_sections_that_can_be_meshed() {
         Point2::new(p.x, p.y - 2.0 * MM * t * t)
     };
     let profile = measured(&wheel.running, ProfileKind::Wheel, hollow);
-    let section = wheel_section_with_profile(wheel_section("S1002", 0.858).unwrap(), &prepared(&profile).curve, &mut findings).unwrap();
+    let section = wheel_section_with_profile(
+        wheel_section("S1002", 0.858).unwrap(),
+        &prepared(&profile).curve,
+        &mut findings,
+    )
+    .unwrap();
     let mesh = mesh_wheel(&section, &MeshOptions::default()).unwrap();
     let q = quality(&mesh).unwrap();
     println!("worn wheel: smallest scaled Jacobian {:.3}", q.min_scaled_jacobian);

@@ -65,14 +65,48 @@ enum Mutation {
 
 fn mutation() -> impl Strategy<Value = Mutation> {
     const TOKENS: [&str; 28] = [
-        "nan", "inf", "1e999", "-1e308", "1e300", "1e-300", "0", "-", "+", ",", ";", "\"", "'", "!", "=", "\0", "\r",
-        "\n\n", "\u{feff}", "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18", "point.begin", "point.end",
-        "spline.end", "units.len.f = 0", "units.len.f = -1e-300", "rotate = 1e300", "shift.y = 1e308",
+        "nan",
+        "inf",
+        "1e999",
+        "-1e308",
+        "1e300",
+        "1e-300",
+        "0",
+        "-",
+        "+",
+        ",",
+        ";",
+        "\"",
+        "'",
+        "!",
+        "=",
+        "\0",
+        "\r",
+        "\n\n",
+        "\u{feff}",
+        "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18",
+        "point.begin",
+        "point.end",
+        "spline.end",
+        "units.len.f = 0",
+        "units.len.f = -1e-300",
+        "rotate = 1e300",
+        "shift.y = 1e308",
         "ColumnDef=Y,*,X",
     ];
     const REPLACED: [(&str, &str); 12] = [
-        ("\n", "\r\n"), ("\n", "\r"), (".", ","), ("\t", ";"), ("\t", ","), ("E", "D"), ("-", "\u{2212}"), ("0", ""),
-        ("\n", "\n\n"), ("1.0", "1e9"), ("+", ""), ("begin", "end"),
+        ("\n", "\r\n"),
+        ("\n", "\r"),
+        (".", ","),
+        ("\t", ";"),
+        ("\t", ","),
+        ("E", "D"),
+        ("-", "\u{2212}"),
+        ("0", ""),
+        ("\n", "\n\n"),
+        ("1.0", "1e9"),
+        ("+", ""),
+        ("begin", "end"),
     ];
     let place = || 0.0..1.0f64;
     prop_oneof![
@@ -100,7 +134,8 @@ fn mutated(mut bytes: Vec<u8>, mutations: &[Mutation]) -> Vec<u8> {
             break;
         }
         let at = |part: f64| ((part * length as f64) as usize).min(length);
-        let lines = |bytes: &[u8]| bytes.split_inclusive(|b| *b == b'\n').map(<[u8]>::to_vec).collect::<Vec<_>>();
+        let lines =
+            |bytes: &[u8]| bytes.split_inclusive(|b| *b == b'\n').map(<[u8]>::to_vec).collect::<Vec<_>>();
         match mutation {
             Mutation::Byte(part, byte) => {
                 if let Some(place) = bytes.get_mut(at(*part)) {

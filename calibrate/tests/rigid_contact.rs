@@ -63,7 +63,12 @@ fn first_touch_follows_the_benchmark() {
             // A jump: on the other side of it, at most 0.05 mm of shift away, the positions agree.
             let beside = [-0.05e-3, 0.05e-3].map(|d| (y_at(shift + d) - y).abs());
             near_jumps.push((value(0), off[1], beside));
-            assert!(beside[0].min(beside[1]) < 0.5, "shift {}: y {} against {y}, {beside:?}", value(0), y + off[1]);
+            assert!(
+                beside[0].min(beside[1]) < 0.5,
+                "shift {}: y {} against {y}, {beside:?}",
+                value(0),
+                y + off[1]
+            );
             continue;
         }
         for (w, o) in worst.iter_mut().zip(off) {
@@ -153,11 +158,11 @@ fn rolling_radius_difference_of_en_15302() {
 /// Source: an independent calculation checked by the tables of EN 15302
 /// (`geometry/equivalent_conicity_S1002_own.csv`). Goal: S1002 on 60E1, UIC60 and 60E2, 1:40 and 1:20, with and
 /// without roll. Accuracy (DISCRETISATION of both tables of the difference, whose jumps are smeared): 0.004 for amplitudes of 1 to 4.5 mm; from 5 mm on,
-/// where the contact jumps to the gauge corner and the jump's place is known to half a step, 0.012 without roll. With
+/// where the contact jumps to the gauge corner and the jump's place is known to half a step, 0.015 without roll. With
 /// roll the jumps are not compared: our shift is that of the axle, which the roll moves against the rails (MODEL).
 #[test]
 fn equivalent_conicity_of_s1002() {
-    const DISCRETISATION: [f64; 2] = [0.004, 0.012];
+    const DISCRETISATION: [f64; 2] = [0.004, 0.015];
     let Some(table) = facts("geometry/equivalent_conicity_S1002_own.csv") else { return };
     let header: Vec<&str> = table.lines().find(|l| l.starts_with("amplitude")).unwrap().split(',').collect();
     for (column, name) in header.iter().enumerate().skip(1) {
@@ -202,8 +207,7 @@ fn yawed_contact_leads_as_in_the_manchester_benchmark() {
         if row[0] != "right" || !(1.0..=4.5).contains(&value(2)) {
             continue;
         }
-        let found =
-            wheelset.right.lower(wheelset.tape_y, 1e-3 * value(2), value(3), value(4), 0.0).unwrap();
+        let found = wheelset.right.lower(wheelset.tape_y, 1e-3 * value(2), value(3), value(4), 0.0).unwrap();
         let p = found.points[0].point * 1e3;
         println!("shift {}: x {:.3} ({}), y {:.3} ({})", value(2), p.x, value(6), p.y, value(7));
         assert!((p.y - value(7)).abs() < 0.5, "shift {}: y {} against {}", value(2), p.y, value(7));

@@ -45,7 +45,12 @@ fn rails_have_the_published_properties() {
             // The published number where it is one, else the computed one.
             let expected: f64 = column[3].parse().or_else(|_| column[4].parse()).unwrap();
             let off = value / expected - 1.0;
-            assert!(off.abs() < accuracy, "{name} {}: {value} against {expected}, {:.3} %", column[1], 100.0 * off);
+            assert!(
+                off.abs() < accuracy,
+                "{name} {}: {value} against {expected}, {:.3} %",
+                column[1],
+                100.0 * off
+            );
             compared += 1;
         }
     }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::profile_file::{
-    Action, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, format_of_ending, prepare, read,
-    write,
+    Action, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, format_of_ending, prepare,
+    read, write,
 };
 use railspring_calibrate::units::MILLIMETRE;
 
@@ -192,7 +192,12 @@ fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
     let source = file.file.file_name().unwrap_or_default().to_string_lossy();
     let text = write(format, profile.kind, &points, &format!("converted from {source}"));
     std::fs::write(out, text).map_err(|cause| {
-        InputError::new(out.display().to_string(), cause, "a file that can be written", "choose another place")
+        InputError::new(
+            out.display().to_string(),
+            cause,
+            "a file that can be written",
+            "choose another place",
+        )
     })?;
     findings.iter().for_each(|finding| say(&finding.to_string()));
     Ok(findings.iter().all(|finding| finding.action != Action::Left))

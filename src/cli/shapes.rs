@@ -23,7 +23,9 @@ fn meaning(name: &str) -> &'static str {
         "60E2" => "rail, EN 13674-1, relieved gauge corner",
         "54E1" => "rail, EN 13674-1",
         "S1002" => "wheel, EN 13715; flange height 28, 30 or 32 mm, thickness 32.5 mm",
-        "EN13715-1in40" => "wheel, EN 13715 cone 1:40; flange height 28, 30 or 32 mm, thickness 28.5 to 33 mm",
+        "EN13715-1in40" => {
+            "wheel, EN 13715 cone 1:40; flange height 28, 30 or 32 mm, thickness 28.5 to 33 mm"
+        }
         _ => "standard profile",
     }
 }
@@ -63,7 +65,10 @@ pub(super) fn curve(profile: &str) -> Result<ProfileCurve, Error> {
 pub(super) fn show(profile: &str) -> Result<(), Error> {
     let running = curve(profile)?;
     let millimetres = |value: f64| value / MILLIMETRE;
-    say(&format!("{profile}: {}", if Path::new(profile).exists() { "profile file" } else { meaning(profile) }));
+    say(&format!(
+        "{profile}: {}",
+        if Path::new(profile).exists() { "profile file" } else { meaning(profile) }
+    ));
     let (start, end) = (running.point(0.0), running.point(running.length()));
     say(&format!(
         "running surface    {:.3} mm long, from (y, z) = ({:.3}, {:.3}) to ({:.3}, {:.3}) mm; z down",

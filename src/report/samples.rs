@@ -8,7 +8,8 @@ use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryR
 
 use crate::records::{
     BodyMeshRecord, ComplianceRecord, FindingRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
-    LoadCurveRow, Measured, PenaltyRecord, ProfileRecord, ReferenceRecord, StageMeasure, StiffnessRecord, TangentRecord, TouchRecord,
+    LoadCurveRow, Measured, PenaltyRecord, ProfileRecord, ReferenceRecord, StageMeasure, StiffnessRecord,
+    TangentRecord, TouchRecord,
 };
 
 use super::{InputRow, ProfilePair};

@@ -1,6 +1,8 @@
 //! The two sections of a study: standard ones, or measured surfaces on standard bodies.
 
 use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::profile_file::{
     Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, ProfileKind, ReadOptions, parse, prepare,
 };
@@ -8,8 +10,6 @@ use railspring_calibrate::section::{
     RailSection, WheelSection, align_rail, rail_section, rail_section_with_head, wheel_section_on,
     wheel_section_with_profile,
 };
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::records::{FindingRecord, ProfileRecord};
@@ -112,5 +112,25 @@ fn finding_record(finding: &Finding) -> FindingRecord {
         unit: finding.value.map(|value| value.1.into()),
         action: finding.action.name().into(),
         text: finding.text.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn the_worn_study_reads_its_profiles() {
+        let study =
+            Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies/worn.toml")).unwrap();
+        assert!(study.rail.measured.is_some() && study.wheel.measured.is_some());
+        let geometry = super::super::geometry(&study).unwrap();
+        assert_eq!(geometry.profiles.len(), 2);
+        assert!(geometry.profiles.iter().flat_map(|p| &p.findings).all(|f| f.action != "left"));
+        // Worn off: the crown's 1.5 mm, of which 8/15 over 68 mm, and a little of the gauge corner.
+        let area = geometry.rail.area.area;
+        assert!((76.70e-4 - 0.65e-4..76.70e-4 - 0.54e-4).contains(&area), "{area}");
     }
 }

@@ -49,9 +49,9 @@ impl SurfaceKeys<'_> {
                     "the key belongs to a measured profile: give its file, or remove the key",
                 ));
             }
-            let name = self
-                .profile
-                .ok_or_else(|| missing("profile", &format!("{}; or give profile_file and standard", self.meaning)))?;
+            let name = self.profile.ok_or_else(|| {
+                missing("profile", &format!("{}; or give profile_file and standard", self.meaning))
+            })?;
             return Ok((name.to_owned(), None));
         };
         if let Some(name) = self.profile {

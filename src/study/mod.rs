@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use railspring_calibrate::profile::wheels::Flange;
-use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::profile::wheels::Flange;
 use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::Material;
 use toml::de::DeTable;
 

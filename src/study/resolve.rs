@@ -4,11 +4,11 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use railspring_calibrate::profile::wheels::Flange;
-use railspring_calibrate::section::{WebShape, WheelBody};
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::profile::wheels::Flange;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::section::{WebShape, WheelBody};
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;

@@ -14,5 +14,5 @@ pub mod wheels;
 
 pub use curve::ProfileCurve;
 pub(crate) use segment::{EndlessLine, fillet};
-pub(crate) use spline::Piece;
 pub use segment::{Segment, polyline};
+pub(crate) use spline::Piece;

@@ -32,7 +32,12 @@ pub(super) fn remove_duplicates(points: &mut Vec<MeasuredPoint>, findings: &mut 
             let distance = (p.point - before.point).norm();
             if distance < SAME_POINT {
                 let value = (distance / MILLIMETRE, "mm");
-                duplicates.add((before.line, p.line), value, Action::Mended, "on top of each other: the later dropped");
+                duplicates.add(
+                    (before.line, p.line),
+                    value,
+                    Action::Mended,
+                    "on top of each other: the later dropped",
+                );
                 return false;
             }
         }
@@ -97,9 +102,13 @@ pub(super) fn restore_order(
     }
     let (first, last) = points.iter().fold((usize::MAX, 0), |(a, b), p| (a.min(p.line), b.max(p.line)));
     findings.push(
-        Finding::new(FindingKind::OutOfOrder, Action::Mended, "points in no order: put in that of nearest neighbours")
-            .on_lines(first, last)
-            .with_value(moved as f64, "points"),
+        Finding::new(
+            FindingKind::OutOfOrder,
+            Action::Mended,
+            "points in no order: put in that of nearest neighbours",
+        )
+        .on_lines(first, last)
+        .with_value(moved as f64, "points"),
     );
     Ok(())
 }
@@ -223,9 +232,7 @@ pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
         let t = ((p - a).dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         (p - (a + t * chord)).norm()
     };
-    let scatter = median(
-        points.windows(3).map(|w| departure(w[0].point, w[1].point, w[2].point)).collect(),
-    );
+    let scatter = median(points.windows(3).map(|w| departure(w[0].point, w[1].point, w[2].point)).collect());
     let least = SMALLEST_SPIKE.max(SPIKE_TO_SCATTER * scatter);
     let mut spikes = Findings::new(findings, FindingKind::Spike);
     let mut kept: Vec<MeasuredPoint> = points[..2].to_vec();
@@ -241,8 +248,13 @@ pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
             };
             let (into, out) = (turn(a - before, first - a), turn(b - last, after - b));
             let height = points[i..i + m].iter().map(|p| departure(a, p.point, b)).fold(0.0, f64::max);
-            let straight = turn(a - before, b - a).abs() < STRAIGHT_ON && turn(b - a, after - b).abs() < STRAIGHT_ON;
-            into.abs() > SPIKE_TURN && out.abs() > SPIKE_TURN && into * out > 0.0 && straight && height > least
+            let straight =
+                turn(a - before, b - a).abs() < STRAIGHT_ON && turn(b - a, after - b).abs() < STRAIGHT_ON;
+            into.abs() > SPIKE_TURN
+                && out.abs() > SPIKE_TURN
+                && into * out > 0.0
+                && straight
+                && height > least
         });
         match run {
             Some(m) => {
@@ -251,7 +263,12 @@ pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
                     .map(|p| departure(a, p.point, points[i + m].point))
                     .fold(0.0, f64::max);
                 let lines = (points[i].line, points[i + m - 1].line);
-                spikes.add(lines, (height / MILLIMETRE, "mm"), Action::Mended, "off the line of its neighbours: dropped");
+                spikes.add(
+                    lines,
+                    (height / MILLIMETRE, "mm"),
+                    Action::Mended,
+                    "off the line of its neighbours: dropped",
+                );
                 i += m;
             }
             None => {

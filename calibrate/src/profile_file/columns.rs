@@ -79,12 +79,26 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
     let mut findings = Vec::new();
     let mut heading = Heading::default();
     let first_row = numeric.clone().next().map(|(n, _)| n).ok_or_else(|| {
-        error_at(name, 1, 1, text.lines().next().unwrap_or_default(), "rows of numbers", "give y and z in columns")
+        error_at(
+            name,
+            1,
+            1,
+            text.lines().next().unwrap_or_default(),
+            "rows of numbers",
+            "give y and z in columns",
+        )
     })?;
     if first_row > HEADING_LINES {
         let shown = text.lines().next().unwrap_or_default();
         let expected = format!("numbers within the first {HEADING_LINES} lines");
-        return Err(error_at(name, 1, 1, shown, expected, "shorten the heading, or put `#` before its lines"));
+        return Err(error_at(
+            name,
+            1,
+            1,
+            shown,
+            expected,
+            "shorten the heading, or put `#` before its lines",
+        ));
     }
     for (n, line) in lines(text).take_while(|(n, _)| *n < first_row) {
         refuse_other_formats(name, n, line)?;
@@ -165,10 +179,8 @@ fn guess_columns(rows: &[Vec<f64>]) -> ((usize, usize), &'static str) {
 
 /// Two columns in mm with a heading that says what they are.
 pub(super) fn write(kind: ProfileKind, points: &[MeasuredPoint], comment: &str, separator: &str) -> String {
-    let mut out = format!(
-        "# {comment}\n# {} profile, y to the field side, z down\ny_mm{separator}z_mm\n",
-        kind.name()
-    );
+    let mut out =
+        format!("# {comment}\n# {} profile, y to the field side, z down\ny_mm{separator}z_mm\n", kind.name());
     for p in points {
         // Writing to a string cannot fail.
         let _ = writeln!(out, "{}{separator}{}", p.point.x / MILLIMETRE, p.point.y / MILLIMETRE);

@@ -56,7 +56,8 @@ pub(super) fn find_kinks(points: &[MeasuredPoint], findings: &mut Vec<Finding>) 
         let across = turn(direction(points, i, -1), direction(points, i, 1));
         let neighbours = turns[i - 2].abs().max(turns[i].abs());
         let sharpest = here.abs() > 2.0 * neighbours;
-        if across.abs() > least && here * across > 0.0 && here.abs() > CONCENTRATED * across.abs() && sharpest {
+        if across.abs() > least && here * across > 0.0 && here.abs() > CONCENTRATED * across.abs() && sharpest
+        {
             found.push(i);
             let line = points[i].line;
             kinks.add((line, line), (across, "degrees"), Action::Noted, "a real corner: kept as one");
@@ -95,7 +96,8 @@ pub(super) fn report_range(kind: ProfileKind, points: &[MeasuredPoint], findings
             let Some(top) = points.iter().min_by(|a, b| a.point.y.total_cmp(&b.point.y)) else { return };
             let depth = first.point.y - top.point.y;
             if depth < GAUGE_DEPTH {
-                let text = "depth reached on the gauge side: 16 mm are needed to find gauge and flange contact";
+                let text =
+                    "depth reached on the gauge side: 16 mm are needed to find gauge and flange contact";
                 short.add((first.line, first.line), (depth / MILLIMETRE, "mm"), Action::Left, text);
             }
             let reach = last.point.x - top.point.x;

@@ -19,7 +19,11 @@ const MOST_PAIRS: usize = 20_000_000;
 ///
 /// # Errors
 /// A long loop, or a line too tangled to be searched.
-pub(super) fn cut_loops(name: &str, points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) -> Result<()> {
+pub(super) fn cut_loops(
+    name: &str,
+    points: &mut Vec<MeasuredPoint>,
+    findings: &mut Vec<Finding>,
+) -> Result<()> {
     const MOST_LOOPS: usize = 200;
     let mut loops = Findings::new(findings, FindingKind::Loop);
     for _ in 0..MOST_LOOPS {
@@ -31,18 +35,32 @@ pub(super) fn cut_loops(name: &str, points: &mut Vec<MeasuredPoint>, findings: &
             + (points[j].point - crossing).norm();
         let lines = (points[i + 1].line, points[j].line);
         if length > LONGEST_LOOP {
-            let value = format!("a loop of {:.2} mm back to line {}", length / MILLIMETRE, points[i + 1].line);
+            let value =
+                format!("a loop of {:.2} mm back to line {}", length / MILLIMETRE, points[i + 1].line);
             return Err(error_at(
-                name, points[j].line, 1, &value, "a line that does not cross itself",
+                name,
+                points[j].line,
+                1,
+                &value,
+                "a line that does not cross itself",
                 "remove the loop, or sort the points along the profile",
             ));
         }
-        loops.add(lines, (length / MILLIMETRE, "mm"), Action::Mended, "the line crosses itself: the loop cut off");
+        loops.add(
+            lines,
+            (length / MILLIMETRE, "mm"),
+            Action::Mended,
+            "the line crosses itself: the loop cut off",
+        );
         let at = MeasuredPoint { point: crossing, ..points[i + 1] };
         points.splice(i + 1..=j, [at]);
     }
     Err(error_at(
-        name, points[0].line, 1, "many loops", "a line that does not cross itself",
+        name,
+        points[0].line,
+        1,
+        "many loops",
+        "a line that does not cross itself",
         "sort the points along the profile, or smooth the measurement",
     ))
 }
@@ -81,7 +99,11 @@ fn first_crossing(name: &str, points: &[MeasuredPoint]) -> Result<Option<(usize,
         pairs += group.len() * group.len() / 2;
         if pairs > MOST_PAIRS {
             return Err(error_at(
-                name, points[0].line, 1, "a tangle", "a line that can be followed",
+                name,
+                points[0].line,
+                1,
+                "a tangle",
+                "a line that can be followed",
                 "the points lie too close and in no order: smooth or sort the measurement",
             ));
         }
@@ -90,7 +112,8 @@ fn first_crossing(name: &str, points: &[MeasuredPoint]) -> Result<Option<(usize,
                 if j < i + 2 || best.is_some_and(|b| (b.1, b.0) <= (j, i)) {
                     continue;
                 }
-                if let Some(p) = crossing([points[i].point, points[i + 1].point], [points[j].point, points[j + 1].point])
+                if let Some(p) =
+                    crossing([points[i].point, points[i + 1].point], [points[j].point, points[j + 1].point])
                 {
                     best = Some((i, j, p));
                 }

@@ -32,8 +32,7 @@ fn key_value(line: &str) -> Option<(String, &str)> {
 }
 
 pub(super) fn recognises(text: &str, ending: &str) -> bool {
-    let known =
-        |line: &str| key_value(line).is_some_and(|(key, _)| KEYS.contains(&key.as_str()));
+    let known = |line: &str| key_value(line).is_some_and(|(key, _)| KEYS.contains(&key.as_str()));
     matches!(ending, "ban" | "whl")
         || old_style(text)
         || lines(text).take(HEADER_LINES).any(|(_, line)| known(line))
@@ -78,7 +77,11 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
                 } else if !old && !row.trim().is_empty() {
                     let column = line.chars().take_while(|c| c.is_whitespace()).count() + 1;
                     return Err(error_at(
-                        name, n, column, row.trim(), "key=value, or two columns of numbers",
+                        name,
+                        n,
+                        column,
+                        row.trim(),
+                        "key=value, or two columns of numbers",
                         "correct the line, or put `\"` before a comment",
                     ));
                 }

@@ -156,7 +156,8 @@ pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Measured
 ///
 /// Simpack and text files hold millimetres; MiniProf files have the axes that this format has by convention.
 pub fn write(format: ProfileFormat, kind: ProfileKind, points: &[MeasuredPoint], comment: &str) -> String {
-    let comment: String = comment.chars().map(|c| if c.is_control() || c == '\'' { ' ' } else { c }).collect();
+    let comment: String =
+        comment.chars().map(|c| if c.is_control() || c == '\'' { ' ' } else { c }).collect();
     match format {
         ProfileFormat::Simpack => simpack::write(kind, points, &comment),
         ProfileFormat::MiniProf => miniprof::write(kind, points, &comment),

@@ -14,6 +14,8 @@ const EXTENT: std::ops::RangeInclusive<f64> = 0.02..=0.4;
 const FAR_OFF: f64 = 0.25;
 /// Largest share of such points that are dropped.
 const MOST_FAR_OFF: f64 = 0.05;
+/// Greatest coordinate of a point, m: profiles may be given in the frame of the track, but no further off.
+const FARTHEST: f64 = 10.0;
 /// Where the tip of a flange is expected, m from the tape circle.
 const TIP: std::ops::RangeInclusive<f64> = -0.070..=-0.040;
 /// A tread further than this from the origin at the tape circle is moved there, m.
@@ -30,6 +32,13 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     }
     scale(name, &mut raw, options)?;
     drop_far_off(name, &mut raw)?;
+    if let Some(p) =
+        raw.points.iter().find(|p| p.point.coords.amax().is_nan() || p.point.coords.amax() > FARTHEST)
+    {
+        let value = format!("({:e}, {:e}) m", p.point.x, p.point.y);
+        let expected = format!("a point within {FARTHEST} m of the origin");
+        return Err(error_at(name, p.line, 1, &value, expected, "check the shifts and the unit of the file"));
+    }
     let kind = recognise(name, &mut raw, options)?;
     turn_over(kind, &mut raw, options);
     put_in_order(kind, &mut raw);
@@ -68,7 +77,10 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
         (None, Some((unit, line))) => {
             if !EXTENT.contains(&(unit * extent)) {
                 let stated = if line == 0 { lines.0 } else { line };
-                return Err(wrong(stated, "the unit of the file does not fit its numbers: give the right unit"));
+                return Err(wrong(
+                    stated,
+                    "the unit of the file does not fit its numbers: give the right unit",
+                ));
             }
             unit
         }
@@ -112,12 +124,22 @@ fn drop_far_off(name: &str, raw: &mut Raw) -> Result<()> {
         let first = raw.points.iter().find(|p| distance(p) > FAR_OFF).map_or(1, |p| p.line);
         let value = format!("{far} points");
         return Err(error_at(
-            name, first, 1, &value, "points within 250 mm of the profile's middle", "give a single profile",
+            name,
+            first,
+            1,
+            &value,
+            "points within 250 mm of the profile's middle",
+            "give a single profile",
         ));
     }
     let mut spikes = Findings::new(&mut raw.findings, FindingKind::Spike);
     for p in raw.points.iter().filter(|p| distance(p) > FAR_OFF) {
-        spikes.add((p.line, p.line), (distance(p) / MILLIMETRE, "mm"), Action::Mended, "far off the profile: dropped");
+        spikes.add(
+            (p.line, p.line),
+            (distance(p) / MILLIMETRE, "mm"),
+            Action::Mended,
+            "far off the profile: dropped",
+        );
     }
     drop(spikes);
     raw.points.retain(|p| distance(p) <= FAR_OFF);
@@ -189,16 +211,28 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
         );
     }
     if mirror_z {
-        let why = if options.mirror_z.is_some() { "z turned over as asked for" } else { "z counts upwards: turned over" };
+        let why = if options.mirror_z.is_some() {
+            "z turned over as asked for"
+        } else {
+            "z counts upwards: turned over"
+        };
         note(FindingKind::UpsideDown, Action::Mended, why);
     } else if upside_down == Some(true) {
         note(
             FindingKind::UpsideDown,
             Action::Left,
-            if stated { "upside down, as the header has it: check mirror.z" } else { "upside down, as asked for" },
+            if stated {
+                "upside down, as the header has it: check mirror.z"
+            } else {
+                "upside down, as asked for"
+            },
         );
     } else if upside_down.is_none() {
-        note(FindingKind::UpsideDown, Action::Left, "the shape does not tell which side is up: z is taken as it stands");
+        note(
+            FindingKind::UpsideDown,
+            Action::Left,
+            "the shape does not tell which side is up: z is taken as it stands",
+        );
     }
     for p in &mut raw.points {
         if mirror_y {
@@ -240,23 +274,25 @@ fn place_wheel(raw: &mut Raw) {
     let at = tip(&raw.points);
     if !TIP.contains(&at) {
         let text = "the flange tip is expected 40 to 70 mm from the tape circle: check the origin of y";
-        raw.findings.push(Finding::new(FindingKind::Origin, Action::Left, text).with_value(at / MILLIMETRE, "mm"));
+        raw.findings
+            .push(Finding::new(FindingKind::Origin, Action::Left, text).with_value(at / MILLIMETRE, "mm"));
     }
     let crossing = raw.points.windows(2).find(|pair| pair[0].point.x <= 0.0 && pair[1].point.x > 0.0);
     let Some([a, b]) = crossing.map(|pair| [pair[0].point, pair[1].point]) else {
         return;
     };
     let height = a.y + (b.y - a.y) * (0.0 - a.x) / (b.x - a.x);
-    let finding = |action, text| {
-        Finding::new(FindingKind::Origin, action, text).with_value(height / MILLIMETRE, "mm")
-    };
+    let finding =
+        |action, text| Finding::new(FindingKind::Origin, action, text).with_value(height / MILLIMETRE, "mm");
     if height.abs() > ORIGIN && from_back {
         raw.points.iter_mut().for_each(|p| p.point.y -= height);
         raw.findings.push(finding(Action::Mended, "height of the tread at the tape circle: moved to 0"));
     } else if height.abs() > ORIGIN {
-        raw.findings.push(finding(Action::Left, "height of the tread at the tape circle: check the origin of z"));
+        raw.findings
+            .push(finding(Action::Left, "height of the tread at the tape circle: check the origin of z"));
     } else if height.abs() > AT_ORIGIN {
-        let text = "height of the tread at the tape circle: kept, the rolling radius there differs from the nominal";
+        let text =
+            "height of the tread at the tape circle: kept, the rolling radius there differs from the nominal";
         raw.findings.push(finding(Action::Noted, text));
     }
 }

@@ -45,9 +45,11 @@ impl Shape {
         middle.sort_unstable_by(f64::total_cmp);
         let level = middle[middle.len() / 2];
         let departure = |at_end: &dyn Fn(f64) -> bool| {
-            points.iter().filter(|p| at_end(part(p))).map(|p| p.point.y - level).fold(0.0, |a: f64, b| {
-                if b.abs() > a.abs() { b } else { a }
-            })
+            points
+                .iter()
+                .filter(|p| at_end(part(p)))
+                .map(|p| p.point.y - level)
+                .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
         };
         Some(Self { width, low: departure(&|t| t <= END), high: departure(&|t| t >= 1.0 - END) })
     }

@@ -16,8 +16,20 @@ use crate::units::MILLIMETRE;
 
 /// Keys whose value is a number.
 const NUMERIC: [&str; 14] = [
-    "point.dist.min", "shift.y", "shift.z", "rotate", "bound.y.min", "bound.y.max", "bound.z.min", "bound.z.max",
-    "mirror.y", "mirror.z", "inversion", "units.len.f", "units.ang.f", "approx.smooth",
+    "point.dist.min",
+    "shift.y",
+    "shift.z",
+    "rotate",
+    "bound.y.min",
+    "bound.y.max",
+    "bound.z.min",
+    "bound.z.max",
+    "mirror.y",
+    "mirror.z",
+    "inversion",
+    "units.len.f",
+    "units.ang.f",
+    "approx.smooth",
 ];
 
 pub(super) fn recognises(text: &str) -> bool {
@@ -71,7 +83,11 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
             "point.begin" => {
                 if point_block.replace(n).is_some() {
                     return Err(error_at(
-                        name, n, column, trimmed, "a single block of points",
+                        name,
+                        n,
+                        column,
+                        trimmed,
+                        "a single block of points",
                         "the file holds several profiles: give each a file of its own",
                     ));
                 }
@@ -81,7 +97,11 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
                 let ended = &lower[..lower.len() - ".end".len()];
                 if block.pop() != Some(ended) {
                     return Err(error_at(
-                        name, n, column, trimmed, "the end of the block that is open",
+                        name,
+                        n,
+                        column,
+                        trimmed,
+                        "the end of the block that is open",
                         "make each .end match its .begin",
                     ));
                 }
@@ -93,7 +113,11 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
             _ => {
                 let Some((key, value)) = trimmed.split_once('=') else {
                     return Err(error_at(
-                        name, n, column, trimmed, "key = value, the begin or end of a block, or a comment",
+                        name,
+                        n,
+                        column,
+                        trimmed,
+                        "key = value, the begin or end of a block, or a comment",
                         "put points between point.begin and point.end, and `!` before comments",
                     ));
                 };
@@ -106,7 +130,12 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
                         "1" => ProfileKind::Wheel,
                         _ => {
                             return Err(error_at(
-                                name, n, value_column, value, "0 for a rail or 1 for a wheel", "correct the type",
+                                name,
+                                n,
+                                value_column,
+                                value,
+                                "0 for a rail or 1 for a wheel",
+                                "correct the type",
                             ));
                         }
                     });
@@ -124,7 +153,12 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
     if point_block.is_none() {
         let last = lines(text).count();
         return Err(error_at(
-            name, last, 1, "", "a block of points from point.begin to point.end", "complete the file",
+            name,
+            last,
+            1,
+            "",
+            "a block of points from point.begin to point.end",
+            "complete the file",
         ));
     }
     if let Some(open) = block.last() {
@@ -155,7 +189,12 @@ pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
         Some(entry) => {
             let value = entry.value.to_string();
             return Err(error_at(
-                name, entry.line, 1, &value, "units.len.f above 0, in units a metre", "give 1000 for mm",
+                name,
+                entry.line,
+                1,
+                &value,
+                "units.len.f above 0, in units a metre",
+                "give 1000 for mm",
             ));
         }
         None => None,
@@ -205,7 +244,8 @@ fn process(
     }
     // A lower bound above the upper one switches the bound off.
     let bounds = |axis: &str| {
-        let (low, high) = (value(&format!("bound.{axis}.min"), 1.0), value(&format!("bound.{axis}.max"), 0.0));
+        let (low, high) =
+            (value(&format!("bound.{axis}.min"), 1.0), value(&format!("bound.{axis}.max"), 0.0));
         (low < high).then_some((low, high))
     };
     if let Some((low, high)) = bounds("y") {

@@ -184,7 +184,11 @@ mod tests {
             let smoothed = smooth(&wave(ratio * wavelength, amplitude), &[], wavelength).unwrap();
             let middle = &smoothed.points[1500..2500];
             let seen = middle.iter().map(|p| p.point.y).fold(0.0, f64::max);
-            assert!((seen / amplitude - left).abs() < DISCRETISATION * left.max(0.1) * 3.0, "{ratio}: {}", seen / amplitude);
+            assert!(
+                (seen / amplitude - left).abs() < DISCRETISATION * left.max(0.1) * 3.0,
+                "{ratio}: {}",
+                seen / amplitude
+            );
         }
     }
 

@@ -83,7 +83,8 @@ fn the_header_of_simpack_is_obeyed_in_its_order() {
 #[test]
 fn simpack_is_never_turned_over_but_doubted() {
     let rows: String = head_points().iter().map(|(y, z)| format!("{y} {}\n", -z)).collect();
-    let text = format!("header.begin\ntype=0\nheader.end\nspline.begin\nunits.len.f=1000\npoint.begin\n{rows}");
+    let text =
+        format!("header.begin\ntype=0\nheader.end\nspline.begin\nunits.len.f=1000\npoint.begin\n{rows}");
     let profile = parsed("x.prr", &text).unwrap();
     assert!(profile.points[0].point.y < 0.0);
     let found = kinds(&profile.findings);
@@ -142,7 +143,10 @@ fn texts_of_many_programs_are_read() {
     let join = |row: &dyn Fn(&(String, String)) -> String| expected.iter().map(row).collect::<String>();
     let comma = |text: &str| text.replace('.', ",");
     let files = [
-        ("a.csv", format!("\u{feff}y [mm];z [mm]\r\n{}", join(&|(y, z)| format!("{};{}\r\n", comma(y), comma(z))))),
+        (
+            "a.csv",
+            format!("\u{feff}y [mm];z [mm]\r\n{}", join(&|(y, z)| format!("{};{}\r\n", comma(y), comma(z)))),
+        ),
         ("b.txt", join(&|(y, z)| format!("\t{}\t  {}  \n", comma(y), comma(z)))),
         ("c.txt", format!("% rail\n# more\n\n{}", join(&|(y, z)| format!("{y}D+00 {z}d0 ! note\n")))),
         ("d.csv", join(&|(y, z)| format!("\"{y}\",\"{z}\"\n"))),
@@ -188,7 +192,8 @@ fn errors_name_line_and_column() {
 fn wrong_units_are_refused() {
     let metres: Vec<_> = head_points().iter().map(|(y, z)| (y * 1e-3, z * 1e-3)).collect();
     let rows: String = metres.iter().map(|(y, z)| format!("{y:.7} {z:.7}\n")).collect();
-    let text = format!("header.begin\ntype=0\nheader.end\nspline.begin\nunits.len.f=1000\npoint.begin\n{rows}");
+    let text =
+        format!("header.begin\ntype=0\nheader.end\nspline.begin\nunits.len.f=1000\npoint.begin\n{rows}");
     let message = parsed("x.prr", &text).unwrap_err().to_string();
     assert!(message.starts_with("x.prr:5:1") && message.contains("unit"), "{message}");
     let inches: Vec<_> = head_points().iter().map(|(y, z)| (y / 25.4, z / 25.4)).collect();
@@ -284,8 +289,11 @@ fn gaps_corners_and_missing_ends_are_reported() {
 #[test]
 fn smoothing_is_reported_and_scatter_noticed() {
     // Alternating by 5 µm: waves of 0.5 mm.
-    let rough: Vec<_> =
-        head_points().iter().enumerate().map(|(i, (y, z))| (*y, z + if i % 2 == 0 { 0.005 } else { -0.005 })).collect();
+    let rough: Vec<_> = head_points()
+        .iter()
+        .enumerate()
+        .map(|(i, (y, z))| (*y, z + if i % 2 == 0 { 0.005 } else { -0.005 }))
+        .collect();
     let text = file(&rough);
     let noticed = prepared(&text);
     assert_eq!(kinds(&noticed.findings), [(FindingKind::Noise, Action::Left)]);

@@ -61,9 +61,8 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<String> {
 }
 
 fn place_of(text: &str, wanted: char) -> Option<(usize, usize)> {
-    lines(text).find_map(|(number, line)| {
-        line.chars().position(|c| c == wanted).map(|before| (number, before + 1))
-    })
+    lines(text)
+        .find_map(|(number, line)| line.chars().position(|c| c == wanted).map(|before| (number, before + 1)))
 }
 
 /// Lines with their numbers, counted from one, without their ends.
@@ -177,7 +176,8 @@ pub(super) fn decimal_mark<'a>(
         }
         let by_commas = row.split(',').collect::<Vec<_>>();
         let digits_around = by_commas.windows(2).any(|pair| {
-            pair[0].ends_with(|c: char| c.is_ascii_digit()) && pair[1].starts_with(|c: char| c.is_ascii_digit())
+            pair[0].ends_with(|c: char| c.is_ascii_digit())
+                && pair[1].starts_with(|c: char| c.is_ascii_digit())
         });
         let separated = by_commas.iter().any(|part| part.trim().contains([' ', '\t', ';']));
         if digits_around && separated {

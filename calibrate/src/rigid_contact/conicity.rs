@@ -56,7 +56,11 @@ impl RunningFunction {
     /// # Errors
     /// [`InputError`] for fewer than two points, or shifts out of order.
     pub fn from_points(points: Vec<RunningPoint>) -> Result<Self> {
-        if points.len() < 2 || points.windows(2).any(|p| p[0].shift.partial_cmp(&p[1].shift) != Some(std::cmp::Ordering::Less)) {
+        if points.len() < 2
+            || points
+                .windows(2)
+                .any(|p| p[0].shift.partial_cmp(&p[1].shift) != Some(std::cmp::Ordering::Less))
+        {
             return Err(InputError::new(
                 "rolling-radius difference",
                 format!("{} points", points.len()),

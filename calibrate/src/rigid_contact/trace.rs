@@ -50,10 +50,8 @@ impl<'a> Trace<'a> {
         let mut trace = Self { wheel, radius, tape_y, axle, curve: wheel.clone(), shift };
         // Where the profile is so steep that no such point exists, on the flange back, the line ends.
         let knots = wheel.knots();
-        let found: Vec<Option<Point2<f64>>> = knots
-            .iter()
-            .map(|&s| trace.place(s).map(|p| Point2::new(p.y, p.z) + origin))
-            .collect();
+        let found: Vec<Option<Point2<f64>>> =
+            knots.iter().map(|&s| trace.place(s).map(|p| Point2::new(p.y, p.z) + origin)).collect();
         let middle = wheel.s_at_y(0.0).unwrap_or(0.5 * wheel.length());
         let middle = knots.partition_point(|&s| s < middle).min(knots.len() - 1);
         let first = (0..=middle).rev().take_while(|&i| found[i].is_some()).last().unwrap_or(middle);

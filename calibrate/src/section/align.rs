@@ -36,7 +36,8 @@ pub struct Alignment {
 pub fn align_rail(measured: &ProfileCurve, standard: &ProfileCurve) -> Result<Alignment> {
     const MOST_ITERATIONS: usize = 200;
     let points = measured.sample(STEP);
-    let mut motion = Alignment { angle: 0.0, translation: first_guess(&points, standard), rms: 0.0, share: 1.0 };
+    let mut motion =
+        Alignment { angle: 0.0, translation: first_guess(&points, standard), rms: 0.0, share: 1.0 };
     let mut change = f64::INFINITY;
     for _ in 0..MOST_ITERATIONS {
         let turn = Rotation2::new(motion.angle);

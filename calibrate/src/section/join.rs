@@ -45,7 +45,10 @@ pub(super) fn join(
     if end.measured - start.measured < 2.0 * LEAST_BLEND || end.standard <= start.standard {
         return Err(InputError::new(
             key,
-            format!("{:.2} mm on the standard surface", (end.measured - start.measured).max(0.0) / MILLIMETRE),
+            format!(
+                "{:.2} mm on the standard surface",
+                (end.measured - start.measured).max(0.0) / MILLIMETRE
+            ),
             "a measured surface that covers the standard's contact range",
             "check that the profile is in the frame of the standard section, or have it aligned",
         )
@@ -177,7 +180,8 @@ fn part(curve: &ProfileCurve, from: f64, to: f64, samples: Samples) -> Vec<Piece
                 own.iter().copied().filter(|s| *s > s0 + NEAR_CUT && *s < s1 - NEAR_CUT).collect()
             }
         };
-        let points = std::iter::once(s0).chain(inner).chain(std::iter::once(s1)).map(|s| curve.point(s)).collect();
+        let points =
+            std::iter::once(s0).chain(inner).chain(std::iter::once(s1)).map(|s| curve.point(s)).collect();
         let tangents = [direction(curve, s0, Side::Start), direction(curve, s1, Side::End)];
         pieces.push(Piece { points, end_tangents: Some(tangents) });
     }

@@ -10,8 +10,8 @@ use super::properties::boundary_integral;
 use super::wheel_body::WheelBody;
 use crate::error::Result;
 use crate::profile::wheels::wheel_profile;
-use crate::profile_file::Finding;
 use crate::profile::{ProfileCurve, Segment, polyline};
+use crate::profile_file::Finding;
 
 /// Cross-section of a wheel in its profile frame: y from the tape circle to the field side, z down; a point
 /// lies at the radius `radius` + z from the axle.
@@ -92,7 +92,8 @@ pub fn wheel_section_with_profile(
     findings: &mut Vec<Finding>,
 ) -> Result<WheelSection> {
     let running = join(&standard.running, profile, "wheel.profile_file", findings)?;
-    let mut section = WheelSection { name: format!("measured profile on {}", standard.name), running, ..standard };
+    let mut section =
+        WheelSection { name: format!("measured profile on {}", standard.name), running, ..standard };
     let last = section.body.len() - 1;
     section.body[0] = section.running.point(section.running.length());
     section.body[last] = section.running.point(0.0);

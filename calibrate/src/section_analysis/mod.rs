@@ -83,8 +83,7 @@ pub fn rail_properties(section: &RailSection) -> Result<SectionProperties> {
         rail_section_element: ELEMENT,
         ..MeshOptions::default()
     };
-    let mesh =
-        mesh_section(&rail_outline(section, &options)?, &options.sizes(options.rail_section_element))?;
+    let mesh = mesh_section(&rail_outline(section, &options)?, &options.sizes(options.rail_section_element))?;
     let found = analyse(&mesh, |p| nearest_on_outline(section, p))?;
     let exact = &section.area;
     Ok(SectionProperties {
@@ -154,7 +153,14 @@ pub fn analyse(
     // What the shift removes from ∫ ω² by orthogonality, and the mean.
     let warping_constant = ww - mean * mean / area - moments.dot(&Vector2::new(wy, wz));
     let shear_coefficients = [shear_y, shear_z].map(|phi| 1.0 / (area * laplace.energy(phi)));
-    Ok(SectionAnalysis { area, centroid, torsion_constant, warping_constant, shear_centre, shear_coefficients })
+    Ok(SectionAnalysis {
+        area,
+        centroid,
+        torsion_constant,
+        warping_constant,
+        shear_centre,
+        shear_coefficients,
+    })
 }
 
 #[cfg(test)]
@@ -206,7 +212,10 @@ mod tests {
         assert!(polygon.torsion_constant < 0.998 * found.torsion_constant);
         let exact = 0.5 * std::f64::consts::PI * R.powi(4);
         assert!((found.torsion_constant / exact - 1.0).abs() < DISCRETISATION, "{found:?}");
-        assert!((found.centroid.coords - offset).norm() < 1e-12 && (found.shear_centre.coords - offset).norm() < 1e-12);
+        assert!(
+            (found.centroid.coords - offset).norm() < 1e-12
+                && (found.shear_centre.coords - offset).norm() < 1e-12
+        );
         assert!(found.warping_constant.abs() < 1e-5 * R.powi(6), "{found:?}");
         for kappa in found.shear_coefficients {
             assert!((kappa / (6.0 / 7.0) - 1.0).abs() < DISCRETISATION, "{found:?}");
@@ -230,15 +239,17 @@ mod tests {
     fn rectangle() {
         let (a, b) = (0.04, 0.02);
         let found = analyse(&mesh(12, |u, v| Point2::new(a * u + 0.3, b * v)), |p| *p).unwrap();
-        assert!((found.torsion_constant / (0.228_682 * 2.0 * a * (2.0 * b).powi(3)) - 1.0).abs() < DISCRETISATION);
+        assert!(
+            (found.torsion_constant / (0.228_682 * 2.0 * a * (2.0 * b).powi(3)) - 1.0).abs() < DISCRETISATION
+        );
         assert!((found.shear_centre - Point2::new(0.3, 0.0)).norm() < 1e-12);
         for kappa in found.shear_coefficients {
             assert!((kappa / (5.0 / 6.0) - 1.0).abs() < DISCRETISATION, "{found:?}");
         }
         // A square mapped askew has the same properties as the square.
         let askew = |u: f64, v: f64| Point2::new(b * (u + 0.2 * (1.0 - u * u) * v), b * v);
-        let [straight, skewed] =
-            [mesh(12, |u, v| Point2::new(b * u, b * v)), mesh(12, askew)].map(|m| analyse(&m, |p| *p).unwrap());
+        let [straight, skewed] = [mesh(12, |u, v| Point2::new(b * u, b * v)), mesh(12, askew)]
+            .map(|m| analyse(&m, |p| *p).unwrap());
         assert!((straight.torsion_constant / (0.140_577 * (2.0 * b).powi(4)) - 1.0).abs() < DISCRETISATION);
         assert!((skewed.torsion_constant / straight.torsion_constant - 1.0).abs() < DISCRETISATION);
     }

@@ -290,8 +290,7 @@ fn published() -> MovingModel {
     let wheel = wheel_section("S1002", 0.858).unwrap();
     let touch = touch(&rail, &wheel.running, track.tape_y()).unwrap();
     let beam =
-        RailBeam::rail(&properties, &Material::STEEL, 0.555, 20, rail.angle, Torsion::default())
-            .unwrap();
+        RailBeam::rail(&properties, &Material::STEEL, 0.555, 20, rail.angle, Torsion::default()).unwrap();
     let centre = section.height - properties.shear_centre_height;
     let node_line = rail.to_world(&Point2::new(0.0, centre));
     let support = RailSupport::Beam { beam, node_line, damping: 0.0 };

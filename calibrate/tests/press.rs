@@ -1,0 +1,235 @@
+//! S1002 pressed on UIC60 and 60E1 against a half-space program and the published law.
+
+use nalgebra::Vector2;
+use railspring_calibrate::calibration::{
+    Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal,
+};
+use railspring_calibrate::contact::{
+    HalfSpace, PairingLimits, Problem, Shape, Surface, hub_response, pair, solve, total,
+};
+use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
+use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::solid::{Formulation, Material, Supports, System};
+use railspring_calibrate::superelement::Superelement;
+
+struct Case {
+    rail: &'static str,
+    tape_diameter: f64,
+    lateral_shift: f64,
+    material: Material,
+    enforcement: Enforcement,
+}
+
+/// Load points with the foot held, by reference, and the horizontal stiffness at the first load.
+fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadPoint>>, f64) {
+    let track = TrackGeometry { lateral_shift: case.lateral_shift, ..TrackGeometry::standard() };
+    let rail = rail_section(case.rail).unwrap();
+    let wheel = wheel_section("S1002", case.tape_diameter).unwrap();
+    let placed = place_rail(&rail, &track).unwrap();
+    let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
+    let options = MeshOptions::default();
+    let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
+    let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
+    let condense = |mesh, supports: Supports| {
+        let system = System::new(mesh, case.material, Formulation::IncompatibleModes, &supports).unwrap();
+        Superelement::new(system).unwrap()
+    };
+    let (rail_element, wheel_element) = rayon::join(
+        || condense(&rail_mesh, Supports { held: rail_mesh.foot.clone(), ..Default::default() }),
+        || condense(&wheel_mesh, Supports { followers: wheel_mesh.bore.clone(), ..Default::default() }),
+    );
+    let pair = WheelOnRail {
+        rail: &rail_element,
+        wheel: &wheel_element,
+        rail_surface: Surface {
+            curve: &placed.curve,
+            shape: Shape::Extruded,
+            grid: &rail_mesh.contact,
+            origin: Vector2::zeros(),
+        },
+        wheel_surface: Surface {
+            curve: &wheel.running,
+            shape: Shape::Revolved { radius: wheel.radius },
+            grid: &wheel_mesh.contact,
+            origin: Vector2::new(track.tape_y(), touching.tape_z),
+        },
+        friction: 0.5,
+        enforcement: case.enforcement,
+    };
+    let points = references
+        .iter()
+        .map(|&reference| {
+            calibrate_normal(&pair, loads, reference, None, &case.material, &Silent).unwrap().0.points
+        })
+        .collect();
+    let horizontal = calibrate_horizontal(&pair, &loads[..1], None, &Silent).unwrap();
+    (points, horizontal.stiffness)
+}
+
+/// Rows `[force N, tangent N/mm, area mm², largest pressure MPa]` of one set of the half-space program's table.
+struct HalfSpaceTable(Vec<[f64; 4]>);
+
+impl HalfSpaceTable {
+    /// `None`, with a note, where the table is not there.
+    fn read(set: &str) -> Option<Self> {
+        let facts = std::env::var("RAILSPRING_FACTS").unwrap_or_else(|_| "../../shared/facts".into());
+        let path = std::path::Path::new(&facts).join("contact/normal_contact_S1002_UIC60_R460.csv");
+        let Ok(text) = std::fs::read_to_string(&path) else {
+            println!("skipped: {} is not there", path.display());
+            return None;
+        };
+        // columns: set, side, y_ws, fz, approach, kt, fn, pen, delta, y_rail, y_wheel, area, pmax, npatch, dx
+        let row = |line: &str| {
+            let c: Vec<&str> = line.split(',').collect();
+            [3, 5, 11, 12].map(|i| c[i].parse().unwrap())
+        };
+        Some(Self(text.lines().filter(|l| l.contains(set)).map(row).collect()))
+    }
+
+    /// Ours over theirs: `[tangent N/m, area m², largest pressure Pa]`.
+    fn ratios(&self, load: f64, ours: [f64; 3]) -> [f64; 3] {
+        let units = [1e3, 1e-6, 1e6];
+        std::array::from_fn(|i| ours[i] / (self.at(load, i + 1) * units[i]))
+    }
+
+    fn at(&self, load: f64, column: usize) -> f64 {
+        let rows = &self.0;
+        let i = rows.partition_point(|r| r[0] < load).clamp(1, rows.len() - 1);
+        let t = (load - rows[i - 1][0]) / (rows[i][0] - rows[i - 1][0]);
+        rows[i - 1][column] + t * (rows[i][column] - rows[i - 1][column])
+    }
+}
+
+/// Source: CONTACT 25.2 (Vollebregt and Kalker), S1002 on UIC60 at 1:40, rolling radius 460 mm, half-spaces of G = 82 GPa
+/// and ν = 0.28, cells of 0.1 mm, from 60 to 150 kN, centred and 3 mm away from the flange. Two goals.
+/// With our pairing on half-spaces too, tangent within 5 %, area 15 % (points count whole), largest pressure 10 %,
+/// centred, where it peaks at the jumps of curvature, 20 %: DISCRETISATION of contact points 2 by 1.5 mm apart.
+/// With the finite elements, all within 20 %: MODEL. Rail head and rim tilt under the eccentric load, which
+/// moves the patch to sharper curvature; a mesh finer by half changes the local stiffness by less than 2 %. The largest
+/// pressure is not compared where the patch lies over the jumps of curvature (centred).
+#[test]
+fn the_local_stiffness_is_that_of_a_half_space_program() {
+    for (set, lateral_shift, peak) in [(",LEFT,3,", -3e-3, 0.10), (",RIGHT,0,", 0.0, 0.20)] {
+        let Some(table) = HalfSpaceTable::read(set) else { return };
+        let case = Case {
+            rail: "UIC60",
+            tape_diameter: 0.92,
+            lateral_shift,
+            material: Material { young: 209.92e9, poisson: 0.28, ..Material::STEEL },
+            enforcement: Enforcement::Exact,
+        };
+        let loads = [60e3, 85e3, 120e3, 150e3];
+        for (load, found) in loads.iter().zip(half_space(&case, &loads)) {
+            let ratios = table.ratios(*load, found);
+            println!(
+                "{set} {:.0} kN, half-spaces: tangent, area, largest pressure {ratios:.3?}",
+                load * 1e-3
+            );
+            for (ratio, limit) in ratios.iter().zip([0.05, 0.15, peak]) {
+                assert!((ratio - 1.0).abs() < limit, "half-spaces, {set} {load} N: {ratios:?}");
+            }
+        }
+        let (points, _) = press(&case, &loads, &[Reference::Local]);
+        for p in &points[0] {
+            let ratios = table.ratios(p.force, [p.solid_tangent, p.contact_area, p.max_pressure]);
+            println!("{set} {:.0} kN, solids: tangent, area, largest pressure {ratios:.3?}", p.force * 1e-3);
+            let compared = if lateral_shift == 0.0 { &ratios[..2] } else { &ratios };
+            assert!(
+                compared.iter().all(|r| (r - 1.0).abs() < 0.20),
+                "solids, {set} {} N: {ratios:?}",
+                p.force
+            );
+        }
+    }
+}
+
+/// Tangent stiffness, contact area and largest pressure under each load, our pairing on half-spaces.
+fn half_space(case: &Case, loads: &[f64]) -> Vec<[f64; 3]> {
+    let track = TrackGeometry { lateral_shift: case.lateral_shift, ..TrackGeometry::standard() };
+    let rail = rail_section(case.rail).unwrap();
+    let wheel = wheel_section("S1002", case.tape_diameter).unwrap();
+    let placed = place_rail(&rail, &track).unwrap();
+    let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
+    let options = MeshOptions::default();
+    let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
+    let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
+    let points = pair(
+        &Surface {
+            curve: &placed.curve,
+            shape: Shape::Extruded,
+            grid: &rail_mesh.contact,
+            origin: Vector2::zeros(),
+        },
+        &Surface {
+            curve: &wheel.running,
+            shape: Shape::Revolved { radius: wheel.radius },
+            grid: &wheel_mesh.contact,
+            origin: Vector2::new(track.tape_y(), touching.tape_z),
+        },
+        PairingLimits { largest_gap: 0.2e-3 },
+    );
+    let half_space = HalfSpace { contact_modulus: case.material.contact_modulus() };
+    let compliance = total(&[&half_space], &points, 1);
+    loads
+        .iter()
+        .map(|load| {
+            let hub = [(2, -load)];
+            let problem = Problem {
+                points: &points,
+                compliance: &compliance,
+                free: &points.gap,
+                friction: 0.0,
+                hub: &hub,
+            };
+            let solution = solve(&problem, &vec![0.0; points.len()]).unwrap();
+            let tangent = hub_response(&problem, &solution, &[2], false).unwrap().stiffness[(0, 0)];
+            let pressures = solution.forces.iter().zip(&points.area).map(|(f, a)| f / a);
+            let area =
+                points.area.iter().zip(&solution.forces).filter(|(_, f)| **f > 0.0).map(|(a, _)| a).sum();
+            [tangent, area, pressures.fold(0.0, f64::max)]
+        })
+        .collect()
+}
+
+/// Source: the published law (0.888e6 kN/m at 85 kN; the window 0.85e6 to 1.10e6 kN/m allows for another wheel body).
+/// Goal: with the foot held, S1002 that touches the crown of 60E1 alone (4 mm away from the flange) lies in the window.
+/// Centred it touches crown and gauge corner over 25 mm and is stiffer than the window, which MODEL, not mesh, explains: the
+/// half-space program's local stiffness alone rises from 1.42e6 to 1.77e6 kN/m between the two positions.
+#[test]
+fn the_foot_stiffness_at_85_kn_is_near_the_published_law() {
+    let window = 0.85e9..1.10e9;
+    assert!(window.contains(&StiffnessLaw::published().tangent(85e3)));
+    let tangent = |lateral_shift: f64, enforcement: Enforcement| {
+        let case = Case {
+            rail: "60E1",
+            tape_diameter: 0.858,
+            lateral_shift,
+            material: Material::STEEL,
+            enforcement,
+        };
+        let (points, horizontal) = press(&case, &[30e3, 60e3, 85e3, 110e3], &[Reference::Foot]);
+        assert!(horizontal > 1e7 && horizontal < 1e9, "horizontal stiffness {horizontal}");
+        points[0][2]
+    };
+    let crown = tangent(-4e-3, Enforcement::Exact);
+    println!("crown alone: {:.4e} N/m", crown.solid_tangent);
+    assert!(window.contains(&crown.solid_tangent), "{}", crown.solid_tangent);
+    let centred = tangent(0.0, Enforcement::Exact);
+    println!("centred: {:.4e} N/m", centred.solid_tangent);
+    assert!(
+        centred.solid_tangent > window.end && centred.solid_tangent < 1.25e9,
+        "{}",
+        centred.solid_tangent
+    );
+    // what the published springs let through, they give back by spreading the pressure
+    let penalty = tangent(-4e-3, Enforcement::Penalty(1e9));
+    println!(
+        "published penalty: {:.4e} N/m, penetration {:.4}",
+        penalty.solid_tangent, penalty.penalty_error
+    );
+    assert!((penalty.solid_tangent / crown.solid_tangent - 1.0).abs() < 0.05);
+    assert!(penalty.penalty_error > 1e-3, "the published criterion does not hold on so coarse a mesh");
+}
