@@ -264,7 +264,7 @@ mod tests {
         // A strip bent twice: u runs along the three walls, v across.
         let n = 60;
         let per_wall = n / 3;
-        let mut channel = mesh(n, |u, v| Point2::new(u, v));
+        let mut channel = mesh(n, Point2::new);
         for (index, p) in channel.nodes.iter_mut().enumerate() {
             let (i, v) = (index / (n + 1), p.y);
             let offset = 0.5 * t * v;
