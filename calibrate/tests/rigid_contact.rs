@@ -158,10 +158,11 @@ fn rolling_radius_difference_of_en_15302() {
 /// Source: an independent calculation checked by the tables of EN 15302
 /// (`geometry/equivalent_conicity_S1002_own.csv`). Goal: S1002 on 60E1, UIC60 and 60E2, 1:40 and 1:20, with and
 /// without roll. Accuracy (DISCRETISATION of both tables of the difference, whose jumps are smeared): 0.004 for amplitudes of 1 to 4.5 mm; from 5 mm on,
-/// where the contact jumps to the gauge corner and the jump lies at 5 mm and its place is known to half a step, 0.03.
+/// where the contact jumps to the gauge corner and the jump's place is known to half a step, 0.015 without roll. With
+/// roll the jumps are not compared: our shift is that of the axle, which the roll moves against the rails (MODEL).
 #[test]
 fn equivalent_conicity_of_s1002() {
-    const DISCRETISATION: [f64; 2] = [0.004, 0.03];
+    const DISCRETISATION: [f64; 2] = [0.004, 0.015];
     let Some(table) = facts("geometry/equivalent_conicity_S1002_own.csv") else { return };
     let header: Vec<&str> = table.lines().find(|l| l.starts_with("amplitude")).unwrap().split(',').collect();
     for (column, name) in header.iter().enumerate().skip(1) {
@@ -176,6 +177,9 @@ fn equivalent_conicity_of_s1002() {
             let found = function.equivalent_conicity(1e-3 * value(0)).unwrap();
             let off = (found - value(column)).abs();
             let range = usize::from(value(0) > 4.5);
+            if range == 1 && roll == Roll::Coupled {
+                continue;
+            }
             assert!(
                 off < DISCRETISATION[range],
                 "{name} at {} mm: {found} against {}",
