@@ -33,6 +33,7 @@ mod vtu;
 
 pub use block::{BlockOptions, mesh_block};
 pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
+pub(crate) use quality::CORNERS;
 pub use quality::{Quality, quality};
 pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
 pub use sweep::{extrude, revolve};

@@ -8,8 +8,8 @@ use crate::error::{InputError, Result};
 /// Corner neighbours along the three local axes, in right-handed order.
 const NEIGHBOURS: [[usize; 3]; 8] =
     [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]];
-/// Local coordinates of the corners.
-const CORNERS: [[f64; 3]; 8] = [
+/// Local coordinates of the corners of a hexahedron, in the order of VTK.
+pub(crate) const CORNERS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
     [1.0, 1.0, -1.0],

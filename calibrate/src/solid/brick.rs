@@ -8,6 +8,7 @@
 //! distorted elements pass the patch test.
 
 use super::Material;
+use crate::mesh::CORNERS;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, Vector3};
 
 /// Which strain field the element uses.
@@ -22,18 +23,6 @@ pub enum Formulation {
 
 /// Stiffness of a brick, N/m; degree of freedom `3·node + direction`.
 pub type Stiffness = SMatrix<f64, 24, 24>;
-
-/// Reference coordinates of the nodes, in the order of VTK's hexahedron.
-const CORNERS: [[f64; 3]; 8] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
 
 /// Coordinate of the two-point Gauss rule, 1/√3; both weights are 1.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
