@@ -40,7 +40,7 @@ pub(super) fn marked(profile: &MeasuredProfile, prepared: &Prepared, listed: &mu
     let mut placed: Vec<(f64, usize, Action)> = Vec::new();
     for finding in &prepared.findings {
         listed.count += 1;
-        listed.notes.push(format!("{}  {finding}", listed.count));
+        listed.notes.push(format!("[{}] {finding}", listed.count));
         if let Some(s) = place(finding, profile, prepared) {
             placed.push((s, listed.count, finding.action));
         }
@@ -78,6 +78,8 @@ fn gravity(action: Action) -> u8 {
 /// Arc length in the middle of a finding's lines; `None` if it has no place of its own.
 fn place(finding: &Finding, profile: &MeasuredProfile, prepared: &Prepared) -> Option<f64> {
     let (first, last) = finding.lines?;
+    // A line of the header has no place.
+    profile.points.iter().any(|p| (first..=last).contains(&p.line)).then_some(())?;
     let curve = &prepared.curve;
     // The points as read: what was mended is often no longer among the prepared ones.
     let on_curve = |line: usize| {

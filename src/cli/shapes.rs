@@ -136,7 +136,7 @@ const STYLES: [(plotters::style::RGBColor, Dash); 4] =
 /// listed at the bottom.
 pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
     let (mut shapes, mut curvatures) = (Vec::new(), Vec::new());
-    let mut listed = Listed::default();
+    let (mut found, mut listed) = (Vec::new(), Listed::default());
     for (profile, (color, dash)) in profiles.iter().zip(STYLES.iter().cycle().copied()) {
         let (curve, marks) = match standard(profile)? {
             Some(curve) => (curve, Vec::new()),
@@ -162,19 +162,24 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
             shapes.push(Series::marks("kink", kinks, RED, Marker::Circle));
         }
         for mark in marks {
-            let (color, marker) = match mark.action {
-                Action::Noted => (GREY, Marker::Disc),
-                Action::Mended => (BLUE, Marker::Square),
-                Action::Left => (DARK_RED, Marker::Triangle),
-            };
             let p = curve.point(mark.s);
-            let name = format!("finding, {}", mark.action.name());
-            let at = |value: f64| vec![(p.x / MILLIMETRE, value)];
-            let series =
-                |value| Series::marks(&name, at(value), color, marker).labelled(vec![mark.numbers.clone()]);
-            shapes.push(series(-p.y / MILLIMETRE));
-            curvatures.push(series(curve.curvature(mark.s) * MILLIMETRE));
+            found.push((p.x / MILLIMETRE, -p.y / MILLIMETRE, mark));
         }
+    }
+    // Above the curvature, which would hide them where it is rough.
+    let top = curvatures.iter().flat_map(|s| &s.points).fold(0.0, |top: f64, p| top.max(p.1));
+    for (y, height, mark) in found {
+        let (color, marker) = match mark.action {
+            Action::Noted => (GREY, Marker::Disc),
+            Action::Mended => (BLUE, Marker::Square),
+            Action::Left => (DARK_RED, Marker::Triangle),
+        };
+        let name = format!("finding, {}", mark.action.name());
+        let series = |value: f64| {
+            Series::marks(&name, vec![(y, value)], color, marker).labelled(vec![mark.numbers.clone()])
+        };
+        shapes.push(series(height));
+        curvatures.push(series(1.1 * top));
     }
     let panel = |y_label: &str, series| Panel {
         x_label: "y to the field side (mm)".into(),
