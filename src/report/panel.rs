@@ -232,3 +232,18 @@ fn draw_series(area: &Area<'_>, chart: &mut Chart<'_, '_>, series: &Series) -> D
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_are_broken_between_words() {
+        let note = "line 12: spike of a length that nobody would have expected in a profile";
+        let lines = broken(note, 200);
+        assert!(lines.len() > 2, "{lines:?}");
+        assert!(lines.iter().all(|line| line.chars().count() <= 32), "{lines:?}");
+        let words: Vec<&str> = lines.iter().flat_map(|line| line.split_whitespace()).collect();
+        assert_eq!(words.join(" "), note);
+    }
+}
