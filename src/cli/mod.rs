@@ -1,6 +1,7 @@
 //! The command line: arguments, messages and exit codes.
 
 mod contact;
+mod findings;
 mod profile;
 mod progress;
 mod shapes;

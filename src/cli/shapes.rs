@@ -6,14 +6,17 @@ use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile::wheels::{WHEEL_NAMES, wheel_profile};
-use railspring_calibrate::profile_file::{PrepareOptions, ReadOptions, prepare, read};
+use railspring_calibrate::profile_file::{
+    Action, MeasuredProfile, PrepareOptions, Prepared, ReadOptions, prepare, read,
+};
 use railspring_calibrate::section::rail_section;
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::units::MILLIMETRE;
 
+use super::findings::{Listed, marked};
 use super::say;
-use crate::report::panel::{Panel, stacked};
-use crate::report::plot::{BLUE, DARK, Dash, Marker, ORANGE, RED, Series};
+use crate::report::panel::{Panel, stacked_with_notes};
+use crate::report::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
 
 /// What a name means.
 fn meaning(name: &str) -> &'static str {
@@ -39,13 +42,26 @@ pub(super) fn list() {
 }
 
 /// The running surface of a standard or of a file.
-pub(super) fn curve(profile: &str) -> Result<ProfileCurve, Error> {
+fn curve(profile: &str) -> Result<ProfileCurve, Error> {
+    match standard(profile)? {
+        Some(curve) => Ok(curve),
+        None => Ok(measured(profile)?.1.curve),
+    }
+}
+
+/// The running surface of a standard, if it is the name of one.
+fn standard(profile: &str) -> Result<Option<ProfileCurve>, Error> {
     if RAIL_NAMES.contains(&profile) {
-        return Ok(rail_section(profile)?.running);
+        return Ok(Some(rail_section(profile)?.running));
     }
     if WHEEL_NAMES.contains(&profile) {
-        return wheel_profile(profile);
+        return wheel_profile(profile).map(Some);
     }
+    Ok(None)
+}
+
+/// A file as it was read, and prepared.
+fn measured(profile: &str) -> Result<(MeasuredProfile, Prepared), Error> {
     let path = Path::new(profile);
     if !path.exists() {
         let names: Vec<&str> = RAIL_NAMES.iter().chain(&WHEEL_NAMES).copied().collect();
@@ -58,7 +74,8 @@ pub(super) fn curve(profile: &str) -> Result<ProfileCurve, Error> {
         .into());
     }
     let measured = read(path, &ReadOptions::default())?;
-    Ok(prepare(&measured, &PrepareOptions { smoothing: None })?.curve)
+    let prepared = prepare(&measured, &PrepareOptions { smoothing: None })?;
+    Ok((measured, prepared))
 }
 
 /// Prints the numbers of a profile.
@@ -115,11 +132,20 @@ pub(super) fn show(profile: &str) -> Result<(), Error> {
 const STYLES: [(plotters::style::RGBColor, Dash); 4] =
     [(DARK, Dash::Solid), (RED, Dash::Dashed), (BLUE, Dash::Dotted), (ORANGE, Dash::Solid)];
 
-/// Draws profiles over each other, and their curvature below.
+/// Draws profiles over each other, and their curvature below; the findings of files are marked where they are and
+/// listed at the bottom.
 pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
     let (mut shapes, mut curvatures) = (Vec::new(), Vec::new());
+    let (mut found, mut listed) = (Vec::new(), Listed::default());
     for (profile, (color, dash)) in profiles.iter().zip(STYLES.iter().cycle().copied()) {
-        let curve = curve(profile)?;
+        let (curve, marks) = match standard(profile)? {
+            Some(curve) => (curve, Vec::new()),
+            None => {
+                let (measured, prepared) = measured(profile)?;
+                let marks = marked(&measured, &prepared, &mut listed);
+                (prepared.curve, marks)
+            }
+        };
         let parameters = curve.sample_parameters(0.1 * MILLIMETRE);
         let points = |f: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
             parameters.iter().map(|&s| (curve.point(s).x / MILLIMETRE, f(s))).collect()
@@ -135,6 +161,25 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
         if !kinks.is_empty() {
             shapes.push(Series::marks("kink", kinks, RED, Marker::Circle));
         }
+        for mark in marks {
+            let p = curve.point(mark.s);
+            found.push((p.x / MILLIMETRE, -p.y / MILLIMETRE, mark));
+        }
+    }
+    // Above the curvature, which would hide them where it is rough.
+    let top = curvatures.iter().flat_map(|s| &s.points).fold(0.0, |top: f64, p| top.max(p.1));
+    for (y, height, mark) in found {
+        let (color, marker) = match mark.action {
+            Action::Noted => (GREY, Marker::Disc),
+            Action::Mended => (BLUE, Marker::Square),
+            Action::Left => (DARK_RED, Marker::Triangle),
+        };
+        let name = format!("finding, {}", mark.action.name());
+        let series = |value: f64| {
+            Series::marks(&name, vec![(y, value)], color, marker).labelled(vec![mark.numbers.clone()])
+        };
+        shapes.push(series(height));
+        curvatures.push(series(1.1 * top));
     }
     let panel = |y_label: &str, series| Panel {
         x_label: "y to the field side (mm)".into(),
@@ -142,8 +187,8 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
         from_zero: false,
         series,
     };
-    let figure =
-        stacked(760, 320, &[panel("height \u{2212}z (mm)", shapes), panel("curvature (1/mm)", curvatures)]);
+    let panels = [panel("height \u{2212}z (mm)", shapes), panel("curvature (1/mm)", curvatures)];
+    let figure = stacked_with_notes(760, 320, &panels, &listed.notes);
     write(output, &figure)?;
     say(&output.display().to_string());
     Ok(())

@@ -28,10 +28,22 @@ pub struct Panel {
 
 /// Draws panels under each other, with one legend for all above them.
 pub fn stacked(width: u32, panel_height: u32, panels: &[Panel]) -> String {
+    stacked_with_notes(width, panel_height, panels, &[])
+}
+
+/// As [`stacked`], with lines of text below the panels.
+pub fn stacked_with_notes(width: u32, panel_height: u32, panels: &[Panel], notes: &[String]) -> String {
     let entries = legend_of(panels);
     let legend = legend_height(width, &entries);
-    let height = legend + panel_height * panels.len() as u32;
-    svg(width, height, |root| {
+    let notes: Vec<String> = notes.iter().flat_map(|note| broken(note, width)).collect();
+    let drawn = legend + panel_height * panels.len() as u32;
+    let below = if notes.is_empty() { 0 } else { NOTE_LINE * (notes.len() as u32 + 1) };
+    svg(width, drawn + below, |root| {
+        let (root, foot) = root.split_vertically(px(drawn));
+        for (index, line) in notes.iter().enumerate() {
+            let at = (px(NOTE_MARGIN), px(NOTE_LINE * index as u32 + NOTE_LINE / 2));
+            foot.draw(&Text::new(line.clone(), at, label(TICK_TEXT, HPos::Left, VPos::Top)))?;
+        }
         let (top, body) = root.split_vertically(px(legend));
         draw_legend(&top, width, &entries)?;
         let ranges: Vec<Ranges> = panels.iter().map(ranges).collect();
@@ -48,6 +60,30 @@ pub fn stacked(width: u32, panel_height: u32, panels: &[Panel]) -> String {
         }
         Ok(())
     })
+}
+
+/// Distance of the lines of the notes, px.
+const NOTE_LINE: u32 = 16;
+/// Margin beside the notes, px.
+const NOTE_MARGIN: u32 = 14;
+
+/// A note in lines that fit the width; those after the first are indented.
+fn broken(note: &str, width: u32) -> Vec<String> {
+    let room = (f64::from(width - 2 * NOTE_MARGIN) / (f64::from(TICK_TEXT) * LETTER_WIDTH)) as usize;
+    let mut lines = vec![String::new()];
+    for word in note.split(' ') {
+        let last = lines.len() - 1;
+        if lines[last].chars().count() + 1 + word.chars().count() > room && !lines[last].trim().is_empty() {
+            // Plain blanks at the start of a text are dropped by browsers.
+            lines.push(format!("\u{2003}\u{2003}{word}"));
+        } else {
+            if !lines[last].is_empty() {
+                lines[last].push(' ');
+            }
+            lines[last].push_str(word);
+        }
+    }
+    lines
 }
 
 fn legend_of(panels: &[Panel]) -> Vec<Entry> {
@@ -189,5 +225,25 @@ fn draw_series(area: &Area<'_>, chart: &mut Chart<'_, '_>, series: &Series) -> D
             mark(area, series.marker, series.color, (x - origin.0, y - origin.1))?;
         }
     }
+    for (at, text) in series.points.iter().zip(&series.labels) {
+        let (x, y) = chart.plotting_area().map_coordinate(at);
+        let style = label(LABEL_TEXT, HPos::Left, VPos::Bottom);
+        area_text(area, text, (x + px(4), y - px(3)), style)?;
+    }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_are_broken_between_words() {
+        let note = "line 12: spike of a length that nobody would have expected in a profile";
+        let lines = broken(note, 200);
+        assert!(lines.len() > 2, "{lines:?}");
+        assert!(lines.iter().all(|line| line.chars().count() <= 32), "{lines:?}");
+        let words: Vec<&str> = lines.iter().flat_map(|line| line.split_whitespace()).collect();
+        assert_eq!(words.join(" "), note);
+    }
 }

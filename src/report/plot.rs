@@ -84,6 +84,8 @@ pub struct Series {
     pub sample: Option<Dash>,
     /// Width of the line, tenths of a pixel.
     pub width: u32,
+    /// Texts beside the points, in their order; none for points beyond the last.
+    pub labels: Vec<String>,
 }
 
 /// Usual width of a line, tenths of a pixel.
@@ -92,22 +94,45 @@ const LINE: u32 = 14;
 impl Series {
     /// A line without markers.
     pub fn line(name: &str, points: Vec<(f64, f64)>, color: RGBColor, dash: Dash) -> Self {
-        Self { name: name.into(), points, color, dash, marker: Marker::None, sample: None, width: LINE }
+        Self {
+            name: name.into(),
+            points,
+            color,
+            dash,
+            marker: Marker::None,
+            sample: None,
+            width: LINE,
+            labels: Vec::new(),
+        }
     }
 
     /// Markers without a line.
     pub fn marks(name: &str, points: Vec<(f64, f64)>, color: RGBColor, marker: Marker) -> Self {
-        Self { name: name.into(), points, color, dash: Dash::None, marker, sample: None, width: LINE }
+        Self {
+            name: name.into(),
+            points,
+            color,
+            dash: Dash::None,
+            marker,
+            sample: None,
+            width: LINE,
+            labels: Vec::new(),
+        }
     }
 
     /// Markers joined by a line.
     pub fn joined(name: &str, points: Vec<(f64, f64)>, color: RGBColor, dash: Dash, marker: Marker) -> Self {
-        Self { name: name.into(), points, color, dash, marker, sample: None, width: LINE }
+        Self { name: name.into(), points, color, dash, marker, sample: None, width: LINE, labels: Vec::new() }
     }
 
     /// The same with a broad line, for what other curves are laid over.
     pub fn broad(self) -> Self {
         Self { width: 32, ..self }
+    }
+
+    /// The same with a text beside each point.
+    pub fn labelled(self, labels: Vec<String>) -> Self {
+        Self { labels, ..self }
     }
 
     /// The same with a line in the legend.

@@ -1,0 +1,130 @@
+//! The commands on profiles from outside: what they print, which files they write, with which exit code.
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+
+fn railspring(folder: &Path, arguments: &[&str]) -> Output {
+    Command::cargo_bin("railspring")
+        .unwrap()
+        .current_dir(folder)
+        .arg("profile")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Standard output of a command that must succeed.
+fn told(folder: &Path, arguments: &[&str]) -> String {
+    let output = railspring(folder, arguments);
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Expects exit code 2, an error with all `parts`, and an empty folder.
+fn refused(arguments: &[&str], parts: &[&str]) {
+    let place = tempfile::tempdir().unwrap();
+    let output = railspring(place.path(), arguments);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+    for part in parts {
+        assert!(text.contains(part), "{part:?} in {text}");
+    }
+    assert_eq!(std::fs::read_dir(place.path()).unwrap().count(), 0, "{arguments:?} leaves nothing behind");
+}
+
+fn worn(name: &str) -> String {
+    format!("{}/data/profiles/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn list_names_every_standard() {
+    let place = tempfile::tempdir().unwrap();
+    let text = told(place.path(), &["list"]);
+    for name in ["60E1", "UIC60", "60E2", "54E1", "S1002", "EN13715-1in40", "straight-web", "s-web"] {
+        assert!(text.contains(name), "{name} in {text}");
+    }
+}
+
+/// Source: EN 13674-1, area and second moments as published (`data/profiles/README.md`). Goal: what is printed.
+/// Accuracy: 0.1 %.
+#[test]
+fn show_prints_the_published_properties() {
+    let place = tempfile::tempdir().unwrap();
+    let published =
+        [("60E1", 76.70, 3038.3, 512.3), ("60E2", 76.48, 3022.0, 510.5), ("54E1", 69.77, 2338.0, 419.2)];
+    for (name, area, ixx, iyy) in published {
+        let text = told(place.path(), &["show", name]);
+        for (key, value) in [("area", area), ("Ixx", ixx), ("Iyy", iyy)] {
+            let line = text.lines().find(|line| line.starts_with(key)).unwrap();
+            let shown: f64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
+            assert!((shown / value - 1.0).abs() < 1e-3, "{name}: {line} against {value}");
+        }
+    }
+    let cone = told(place.path(), &["show", "EN13715-1in40"]);
+    assert!(cone.contains("kink") && cone.contains("R 36.00"), "{cone}");
+    assert!(told(place.path(), &["show", &worn("worn-s1002.whl")]).contains("profile file"));
+}
+
+#[test]
+fn plot_draws_standards_over_each_other() {
+    let place = tempfile::tempdir().unwrap();
+    told(place.path(), &["plot", "60E1", "60E2", "-o", "rails.svg"]);
+    let figure = std::fs::read_to_string(place.path().join("rails.svg")).unwrap();
+    assert!(figure.starts_with("<svg") && figure.trim_end().ends_with("</svg>"));
+    assert!(figure.contains("60E1") && figure.contains("60E2") && figure.contains("curvature"));
+    assert!(!figure.contains("finding"));
+}
+
+/// A spike and a doubled point in a measured wheel are marked, numbered and listed with their lines.
+#[test]
+fn plot_marks_the_findings_of_a_file() {
+    let place = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(worn("worn-s1002.whl")).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let columns: Vec<f64> = lines[300].split_whitespace().map(|c| c.parse().unwrap()).collect();
+    let spiked: Vec<String> =
+        columns.iter().enumerate().map(|(i, c)| if i == 1 { c + 1.5 } else { *c }.to_string()).collect();
+    lines[300] = spiked.join("\t");
+    let twice = lines[400].clone();
+    lines.insert(400, twice);
+    std::fs::write(place.path().join("spoiled.whl"), lines.join("\n") + "\n").unwrap();
+
+    told(place.path(), &["plot", "spoiled.whl", "-o", "found.svg"]);
+    let figure = std::fs::read_to_string(place.path().join("found.svg")).unwrap();
+    for part in
+        ["finding, mended", "line 301: spike", "lines 401 to 402: duplicate", "spoiled.whl (MiniProf, wheel"]
+    {
+        assert!(figure.contains(part), "{part:?} in the figure");
+    }
+    // What the list says is what `check` says.
+    let check = told(place.path(), &["check", "spoiled.whl"]);
+    let listed = figure.lines().filter(|line| line.trim_start().starts_with('[')).count();
+    assert_eq!(listed, check.lines().count() - 1, "{check}");
+}
+
+#[test]
+fn contact_writes_table_and_figure() {
+    let place = tempfile::tempdir().unwrap();
+    let arguments = ["contact", "S1002", "60E1", "--shift-mm", "4", "--step-mm", "0.5", "-o", "pair"];
+    let text = told(place.path(), &arguments);
+    assert!(text.contains("equivalent conicity at 3 mm"), "{text}");
+    let table = std::fs::read_to_string(place.path().join("pair.csv")).unwrap();
+    assert!(table.starts_with("shift_mm,side,point,"), "{table}");
+    // 17 shifts, both wheels.
+    assert_eq!(table.lines().count(), 1 + 34);
+    let columns = table.lines().next().unwrap().split(',').count();
+    assert!(table.lines().all(|line| line.split(',').count() == columns));
+    assert!(std::fs::read_to_string(place.path().join("pair.svg")).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn unknown_names_are_refused() {
+    refused(&["show", "61E1"], &["61E1", "60E1", "railspring profile list"]);
+    refused(&["plot", "60E1", "nowhere.prr"], &["nowhere.prr", "profile file"]);
+    refused(&["contact", "S1003", "60E1"], &["S1003", "S1002"]);
+    refused(&["contact", "S1002", "61E1"], &["61E1", "54E1"]);
+    refused(&["contact", "S1002", "60E1", "--step-mm", "0"], &["--step-mm"]);
+}
