@@ -412,8 +412,28 @@ fn s1002_has_the_heights_of_the_standard() {
     let refused = |name: &str, height: f64, thickness: f64| {
         wheel_profile_with_flange(name, &Flange { height, thickness }).unwrap_err().to_string()
     };
-    assert!(refused("S1002", 28e-3, 30e-3).contains("wheel.flange_thickness_mm"));
+    assert!(refused("S1002", 28e-3, 33e-3).contains("wheel.flange_thickness_mm"));
+    assert!(refused("S1002", 28e-3, 28e-3).contains("wheel.flange_thickness_mm"));
+    assert!(refused("S1002", 28e-3, f64::NAN).contains("wheel.flange_thickness_mm"));
     assert!(refused("EN13715-1in40", 28e-3, 27e-3).contains("wheel.flange_thickness_mm"));
     assert!(refused("EN13715-1in40", 29e-3, f64::NAN).contains("wheel.flange_thickness_mm"));
     assert!(refused("EN13715-1in40", 29e-3, 30e-3).contains("wheel.flange_height_mm"));
+}
+
+/// Source: EN 13715:2020, table C.1, D1 to T1, which moves with the flange (values rounded to 0.001 mm). Goal: S1002 with a
+/// flange of 30 mm has them 2.5 mm nearer to the flange back, a straight line from T1 to the tape circle, the unchanged
+/// tread beyond, and the thickness at 10 mm below the tape circle. Accuracy: the table's rounding.
+#[test]
+fn a_thin_flange_moves_the_throat_of_s1002() {
+    const ROUNDING: f64 = 0.6e-6;
+    let thin = wheel_profile_with_flange("S1002", &Flange { height: 28e-3, thickness: 30e-3 }).unwrap();
+    let nominal = wheel_profile("S1002").unwrap();
+    let z = |curve: &ProfileCurve, y: f64| curve.point(curve.s_at_y(y).unwrap()).y;
+    for (y, expected) in [(-35.0, 6.867), (-30.0, 3.922), (-26.0, 2.741), (-0.5, 0.017)] {
+        let found = z(&thin, (y - 2.5) * 1e-3);
+        assert!((found - expected * 1e-3).abs() < ROUNDING, "{y}: {found} {expected}");
+    }
+    assert!((z(&thin, -1.5e-3) - 0.5 * 0.017e-3).abs() < ROUNDING);
+    assert!((z(&thin, 20e-3) - z(&nominal, 20e-3)).abs() < 1e-12);
+    assert!(thin.closest(&Point2::new(-40e-3, 10e-3)).1 < 1e-6);
 }

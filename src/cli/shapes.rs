@@ -25,7 +25,7 @@ fn meaning(name: &str) -> &'static str {
         "UIC60" => "rail, head of UIC 861-3 on web and foot of 60E1",
         "60E2" => "rail, EN 13674-1, relieved gauge corner",
         "54E1" => "rail, EN 13674-1",
-        "S1002" => "wheel, EN 13715; flange height 28, 30 or 32 mm, thickness 32.5 mm",
+        "S1002" => "wheel, EN 13715; flange height 28, 30 or 32 mm, thickness 28.5 to 32.5 mm",
         "EN13715-1in40" => {
             "wheel, EN 13715 cone 1:40; flange height 28, 30 or 32 mm, thickness 28.5 to 33 mm"
         }

@@ -3,7 +3,7 @@
 //! * [`exchange`]: the questions, as files that know nothing of the tool's formulations;
 //! * [`python`]: the environment of the scikit-fem reference, and running it;
 //! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
-//! * [`compare`]: answers against answers, with limits and their causes;
+//! * [`mod@compare`]: answers against answers, with limits and their causes;
 //! * [`page`]: the page for whoever must trust the numbers.
 
 pub mod calculix;

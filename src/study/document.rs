@@ -130,7 +130,7 @@ pub struct WheelKeys {
     #[serde(default = "default_flange_height")]
     #[schemars(range(min = 28.0, max = 32.0))]
     pub flange_height_mm: f64,
-    /// Thickness of the flange, mm; S1002 is defined for 32.5 alone.
+    /// Thickness of the flange, mm; 28.5 to 33, S1002 up to 32.5.
     #[serde(default = "default_flange_thickness")]
     #[schemars(range(min = 28.5, max = 33.0))]
     pub flange_thickness_mm: f64,

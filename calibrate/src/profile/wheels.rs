@@ -2,8 +2,8 @@
 //!
 //! Source: S1002 and the 1/40 profile of EN 13715 (UIC 510-2). The published zones of S1002 meet with steps of up
 //! to 0.12 µm; half of each step (in value and slope) is taken up on either side of the joint within 2 mm, so that
-//! the curve and its tangent are continuous. The flange of S1002 can be higher than the 28 mm of its formulas, but
-//! not thinner: the formulas of its throat belong to 32.5 mm.
+//! the curve and its tangent are continuous. The flange of S1002 can be higher than the 28 mm of its formulas, and
+//! thinner than their 32.5 mm, but not thicker.
 
 use nalgebra::{Point2, Vector2};
 
@@ -36,6 +36,8 @@ mod limit {
     pub const E_D: f64 = -38.426_669_071;
     pub const D_C: f64 = -35.0;
     pub const C_B: f64 = -26.0;
+    /// End T1 of what a thinner flange moves with it.
+    pub const MOVED_END: f64 = -0.5;
     pub const B_A: f64 = 32.157_96;
     pub const CHAMFER: f64 = 60.0;
 }
@@ -83,12 +85,15 @@ pub fn wheel_profile(name: &str) -> Result<ProfileCurve> {
 
 /// As [`wheel_profile`] with a flange of another size of the standard.
 ///
+/// S1002 with a thinner flange: the standard moves flange, throat and the tread up to 0.5 mm before the tape circle
+/// (its table C.1, D1 to T1) towards the flange back, and joins T1 to the tape circle by a straight line.
+///
 /// With a thickness below 32.5 mm the two halves of the flange tip cross in a ridge on its top, up to 0.17 mm below
 /// the nominal height, as the standard's shift of the construction points has it.
 ///
 /// # Errors
-/// [`InputError`] for an unknown name, a flange that the standard does not have, or S1002 with a thickness other
-/// than 32.5 mm.
+/// [`InputError`] for an unknown name, a flange that the standard does not have, or S1002 with a thickness above
+/// 32.5 mm.
 ///
 /// ```
 /// use railspring_calibrate::profile::wheels::{Flange, wheel_profile_with_flange};
@@ -195,17 +200,7 @@ fn graph_piece(zone: impl Fn(f64) -> (f64, f64), from: f64, to: f64) -> Piece {
 /// Flange of S1002 in mm, up to the end of its face: the published numbers where there are, else solved for.
 fn s1002_flange(flange: &Flange) -> Result<Vec<Segment>> {
     flange.shoulder_radius()?;
-    // ROUNDOFF: a thickness given in mm and converted.
-    if (flange.thickness - NOMINAL_THICKNESS).abs() > 1e-12 {
-        return Err(InputError::new(
-            "wheel.flange_thickness_mm",
-            format!("{} mm", flange.thickness / MILLIMETRE),
-            "32.5 mm with S1002, whose throat is published for this thickness alone",
-            "take EN13715-1in40, or give a thinner S1002 as a measured profile",
-        )
-        .into());
-    }
-    let face_end = Point2::new(limit::E_D, zone_d(limit::E_D).0);
+    let face_end = Point2::new(limit::E_D + throat_shift(flange)?, zone_d(limit::E_D).0);
     if !flange.is_nominal() {
         let mut segments = flange.shape()?.segments;
         let last = segments.len() - 1;
@@ -255,17 +250,50 @@ fn cone_1_in_40(flange: &Flange) -> Result<Vec<Piece>> {
 }
 
 fn s1002(flange: &Flange) -> Result<Vec<Piece>> {
+    let shift = throat_shift(flange)?;
     let d_c = Joint::new(limit::D_C, zone_d, zone_c);
     let c_b = Joint::new(limit::C_B, zone_c, zone_b);
     let plus = |a: (f64, f64), b: (f64, f64)| (a.0 + b.0, a.1 + b.1);
     let mut pieces = pieces_of(&s1002_flange(flange)?);
-    pieces.push(graph_piece(|y| plus(zone_d(y), d_c.correction(y, 1.0)), limit::E_D, limit::D_C));
     pieces.push(graph_piece(
-        |y| plus(plus(zone_c(y), d_c.correction(y, -1.0)), c_b.correction(y, 1.0)),
-        limit::D_C,
-        limit::C_B,
+        |y| plus(zone_d(y - shift), d_c.correction(y - shift, 1.0)),
+        limit::E_D + shift,
+        limit::D_C + shift,
     ));
-    pieces.push(graph_piece(|y| plus(zone_b(y), c_b.correction(y, -1.0)), limit::C_B, limit::B_A));
+    pieces.push(graph_piece(
+        |y| plus(plus(zone_c(y - shift), d_c.correction(y - shift, -1.0)), c_b.correction(y - shift, 1.0)),
+        limit::D_C + shift,
+        limit::C_B + shift,
+    ));
+    let tread = |y: f64| plus(zone_b(y), c_b.correction(y, -1.0));
+    if shift == 0.0 {
+        pieces.push(graph_piece(tread, limit::C_B, limit::B_A));
+    } else {
+        let moved_end = limit::MOVED_END + shift;
+        let slope = tread(limit::MOVED_END).0 / moved_end;
+        pieces.push(graph_piece(|y| tread(y - shift), limit::C_B + shift, moved_end));
+        pieces.push(graph_piece(|y| (slope * y, slope), moved_end, 0.0));
+        pieces.push(graph_piece(tread, 0.0, limit::B_A));
+    }
     pieces.push(graph_piece(zone_a, limit::B_A, limit::CHAMFER));
     Ok(pieces)
+}
+
+/// How far the throat of S1002 lies from that of the nominal thickness, mm: zero, or negative for a thinner flange.
+fn throat_shift(flange: &Flange) -> Result<f64> {
+    let shift = (flange.thickness - NOMINAL_THICKNESS) / MILLIMETRE;
+    // ROUNDOFF: a thickness given in mm and converted.
+    if shift.abs() < 1e-9 {
+        return Ok(0.0);
+    }
+    if shift > 0.0 {
+        return Err(InputError::new(
+            "wheel.flange_thickness_mm",
+            format!("{} mm", flange.thickness / MILLIMETRE),
+            "28.5 to 32.5 mm with S1002, whose moved part would overlap the tread beyond",
+            "take a thinner flange",
+        )
+        .into());
+    }
+    Ok(shift)
 }

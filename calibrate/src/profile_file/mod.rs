@@ -1,7 +1,7 @@
 //! Profiles from files: Simpack, MiniProf, text and CSV; what is wrong with them, and how it is mended.
 //!
 //! [`read`] gives the points of a file in the profile frame (y to the field side, z down, m), each with its
-//! line. [`prepare`] checks and repairs them and makes the curve. [`write`] writes a profile in any of the
+//! line. [`prepare`] checks and repairs them and makes the curve. [`write()`] writes a profile in any of the
 //! formats. Nothing is changed silently: every stage adds [`Finding`]s.
 
 mod check;
