@@ -152,6 +152,65 @@ fn contact_program_finds_the_same_touch() {
     assert!(compared > 60, "{compared}");
 }
 
+/// Value at `x` of the parabola through three points.
+fn parabola(points: &[(f64, f64)], x: f64) -> f64 {
+    (0..3)
+        .map(|i| {
+            let others = (0..3).filter(|&j| j != i);
+            points[i].1 * others.map(|j| (x - points[j].0) / (points[i].0 - points[j].0)).product::<f64>()
+        })
+        .sum()
+}
+
+/// Source: the same table. The first touch jumps where the heights of two places of touch are equal; parabolas through
+/// the table's heights on either side, 0.25 mm apart, meet there. Goal: our jumps lie at the same shifts within
+/// 0.05 mm. Accuracy of the parabolas: some 0.01 mm.
+#[test]
+fn the_touch_jumps_where_the_contact_program_has_it() {
+    const JUMP: f64 = 0.05e-3;
+    let root = std::env::var_os("RAILSPRING_FACTS")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
+    let path = root.join("contact/touch_point_right_wheel_no_yaw.csv");
+    let Ok(table) = std::fs::read_to_string(&path) else {
+        println!("skipped: {} is not there", path.display());
+        return;
+    };
+    let rows: Vec<[f64; 3]> = table
+        .lines()
+        .skip(1)
+        .map(|row| {
+            let c: Vec<f64> = row.split(',').map(|v| v.parse().unwrap()).collect();
+            [1e-3 * c[0], 1e-3 * c[3], 1e-3 * c[4]]
+        })
+        .collect();
+    let track = TrackGeometry::standard();
+    let rail = placed("UIC60", &track);
+    let wheel = wheel_profile("S1002").unwrap();
+    let bisect = |mut low: f64, mut high: f64, beyond: &dyn Fn(f64) -> bool| {
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            *if beyond(middle) { &mut high } else { &mut low } = middle;
+        }
+        low
+    };
+    let mut jumps = 0;
+    for i in (3..rows.len() - 2).filter(|&i| (rows[i][2] - rows[i - 1][2]).abs() > 4e-3) {
+        let heights = |range: std::ops::Range<usize>| -> Vec<(f64, f64)> {
+            rows[range].iter().map(|r| (r[0], r[1])).collect()
+        };
+        let (before, after) = (heights(i - 3..i), heights(i..i + 3));
+        let (low, high) = (rows[i - 1][0], rows[i][0]);
+        // the wheel rests on the higher of the two places, which has the smaller z
+        let theirs = bisect(low, high, &|x| parabola(&after, x) < parabola(&before, x));
+        let middle = 0.5 * (rows[i - 1][2] + rows[i][2]);
+        let ours = bisect(low, high, &|x| touch(&rail, &wheel, track.tape_y() + x).unwrap().point.x < middle);
+        println!("jump at {:.4} mm, table {:.4} mm", ours * 1e3, theirs * 1e3);
+        assert!((ours - theirs).abs() < JUMP, "{ours} {theirs}");
+        jumps += 1;
+    }
+    assert_eq!(jumps, 3);
+}
+
 fn key(result: Result<impl std::fmt::Debug, Error>) -> String {
     match result.unwrap_err() {
         Error::Input(input) => input.key,
