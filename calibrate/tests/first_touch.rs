@@ -117,6 +117,18 @@ fn touch_is_the_global_minimum() {
     }
 }
 
+/// Rows of the contact program's table of the first touch; `None`, with a note, where the shared facts are absent.
+fn touch_table() -> Option<Vec<Vec<f64>>> {
+    let root = std::env::var_os("RAILSPRING_FACTS")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
+    let path = root.join("contact/touch_point_right_wheel_no_yaw.csv");
+    let Ok(table) = std::fs::read_to_string(&path) else {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    };
+    Some(table.lines().skip(1).map(|row| row.split(',').map(|v| v.parse().unwrap()).collect()).collect())
+}
+
 /// Source: CONTACT 25.2 (Vollebregt and Kalker) on the Manchester benchmark's profiles, table of the first touch
 /// over the lateral shift in the shared facts (`contact/touch_point_right_wheel_no_yaw.csv`). Goal: profiles,
 /// placement and touch together. Set-up: UIC60 at 1:40, S1002, gauge 1435 mm at 14 mm, flange backs 1360 mm, no
@@ -127,19 +139,12 @@ fn contact_program_finds_the_same_touch() {
     const LATERAL: f64 = 0.02e-3;
     const HEIGHT: f64 = 0.5e-6;
     const ANGLE: f64 = 2e-4;
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
-    let path = root.join("contact/touch_point_right_wheel_no_yaw.csv");
-    let Ok(table) = std::fs::read_to_string(&path) else {
-        println!("skipped: {} is not there", path.display());
-        return;
-    };
+    let Some(rows) = touch_table() else { return };
     let track = TrackGeometry::standard();
     let rail = placed("UIC60", &track);
     let wheel = wheel_profile("S1002").unwrap();
     let mut compared = 0;
-    for row in table.lines().skip(1) {
-        let column: Vec<f64> = row.split(',').map(|v| v.parse().unwrap()).collect();
+    for column in rows {
         let (shift, tape_z, y, z, angle) =
             (1e-3 * column[0], 1e-3 * column[3], 1e-3 * column[4], 1e-3 * column[5], -column[11]);
         let found = touch(&rail, &wheel, track.tape_y() + shift).unwrap();
@@ -168,21 +173,8 @@ fn parabola(points: &[(f64, f64)], x: f64) -> f64 {
 #[test]
 fn the_touch_jumps_where_the_contact_program_has_it() {
     const JUMP: f64 = 0.05e-3;
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
-    let path = root.join("contact/touch_point_right_wheel_no_yaw.csv");
-    let Ok(table) = std::fs::read_to_string(&path) else {
-        println!("skipped: {} is not there", path.display());
-        return;
-    };
-    let rows: Vec<[f64; 3]> = table
-        .lines()
-        .skip(1)
-        .map(|row| {
-            let c: Vec<f64> = row.split(',').map(|v| v.parse().unwrap()).collect();
-            [1e-3 * c[0], 1e-3 * c[3], 1e-3 * c[4]]
-        })
-        .collect();
+    let Some(rows) = touch_table() else { return };
+    let rows: Vec<[f64; 3]> = rows.iter().map(|c| [1e-3 * c[0], 1e-3 * c[3], 1e-3 * c[4]]).collect();
     let track = TrackGeometry::standard();
     let rail = placed("UIC60", &track);
     let wheel = wheel_profile("S1002").unwrap();

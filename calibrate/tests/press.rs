@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use railspring_calibrate::calibration::{
-    Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal,
+    Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
 };
 use railspring_calibrate::contact::{
     HalfSpace, PairingLimits, Problem, Shape, Surface, hub_response, pair, solve, total,
@@ -59,11 +59,10 @@ fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadP
         friction: 0.5,
         enforcement: case.enforcement,
     };
+    let states = press_loads(&pair, loads, "press", &Silent).unwrap();
     let points = references
         .iter()
-        .map(|&reference| {
-            calibrate_normal(&pair, loads, reference, None, &case.material, &Silent).unwrap().0.points
-        })
+        .map(|&reference| calibrate_normal(&pair, &states, reference, None, &case.material).unwrap().points)
         .collect();
     let horizontal = calibrate_horizontal(&pair, &loads[..1], None, &Silent).unwrap();
     (points, horizontal.stiffness)

@@ -1,9 +1,8 @@
 //! The calibration: superelements, load curve, laws, horizontal stiffness.
 
-use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{
-    LoadPoint, NormalCalibration, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal,
+    LoadPoint, NormalCalibration, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
 };
 use railspring_calibrate::error::Result;
 use railspring_calibrate::law::{LawFit, REFERENCE_FORCE};
@@ -70,12 +69,12 @@ pub fn calibrate(
     };
     let (on_foot, on_ends) = (wheel_on(&rail_on_foot), wheel_on(&rail_on_ends));
     let beam = geometry.beam.static_flexibility(geometry.touch.point - geometry.node_line());
-    let normal = |pair: &WheelOnRail, reference, beam: Option<&Matrix2<f64>>| {
-        calibrate_normal(pair, &study.calibration.loads, reference, beam, &study.material, monitor)
-    };
-    let (foot, foot_states) = normal(&on_foot, Reference::Foot, None)?;
-    let (beam_law, beam_states) = normal(&on_ends, Reference::Beam, Some(&beam))?;
-    let (local, _) = normal(&on_foot, Reference::Local, None)?;
+    let loads = &study.calibration.loads;
+    let foot_states = press_loads(&on_foot, loads, "calibration, foot held", monitor)?;
+    let beam_states = press_loads(&on_ends, loads, "calibration, ends held", monitor)?;
+    let foot = calibrate_normal(&on_foot, &foot_states, Reference::Foot, None, &study.material)?;
+    let beam_law = calibrate_normal(&on_ends, &beam_states, Reference::Beam, Some(&beam), &study.material)?;
+    let local = calibrate_normal(&on_foot, &foot_states, Reference::Local, None, &study.material)?;
     let (in_use, states, pair, subtracted) = match study.calibration.reference {
         ReferenceKey::Beam => (&beam_law, &beam_states, &on_ends, Some(&beam)),
         ReferenceKey::Foot => (&foot, &foot_states, &on_foot, None),

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_normal,
+    Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_normal, press_loads,
 };
 use railspring_calibrate::contact::Side;
 use railspring_calibrate::error::Result;
@@ -118,8 +118,8 @@ pub fn answers(
                 enforcement: Enforcement::Exact,
             };
             // hub against support: what the calibration calls the foot's reference, whatever is held
-            let (normal, states) =
-                calibrate_normal(&pair, &loads, Reference::Foot, None, &study.material, monitor)?;
+            let states = press_loads(&pair, &loads, "calibration, foot held", monitor)?;
+            let normal = calibrate_normal(&pair, &states, Reference::Foot, None, &study.material)?;
             let seconds = clock.elapsed().as_secs_f64();
             Ok((AnsweredCurve { points: normal.points, seconds }, states))
         };

@@ -97,21 +97,16 @@ pub struct HorizontalCalibration {
     pub spread: f64,
 }
 
-/// Presses the wheel with every load in turn (ascending) and fits the normal law.
-///
-/// `beam` is the static flexibility (y, z), m/N, of the moving solver's rail beam at the contact; it is
-/// needed for the reference `beam` and only split off for the others.
+/// Presses the wheel with every load in turn (ascending). `stage` names the work to `monitor`.
 ///
 /// # Errors
-/// [`InputError`] for loads that are not ascending or cannot be carried; numerical errors of contact and fit.
-pub fn calibrate_normal(
+/// [`InputError`] for loads that are not ascending or cannot be carried; numerical errors of contact.
+pub fn press_loads(
     wheel_on_rail: &WheelOnRail,
     loads: &[f64],
-    reference: Reference,
-    beam: Option<&Matrix2<f64>>,
-    material: &Material,
+    stage: &str,
     monitor: &dyn Monitor,
-) -> Result<(NormalCalibration, Vec<Pressed>)> {
+) -> Result<Vec<Pressed>> {
     if loads.windows(2).any(|w| !(w[1] > w[0])) {
         return Err(InputError::new(
             "calibration.loads_kn",
@@ -122,25 +117,51 @@ pub fn calibrate_normal(
         .into());
     }
     let mut states: Vec<Pressed> = Vec::new();
-    let mut points = Vec::new();
-    let stage = match reference {
-        Reference::Foot => "calibration, foot held",
-        Reference::Beam => "calibration, ends held",
-        Reference::Local => "calibration, surfaces",
-    };
     for (i, &load) in loads.iter().enumerate() {
         monitor.progress(stage, i, loads.len())?;
-        let state = wheel_on_rail.press(load, states.last())?;
-        points.push(load_point(wheel_on_rail, &state, reference, beam, material)?);
-        states.push(state);
+        states.push(wheel_on_rail.press(load, states.last())?);
     }
     monitor.progress(stage, loads.len(), loads.len())?;
+    Ok(states)
+}
+
+/// Fits the normal law with `reference` to the states of [`press_loads`].
+///
+/// `beam` is the static flexibility (y, z), m/N, of the moving solver's rail beam at the contact; it is
+/// needed for the reference `beam` and only split off for the others.
+///
+/// # Errors
+/// Numerical errors of tangent and fit.
+pub fn calibrate_normal(
+    wheel_on_rail: &WheelOnRail,
+    states: &[Pressed],
+    reference: Reference,
+    beam: Option<&Matrix2<f64>>,
+    material: &Material,
+) -> Result<NormalCalibration> {
+    let mut points = states
+        .iter()
+        .map(|state| load_point(wheel_on_rail, state, reference, beam, material))
+        .collect::<Result<Vec<_>>>()?;
+    let loads: Vec<f64> = points.iter().map(|p| p.force).collect();
     let tangents: Vec<f64> = points.iter().map(|p| p.solid_tangent).collect();
-    let fit = fit_law(loads, &tangents)?;
+    let fit = fit_law(&loads, &tangents)?;
     for p in &mut points {
         p.law_tangent = fit.law.tangent(p.force);
     }
-    Ok((NormalCalibration { reference, points, fit }, states))
+    Ok(NormalCalibration { reference, points, fit })
+}
+
+/// The linearised contact of `stage` has no answer.
+fn singular(stage: &str, state: &Pressed) -> NumericsError {
+    NumericsError {
+        stage: format!("{stage} at {:.3} kN", state.load * 1e-3),
+        step: None,
+        iteration: 0,
+        residual: 0.0,
+        active: state.solution.active(),
+        reason: StopReason::Singular,
+    }
 }
 
 fn load_point(
@@ -151,14 +172,8 @@ fn load_point(
     material: &Material,
 ) -> Result<LoadPoint> {
     let problem = state.problem(wheel_on_rail.friction);
-    let response = hub_response(&problem, &state.solution, &[2], false).ok_or_else(|| NumericsError {
-        stage: format!("tangent at {:.3} kN", state.load * 1e-3),
-        step: None,
-        iteration: 0,
-        residual: 0.0,
-        active: state.solution.active(),
-        reason: StopReason::Singular,
-    })?;
+    let response =
+        hub_response(&problem, &state.solution, &[2], false).ok_or_else(|| singular("tangent", state))?;
     let tangent = response.stiffness[(0, 0)];
     // change of the contact forces for one newton of load
     let change: Vec<f64> = response.forces.column(0).iter().map(|f| f / tangent).collect();
@@ -167,7 +182,8 @@ fn load_point(
     let beam_flexibility = beam.map_or(0.0, |b| b[(1, 1)]);
     let half_space = HalfSpace { contact_modulus: material.contact_modulus() };
     let normal_change = &change[..state.points.len()];
-    let half_spaces = quadratic(&total(&[&half_space], &state.points, 1), normal_change);
+    let half_space_compliance = total(&[&half_space], &state.points, 1);
+    let half_spaces = quadratic(&half_space_compliance, normal_change);
     let penalty = match wheel_on_rail.enforcement {
         Enforcement::Exact => 0.0,
         Enforcement::Penalty(stiffness) => share(&PenaltySprings { stiffness }),
@@ -184,8 +200,7 @@ fn load_point(
         Reference::Foot => (state.hub.y, 1.0 / tangent),
         Reference::Beam => (state.hub.y - state.load * beam_flexibility, 1.0 / tangent - beam_flexibility),
         Reference::Local => {
-            let matrix = total(&[&half_space], &state.points, 1);
-            let under_pressure = crate::superelement::times(&matrix, forces);
+            let under_pressure = crate::superelement::times(&half_space_compliance, forces);
             let approach = forces
                 .iter()
                 .zip(&under_pressure)
@@ -197,14 +212,10 @@ fn load_point(
         }
     };
     let patch = patch(state);
-    let penetration = state.solution.separation[..state.points.len()]
-        .iter()
-        .zip(forces)
-        .map(|(_, f)| match wheel_on_rail.enforcement {
-            Enforcement::Exact => 0.0,
-            Enforcement::Penalty(stiffness) => f / stiffness,
-        })
-        .fold(0.0, f64::max);
+    let penetration = match wheel_on_rail.enforcement {
+        Enforcement::Exact => 0.0,
+        Enforcement::Penalty(stiffness) => forces.iter().map(|f| f / stiffness).fold(0.0, f64::max),
+    };
     Ok(LoadPoint {
         force: state.load,
         displacement,
@@ -286,14 +297,7 @@ pub fn calibrate_horizontal(
         let problem = state.problem(wheel_on_rail.friction);
         let flexibility = hub_response(&problem, &state.solution, &[1, 2], true)
             .and_then(|r| r.stiffness.try_inverse())
-            .ok_or_else(|| NumericsError {
-                stage: format!("horizontal stiffness at {:.3} kN", preload * 1e-3),
-                step: None,
-                iteration: 0,
-                residual: 0.0,
-                active: state.solution.active(),
-                reason: StopReason::Singular,
-            })?;
+            .ok_or_else(|| singular("horizontal stiffness", &state))?;
         let spring = flexibility[(0, 0)] - beam.map_or(0.0, |b| b[(0, 0)]);
         if !(spring > 0.0) {
             return Err(InputError::new(

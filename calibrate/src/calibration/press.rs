@@ -18,6 +18,26 @@ pub enum Enforcement {
     Penalty(f64),
 }
 
+impl Enforcement {
+    /// Compliance at `points` of both bodies, given at their contact nodes, and of the penalty springs if there are any.
+    pub(crate) fn compliance(
+        self,
+        rail: &Mat<f64>,
+        wheel: &Mat<f64>,
+        points: &ContactPoints,
+        directions: usize,
+    ) -> Mat<f64> {
+        let rail = BodyCompliance { compliance: rail, side: Side::Base };
+        let wheel = BodyCompliance { compliance: wheel, side: Side::Opposing };
+        match self {
+            Self::Exact => total(&[&rail, &wheel], points, directions),
+            Self::Penalty(stiffness) => {
+                total(&[&rail, &wheel, &PenaltySprings { stiffness }], points, directions)
+            }
+        }
+    }
+}
+
 /// A wheel above a rail, both condensed.
 pub struct WheelOnRail<'a> {
     /// The rail.
@@ -68,14 +88,7 @@ impl WheelOnRail<'_> {
 
     /// Compliance of both bodies and the penalty springs at `points`.
     pub fn compliance(&self, points: &ContactPoints, directions: usize) -> Mat<f64> {
-        let rail = BodyCompliance { compliance: &self.rail.compliance, side: Side::Base };
-        let wheel = BodyCompliance { compliance: &self.wheel.compliance, side: Side::Opposing };
-        match self.enforcement {
-            Enforcement::Exact => total(&[&rail, &wheel], points, directions),
-            Enforcement::Penalty(stiffness) => {
-                total(&[&rail, &wheel, &PenaltySprings { stiffness }], points, directions)
-            }
-        }
+        self.enforcement.compliance(&self.rail.compliance, &self.wheel.compliance, points, directions)
     }
 
     /// Contact points with the hub displaced by `hub` from just touching.

@@ -11,8 +11,7 @@ mod body;
 
 use crate::calibration::{Enforcement, carry_over};
 use crate::contact::{
-    BodyCompliance, ContactPoints, PairingLimits, PenaltySprings, PointMode, Problem, Side, Solution,
-    Surface, pair, solve, total,
+    ContactPoints, PairingLimits, PointMode, Problem, Side, Solution, Surface, pair, solve,
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::history::{ContactMode, ContactState, History, HistoryRow};
@@ -197,14 +196,8 @@ impl TransientModel<'_> {
             if directions == 3 {
                 add_slips(&points, rail, wheel, rail_free, wheel_free, &mut free);
             }
-            let rail_part = BodyCompliance { compliance: rail.compliance(), side: Side::Base };
-            let wheel_part = BodyCompliance { compliance: wheel.compliance(), side: Side::Opposing };
-            let compliance = match self.enforcement {
-                Enforcement::Exact => total(&[&rail_part, &wheel_part], &points, directions),
-                Enforcement::Penalty(stiffness) => {
-                    total(&[&rail_part, &wheel_part, &PenaltySprings { stiffness }], &points, directions)
-                }
-            };
+            let compliance =
+                self.enforcement.compliance(rail.compliance(), wheel.compliance(), &points, directions);
             let first = carry_over(&start.points, &start.solution.forces, &points, directions);
             let problem = Problem {
                 points: &points,
