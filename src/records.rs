@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::verify::{Comparison, Line};
 
+pub mod crosscheck;
 pub mod history_csv;
 
 /// `stiffness.json`: the springs and what made them.

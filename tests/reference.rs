@@ -8,11 +8,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, OnceLock};
 
-use railspring::crosscheck::compare::{Check, ROUNDOFF, ReferenceResult, compare};
+use railspring::crosscheck::compare::{ROUNDOFF, ReferenceResult, compare};
 use railspring::crosscheck::exchange::{Case, Exchange};
 use railspring::crosscheck::python::Python;
 use railspring::crosscheck::{Prepared, prepare};
 use railspring::output::OutputFolder;
+use railspring::records::crosscheck::Check;
 use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
 

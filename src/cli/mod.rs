@@ -16,10 +16,11 @@ use railspring_calibrate::error::{Error, InputError};
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
 use crate::crosscheck::page::worst;
-use crate::crosscheck::{CrosscheckRecord, crosscheck, export};
+use crate::crosscheck::{crosscheck, export};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
 use crate::records::VerificationRecord;
+use crate::records::crosscheck::CrosscheckRecord;
 use crate::study::{LocatedError, Study, schema};
 
 use profile::ProfileCommand;

@@ -7,10 +7,11 @@ use nalgebra::Vector3;
 use railspring_calibrate::calibration::LoadPoint;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, SQUARE_MILLIMETRE};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::exchange::{BODIES, Case};
 use crate::output::{OutputFolder, read_json};
+use crate::records::crosscheck::{Cause, Check, HUB_DISPLACEMENT, Provenance, TANGENT_STIFFNESS, Timing};
 use crate::stages::{AnsweredBody, AnsweredCurve, Answers};
 
 /// Same equations, other order of sums: about 1e-16 times the condition number of the meshes, 1e6.
@@ -27,76 +28,6 @@ pub const DISCRETISATION_ELEMENT: f64 = 2e-2;
 /// A judge with another contact law (finite contact stiffness) and faceted surfaces.
 pub const MODEL: f64 = 1e-2;
 
-/// Where a difference may come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "UPPERCASE")]
-pub enum Cause {
-    /// The same equations in another order.
-    Roundoff,
-    /// Ends of iterations.
-    Solver,
-    /// Other contact formulation, element or mesh.
-    Discretisation,
-    /// Other idealisation.
-    Model,
-}
-
-/// One quantity of the tool against one of a judge.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Check {
-    /// The problem, for instance `contact without friction`.
-    pub problem: String,
-    /// The quantity, for instance `hub displacement`.
-    pub quantity: String,
-    /// Load, kN.
-    pub load_kn: Option<f64>,
-    /// Unit of both values.
-    pub unit: String,
-    /// The tool's value.
-    pub tool: f64,
-    /// Who judged.
-    pub judge: String,
-    /// The judge's value.
-    pub judged: f64,
-    /// Difference by the measure of the limit (relative, unless the quantity says otherwise).
-    pub difference: f64,
-    /// Largest difference accepted.
-    pub limit: f64,
-    /// Where a difference up to the limit may come from.
-    pub cause: Cause,
-    /// Whether the limit holds; a difference that is not a number does not.
-    pub holds: bool,
-}
-
-impl Check {
-    /// A check with its verdict.
-    #[allow(clippy::too_many_arguments)]
-    pub fn new(
-        problem: &str,
-        quantity: &str,
-        load: Option<f64>,
-        unit: &str,
-        (tool, judged): (f64, f64),
-        judge: &str,
-        difference: f64,
-        (limit, cause): (f64, Cause),
-    ) -> Self {
-        Self {
-            problem: problem.into(),
-            quantity: quantity.into(),
-            load_kn: load.map(|l| l / KILONEWTON),
-            unit: unit.into(),
-            tool,
-            judge: judge.into(),
-            judged,
-            difference,
-            limit,
-            cause,
-            holds: difference <= limit,
-        }
-    }
-}
-
 /// What the reference wrote.
 #[derive(Debug, Clone, Deserialize)]
 pub struct ReferenceResult {
@@ -106,23 +37,6 @@ pub struct ReferenceResult {
     pub provenance: Provenance,
     #[serde(skip)]
     displacement: Vec<Vec<Vector3<f64>>>,
-}
-
-/// Where a result comes from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Provenance {
-    /// The reference package.
-    pub package: String,
-    /// Version of Python.
-    pub python: String,
-    /// Versions of the packages that compute.
-    pub packages: std::collections::BTreeMap<String, String>,
-    /// SHA-256 of the exchange's input files.
-    pub input_sha256: String,
-    /// When it ended.
-    pub date_utc: String,
-    /// How long it took, s.
-    pub seconds: f64,
 }
 
 #[derive(Debug, Clone, Deserialize)]
@@ -145,23 +59,6 @@ struct RowResult {
     hub_m: f64,
     tangent_n_per_m: f64,
     area_m2: f64,
-}
-
-/// Time of one load curve, tool and judge.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Timing {
-    /// The problem.
-    pub problem: String,
-    /// Who judged.
-    pub judge: String,
-    /// Degrees of freedom of the judge's model.
-    pub degrees_of_freedom: usize,
-    /// Loads.
-    pub loads: usize,
-    /// Time of the tool, s.
-    pub tool_seconds: f64,
-    /// Time of the judge, s.
-    pub judge_seconds: f64,
 }
 
 impl ReferenceResult {
@@ -346,9 +243,9 @@ fn curve_checks(
             ));
         };
         relative("load", "kN", KILONEWTON, (own.force, theirs.load_n), ROUNDOFF);
-        relative("hub displacement", "mm", MILLIMETRE, (own.displacement, theirs.hub_m), displacement);
+        relative(HUB_DISPLACEMENT, "mm", MILLIMETRE, (own.displacement, theirs.hub_m), displacement);
         relative(
-            "tangent stiffness",
+            TANGENT_STIFFNESS,
             "kN/m",
             KILONEWTON_PER_METRE,
             (own.solid_tangent, theirs.tangent_n_per_m),

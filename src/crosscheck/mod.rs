@@ -19,14 +19,14 @@ use std::time::Instant;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::MILLIMETRE;
-use serde::{Deserialize, Serialize};
 
 use crate::measure::begin;
 use crate::output::OutputFolder;
+use crate::records::crosscheck::{Cause, Check, CrosscheckRecord, HUB_DISPLACEMENT, Timing};
 use crate::stages::{self, Answers, Geometry, Meshes};
 use crate::study::Study;
 use calculix::displacement_at;
-use compare::{Cause, Check, MODEL, Provenance, ReferenceResult, Timing, compare};
+use compare::{MODEL, ReferenceResult, compare};
 use deck::{Deck, Format};
 use exchange::{Case, Exchange};
 use python::Python;
@@ -39,29 +39,6 @@ pub const PAGE: &str = "crosscheck.html";
 pub const EXCHANGE_FOLDER: &str = "crosscheck";
 /// How much coarser the contact elements of the second-order mesh are.
 const COARSER: f64 = 2.0;
-
-/// `crosscheck.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CrosscheckRecord {
-    /// Name of the study.
-    pub study: String,
-    /// Whether all limits hold.
-    pub holds: bool,
-    /// Hash of the study.
-    pub input_hash: String,
-    /// Version of the tool.
-    pub version: String,
-    /// When it began.
-    pub begun_utc: String,
-    /// The computer.
-    pub host: String,
-    /// Where the reference's numbers come from.
-    pub reference: Provenance,
-    /// Quantity by quantity.
-    pub checks: Vec<Check>,
-    /// Times.
-    pub timings: Vec<Timing>,
-}
 
 /// A study with the tool's answers and the questions.
 pub struct Prepared {
@@ -149,7 +126,7 @@ fn calculix_checks(
             let judged = displacement_at(&steps, point.force).unwrap_or(f64::NAN);
             Check::new(
                 PROBLEM,
-                "hub displacement",
+                HUB_DISPLACEMENT,
                 Some(point.force),
                 "mm",
                 (point.displacement / MILLIMETRE, judged / MILLIMETRE),

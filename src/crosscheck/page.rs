@@ -6,8 +6,9 @@ use plotters::prelude::*;
 use railspring_calibrate::mesh::HexMesh;
 use serde_json::{Value, json};
 
-use super::compare::{Cause, Check, ReferenceResult};
-use super::{CrosscheckRecord, Prepared};
+use super::Prepared;
+use super::compare::ReferenceResult;
+use crate::records::crosscheck::{Cause, Check, CrosscheckRecord, HUB_DISPLACEMENT, TANGENT_STIFFNESS};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Dash, GREY, Marker, ORANGE, RED, Series, px, svg, text};
 
@@ -147,10 +148,7 @@ fn curves(record: &CrosscheckRecord) -> String {
     stacked(
         WIDTH,
         220,
-        &[
-            panel("hub displacement", "hub displacement, %"),
-            panel("tangent stiffness", "tangent stiffness, %"),
-        ],
+        &[panel(HUB_DISPLACEMENT, "hub displacement, %"), panel(TANGENT_STIFFNESS, "tangent stiffness, %")],
     )
 }
 
