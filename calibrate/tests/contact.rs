@@ -5,7 +5,7 @@ use nalgebra::{Point2, Point3, Vector2};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::contact::{
     BodyCompliance, Compliance, ContactPoints, HalfSpace, PairingLimits, PenaltySprings, PointMode, Problem,
-    Shape, Side, Solution, Surface, hub_response, pair, solve, total,
+    Side, Solution, Surface, hub_response, pair, solve, total,
 };
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, mesh_block};
 use railspring_calibrate::profile::ProfileCurve;
@@ -69,7 +69,7 @@ impl Blocks {
         let (lower, upper) = (condensed(&self.lower, material), condensed(&self.upper, material));
         let curve = straight(self.width);
         let surface =
-            |grid| Surface { curve: &curve, shape: Shape::Extruded, grid, origin: Vector2::zeros() };
+            |grid| Surface::extruded(&curve, grid);
         let points = pair(
             &surface(&self.lower.contact),
             &surface(&self.upper.contact),
@@ -185,7 +185,7 @@ fn block_hertz(element: f64, radius_x: f64, radius_s: f64) -> (f64, f64) {
     let material = Material::STEEL;
     let (lower, upper) = (condensed(&mesh, material), condensed(&upper_mesh, material));
     let curve = straight(0.12);
-    let surface = |grid| Surface { curve: &curve, shape: Shape::Extruded, grid, origin: Vector2::zeros() };
+    let surface = |grid| Surface::extruded(&curve, grid);
     let mut points =
         pair(&surface(&mesh.contact), &surface(&upper_mesh.contact), PairingLimits { largest_gap: 1e-3 });
     let window: Vec<bool> =

@@ -5,7 +5,7 @@ use railspring_calibrate::calibration::{
     Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
 };
 use railspring_calibrate::contact::{
-    HalfSpace, PairingLimits, Problem, Shape, Surface, hub_response, pair, solve, total,
+    HalfSpace, PairingLimits, Problem, Surface, hub_response, pair, solve, total,
 };
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
@@ -44,18 +44,13 @@ fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadP
     let pair = WheelOnRail {
         rail: &rail_element,
         wheel: &wheel_element,
-        rail_surface: Surface {
-            curve: &placed.curve,
-            shape: Shape::Extruded,
-            grid: &rail_mesh.contact,
-            origin: Vector2::zeros(),
-        },
-        wheel_surface: Surface {
-            curve: &wheel.running,
-            shape: Shape::Revolved { radius: wheel.radius },
-            grid: &wheel_mesh.contact,
-            origin: Vector2::new(track.tape_y(), touching.tape_z),
-        },
+        rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
+        wheel_surface: Surface::revolved(
+            &wheel.running,
+            &wheel_mesh.contact,
+            wheel.radius,
+            Vector2::new(track.tape_y(), touching.tape_z),
+        ),
         friction: 0.5,
         enforcement: case.enforcement,
     };
@@ -156,18 +151,13 @@ fn half_space(case: &Case, loads: &[f64]) -> Vec<[f64; 3]> {
     let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
     let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
     let points = pair(
-        &Surface {
-            curve: &placed.curve,
-            shape: Shape::Extruded,
-            grid: &rail_mesh.contact,
-            origin: Vector2::zeros(),
-        },
-        &Surface {
-            curve: &wheel.running,
-            shape: Shape::Revolved { radius: wheel.radius },
-            grid: &wheel_mesh.contact,
-            origin: Vector2::new(track.tape_y(), touching.tape_z),
-        },
+        &Surface::extruded(&placed.curve, &rail_mesh.contact),
+        &Surface::revolved(
+            &wheel.running,
+            &wheel_mesh.contact,
+            wheel.radius,
+            Vector2::new(track.tape_y(), touching.tape_z),
+        ),
         PairingLimits { largest_gap: 0.2e-3 },
     );
     let half_space = HalfSpace { contact_modulus: case.material.contact_modulus() };

@@ -2,15 +2,18 @@
 //!
 //! Units of the deck: mm, N, MPa. The hub is lowered to the tool's displacement
 //! at every load, and its reaction is printed: with displacements given, the
-//! first contact needs no artificial support. Surfaces of the deck are flat
-//! facets, which leave a gap where the smooth curves touch; the wheel is moved
-//! by that gap, so that the facets just touch.
+//! first contact needs no artificial support. Displacements count from the
+//! position in which the smooth surfaces just touch; the flat facets of the deck
+//! lie some micrometres below them, so that they touch later.
+//!
+//! Contact is hard: CalculiX enforces it by multipliers (mortar), so that no
+//! penalty stiffness adds its own compliance.
 
 use std::fmt::Write as _;
 
 use nalgebra::{Point3, Vector3};
 use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::mesh::{HexMesh, SurfaceGrid};
+use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::{MEGAPASCAL, MILLIMETRE};
 
@@ -26,12 +29,8 @@ pub enum Format {
     Abaqus,
 }
 
-/// Contact stiffness of the deck, MPa/mm: 1000 MPa overlap by 0.2 µm, a thousandth of the hub's displacement.
-const CONTACT_STIFFNESS: f64 = 5e6;
-/// Stiffness of sticking as a share of the normal one.
-const STICK_SHARE: f64 = 0.1;
-/// Positions a facet, in each direction, at which clearances are taken.
-const SAMPLES: usize = 8;
+/// Slope of friction while sticking, MPa/mm: 100 MPa slip by 0.02 µm before they slide.
+const STICK_SLOPE: f64 = 5e6;
 
 /// A deck with its load steps.
 pub struct Deck<'a> {
@@ -56,12 +55,8 @@ impl Deck<'_> {
     /// [`InputError`] if a surface facet belongs to no hexahedron.
     pub fn text(&self, format: Format) -> Result<String> {
         let (rail, wheel) = (&self.meshes.rail, &self.meshes.wheel);
-        let shift = facet_clearance(self.geometry, self.meshes);
-        let axle = Vector3::new(
-            0.0,
-            self.geometry.tape_y,
-            self.geometry.touch.tape_z - self.geometry.wheel.radius + shift,
-        );
+        let tape = self.geometry.tape();
+        let axle = Vector3::new(0.0, tape.x, tape.y - self.geometry.wheel.radius);
         let offset = rail.nodes.len();
         let hub = offset + wheel.nodes.len() + 1;
         let mut out = String::new();
@@ -73,11 +68,7 @@ impl Deck<'_> {
             &self.study.input_hash[..12]
         );
         let _ = writeln!(out, "** Units: mm, N, MPa. x along the track, y to the field side, z down.");
-        let _ = writeln!(
-            out,
-            "** Wheel lowered by {:.6e} mm beyond touching of the smooth surfaces: facets just touch.",
-            shift / MILLIMETRE
-        );
+        let _ = writeln!(out, "** Displacements of the hub count from touching of the smooth surfaces.");
         let _ = writeln!(out, "*NODE, NSET=NALL");
         let moved = wheel.nodes.iter().map(|p| p + axle);
         for (n, p) in rail.nodes.iter().copied().chain(moved).chain([Point3::from(axle); 2]).enumerate() {
@@ -122,7 +113,7 @@ impl Deck<'_> {
             }
         }
         for lowering in self.lowerings {
-            let _ = writeln!(out, "*STEP, INC=100\n*STATIC\n1., 1., 1e-3, 1.");
+            let _ = writeln!(out, "*STEP, INC=100\n*STATIC\n1., 1.");
             let _ = writeln!(out, "*BOUNDARY\n{hub}, 3, 3, {:.12e}", lowering / MILLIMETRE);
             let _ = writeln!(out, "*NODE PRINT, NSET=HUB, FREQUENCY=1000\nU, RF\n*END STEP");
         }
@@ -130,31 +121,16 @@ impl Deck<'_> {
     }
 
     fn contact(&self, out: &mut String, format: Format) {
+        let (kind, friction) = match format {
+            Format::Calculix => ("MORTAR", format!("{}, {STICK_SLOPE:e}", self.friction)),
+            Format::Abaqus => ("SURFACE TO SURFACE", format!("{},", self.friction)),
+        };
         let _ = writeln!(out, "*SURFACE INTERACTION, NAME=CONTACT");
-        match format {
-            Format::Calculix => {
-                let _ = writeln!(
-                    out,
-                    "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{CONTACT_STIFFNESS:e}, 1., 1e-3"
-                );
-            }
-            Format::Abaqus => {
-                let _ =
-                    writeln!(out, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{CONTACT_STIFFNESS:e}");
-            }
-        }
+        let _ = writeln!(out, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD");
         if self.friction > 0.0 {
-            match format {
-                Format::Calculix => {
-                    let _ =
-                        writeln!(out, "*FRICTION\n{}, {:e}", self.friction, STICK_SHARE * CONTACT_STIFFNESS);
-                }
-                Format::Abaqus => {
-                    let _ = writeln!(out, "*FRICTION\n{},", self.friction);
-                }
-            }
+            let _ = writeln!(out, "*FRICTION\n{friction}");
         }
-        let _ = writeln!(out, "*CONTACT PAIR, INTERACTION=CONTACT, TYPE=SURFACE TO SURFACE\nSWHEEL, SRAIL");
+        let _ = writeln!(out, "*CONTACT PAIR, INTERACTION=CONTACT, TYPE={kind}\nSWHEEL, SRAIL");
     }
 }
 
@@ -210,45 +186,4 @@ fn surface(out: &mut String, name: &str, mesh: &HexMesh, elements: usize) -> Res
         "give a contact surface that the mesh's hexahedra cover",
     )
     .into())
-}
-
-/// Corners of a grid cell.
-fn cell(grid: &SurfaceGrid, i: usize, k: usize) -> [usize; 4] {
-    [grid.node(i, k), grid.node(i, k + 1), grid.node(i + 1, k), grid.node(i + 1, k + 1)]
-}
-
-/// Smallest vertical clearance between the facets of both bodies when the smooth surfaces just touch, m.
-pub fn facet_clearance(geometry: &Geometry, meshes: &Meshes) -> f64 {
-    let (rail, wheel) = (&meshes.rail, &meshes.wheel);
-    let axle = Vector3::new(0.0, geometry.tape_y, geometry.touch.tape_z - geometry.wheel.radius);
-    // the rail's facets do not change along the track: a polyline over y
-    let line: Vec<Point3<f64>> =
-        (0..rail.contact.along_profile.len()).map(|i| rail.nodes[rail.contact.node(i, 0)]).collect();
-    let rail_height = |y: f64| -> Option<f64> {
-        line.windows(2)
-            .filter(|w| w[0].y <= y && y <= w[1].y && w[1].y > w[0].y)
-            .map(|w| {
-                let t = (y - w[0].y) / (w[1].y - w[0].y);
-                w[0].z + t * (w[1].z - w[0].z)
-            })
-            .min_by(f64::total_cmp)
-    };
-    let grid = &wheel.contact;
-    let mut clearance = f64::INFINITY;
-    for i in 0..grid.along_profile.len() - 1 {
-        for k in 0..grid.along_track.len() - 1 {
-            let corners = cell(grid, i, k).map(|n| wheel.nodes[n] + axle);
-            for a in 0..=SAMPLES {
-                for b in 0..=SAMPLES {
-                    let (u, v) = (a as f64 / SAMPLES as f64, b as f64 / SAMPLES as f64);
-                    let weights = [(1.0 - u) * (1.0 - v), (1.0 - u) * v, u * (1.0 - v), u * v];
-                    let p: Vector3<f64> = corners.iter().zip(weights).map(|(c, w)| c.coords * w).sum();
-                    if let Some(z) = rail_height(p.y) {
-                        clearance = clearance.min(z - p.z);
-                    }
-                }
-            }
-        }
-    }
-    if clearance.is_finite() { clearance } else { 0.0 }
 }

@@ -77,7 +77,7 @@ pub fn export(study: &Study, format: Format, folder: &OutputFolder, monitor: &dy
     let geometry = stages::geometry(study)?;
     let meshes = stages::meshes(study, &geometry)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
-    let lowerings: Vec<f64> = answers.own_element.points.iter().map(|p| p.displacement).collect();
+    let lowerings: Vec<f64> = answers.faceted.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
         study,
         geometry: &geometry,
@@ -103,7 +103,7 @@ fn calculix_checks(
 ) -> Result<(Vec<Check>, Timing)> {
     const PROBLEM: &str = "contact without friction, faceted surfaces";
     let (program, judge) = calculix::version()?;
-    let curve = &prepared.answers.own_element;
+    let curve = &prepared.answers.faceted;
     let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
         study,

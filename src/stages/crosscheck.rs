@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
     Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_normal, press_loads,
 };
-use railspring_calibrate::contact::Side;
+use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::monitor::Monitor;
@@ -68,6 +68,8 @@ pub struct Answers {
     pub frictional: Option<AnsweredCurve>,
     /// Load curve of the study's own element, no friction.
     pub own_element: AnsweredCurve,
+    /// The same with the surfaces that other programs see: flat facets between the nodes.
+    pub faceted: AnsweredCurve,
     /// Name of the study's own element.
     pub own_element_name: &'static str,
 }
@@ -106,31 +108,30 @@ pub fn answers(
             rayon::join(|| one(&meshes.wheel, &wheel_supports), || one(&meshes.rail, &rail_supports));
         Ok((wheel?, rail?))
     };
-    let curve =
-        |wheel: &Superelement, rail: &Superelement, friction: f64| -> Result<(AnsweredCurve, Vec<Pressed>)> {
-            let clock = Instant::now();
-            let pair = WheelOnRail {
-                rail,
-                wheel,
-                rail_surface: geometry.rail_surface(&meshes.rail),
-                wheel_surface: geometry.wheel_surface(&meshes.wheel),
-                friction,
-                enforcement: Enforcement::Exact,
-            };
-            // hub against support: what the calibration calls the foot's reference, whatever is held
-            let states = press_loads(&pair, &loads, "calibration, foot held", monitor)?;
-            let normal = calibrate_normal(&pair, &states, Reference::Foot, None, &study.material)?;
-            let seconds = clock.elapsed().as_secs_f64();
-            Ok((AnsweredCurve { points: normal.points, seconds }, states))
+    let curve = |(wheel, rail): (&Superelement, &Superelement), friction: f64, between_nodes: BetweenNodes| {
+        let clock = Instant::now();
+        let pair = WheelOnRail {
+            rail,
+            wheel,
+            rail_surface: Surface { between_nodes, ..geometry.rail_surface(&meshes.rail) },
+            wheel_surface: Surface { between_nodes, ..geometry.wheel_surface(&meshes.wheel) },
+            friction,
+            enforcement: Enforcement::Exact,
         };
+        // hub against support: what the calibration calls the foot's reference, whatever is held
+        let states = press_loads(&pair, &loads, "calibration, foot held", monitor)?;
+        let normal = calibrate_normal(&pair, &states, Reference::Foot, None, &study.material)?;
+        let seconds = clock.elapsed().as_secs_f64();
+        Result::Ok((AnsweredCurve { points: normal.points, seconds }, states))
+    };
     monitor.progress("superelements, full integration", 0, 1)?;
     let clock = Instant::now();
     let (wheel, rail) = condense(Formulation::FullIntegration)?;
     let factorisation = clock.elapsed().as_secs_f64();
-    let (mut frictionless, smooth_states) = curve(&wheel, &rail, 0.0)?;
+    let (mut frictionless, smooth_states) = curve((&wheel, &rail), 0.0, BetweenNodes::Smooth)?;
     frictionless.seconds += factorisation;
     let (frictional, states) = if study.contact.friction > 0.0 {
-        let (curve, states) = curve(&wheel, &rail, study.contact.friction)?;
+        let (curve, states) = curve((&wheel, &rail), study.contact.friction, BetweenNodes::Smooth)?;
         (Some(curve), states)
     } else {
         (None, smooth_states)
@@ -139,16 +140,21 @@ pub fn answers(
     let rail_answer = answer(&meshes.rail, &rail, largest, Side::Base, held);
     let wheel_answer = answer(&meshes.wheel, &wheel, largest, Side::Opposing, meshes.wheel.bore.clone());
     let own = formulation(study);
-    let own_element = if own == Formulation::FullIntegration {
-        frictionless.clone()
+    let (own_element, faceted) = if own == Formulation::FullIntegration {
+        let (mut faceted, _) = curve((&wheel, &rail), 0.0, BetweenNodes::Facets)?;
+        faceted.seconds += factorisation;
+        (frictionless.clone(), faceted)
     } else {
         monitor.progress("superelements, the study's element", 0, 1)?;
         let clock = Instant::now();
         let (wheel, rail) = condense(own)?;
         let factorisation = clock.elapsed().as_secs_f64();
-        let (mut own, _) = curve(&wheel, &rail, 0.0)?;
-        own.seconds += factorisation;
-        own
+        let own = |between_nodes| -> Result<AnsweredCurve> {
+            let (mut own, _) = curve((&wheel, &rail), 0.0, between_nodes)?;
+            own.seconds += factorisation;
+            Ok(own)
+        };
+        (own(BetweenNodes::Smooth)?, own(BetweenNodes::Facets)?)
     };
     Ok(Answers {
         rail: rail_answer,
@@ -159,6 +165,7 @@ pub fn answers(
         frictionless,
         frictional,
         own_element,
+        faceted,
         own_element_name: match own {
             Formulation::IncompatibleModes => "incompatible modes",
             Formulation::FullIntegration => "full integration",

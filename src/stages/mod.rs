@@ -18,7 +18,7 @@ pub use simulate::{Springs, simulate, simulate_solid};
 
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
-use railspring_calibrate::contact::{Shape, Surface};
+use railspring_calibrate::contact::Surface;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
@@ -80,21 +80,11 @@ impl Geometry {
     }
 
     fn rail_surface<'a>(&'a self, mesh: &'a HexMesh) -> Surface<'a> {
-        Surface {
-            curve: &self.placed.curve,
-            shape: Shape::Extruded,
-            grid: &mesh.contact,
-            origin: Vector2::zeros(),
-        }
+        Surface::extruded(&self.placed.curve, &mesh.contact)
     }
 
     fn wheel_surface<'a>(&'a self, mesh: &'a HexMesh) -> Surface<'a> {
-        Surface {
-            curve: &self.wheel.running,
-            shape: Shape::Revolved { radius: self.wheel.radius },
-            grid: &mesh.contact,
-            origin: self.tape(),
-        }
+        Surface::revolved(&self.wheel.running, &mesh.contact, self.wheel.radius, self.tape())
     }
 }
 

@@ -19,4 +19,4 @@ mod surface;
 pub use compliance::{BodyCompliance, Compliance, HalfSpace, PenaltySprings, Side, total};
 pub use pairing::{ContactPoints, PairingLimits, pair};
 pub use solver::{HubResponse, PointMode, Problem, Solution, hub_response, solve};
-pub use surface::{Shape, Surface};
+pub use surface::{BetweenNodes, Shape, Surface};

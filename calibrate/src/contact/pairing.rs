@@ -1,7 +1,7 @@
 //! Contact points: gaps and consistent nodal weights by integration over the
 //! intersections of the cells of both surfaces.
 
-use super::surface::{Projection, Surface};
+use super::surface::{Projection, Surface, corners};
 use nalgebra::{Point2, Vector2, Vector3};
 
 /// Which points are worth an unknown.
@@ -176,11 +176,6 @@ fn locate(axis: &[f64], t: f64) -> Option<(usize, f64)> {
     Some((cell, ((t - axis[cell]) / (axis[cell + 1] - axis[cell])).clamp(0.0, 1.0)))
 }
 
-/// Bilinear weights of the four corners of a cell: grid offsets (along profile, along track) and value.
-fn corners(u: f64, v: f64) -> [(usize, usize, f64); 4] {
-    [(0, 0, (1.0 - u) * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 0, u * (1.0 - v)), (1, 1, u * v)]
-}
-
 fn add_weight(list: &mut Vec<NodeWeight>, node: usize, weight: f64, normal: &Vector2<f64>) {
     match list.iter_mut().find(|w| w.node == node) {
         Some(w) => {
@@ -261,6 +256,9 @@ pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Contac
                             };
                             let u = (sq - s[i]) / (s[i + 1] - s[i]);
                             let v = (xq - x[k]) / (x[k + 1] - x[k]);
+                            let gap = p.gap
+                                + base.recession((i, k), (u, v))
+                                + opposing.recession((a, b), (ua, vb));
                             let on_opposing = opposing.curve.point(p.along_profile);
                             for (di, dk, phi) in corners(u, v) {
                                 let j = slot[(i + di) * columns + k + dk];
@@ -269,7 +267,7 @@ pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Contac
                                 }
                                 let w = phi * half_s * half_x;
                                 points.area[j] += w;
-                                points.gap[j] += w * p.gap;
+                                points.gap[j] += w * gap;
                                 points.normal[j] += normal * w;
                                 points.opposing_position[j] += on_opposing.coords * w;
                                 for (ei, ek, n) in corners(u, v) {

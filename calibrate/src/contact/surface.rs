@@ -2,7 +2,7 @@
 
 use crate::mesh::SurfaceGrid;
 use crate::profile::ProfileCurve;
-use nalgebra::{Matrix2, Point2, Vector2};
+use nalgebra::{Matrix2, Point2, Vector2, Vector3};
 
 /// How the profile curve sweeps out the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +27,19 @@ pub struct Surface<'a> {
     pub grid: &'a SurfaceGrid,
     /// World coordinates (y, z) of the origin of the curve's frame, m.
     pub origin: Vector2<f64>,
+    /// What lies between the nodes.
+    pub between_nodes: BetweenNodes,
+}
+
+/// What a contact surface is between the nodes of its grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BetweenNodes {
+    /// The smooth curve, swept.
+    #[default]
+    Smooth,
+    /// Bilinear facets, as programs have them that know nothing but the mesh. Gaps grow by the depth at which the
+    /// facets lie below the smooth surface; normals stay smooth, which changes a gap by a factor of `1 + h²/8R²`.
+    Facets,
 }
 
 /// Where a ray from the base surface meets the opposing one.
@@ -40,7 +53,29 @@ pub struct Projection {
     pub gap: f64,
 }
 
-impl Surface<'_> {
+/// Bilinear weights of the four corners of a cell: grid offsets (along profile, along track) and value.
+pub(super) fn corners(u: f64, v: f64) -> [(usize, usize, f64); 4] {
+    [(0, 0, (1.0 - u) * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 0, u * (1.0 - v)), (1, 1, u * v)]
+}
+
+impl<'a> Surface<'a> {
+    /// The smooth surface of a rail or block at rest, its curve in world coordinates.
+    pub fn extruded(curve: &'a ProfileCurve, grid: &'a SurfaceGrid) -> Self {
+        let (shape, origin) = (Shape::Extruded, Vector2::zeros());
+        Self { curve, shape, grid, origin, between_nodes: BetweenNodes::Smooth }
+    }
+
+    /// The smooth surface of a wheel with `radius` (m) at the curve's z = 0, the curve's frame at the world
+    /// coordinates (y, z) of `origin`, m.
+    pub fn revolved(
+        curve: &'a ProfileCurve,
+        grid: &'a SurfaceGrid,
+        radius: f64,
+        origin: Vector2<f64>,
+    ) -> Self {
+        Self { curve, shape: Shape::Revolved { radius }, grid, origin, between_nodes: BetweenNodes::Smooth }
+    }
+
     /// Point of the curve in world coordinates (y, z).
     pub fn world(&self, s: f64) -> Point2<f64> {
         self.curve.point(s) + self.origin
@@ -59,6 +94,39 @@ impl Surface<'_> {
         match self.shape {
             Shape::Extruded => t,
             Shape::Revolved { radius } => (radius + self.curve.point(s).y) * t.sin(),
+        }
+    }
+
+    /// Depth of the surface below the smooth one, m, at the local coordinates (0 to 1: along the profile, along the
+    /// track) of the cell whose first node is `(i, k)`; 0 for a smooth surface.
+    pub fn recession(&self, (i, k): (usize, usize), (u, v): (f64, f64)) -> f64 {
+        if self.between_nodes == BetweenNodes::Smooth {
+            return 0.0;
+        }
+        let (s, t) = (&self.grid.along_profile, &self.grid.along_track);
+        let facet: Vector3<f64> =
+            corners(u, v).map(|(a, b, weight)| self.swept(s[i + a], t[k + b]) * weight).iter().sum();
+        let (s, t) = (s[i] + u * (s[i + 1] - s[i]), t[k] + v * (t[k + 1] - t[k]));
+        self.outward_normal(s, t).dot(&(self.swept(s, t) - facet))
+    }
+
+    /// Point of the smooth surface; about the axle for a surface of revolution, else in the curve's frame.
+    fn swept(&self, s: f64, t: f64) -> Vector3<f64> {
+        let p = self.curve.point(s);
+        match self.shape {
+            Shape::Extruded => Vector3::new(t, p.x, p.y),
+            Shape::Revolved { radius } => {
+                Vector3::new((radius + p.y) * t.sin(), p.x, (radius + p.y) * t.cos())
+            }
+        }
+    }
+
+    /// Unit normal out of the body: up from what is extruded (a rail), away from the axle of what is revolved.
+    fn outward_normal(&self, s: f64, t: f64) -> Vector3<f64> {
+        let up = self.curve.upward_normal(s);
+        match self.shape {
+            Shape::Extruded => Vector3::new(0.0, up.x, up.y),
+            Shape::Revolved { .. } => Vector3::new(-up.y * t.sin(), -up.x, -up.y * t.cos()),
         }
     }
 
