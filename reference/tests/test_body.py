@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
+import skfem
 
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+from railspring_reference import factor
 from railspring_reference.body import Body, Material, gauss_cube, read_mesh
 from railspring_reference.ordering import nested_dissection
 
@@ -50,15 +54,38 @@ def test_patch(order: int) -> None:
     body = Body(mesh, STEEL, np.flatnonzero(mesh.points[:, 0] < 1e-9), order)
     slope = np.array([[1e-3, 0.0, 0.0], [2e-4, -3e-4, 1e-4], [-1e-4, 2e-4, 5e-4]])
     slope[:, 1:] = 0.0  # vanishes on the held face
-    exact = np.zeros(body.basis.N)
-    for axis in range(3):
-        dofs = body._groups[axis]
-        exact[dofs] = slope[axis] @ body.basis.doflocs[:, dofs]
+    exact = (slope @ body.basis.doflocs).T.ravel()
     solution = body.solve((body.stiffness @ exact)[:, None])[:, 0]
     assert np.abs(solution - exact).max() < ROUNDOFF * np.abs(exact).max()
     # the same check notices a wrong modulus
     other = Body(mesh, Material(1.01 * STEEL.young_pa, STEEL.poisson), body.held, order)
     assert np.abs(other.solve((body.stiffness @ exact)[:, None])[:, 0] - exact).max() > 1e-3 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_the_stiffness_is_that_of_the_vector_form(order: int) -> None:
+    """Source: scikit-fem's own linear elasticity with vector functions. Accuracy: rounding."""
+    body = Body(block((2, 2, 1)), STEEL, np.array([0]), order)
+    vector = skfem.Basis(body.mesh, skfem.ElementVector(body.element), quadrature=body.basis.quadrature)
+    form = linear_elasticity(*lame_parameters(STEEL.young_pa, STEEL.poisson)).assemble(vector)
+    place = np.zeros(vector.N, dtype=int)
+    place[vector.nodal_dofs] = body.nodal_dofs
+    if order == 2:
+        place[vector.edge_dofs] = 3 * body.basis.edge_dofs + np.arange(3)[:, None]
+    difference = body.stiffness[place][:, place] - form
+    assert abs(difference).max() < ROUNDOFF * abs(form).max()
+
+
+def test_both_solvers_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Source: MKL Pardiso against SuperLU, where it is installed. Accuracy: rounding."""
+    pytest.importorskip("pypardiso")
+    mesh = block((6, 6, 6), (0.1, 0.1, 0.1))
+    held = np.flatnonzero(mesh.points[:, 0] < 1e-9)
+    forces = np.zeros((3 * len(mesh.points), 2))
+    forces[-1, 0], forces[-2, 1] = 1.0, 1.0
+    pardiso = Body(mesh, STEEL, held).solve(forces)
+    monkeypatch.setattr(factor, "pypardiso", None)
+    assert np.abs(Body(mesh, STEEL, held).solve(forces) - pardiso).max() < ROUNDOFF * np.abs(pardiso).max()
 
 
 def test_an_inverted_hexahedron_shows() -> None:
@@ -80,7 +107,7 @@ def test_the_order_is_a_permutation_with_little_fill() -> None:
     """Goal: every node once, and far less fill than in an order by chance."""
     mesh = block((8, 8, 8), (0.1, 0.1, 0.1))
     body = Body(mesh, STEEL, np.array([0]))
-    dofs = body.basis.nodal_dofs[0]
+    dofs = body.nodal_dofs[0]
     pattern = body.stiffness[dofs][:, dofs].tocsr()
     order = nested_dissection(mesh.points, pattern)
     assert sorted(order) == list(range(len(mesh.points)))

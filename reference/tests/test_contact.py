@@ -6,7 +6,7 @@ import pytest
 from test_body import STEEL, block
 
 from railspring_reference.body import Body
-from railspring_reference.contact import Contact
+from railspring_reference.contact import Carrier, Contact
 from railspring_reference.exchange import Grid, Side
 from railspring_reference.surface import Graph, rail_gap
 
@@ -17,7 +17,7 @@ HEIGHT = 0.02
 WIDTH = 0.02
 
 
-def pair(friction: bool = False) -> tuple[Contact, Body]:
+def pair(friction: bool = False, carrier: Carrier = "rail") -> tuple[Contact, Body]:
     """A sector of a wheel with a crowned tread (radius 0.2 m across) on a flat block."""
     n = (10, 10, 4)
 
@@ -47,12 +47,12 @@ def pair(friction: bool = False) -> tuple[Contact, Body]:
         np.array([y, -(y**2) / 0.4]).T, np.zeros(2), RADIUS,
     )
     wheel_side = Side(Grid(wheel_side.grid.nodes, angle[number[:, 0, -1]]), wheel_side.curve, np.zeros(2), RADIUS)
-    return Contact(wheel, rail, (wheel_side, rail_side), friction, 0.1e-3, lambda *_: None), wheel
+    return Contact(wheel, rail, (wheel_side, rail_side), friction, 0.1e-3, lambda *_: None, carrier), wheel
 
 
-@pytest.fixture(scope="module")
-def contact() -> Contact:
-    return pair(True)[0]
+@pytest.fixture(scope="module", params=["rail", "wheel"])
+def contact(request: pytest.FixtureRequest) -> Contact:
+    return pair(True, request.param)[0]
 
 
 def test_conditions_of_signorini(contact: Contact) -> None:
@@ -88,6 +88,14 @@ def test_friction_stays_on_its_cone_and_opposes_slip(contact: Contact) -> None:
     assert slip[resting].max(initial=0.0) < 1e-4 * state.lowering
     for j in np.flatnonzero(slipping & (slip > 1e-3 * state.lowering)):
         assert state.tangential[j] @ state.slip[j] < 0.0
+
+
+def test_both_carriers_find_the_same_contact() -> None:
+    """Goal: hub displacement does not depend on which surface carries the multipliers, but for about ten elements
+    in the patch: 3 %, an eighth of what one ring of them would change."""
+    states = [pair(False, carrier)[0].press(5e3, None) for carrier in ("rail", "wheel")]
+    assert states[0].lowering != states[1].lowering
+    assert abs(states[0].lowering / states[1].lowering - 1.0) < 0.03
 
 
 def test_the_gap_runs_along_the_normal() -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 import meshio
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg as spl
 import skfem
 from numpy.typing import NDArray
 from skfem.io.meshio import from_meshio
-from skfem.models.elasticity import lame_parameters, linear_elasticity
+from skfem.models.elasticity import lame_parameters
 
+from .factor import factored
 from .ordering import nested_dissection
 
 Floats = NDArray[np.float64]
@@ -60,10 +60,8 @@ class Body:
             raise ValueError("scikit-fem renumbered the nodes of the mesh")
         self.material = material
         self.order = order
-        self.scalar = skfem.ElementHex1() if order == 1 else skfem.ElementHexS2()
-        self.basis = skfem.Basis(
-            self.mesh, skfem.ElementVector(self.scalar), quadrature=gauss_cube(2 if order == 1 else 3)
-        )
+        self.element = skfem.ElementHex1() if order == 1 else skfem.ElementHexS2()
+        self.basis = skfem.Basis(self.mesh, self.element, quadrature=gauss_cube(2 if order == 1 else 3))
         self.held = held
 
     @cached_property
@@ -79,39 +77,49 @@ class Body:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Number of all degrees of freedom, held ones included."""
-        return int(self.basis.N)
+        """Number of all degrees of freedom, held ones included; ``3 * function + direction``."""
+        return 3 * int(self.basis.N)
+
+    @cached_property
+    def nodal_dofs(self) -> Ints:
+        """Degrees of freedom of every mesh node, one row a direction."""
+        return 3 * self.basis.nodal_dofs + np.arange(3)[:, None]
 
     @cached_property
     def stiffness(self) -> sp.csc_matrix:
         """Stiffness matrix, N/m, nothing held."""
-        form = linear_elasticity(*lame_parameters(self.material.young_pa, self.material.poisson))
-        return form.assemble(self.basis).tocsc()
-
-    @cached_property
-    def _groups(self) -> Ints:
-        """Degrees of freedom by direction and node; nodes of edges come after those of corners."""
-        groups = self.basis.nodal_dofs
-        return groups if self.order == 1 else np.hstack([groups, self.basis.edge_dofs])
+        # products of slopes of scalar functions: twenty times faster than the form of vector functions
+        slopes: list[list[sp.coo_matrix]] = [[None] * 3 for _ in range(3)]
+        for a in range(3):
+            for b in range(a + 1):
+                form = skfem.BilinearForm(lambda u, v, _, a=a, b=b: u.grad[b] * v.grad[a])
+                slopes[a][b] = form.assemble(self.basis).tocsr()
+                slopes[b][a] = slopes[a][b].T
+        first, second = lame_parameters(self.material.young_pa, self.material.poisson)
+        shear = second * (slopes[0][0] + slopes[1][1] + slopes[2][2])
+        total = sp.csc_matrix((self.degrees_of_freedom,) * 2)
+        for a in range(3):
+            for b in range(3):
+                block = first * slopes[a][b] + second * slopes[b][a] + (shear if a == b else 0.0 * shear)
+                place = sp.csr_matrix(([1.0], ([a], [b])), shape=(3, 3))
+                total = total + sp.kron(block, place, format="csc")
+        return total
 
     @cached_property
     def free(self) -> Ints:
         """Free degrees of freedom in elimination order."""
-        is_held = np.zeros(len(self.points), dtype=bool)
-        is_held[self.held] = True
-        held = is_held if self.order == 1 else np.concatenate([is_held, is_held[self.mesh.edges].all(axis=0)])
-        groups = self._groups[:, ~held]
-        pattern = self.stiffness[groups[0]][:, groups[0]].tocsr()
-        order = nested_dissection(self.basis.doflocs[:, groups[0]].T, pattern)
-        return groups[:, order].T.ravel()
+        is_held = np.zeros(self.basis.N, dtype=bool)
+        is_held[self.basis.nodal_dofs[0, self.held]] = True
+        if self.order == 2:
+            is_held[self.basis.edge_dofs[0]] = is_held[self.basis.nodal_dofs[0, self.mesh.edges]].all(axis=0)
+        functions = np.flatnonzero(~is_held)
+        pattern = self.stiffness[3 * functions][:, 3 * functions].tocsr()
+        order = nested_dissection(self.basis.doflocs[:, functions].T, pattern)
+        return (3 * functions[order][:, None] + np.arange(3)).ravel()
 
     @cached_property
     def _factor(self) -> Callable[[Floats], Floats]:
-        matrix = self.stiffness[self.free][:, self.free].tocsc()
-        # symmetric: no pivoting away from the given order
-        return spl.splu(
-            matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        ).solve
+        return factored(self.stiffness[self.free][:, self.free].tocsc())
 
     def solve(self, forces: sp.csc_matrix | Floats, progress: Callable[[int, int], None] | None = None) -> Floats:
         """Displacements (rows: degrees of freedom) under each column of forces, one step of refinement."""
@@ -130,12 +138,12 @@ class Body:
 
     def at_nodes(self, solution: Floats) -> Floats:
         """Values at the mesh's nodes, one row each, from a vector of degrees of freedom."""
-        return solution[self.basis.nodal_dofs].T
+        return solution[self.nodal_dofs].T
 
     def from_nodes(self, values: Floats) -> Floats:
         """Vector of degrees of freedom from one row of values a mesh node."""
-        vector = np.zeros(self.basis.N)
-        vector[self.basis.nodal_dofs] = values.T
+        vector = np.zeros(self.degrees_of_freedom)
+        vector[self.nodal_dofs] = values.T
         return vector
 
 

@@ -12,6 +12,7 @@ accelerated projected gradients (A. Beck, M. Teboulle, SIAM J. Imaging Sci. 2
 import copy
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import scipy.linalg as la
@@ -24,6 +25,7 @@ from .surface import Graph, bilinear, functionals, rail_gap, shape_rows, wheel_p
 
 Flags = NDArray[np.bool_]
 Progress = Callable[[str, int, int], None]
+Carrier = Literal["rail", "wheel"]
 
 STEP_FOR_TANGENT = 1e-3
 """Relative load step of the tangent."""
@@ -47,11 +49,19 @@ class State:
 class Contact:
     """A wheel above a rail, condensed to the multipliers.
 
-    ``reach``: nodes of the wheel with a smaller vertical gap when the bodies just touch are candidates, m. ``tangential``: whether friction will be asked for.
+    ``carrier``: the body whose surface nodes carry the multipliers. ``reach``: its nodes with a smaller vertical
+    gap when the bodies just touch are candidates, m. ``tangential``: whether friction will be asked for.
     """
 
     def __init__(
-        self, wheel: Body, rail: Body, sides: tuple[Side, Side], tangential: bool, reach: float, progress: Progress
+        self,
+        wheel: Body,
+        rail: Body,
+        sides: tuple[Side, Side],
+        tangential: bool,
+        reach: float,
+        progress: Progress,
+        carrier: Carrier = "rail",
     ) -> None:
         wheel_side, rail_side = sides
         self.friction = 0.0
@@ -59,14 +69,19 @@ class Contact:
         self.wheel_curve = Graph(wheel_side.curve, around)
         self.rail_curve = Graph(rail_side.curve, around + wheel_side.origin[0] - rail_side.origin[0])
         self.rail_origin = rail_side.origin
-        index, faces = self._candidates(wheel, wheel_side, reach)
+        self.wheel_origin, self.radius = wheel_side.origin, wheel_side.radius
+        index, faces = (
+            self._on_wheel(wheel, wheel_side, reach)
+            if carrier == "wheel"
+            else self._on_rail(rail, rail_side, wheel, wheel_side, reach)
+        )
         self.points = wheel_points(wheel, wheel_side, self.wheel_curve, faces)
         count = int(index.max()) + 1
         gap, met = rail_gap(self.points, self.rail_curve, self.rail_origin, 0.0)
         along = self.points.position[0] + gap * self.points.normal[0]
         rail_cell, rail_local, outside = self._locate(rail, rail_side, along, met)
-        row, column = self.points.cell
-        phi = [(index[row + a, column + b], w * self.points.weight) for a, b, w in bilinear(self.points.local)]
+        (row, column), local = (self.points.cell, self.points.local) if carrier == "wheel" else (rail_cell, rail_local)
+        phi = [(index[row + a, column + b], w * self.points.weight) for a, b, w in bilinear(local)]
         self.phi = phi
         self.area = self._sum(np.ones_like(gap), count)
         self.at_edge = self._sum(outside.astype(float), count) > 0
@@ -109,25 +124,48 @@ class Contact:
         gap[(wheel_side.curve[:, 0] < inside.min()) | (wheel_side.curve[:, 0] > inside.max())] = np.inf
         return float(wheel_side.curve[int(np.argmin(gap)), 0])
 
-    def _candidates(self, wheel: Body, side: Side, reach: float) -> tuple[Ints, Ints]:
-        """Multiplier of every grid node (-1: none) and the faces around the multipliers."""
+    def _on_wheel(self, wheel: Body, side: Side, reach: float) -> tuple[Ints, Ints]:
+        """Multiplier of every node of the wheel's grid (-1: none) and the wheel's faces around the multipliers."""
         p = wheel.points[side.grid.nodes]
         y = p[..., 1] + side.origin[0] - self.rail_origin[0]
         z = p[..., 2] + side.origin[1] - side.radius - self.rail_origin[1]
         graph = (y > self.rail_curve.low) & (y < self.rail_curve.high)
         graph &= (p[..., 1] > self.wheel_curve.low) & (p[..., 1] < self.wheel_curve.high)
         gap = np.where(graph, self.rail_curve.z(np.clip(y, self.rail_curve.low, self.rail_curve.high)) - z, np.inf)
-        chosen = gap < reach
-        # a ring of nodes on the border has no complete patch
+        index = self._chosen(gap < reach)
+        touched = index >= 0
+        touched = touched[:-1, :-1] | touched[1:, :-1] | touched[:-1, 1:] | touched[1:, 1:]
+        return index, np.array(np.nonzero(touched))
+
+    def _on_rail(
+        self, rail: Body, side: Side, wheel: Body, wheel_side: Side, reach: float
+    ) -> tuple[Ints, Ints]:
+        """Multiplier of every node of the rail's grid (-1: none) and the wheel's faces above their patches."""
+        p = rail.points[side.grid.nodes]
+        x, y = p[..., 0], p[..., 1] - self.wheel_origin[0]
+        graph = (y > self.wheel_curve.low) & (y < self.wheel_curve.high)
+        graph &= (p[..., 1] > self.rail_curve.low) & (p[..., 1] < self.rail_curve.high)
+        rho = self.radius + self.wheel_curve.z(np.clip(y, self.wheel_curve.low, self.wheel_curve.high))
+        below = rho > np.abs(x)
+        height = np.sqrt(np.where(below, rho**2 - x**2, 0.0)) - self.radius + self.wheel_origin[1]
+        index = self._chosen(np.where(graph & below, p[..., 2] - height, np.inf) < reach)
+        rows, columns = np.nonzero(index >= 0)
+        low_y, high_y = p[rows.min() - 1, 0, 1], p[rows.max() + 1, 0, 1]
+        low_x, high_x = p[0, columns.min() - 1, 0], p[0, columns.max() + 1, 0]
+        w = wheel.points[wheel_side.grid.nodes]
+        w_x, w_y = w[..., 0], w[..., 1] + self.wheel_origin[0]
+        over = (w_y[1:, 1:] > low_y) & (w_y[:-1, :-1] < high_y) & (w_x[1:, 1:] > low_x) & (w_x[:-1, :-1] < high_x)
+        return index, np.array(np.nonzero(over))
+
+    def _chosen(self, near: Flags) -> Ints:
+        """Numbers of the nodes that are near; -1 for the others and on the border, where patches are cut."""
+        chosen = near.copy()
         chosen[[0, -1], :] = False
         chosen[:, [0, -1]] = False
-        index = np.where(chosen, np.cumsum(chosen).reshape(chosen.shape) - 1, -1)
-        touched = chosen[:-1, :-1] | chosen[1:, :-1] | chosen[:-1, 1:] | chosen[1:, 1:]
         if not chosen.any():
             raise ValueError("wheel and rail do not come near each other: no candidate for contact")
-        self.rim = chosen & ~_interior(chosen)
-        self.rim_of = self.rim[chosen]
-        return index, np.array(np.nonzero(touched))
+        self.rim_of = (chosen & ~_interior(chosen))[chosen]
+        return np.where(chosen, np.cumsum(chosen).reshape(chosen.shape) - 1, -1)
 
     def _locate(self, rail: Body, side: Side, x: Floats, y: Floats) -> tuple[Ints, Floats, Flags]:
         """Rail face and local coordinates under points; which lie outside the grid."""

@@ -40,10 +40,10 @@ def input_hash(folder: Path) -> str:
 def elastic(exchange: Exchange, name: str, body: Body) -> dict[str, Any]:
     """Displacements under the given forces (as raw little-endian doubles) and compliance columns."""
     columns = exchange.columns(name)
-    rhs = np.zeros((body.basis.N, 1 + len(columns)))
+    rhs = np.zeros((body.degrees_of_freedom, 1 + len(columns)))
     rhs[:, 0] = body.from_nodes(exchange.given_forces(name))
     for j, (node, axis) in enumerate(columns):
-        rhs[body.basis.nodal_dofs[axis, node], 1 + j] = 1.0
+        rhs[body.nodal_dofs[axis, node], 1 + j] = 1.0
     solution = body.solve(rhs, lambda done, of: progress(f"{name}, given forces", done, of))
     file = f"reference_{name}.f64"
     (exchange.folder / file).write_bytes(body.at_nodes(solution[:, 0]).astype("<f8").tobytes())

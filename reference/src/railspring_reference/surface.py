@@ -1,6 +1,6 @@
 """Mortar integrals between a wheel and a rail on their smooth profile curves.
 
-Multipliers live on the nodes of the wheel's surface, bilinear between them.
+Multipliers live on the nodes of one surface, bilinear between them.
 Every wheel face carries a fixed, dense Gauss rule; no intersections of faces
 are formed. The gap runs along the wheel's own normal to the rail's curve.
 """
@@ -131,10 +131,8 @@ def shape_rows(body: Body, side: Side, cell: Ints, local: Floats) -> tuple[Ints,
             reference[k, :, f] = locations[int(np.flatnonzero(body.mesh.t[:, element[f]] == node)[0])]
     weights = [w for _, _, w in bilinear(local)]
     inside = sum(reference[k][:, inverse] * weights[k] for k in range(4))
-    count = len(body.scalar.doflocs)
-    values = np.array([body.scalar.lbasis(inside, i)[0] for i in range(count)])
-    # the vector element numbers its functions direction by direction within each scalar one
-    dofs = body.basis.element_dofs[:, element[inverse]].reshape(count, 3, -1)
+    values = np.array([body.element.lbasis(inside, i)[0] for i in range(len(body.element.doflocs))])
+    dofs = 3 * body.basis.element_dofs[:, None, element[inverse]] + np.arange(3)[:, None]
     return dofs, values
 
 
@@ -159,6 +157,6 @@ def functionals(
             columns.append(np.broadcast_to(index[keep], part.shape).ravel())
             data.append(part.ravel())
     matrix = sp.coo_matrix(
-        (np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=(body.basis.N, count)
+        (np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=(body.degrees_of_freedom, count)
     )
     return matrix.tocsc()
