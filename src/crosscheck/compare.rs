@@ -293,26 +293,33 @@ fn curve_checks(
     };
     for (own, theirs) in curve.points.iter().zip(&judged.rows) {
         let load = Some(own.force);
-        let mut relative = |quantity: &str, unit: &str, factor: f64, values: (f64, f64), limit: f64| {
-            checks.push(Check::new(
-                problem,
-                quantity,
-                load,
-                unit,
-                (values.0 / factor, values.1 / factor),
-                judge,
-                (values.1 / values.0 - 1.0).abs(),
-                (limit, Cause::Discretisation),
-            ));
-        };
-        relative("load", "kN", KILONEWTON, (own.force, theirs.load_n), ROUNDOFF);
-        relative(HUB_DISPLACEMENT, "mm", MILLIMETRE, (own.displacement, theirs.hub_m), displacement);
+        let mut relative =
+            |quantity: &str, unit: &str, factor: f64, values: (f64, f64), limit: (f64, Cause)| {
+                checks.push(Check::new(
+                    problem,
+                    quantity,
+                    load,
+                    unit,
+                    (values.0 / factor, values.1 / factor),
+                    judge,
+                    (values.1 / values.0 - 1.0).abs(),
+                    limit,
+                ));
+            };
+        relative("load", "kN", KILONEWTON, (own.force, theirs.load_n), (ROUNDOFF, Cause::Roundoff));
+        relative(
+            HUB_DISPLACEMENT,
+            "mm",
+            MILLIMETRE,
+            (own.displacement, theirs.hub_m),
+            (displacement, Cause::Discretisation),
+        );
         relative(
             TANGENT_STIFFNESS,
             "kN/m",
             KILONEWTON_PER_METRE,
             (own.solid_tangent, theirs.tangent_n_per_m),
-            tangent,
+            (tangent, Cause::Discretisation),
         );
         if case == Case::SecondOrder {
             continue;

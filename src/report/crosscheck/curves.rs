@@ -74,8 +74,10 @@ fn differences(record: &CrosscheckRecord, quantity: &str) -> String {
             }
             for (name, side) in [("limit", 100.0 * limit), ("", -100.0 * limit)] {
                 series.push(Series::line(name, vec![(ends.0, side), (ends.1, side)], GREY, Dash::Dashed));
+                // not drawn: keeps the limit off the frame
+                series.push(Series::line("", vec![(ends.0, 1.1 * side)], GREY, Dash::None));
             }
-            Panel { x_label: "load, kN".into(), y_label: "difference, %".into(), from_zero: true, series }
+            Panel { x_label: "load, kN".into(), y_label: format!("{quantity}, %"), from_zero: true, series }
         })
         .collect();
     stacked(WIDTH, 200, &panels)

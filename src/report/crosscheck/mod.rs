@@ -116,9 +116,12 @@ fn figures(
     ];
     for section in sections {
         let [x, y, z] = section.largest_at_mm.map(number);
+        let (body, frame) = match section.body.as_str() {
+            "rail" => ("Rail", "y from the middle of the track, z from the top of the rail"),
+            _ => ("Wheel below its axle", "y from the tape circle, z from the axle"),
+        };
         let caption = format!(
-            "{}: where the nodal displacements of tool and reference differ under the same given forces (section across the track under the load, mean of each element). Largest of the whole body: {} mm at x = {x}, y = {y}, z = {z} mm (circle, projected onto the section); that is {} of the largest displacement, {} mm.",
-            if section.body == "rail" { "Rail" } else { "Wheel, below its axle" },
+            "{body}: where the nodal displacements of tool and reference differ under the same given forces. Section across the track under the load (x = 0), mean of each element; {frame}. Largest difference of the whole body: {} mm at x = {x}, y = {y}, z = {z} mm (circle, projected onto the section), which is {} of the largest displacement, {} mm.",
             scientific(section.largest_difference_mm),
             scientific(section.largest_difference_mm / section.largest_displacement_mm),
             number(section.largest_displacement_mm),

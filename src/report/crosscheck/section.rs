@@ -1,5 +1,7 @@
 //! Where on a body the displacements differ, as a picture.
 
+use std::collections::BTreeMap;
+
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -7,7 +9,7 @@ use super::power_of_ten;
 use crate::records::crosscheck::SectionDifference;
 use crate::report::figures::WIDTH;
 use crate::report::plot::{
-    DARK_RED, LABEL_TEXT, ORANGE, TICK_TEXT, frame, label, nice_range, nice_step, px, stroke, svg, tick,
+    DARK_RED, GREY, LABEL_TEXT, ORANGE, TICK_TEXT, frame, label, nice_range, nice_step, px, stroke, svg, tick,
 };
 
 /// Largest height of the body, px.
@@ -48,6 +50,9 @@ pub fn picture(section: &SectionDifference) -> String {
             // without it the white sheet shines through between the elements
             area.draw(&PathElement::new(closed(shape), stroke(color, 5)))?;
         }
+        for edge in outline(section) {
+            area.draw(&PathElement::new(edge.map(|p| at(&p)), stroke(GREY, 8)))?;
+        }
         for (low, end, axis) in [(y0, y1, 0), (z0, z1, 1)] {
             let step = nice_step((end - low) / if axis == 0 { 4.0 } else { 6.0 });
             for n in (low / step).ceil() as i64..=(end / step).floor() as i64 {
@@ -74,9 +79,10 @@ pub fn picture(section: &SectionDifference) -> String {
         let x_of = |value: f64| from + (f64::from(to - from) * value / high).round() as i32;
         const SHADES: u32 = 120;
         for n in 0..SHADES {
-            let ends = [n, n + 1].map(|k| x_of(high * f64::from(k) / f64::from(SHADES)));
+            // each to the end of the bar, so that no seams shine through
+            let begin = x_of(high * f64::from(n) / f64::from(SHADES));
             let color = shade((f64::from(n) + 0.5) / f64::from(SHADES));
-            area.draw(&Rectangle::new([(ends[0], y.0), (ends[1], y.1)], color.filled()))?;
+            area.draw(&Rectangle::new([(begin, y.0), (to, y.1)], color.filled()))?;
         }
         area.draw(&frame([(from, y.0), (to, y.1)], stroke(BLACK, 7)))?;
         for n in 0..=(high / step).round() as usize {
@@ -96,6 +102,22 @@ pub fn picture(section: &SectionDifference) -> String {
         area.draw(&Circle::new(place, px(7), stroke(BLACK, 14)))?;
         Ok(())
     })
+}
+
+/// Edges that belong to one element alone: the outline of the body.
+fn outline(section: &SectionDifference) -> Vec<[[f64; 2]; 2]> {
+    // the coordinates are on a grid, so that those of neighbours are equal
+    let key = |p: &[f64; 2]| p.map(|v| (v * 1e3).round() as i64);
+    let mut edges: BTreeMap<[[i64; 2]; 2], (usize, [[f64; 2]; 2])> = BTreeMap::new();
+    for cell in &section.cells {
+        let next = cell.corners_mm.iter().cycle().skip(1);
+        for (a, b) in cell.corners_mm.iter().zip(next) {
+            let mut ends = [key(a), key(b)];
+            ends.sort_unstable();
+            edges.entry(ends).or_insert((0, [*a, *b])).0 += 1;
+        }
+    }
+    edges.into_values().filter(|(count, _)| *count == 1).map(|(_, edge)| edge).collect()
 }
 
 /// The first corner again at the end.
@@ -119,6 +141,26 @@ fn shade(share: f64) -> RGBColor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::records::crosscheck::SectionCell;
+
+    /// Two squares side by side: six edges, without the common one.
+    #[test]
+    fn the_outline_is_without_inner_edges() {
+        let square = |y: f64| SectionCell {
+            corners_mm: vec![[y, 0.0], [y + 1.0, 0.0], [y + 1.0, 1.0], [y, 1.0]],
+            difference_mm: 0.0,
+        };
+        let section = SectionDifference {
+            body: "rail".into(),
+            largest_displacement_mm: 1.0,
+            largest_difference_mm: 0.0,
+            largest_at_mm: [0.0; 3],
+            cells: vec![square(0.0), square(1.0)],
+        };
+        let edges = outline(&section);
+        assert_eq!(edges.len(), 6);
+        assert!(edges.iter().all(|[a, b]| !(a[0] == 1.0 && b[0] == 1.0)), "{edges:?}");
+    }
 
     /// In grey (luma of ITU-R BT.601) a larger difference is darker.
     #[test]
