@@ -6,9 +6,12 @@
 //! hashes exactly, numbers to what the order of sums on another processor may change.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use railspring::crosscheck::python::package_hash;
 use railspring::crosscheck::questions::tool_curves;
+use railspring::output::OutputFolder;
+use railspring::pipeline::Pipeline;
 use railspring::records::crosscheck::{CrosscheckRecord, ToolCurve};
 use railspring::stages;
 use railspring::study::Study;
@@ -112,44 +115,97 @@ contact_element_mm = 6
 contact_element_along_mm = 6
 element = "full-integration"
 [contact]
-friction = 0
+friction = 0.5
 [calibration]
 load_min_kn = 5
 load_max_kn = 40
 load_count = 4
 "#;
 
-/// Goal: `--keep` writes the record; it is found fresh, its failing limits are told, and so is each
-/// change of study, reference, tool and verdict, alone.
-#[test]
-fn every_kind_of_staleness_is_found() {
-    let root = tempfile::tempdir().unwrap();
-    let file = root.path().join("coarse.toml");
-    std::fs::write(&file, STUDY).unwrap();
-    let kept = root.path().join("kept/coarse.json");
-    let out = root.path().join("out");
-    let railspring = |arguments: &[&str], expected: i32| {
+/// A folder with a study, its results and then its cross-check, kept too; what the report said before.
+struct Made {
+    study: PathBuf,
+    out: PathBuf,
+    kept: PathBuf,
+    report_before: String,
+}
+
+impl Made {
+    fn page(&self, name: &str) -> String {
+        std::fs::read_to_string(self.out.join(name)).unwrap()
+    }
+
+    fn railspring(&self, arguments: &[&str], expected: i32) {
         let output = assert_cmd::Command::cargo_bin("railspring")
             .unwrap()
             .args(arguments)
             .args(["--quiet", "-o"])
-            .args([&out, &file])
+            .args([&self.out, &self.study])
             .env("RAILSPRING_CACHE", env!("CARGO_TARGET_TMPDIR"))
             .output()
             .unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(expected), "{arguments:?}: {said}");
-    };
-    let page = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
-    // the coarse contact is beyond the limits
-    railspring(&["crosscheck", "--keep", kept.to_str().unwrap()], 1);
-    assert_eq!(std::fs::read_to_string(&kept).unwrap(), page("crosscheck.json"));
-    assert_eq!(page("crosscheck.html").matches("<figure>").count(), 5, "three curves and two bodies");
-    assert!(!out.join("report.html").exists(), "the folder has no other results");
-    assert!(!page("crosscheck.html").contains("href=\"report.html\""));
-    let study = Study::read(&file).unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+fn made() -> &'static Made {
+    static MADE: OnceLock<Made> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join("validation");
+        let _ = std::fs::remove_dir_all(&root);
+        std::fs::create_dir_all(&root).unwrap();
+        let mut made = Made {
+            study: root.join("coarse.toml"),
+            out: root.join("out"),
+            kept: root.join("kept/coarse.json"),
+            report_before: String::new(),
+        };
+        std::fs::write(&made.study, STUDY).unwrap();
+        made.railspring(&["run"], 0);
+        made.report_before = made.page("report.html");
+        // the coarse contact is beyond the limits
+        made.railspring(&["crosscheck", "--keep", made.kept.to_str().unwrap()], 1);
+        made
+    })
+}
+
+/// Goal: the report says that there is no cross-check, has its chapter as soon as there is one, and
+/// says when it is of another study; report and page point to each other, a page alone to nothing.
+#[test]
+fn report_and_page_belong_together() {
+    let made = made();
+    let link = "href=\"crosscheck.html\"";
+    assert!(made.report_before.contains("no cross-validation of this study yet"));
+    assert!(!made.report_before.contains(link));
+    let (report, page) = (made.page("report.html"), made.page("crosscheck.html"));
+    assert!(report.contains(link) && report.contains("hub displacement"));
+    assert!(page.contains("href=\"report.html\""));
+    assert_eq!(page.matches("<figure>").count(), 5, "three curves and two bodies");
+    assert_eq!(report.matches("<figure>").count(), made.report_before.matches("<figure>").count() + 5);
+
+    let other = OutputFolder::create(&made.out.with_file_name("alone")).unwrap();
+    let study = Study::read(&made.study).unwrap_or_else(|e| panic!("{e}"));
+    other.write("crosscheck.json", made.page("crosscheck.json").as_bytes()).unwrap();
+    assert!(!Pipeline::new(&study, &other, &Silent).crosscheck_pages().unwrap());
+    let alone = std::fs::read_to_string(other.file("crosscheck.html")).unwrap();
+    assert!(!alone.contains("href=") && !other.file("report.html").exists());
+
+    let stale = made.page("crosscheck.json").replace(&study.input_hash, &"0".repeat(64));
+    std::fs::write(made.out.join("crosscheck.json"), stale).unwrap();
+    made.railspring(&["report"], 0);
+    let report = made.page("report.html");
+    assert!(report.contains("of another study") && !report.contains(link));
+}
+
+/// Goal: `--keep` writes the record; it is found fresh, its failing limits are told, and so is each
+/// change of study, reference, tool and verdict, alone.
+#[test]
+fn every_kind_of_staleness_is_found() {
+    let Made { study, kept, .. } = made();
+    let study = Study::read(study).unwrap_or_else(|e| panic!("{e}"));
     let curves = now(&study);
-    let mut record = read(&kept);
+    let mut record = read(kept);
     let underived: Vec<_> = record.checks.iter().filter(|check| record.limit(check).is_none()).collect();
     assert!(underived.is_empty(), "limits without derivation: {underived:?}");
     let found = stale(&record, &study, &curves);
