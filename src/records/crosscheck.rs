@@ -145,7 +145,8 @@ pub struct Differences {
     pub sections: Vec<SectionDifference>,
 }
 
-/// Differences on the section of a body through the load.
+/// Differences on the section of a body through the place of the largest one: across the rail, or
+/// half a plane through the axle of the wheel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SectionDifference {
     /// `rail` or `wheel`.
@@ -156,6 +157,11 @@ pub struct SectionDifference {
     pub largest_difference_mm: f64,
     /// Where that is: x, y, z, mm.
     pub largest_at_mm: [f64; 3],
+    /// The same place on the section, mm: y, and z of the rail or the radius of the wheel.
+    pub largest_on_section_mm: [f64; 2],
+    /// Of a wheel the angle about the axle from the load to the section, degrees, positive towards
+    /// the front.
+    pub turned_deg: Option<f64>,
     /// The elements as the section cuts them.
     pub cells: Vec<SectionCell>,
 }
@@ -163,9 +169,9 @@ pub struct SectionDifference {
 /// One element on a section.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SectionCell {
-    /// Corners (y, z) in order, mm.
+    /// Corners in order, mm: y, and z of the rail or the radius of the wheel.
     pub corners_mm: Vec<[f64; 2]>,
-    /// Mean difference of the corners, mm.
+    /// Largest difference of the corners, mm.
     #[serde(deserialize_with = "null_as_nan")]
     pub difference_mm: f64,
 }

@@ -392,6 +392,8 @@ pub(crate) fn sections() -> Vec<SectionDifference> {
             largest_displacement_mm: 0.123,
             largest_difference_mm: 4.6e-14,
             largest_at_mm: [12.0, 55.0, height],
+            largest_on_section_mm: [55.0, height],
+            turned_deg: (body == "wheel").then_some(1.6),
             cells: cells(height),
         })
         .into()

@@ -116,12 +116,23 @@ fn figures(
     ];
     for section in sections {
         let [x, y, z] = section.largest_at_mm.map(number);
-        let (body, frame) = match section.body.as_str() {
-            "rail" => ("Rail", "y from the middle of the track, z from the top of the rail"),
-            _ => ("Wheel below its axle", "y from the tape circle, z from the axle"),
+        let (body, place) = match section.turned_deg {
+            Some(angle) => (
+                "Wheel",
+                format!(
+                    "Half a plane through the axle, turned by {}° from the load; y from the tape circle",
+                    number(angle.round())
+                ),
+            ),
+            None => (
+                "Rail",
+                format!(
+                    "Section at x = {x} mm, the load at 0; y from the middle of the track, z from the top of the rail"
+                ),
+            ),
         };
         let caption = format!(
-            "{body}: where the nodal displacements of tool and reference differ under the same given forces. Section across the track under the load (x = 0), mean of each element; {frame}. Largest difference of the whole body: {} mm at x = {x}, y = {y}, z = {z} mm (circle, projected onto the section), which is {} of the largest displacement, {} mm.",
+            "{body}: where the nodal displacements of tool and reference differ most under the same given forces. {place}. Every element with the largest difference of its corners. Circle: the largest of the whole body, {} mm at x = {x}, y = {y}, z = {z} mm, which is {} of the largest displacement, {} mm.",
             scientific(section.largest_difference_mm),
             scientific(section.largest_difference_mm / section.largest_displacement_mm),
             number(section.largest_displacement_mm),

@@ -73,7 +73,8 @@ pub fn picture(section: &SectionDifference) -> String {
         area.draw(&Text::new("y to the field side, mm", (fine(left + 0.5 * body_width), base), style))?;
         let style = label(LABEL_TEXT, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
         let side = (fine(left - 62.0), fine(top + 0.5 * body_height));
-        area.draw(&Text::new("z down, mm", side, style))?;
+        let vertical = if section.turned_deg.is_some() { "radius, mm" } else { "z down, mm" };
+        area.draw(&Text::new(vertical, side, style))?;
 
         let (from, to, y) = (px(300), px(660), (px(10), px(24)));
         let x_of = |value: f64| from + (f64::from(to - from) * value / high).round() as i32;
@@ -96,8 +97,7 @@ pub fn picture(section: &SectionDifference) -> String {
         let text = format!("difference of displacement, {} mm", power_of_ten(power));
         area.draw(&Text::new(text, (from - px(12), (y.0 + y.1) / 2), style))?;
 
-        let [_, y, z] = section.largest_at_mm;
-        let place = at(&[y.clamp(y0, y1), z.clamp(z0, z1)]);
+        let place = at(&section.largest_on_section_mm);
         area.draw(&Circle::new(place, px(7), stroke(WHITE, 32)))?;
         area.draw(&Circle::new(place, px(7), stroke(BLACK, 14)))?;
         Ok(())
@@ -155,6 +155,8 @@ mod tests {
             largest_displacement_mm: 1.0,
             largest_difference_mm: 0.0,
             largest_at_mm: [0.0; 3],
+            largest_on_section_mm: [0.0; 2],
+            turned_deg: None,
             cells: vec![square(0.0), square(1.0)],
         };
         let edges = outline(&section);
