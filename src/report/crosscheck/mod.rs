@@ -114,7 +114,7 @@ fn figures(
             "The same for the tangent stiffness.".into(),
         ),
     ];
-    for section in sections {
+    for section in sections.iter().filter(|section| !section.cells.is_empty()) {
         let [x, y, z] = section.largest_at_mm.map(number);
         let (body, place) = match section.turned_deg {
             Some(angle) => (
@@ -137,24 +137,10 @@ fn figures(
             scientific(section.largest_difference_mm / section.largest_displacement_mm),
             number(section.largest_displacement_mm),
         );
-        collected_section(section, caption, collected, &mut found);
+        let name = format!("crosscheck-{}", section.body);
+        found.push(collected.add(&name, section::picture(section), caption));
     }
     found
-}
-
-fn collected_section(
-    section: &SectionDifference,
-    caption: String,
-    collected: &mut Collector,
-    found: &mut Vec<Figure>,
-) {
-    if !section.cells.is_empty() {
-        found.push(collected.add(
-            &format!("crosscheck-{}", section.body),
-            section::picture(section),
-            caption,
-        ));
-    }
 }
 
 /// Checks by problem and judge, in order of appearance, as text.

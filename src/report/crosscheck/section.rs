@@ -104,11 +104,14 @@ pub fn picture(section: &SectionDifference) -> String {
     })
 }
 
+/// The ends of an edge, mm.
+type Edge = [[f64; 2]; 2];
+
 /// Edges that belong to one element alone: the outline of the body.
-fn outline(section: &SectionDifference) -> Vec<[[f64; 2]; 2]> {
+fn outline(section: &SectionDifference) -> Vec<Edge> {
     // the coordinates are on a grid, so that those of neighbours are equal
     let key = |p: &[f64; 2]| p.map(|v| (v * 1e3).round() as i64);
-    let mut edges: BTreeMap<[[i64; 2]; 2], (usize, [[f64; 2]; 2])> = BTreeMap::new();
+    let mut edges: BTreeMap<[[i64; 2]; 2], (usize, Edge)> = BTreeMap::new();
     for cell in &section.cells {
         let next = cell.corners_mm.iter().cycle().skip(1);
         for (a, b) in cell.corners_mm.iter().zip(next) {
