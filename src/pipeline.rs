@@ -14,10 +14,12 @@ use railspring_calibrate::units::KILONEWTON_PER_METRE;
 
 use crate::measure::{Stopwatch, begin};
 use crate::output::{OutputFolder, read_json, read_text};
+use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
 use crate::records::{
     LawRecord, LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord, history_csv,
     to_csv,
 };
+use crate::report::crosscheck::{Crosscheck, PageData, page};
 use crate::report::{self, ReportData, ScenarioRun};
 use crate::stages::{self, Calibration, Fields, Geometry, Meshes, Springs};
 use crate::study::{LawKey, Study, StudyScenario};
@@ -33,6 +35,12 @@ pub const VERIFICATION: &str = "verification.json";
 pub const MEASURED: &str = "measured.json";
 /// The report.
 pub const REPORT: &str = "report.html";
+/// What independent judges say.
+pub const CROSSCHECK: &str = "crosscheck.json";
+/// The page about it.
+pub const CROSSCHECK_PAGE: &str = "crosscheck.html";
+/// Where on the bodies tool and reference differ.
+pub const DIFFERENCES: &str = "crosscheck/differences.json";
 
 /// A study on its way through the stages.
 pub struct Pipeline<'a> {
@@ -173,6 +181,54 @@ impl<'a> Pipeline<'a> {
         self.report_stage(&geometry, &Calibration { stiffness, load_curve }, &runs, Some(&verdict))
     }
 
+    /// The pages after a cross-check: the report too, if the folder has the study's other results;
+    /// whether it has.
+    ///
+    /// # Errors
+    /// As [`Pipeline::report`], and a cross-check that is not there.
+    pub fn crosscheck_pages(self) -> Result<bool> {
+        if self.has_results() {
+            self.report().map(|()| true)
+        } else {
+            let record = self.folder.read_json(CROSSCHECK, "crosscheck")?;
+            self.crosscheck_page(&record, &self.differences(&record), false).map(|()| false)
+        }
+    }
+
+    /// Whether the folder has springs and a verdict of this very study.
+    fn has_results(&self) -> bool {
+        let verdict = self.folder.read_json::<VerificationRecord>(VERIFICATION, "verify");
+        self.own_stiffness().is_ok() && verdict.is_ok_and(|v| v.input_hash == self.study.input_hash)
+    }
+
+    /// The cross-check of the folder if it is one of this study: `None` if it is of another study
+    /// or has another layout.
+    fn own_crosscheck(&self) -> Option<CrosscheckRecord> {
+        let record: CrosscheckRecord = self.folder.read_json(CROSSCHECK, "crosscheck").ok()?;
+        (record.input_hash == self.study.input_hash).then_some(record)
+    }
+
+    /// The sections of that very cross-check; none if they are not there.
+    fn differences(&self, record: &CrosscheckRecord) -> Vec<SectionDifference> {
+        self.folder
+            .read_json::<Differences>(DIFFERENCES, "crosscheck")
+            .ok()
+            .filter(|d| d.input_hash == record.input_hash && d.begun_utc == record.begun_utc)
+            .map_or_else(Vec::new, |d| d.sections)
+    }
+
+    fn crosscheck_page(
+        &self,
+        record: &CrosscheckRecord,
+        sections: &[SectionDifference],
+        report: bool,
+    ) -> Result<()> {
+        let inputs = inputs(self.study);
+        let data =
+            PageData { description: &self.study.description, inputs: &inputs, record, sections, report };
+        self.folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
+    }
+
     fn mesh_stage(&mut self, geometry: &Geometry) -> Result<Meshes> {
         let watch = Stopwatch::start();
         let meshes = stages::meshes(self.study, geometry)?;
@@ -284,17 +340,9 @@ impl<'a> Pipeline<'a> {
                 }
             })
             .collect();
-        let inputs: Vec<report::InputRow> = self
-            .study
-            .resolved
-            .iter()
-            .map(|key| report::InputRow {
-                section: key.section.clone(),
-                key: key.key.clone(),
-                value: key.value.clone(),
-                given: key.given,
-            })
-            .collect();
+        let inputs = inputs(self.study);
+        let judged = self.own_crosscheck();
+        let sections = judged.as_ref().map_or_else(Vec::new, |record| self.differences(record));
         let data = ReportData {
             name: &self.study.name,
             description: &self.study.description,
@@ -307,12 +355,19 @@ impl<'a> Pipeline<'a> {
             ratio_floor: self.study.limits.ratio_floor,
             verdict,
             measured: &self.measured,
+            crosscheck: match &judged {
+                Some(record) => Crosscheck::Fresh(record, &sections),
+                None if self.folder.file(CROSSCHECK).exists() => Crosscheck::Stale,
+                None => Crosscheck::Absent,
+            },
         };
         let built = report::build(&data);
         for (name, svg) in &built.figures {
             self.folder.write(&format!("figures/{name}.svg"), svg.as_bytes())?;
         }
-        self.folder.write(REPORT, built.html.as_bytes())
+        self.folder.write(REPORT, built.html.as_bytes())?;
+        // again, because it now has a report to point to
+        judged.map_or(Ok(()), |record| self.crosscheck_page(&record, &sections, true))
     }
 
     fn note(&mut self, watch: Stopwatch, stage: &str, degrees_of_freedom: Option<usize>) -> Result<()> {
@@ -366,6 +421,20 @@ impl<'a> Pipeline<'a> {
                 .into()
             })
     }
+}
+
+/// The study's keys for a page.
+fn inputs(study: &Study) -> Vec<report::InputRow> {
+    study
+        .resolved
+        .iter()
+        .map(|key| report::InputRow {
+            section: key.section.clone(),
+            key: key.key.clone(),
+            value: key.value.clone(),
+            given: key.given,
+        })
+        .collect()
 }
 
 /// Name of a model's run in the measures.

@@ -15,8 +15,7 @@ use railspring_calibrate::error::{Error, InputError};
 
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
-use crate::crosscheck::page::worst;
-use crate::crosscheck::{crosscheck, export};
+use crate::crosscheck::{Settings, crosscheck, export};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
 use crate::records::VerificationRecord;
@@ -75,6 +74,9 @@ enum Command {
         /// Ask another program too, if it is installed
         #[arg(long = "with", value_name = "PROGRAM")]
         with: Option<OtherJudge>,
+        /// Write a copy of the record to this file, to be kept with the study
+        #[arg(long, value_name = "FILE")]
+        keep: Option<PathBuf>,
     },
     /// Write the solid problem as a deck for another program
     Export {
@@ -207,13 +209,19 @@ fn staged(
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
         Command::Export { format, .. } => export(study, *format, &folder, &progress).map(|_| true)?,
-        Command::Crosscheck { python, second_order, with, .. } => {
+        Command::Crosscheck { python, second_order, with, keep, .. } => {
             let cases: &[Case] = if !*second_order {
                 &[Case::SameMesh, Case::SameMeshFriction]
             } else {
                 &[Case::SameMesh, Case::SameMeshFriction, Case::SecondOrder]
             };
-            let record = crosscheck(study, &folder, python.as_deref(), cases, with.is_some(), &progress)?;
+            let settings = Settings {
+                interpreter: python.as_deref(),
+                cases,
+                calculix: with.is_some(),
+                keep: keep.as_deref(),
+            };
+            let record = crosscheck(study, &folder, &settings, &progress)?;
             progress.finish();
             if !args.quiet {
                 print_crosscheck(&record);
@@ -251,7 +259,7 @@ fn print_verdict(verdict: &VerificationRecord) {
 
 /// The largest differences of the cross-check, and every limit that does not hold.
 fn print_crosscheck(record: &CrosscheckRecord) {
-    for (check, holds) in worst(&record.checks) {
+    for (check, holds) in record.worst() {
         let word = if holds { "holds" } else { "FAILS" };
         let load = check.load_kn.map_or_else(String::new, |load| format!(" at {load} kN"));
         say(&format!(

@@ -11,7 +11,9 @@ use serde::Deserialize;
 
 use super::exchange::{BODIES, Case};
 use crate::output::{OutputFolder, read_json};
-use crate::records::crosscheck::{Cause, Check, HUB_DISPLACEMENT, Provenance, TANGENT_STIFFNESS, Timing};
+use crate::records::crosscheck::{
+    Cause, Check, HUB_DISPLACEMENT, Limit, Provenance, TANGENT_STIFFNESS, Timing,
+};
 use crate::stages::{AnsweredBody, AnsweredCurve, Answers};
 
 /// Same equations, other order of sums: about 1e-16 times the condition number of the meshes, 1e6.
@@ -27,6 +29,67 @@ pub const DISCRETISATION_RINGS: f64 = 1.0;
 pub const DISCRETISATION_ELEMENT: f64 = 2e-2;
 /// A judge with another contact law (finite contact stiffness) and faceted surfaces.
 pub const MODEL: f64 = 1e-2;
+
+/// The limits that the checks use, for whoever must judge them.
+pub fn limits(checks: &[Check]) -> Vec<Limit> {
+    let contact = "another contact formulation on the same mesh";
+    let element = "elements of second order on another mesh";
+    let all = [
+        (
+            Cause::Roundoff,
+            ROUNDOFF,
+            "displacements and compliances on the same mesh and element, loads, sign of the Jacobian".into(),
+            "the same equations in another order: rounding of 1e-16 times the condition number of the meshes, 1e6, \
+             with a margin of ten",
+        ),
+        (
+            Cause::Discretisation,
+            DISCRETISATION_DISPLACEMENT,
+            format!("{HUB_DISPLACEMENT}, {contact}"),
+            "the local approach, about a third of the displacement, is the only part in which the formulations \
+             differ, by an element's share of a small patch",
+        ),
+        (
+            Cause::Discretisation,
+            DISCRETISATION_TANGENT,
+            format!("{TANGENT_STIFFNESS}, {contact}"),
+            "one order lower in the element size than the displacement",
+        ),
+        (
+            Cause::Discretisation,
+            DISCRETISATION_RINGS,
+            "contact area, in rings of elements around the patch".into(),
+            "a node at the border of the patch may carry or not",
+        ),
+        (
+            Cause::Discretisation,
+            DISCRETISATION_ELEMENT,
+            format!("{HUB_DISPLACEMENT}, {element}"),
+            "first-order bricks bend too stiffly by about the square of element over wall thickness",
+        ),
+        (
+            Cause::Discretisation,
+            2.0 * DISCRETISATION_ELEMENT,
+            format!("{TANGENT_STIFFNESS}, {element}"),
+            "twice that of the displacement: one order lower in the element size",
+        ),
+        (
+            Cause::Model,
+            MODEL,
+            "a judge with another contact law".into(),
+            "finite contact stiffness and faceted surfaces instead of exact contact on smooth curves",
+        ),
+    ];
+    all.into_iter()
+        .filter(|(cause, value, ..)| checks.iter().any(|c| c.cause == *cause && c.limit == *value))
+        .map(|(cause, value, applies_to, derivation)| Limit {
+            cause,
+            value,
+            applies_to,
+            derivation: derivation.into(),
+        })
+        .collect()
+}
 
 /// What the reference wrote.
 #[derive(Debug, Clone, Deserialize)]
@@ -230,26 +293,33 @@ fn curve_checks(
     };
     for (own, theirs) in curve.points.iter().zip(&judged.rows) {
         let load = Some(own.force);
-        let mut relative = |quantity: &str, unit: &str, factor: f64, values: (f64, f64), limit: f64| {
-            checks.push(Check::new(
-                problem,
-                quantity,
-                load,
-                unit,
-                (values.0 / factor, values.1 / factor),
-                judge,
-                (values.1 / values.0 - 1.0).abs(),
-                (limit, Cause::Discretisation),
-            ));
-        };
-        relative("load", "kN", KILONEWTON, (own.force, theirs.load_n), ROUNDOFF);
-        relative(HUB_DISPLACEMENT, "mm", MILLIMETRE, (own.displacement, theirs.hub_m), displacement);
+        let mut relative =
+            |quantity: &str, unit: &str, factor: f64, values: (f64, f64), limit: (f64, Cause)| {
+                checks.push(Check::new(
+                    problem,
+                    quantity,
+                    load,
+                    unit,
+                    (values.0 / factor, values.1 / factor),
+                    judge,
+                    (values.1 / values.0 - 1.0).abs(),
+                    limit,
+                ));
+            };
+        relative("load", "kN", KILONEWTON, (own.force, theirs.load_n), (ROUNDOFF, Cause::Roundoff));
+        relative(
+            HUB_DISPLACEMENT,
+            "mm",
+            MILLIMETRE,
+            (own.displacement, theirs.hub_m),
+            (displacement, Cause::Discretisation),
+        );
         relative(
             TANGENT_STIFFNESS,
             "kN/m",
             KILONEWTON_PER_METRE,
             (own.solid_tangent, theirs.tangent_n_per_m),
-            tangent,
+            (tangent, Cause::Discretisation),
         );
         if case == Case::SecondOrder {
             continue;

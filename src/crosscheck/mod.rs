@@ -4,37 +4,38 @@
 //! * [`python`]: the environment of the scikit-fem reference, and running it;
 //! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
 //! * [`mod@compare`]: answers against answers, with limits and their causes;
-//! * [`page`]: the page for whoever must trust the numbers.
+//! * [`questions`]: what was asked, in words and numbers;
+//! * [`mod@sections`]: where on the bodies the answers differ.
 
 pub mod calculix;
 pub mod compare;
 pub mod deck;
 pub mod exchange;
-pub mod page;
 pub mod python;
+pub mod questions;
+pub mod sections;
 
 use std::path::Path;
 use std::time::Instant;
 
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::measure::begin;
 use crate::output::OutputFolder;
-use crate::records::crosscheck::{Cause, Check, CrosscheckRecord, HUB_DISPLACEMENT, Timing};
+use crate::pipeline::{CROSSCHECK, DIFFERENCES, Pipeline};
+use crate::records::crosscheck::{
+    Cause, Check, CrosscheckRecord, Differences, HUB_DISPLACEMENT, Provenance, Timing,
+};
 use crate::stages::{self, Answers, Geometry, Meshes};
 use crate::study::Study;
 use calculix::displacement_at;
-use compare::{MODEL, ReferenceResult, compare};
+use compare::{MODEL, ReferenceResult, compare, limits};
 use deck::{Deck, Format};
-use exchange::{Case, Exchange};
+use exchange::{BODIES, Case, Exchange};
 use python::Python;
 
-/// Result of the cross-check.
-pub const CROSSCHECK: &str = "crosscheck.json";
-/// The page about it.
-pub const PAGE: &str = "crosscheck.html";
 /// Folder of the exchange inside the output folder.
 pub const EXCHANGE_FOLDER: &str = "crosscheck";
 /// How much coarser the contact elements of the second-order mesh are.
@@ -147,32 +148,43 @@ fn calculix_checks(
     Ok((checks, timing))
 }
 
-/// Runs the whole cross-check and writes its files; the record says whether all limits hold.
+/// What is asked of whom, and where a copy goes.
+#[derive(Debug, Clone, Default)]
+pub struct Settings<'a> {
+    /// Python with the packages of the reference; `None`: the virtual environment of the cache folder.
+    pub interpreter: Option<&'a Path>,
+    /// What the reference is asked.
+    pub cases: &'a [Case],
+    /// Whether CalculiX is asked too.
+    pub calculix: bool,
+    /// File that gets a copy of the record.
+    pub keep: Option<&'a Path>,
+}
+
+/// Runs the whole cross-check and writes its files, and the report again if the folder has the
+/// study's other results; the record says whether all limits hold.
 ///
 /// # Errors
-/// A Python that is missing, and those of the stages.
+/// A Python that is missing, a copy that cannot be written, and those of the stages.
 pub fn crosscheck(
     study: &Study,
     folder: &OutputFolder,
-    interpreter: Option<&Path>,
-    cases: &[Case],
-    with_calculix: bool,
+    settings: &Settings<'_>,
     monitor: &dyn Monitor,
 ) -> Result<CrosscheckRecord> {
     let begun = begin();
-    if with_calculix {
-        calculix::version()?;
-    }
-    // first, so that a missing Python is told before anything is computed
-    let python = Python::prepare(interpreter, &python::cache_folder(), monitor)?;
-    let prepared = prepare(study, cases, monitor)?;
+    // first, so that whatever is missing is told before anything is computed
+    let keep = settings.keep.map(kept_in).transpose()?;
+    let calculix = if settings.calculix { Some(calculix::version()?.1) } else { None };
+    let python = Python::prepare(settings.interpreter, &python::cache_folder(), monitor)?;
+    let prepared = prepare(study, settings.cases, monitor)?;
     let exchange_folder = OutputFolder::create(&folder.file(EXCHANGE_FOLDER))?;
     prepared.exchange.write(&exchange_folder)?;
     python.run(exchange_folder.path(), monitor)?;
     let reference = ReferenceResult::read(&exchange_folder)?;
     let (mut checks, mut timings) =
-        compare(&prepared.answers, study.mesh.contact_element, cases, &reference)?;
-    if with_calculix {
+        compare(&prepared.answers, study.mesh.contact_element, settings.cases, &reference)?;
+    if settings.calculix {
         let (more, timing) = calculix_checks(study, &prepared, &exchange_folder, monitor)?;
         checks.extend(more);
         timings.push(timing);
@@ -184,11 +196,56 @@ pub fn crosscheck(
         version: env!("CARGO_PKG_VERSION").into(),
         begun_utc: begun.begun_utc,
         host: begun.host,
-        reference: reference.provenance.clone(),
+        questions: questions::questions(
+            settings.cases,
+            &prepared.answers,
+            &reference.judge(),
+            calculix.as_deref(),
+        ),
+        calculix,
+        reference: Provenance { package_hash: python::package_hash(), ..reference.provenance.clone() },
+        meshes: questions::meshes(&prepared.exchange),
+        limits: limits(&checks),
+        curves: questions::tool_curves(&prepared.answers),
         checks,
         timings,
     };
     folder.write_json(CROSSCHECK, &record)?;
-    folder.write(PAGE, page::page(&record, &prepared, &reference).as_bytes())?;
+    if let Some((kept, name)) = keep {
+        kept.write_json(&name, &record)?;
+    }
+    folder.write_json(DIFFERENCES, &differences(&record, &prepared, &reference))?;
+    Pipeline::new(study, folder, monitor).crosscheck_pages()?;
     Ok(record)
+}
+
+/// Folder and name of the copy.
+fn kept_in(path: &Path) -> Result<(OutputFolder, String)> {
+    let refused = |value: String| {
+        InputError::new("--keep", value, "a file in a folder that can be written", "choose another one")
+    };
+    let name = path.file_name().filter(|_| !path.is_dir());
+    let name = name.ok_or_else(|| refused(path.display().to_string()))?.to_string_lossy().into_owned();
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = OutputFolder::create(parent).map_err(|error| match error {
+        Error::Input(cause) => refused(cause.value).into(),
+        other => other,
+    })?;
+    Ok((folder, name))
+}
+
+/// The sections of both bodies, where the reference has answered for every node.
+fn differences(record: &CrosscheckRecord, prepared: &Prepared, reference: &ReferenceResult) -> Differences {
+    let bodies =
+        [(&prepared.meshes.rail, &prepared.answers.rail), (&prepared.meshes.wheel, &prepared.answers.wheel)];
+    let sections = BODIES.iter().zip(bodies).enumerate().filter_map(|(k, (name, (mesh, answer)))| {
+        let theirs = reference.displacement(k);
+        let complete = theirs.len() == answer.displacement.len();
+        complete.then(|| sections::section(name, mesh, &answer.displacement, theirs))
+    });
+    Differences {
+        input_hash: record.input_hash.clone(),
+        begun_utc: record.begun_utc.clone(),
+        sections: sections.collect(),
+    }
 }

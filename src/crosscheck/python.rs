@@ -40,8 +40,7 @@ impl Python {
     /// # Errors
     /// [`InputError`] with key `--python` that says what is missing and how to get it.
     pub fn prepare(given: Option<&Path>, cache: &Path, monitor: &dyn Monitor) -> Result<Self> {
-        let package =
-            cache.join(format!("reference-{}", &blake3::hash(package_bytes().as_slice()).to_hex()[..12]));
+        let package = cache.join(format!("reference-{}", &package_hash()[..12]));
         write_package(&package).map_err(|cause| cache_error(cache, &cause))?;
         let interpreter = match given {
             Some(path) => path.to_path_buf(),
@@ -124,6 +123,11 @@ impl Python {
         )
         .into())
     }
+}
+
+/// BLAKE3 of the reference package's source files.
+pub fn package_hash() -> String {
+    blake3::hash(&package_bytes()).to_hex().to_string()
 }
 
 /// Default folder of the virtual environment: `RAILSPRING_CACHE`, else the user's cache folder.

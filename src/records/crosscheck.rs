@@ -11,7 +11,7 @@ pub const HUB_DISPLACEMENT: &str = "hub displacement";
 pub const TANGENT_STIFFNESS: &str = "tangent stiffness";
 
 /// `crosscheck.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CrosscheckRecord {
     /// Name of the study.
     pub study: String,
@@ -27,10 +27,153 @@ pub struct CrosscheckRecord {
     pub host: String,
     /// Where the reference's numbers come from.
     pub reference: Provenance,
+    /// CalculiX with its version, if it was asked.
+    pub calculix: Option<String>,
+    /// What the judges were asked.
+    pub questions: Vec<Question>,
+    /// The meshes that they were given.
+    pub meshes: Vec<JudgedMesh>,
+    /// The limits and where their values come from.
+    pub limits: Vec<Limit>,
+    /// The tool's own load curves.
+    pub curves: Vec<ToolCurve>,
     /// Quantity by quantity.
     pub checks: Vec<Check>,
     /// Times.
     pub timings: Vec<Timing>,
+}
+
+impl CrosscheckRecord {
+    /// The worst check of each quantity of each problem and judge, in order of appearance, and
+    /// whether all checks of that quantity hold.
+    pub fn worst(&self) -> Vec<(&Check, bool)> {
+        // a difference that is not a number is the worst of all
+        let size = |check: &Check| if check.difference.is_nan() { f64::INFINITY } else { check.difference };
+        let mut found: Vec<(&Check, bool)> = Vec::new();
+        for check in &self.checks {
+            let same = |c: &Check| {
+                c.problem == check.problem && c.quantity == check.quantity && c.judge == check.judge
+            };
+            match found.iter_mut().find(|(c, _)| same(c)) {
+                Some((c, holds)) => {
+                    *holds &= check.holds;
+                    if size(check) > size(c) {
+                        *c = check;
+                    }
+                }
+                None => found.push((check, check.holds)),
+            }
+        }
+        found
+    }
+
+    /// The limit behind a check, with its derivation.
+    pub fn limit(&self, check: &Check) -> Option<&Limit> {
+        self.limits.iter().find(|limit| limit.cause == check.cause && limit.value == check.limit)
+    }
+}
+
+/// A question to the judges.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Question {
+    /// Short name, as in the exchanged files.
+    pub name: String,
+    /// The judge.
+    pub judge: String,
+    /// The question in words.
+    pub text: String,
+}
+
+/// Size of a mesh that was handed over.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JudgedMesh {
+    /// `rail` or `wheel`.
+    pub body: String,
+    /// What it is for.
+    pub purpose: String,
+    /// Number of corner nodes.
+    pub nodes: usize,
+    /// Number of hexahedra.
+    pub elements: usize,
+    /// Three for each corner node; those of elements of second order stand with the times.
+    pub degrees_of_freedom: usize,
+}
+
+/// A limit, its cause and where its value comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Limit {
+    /// Where a difference up to the limit may come from.
+    pub cause: Cause,
+    /// Largest difference accepted, in the measure of the checks.
+    pub value: f64,
+    /// What it holds for.
+    pub applies_to: String,
+    /// How the value is derived, in one line.
+    pub derivation: String,
+}
+
+/// A load curve of the tool.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ToolCurve {
+    /// Formulation of the brick.
+    pub element: String,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Load by load.
+    pub points: Vec<ToolPoint>,
+}
+
+/// One load of such a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ToolPoint {
+    /// Load, kN.
+    pub load_kn: f64,
+    /// Displacement of the hub against the support, mm.
+    pub hub_displacement_mm: f64,
+    /// Tangent stiffness, kN/m.
+    pub tangent_kn_per_m: f64,
+}
+
+/// `crosscheck/differences.json`: where on the bodies the nodal displacements of tool and reference differ.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Differences {
+    /// Hash of the study.
+    pub input_hash: String,
+    /// When the cross-check began that they belong to.
+    pub begun_utc: String,
+    /// One section a body.
+    pub sections: Vec<SectionDifference>,
+}
+
+/// Differences on the section of a body through the place of the largest one: across the rail, or
+/// half a plane through the axle of the wheel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SectionDifference {
+    /// `rail` or `wheel`.
+    pub body: String,
+    /// Largest displacement of the whole body, mm.
+    pub largest_displacement_mm: f64,
+    /// Largest difference of the whole body, mm.
+    pub largest_difference_mm: f64,
+    /// Where that is: x, y, z, mm.
+    pub largest_at_mm: [f64; 3],
+    /// The same place on the section, mm: y, and z of the rail or the radius of the wheel.
+    pub largest_on_section_mm: [f64; 2],
+    /// Of a wheel the angle about the axle from the load to the section, degrees, positive towards
+    /// the front.
+    pub turned_deg: Option<f64>,
+    /// The elements as the section cuts them.
+    pub cells: Vec<SectionCell>,
+}
+
+/// One element on a section.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SectionCell {
+    /// Corners in order, mm: y, and z of the rail or the radius of the wheel.
+    pub corners_mm: Vec<[f64; 2]>,
+    /// Largest difference of the corners, mm.
+    #[serde(deserialize_with = "null_as_nan")]
+    pub difference_mm: f64,
 }
 
 /// Where a difference may come from.
@@ -59,12 +202,15 @@ pub struct Check {
     /// Unit of both values.
     pub unit: String,
     /// The tool's value.
+    #[serde(deserialize_with = "null_as_nan")]
     pub tool: f64,
     /// Who judged.
     pub judge: String,
-    /// The judge's value.
+    /// The judge's value; not a number (`null`) if there is none.
+    #[serde(deserialize_with = "null_as_nan")]
     pub judged: f64,
     /// Difference by the measure of the limit (relative, unless the quantity says otherwise).
+    #[serde(deserialize_with = "null_as_nan")]
     pub difference: f64,
     /// Largest difference accepted.
     pub limit: f64,
@@ -72,6 +218,18 @@ pub struct Check {
     pub cause: Cause,
     /// Whether the limit holds; a difference that is not a number does not.
     pub holds: bool,
+}
+
+impl Cause {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Roundoff => "roundoff",
+            Self::Solver => "solver",
+            Self::Discretisation => "discretisation",
+            Self::Model => "model",
+        }
+    }
 }
 
 impl Check {
@@ -104,10 +262,13 @@ impl Check {
 }
 
 /// Where a result comes from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// The reference package.
     pub package: String,
+    /// BLAKE3 of its source files.
+    #[serde(default)]
+    pub package_hash: String,
     /// Version of Python.
     pub python: String,
     /// Versions of the packages that compute.
@@ -135,4 +296,56 @@ pub struct Timing {
     pub tool_seconds: f64,
     /// Time of the judge, s.
     pub judge_seconds: f64,
+}
+
+/// JSON knows only finite numbers and writes `null` in the place of others.
+fn null_as_nan<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(quantity: &str, load: f64, difference: f64) -> Check {
+        Check::new(
+            "p",
+            quantity,
+            Some(load),
+            "mm",
+            (1.0, 1.0 + difference),
+            "j",
+            difference,
+            (0.1, Cause::Model),
+        )
+    }
+
+    fn record(checks: Vec<Check>) -> CrosscheckRecord {
+        CrosscheckRecord { checks, ..CrosscheckRecord::default() }
+    }
+
+    /// The largest difference stands for its quantity, one that is not a number before all others,
+    /// whatever its sign; one failing load makes the quantity fail.
+    #[test]
+    fn the_worst_load_of_each_quantity_is_found() {
+        let checks =
+            vec![check("a", 1e3, 0.05), check("a", 2e3, 0.2), check("a", 3e3, 0.01), check("b", 1e3, 0.02)];
+        let mut own = record(checks);
+        let seen = |r: &CrosscheckRecord| -> Vec<(String, Option<f64>, bool)> {
+            r.worst().into_iter().map(|(c, holds)| (c.quantity.clone(), c.load_kn, holds)).collect()
+        };
+        assert_eq!(seen(&own), [("a".into(), Some(2.0), false), ("b".into(), Some(1.0), true)]);
+        own.checks.push(check("a", 4e3, -f64::NAN));
+        own.checks.push(check("a", 5e3, 0.3));
+        assert_eq!(seen(&own)[0], ("a".into(), Some(4.0), false));
+    }
+
+    /// A judge without an answer: the file can be read again, and the check still fails.
+    #[test]
+    fn an_answer_that_is_no_number_survives_the_file() {
+        let own = record(vec![check("a", 1e3, f64::NAN)]);
+        let read: CrosscheckRecord = serde_json::from_str(&serde_json::to_string(&own).unwrap()).unwrap();
+        let check = &read.checks[0];
+        assert!(check.judged.is_nan() && check.difference.is_nan() && !check.holds, "{check:?}");
+    }
 }

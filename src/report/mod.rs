@@ -7,10 +7,11 @@ pub mod plot;
 mod legend;
 pub mod panel;
 mod tables;
+mod html;
 mod figures;
 mod positions;
+pub mod crosscheck;
 
-use minijinja::value::Serde;
 use railspring_calibrate::history::History;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -18,9 +19,6 @@ use serde_json::{Value, json};
 use crate::records::{LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord};
 
 pub use positions::ProfilePair;
-
-/// Template of the page.
-const TEMPLATE: &str = include_str!("template.html");
 
 /// One key of the study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -77,6 +75,8 @@ pub struct ReportData<'a> {
     pub verdict: Option<&'a VerificationRecord>,
     /// Time, memory, host.
     pub measured: &'a Measured,
+    /// What independent judges say.
+    pub crosscheck: crosscheck::Crosscheck<'a>,
 }
 
 /// The page and its figures.
@@ -126,25 +126,22 @@ pub fn build(data: &ReportData<'_>) -> Report {
     ];
     let scenarios: Vec<Value> =
         data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();
-    let mut environment = minijinja::Environment::new();
-    environment.set_auto_escape_callback(|_| minijinja::AutoEscape::Html);
-    environment.add_filter("number", tables::number);
-    let html = environment
-        .render_str(
-            TEMPLATE,
-            minijinja::Value::from(Serde(json!({
-                "name": data.name,
-                "description": data.description,
-                "inputs": tables::grouped(data.inputs),
-                "stiffness": stiffness,
-                "springs": springs,
-                "scenarios": scenarios,
-                "lines": tables::lines(data.verdict),
-                "holds": data.verdict.map(|verdict| verdict.holds),
-                "measured": data.measured,
-            }))),
-        )
-        .unwrap_or_else(|cause| format!("<!doctype html><p>The report could not be written: {cause}</p>"));
+    let chapter = crosscheck::chapter(&data.crosscheck, &mut collected);
+    let html = html::render(
+        "report.html",
+        json!({
+            "name": data.name,
+            "description": data.description,
+            "inputs": tables::grouped(data.inputs),
+            "stiffness": stiffness,
+            "springs": springs,
+            "scenarios": scenarios,
+            "crosscheck": chapter,
+            "lines": tables::lines(data.verdict),
+            "holds": data.verdict.map(|verdict| verdict.holds),
+            "measured": data.measured,
+        }),
+    );
     Report { html, figures: collected.figures }
 }
 

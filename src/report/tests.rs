@@ -1,11 +1,17 @@
 //! The report from made-up results: complete, self-contained, well formed.
 
+use super::crosscheck::Crosscheck;
 use super::samples;
 use super::*;
 use crate::records::ScenarioVerdict;
 use crate::verify::{Limits, compare};
 
 fn build_sample() -> Report {
+    let (record, sections) = (samples::crosscheck(), samples::sections());
+    build_with(Crosscheck::Fresh(&record, &sections))
+}
+
+fn build_with(crosscheck: Crosscheck<'_>) -> Report {
     let (simple, solid) = (samples::history(0.001), samples::history(0.0));
     let scenario_verdict = ScenarioVerdict {
         scenario: "sample".into(),
@@ -44,6 +50,7 @@ fn build_sample() -> Report {
         ratio_floor: 0.02,
         verdict: Some(&verdict),
         measured: &measured,
+        crosscheck,
     })
 }
 
@@ -60,15 +67,32 @@ fn the_page_is_complete_and_needs_nothing_else() {
         }
     }
     assert_eq!(report.html.matches("<figure>").count(), report.figures.len());
-    assert_eq!(report.figures.len(), 10);
+    assert_eq!(report.figures.len(), 15);
     assert!(!report.html.contains("could not be written"), "{}", report.html);
     assert!(!report.html.contains("figure failed"));
-    for outside in ["src=\"", "href=\"", "@import", "url("] {
+    for outside in ["src=\"", "@import", "url("] {
         assert!(!report.html.contains(outside), "the page refers to something outside: {outside}");
     }
+    // the only link is to the page beside it
+    assert_eq!(report.html.matches("href=\"").count(), 1);
+    assert_eq!(report.html.matches("href=\"crosscheck.html\"").count(), 1);
     assert!(report.html.contains("sample &lt;study&gt;"), "texts are escaped");
     for word in ["verification", "P, RMS difference over the solid", "peak memory", "scaled Jacobian"] {
         assert!(report.html.contains(word), "{word}");
+    }
+}
+
+/// Without a cross-check of this study the chapter says so, what to run, and points to no page.
+#[test]
+fn the_chapter_says_what_is_missing() {
+    for (state, word) in [
+        (Crosscheck::Absent, "no cross-validation of this study yet"),
+        (Crosscheck::Stale, "of another study"),
+    ] {
+        let report = build_with(state);
+        assert_eq!(report.figures.len(), 10);
+        assert!(report.html.contains(word) && report.html.contains("railspring crosscheck"), "{word}");
+        assert!(!report.html.contains("href=\""), "{word}");
     }
 }
 

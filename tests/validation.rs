@@ -1,0 +1,235 @@
+//! The kept cross-validations in `data/crosscheck` are those of the studies, the reference and the
+//! tool as they are now.
+//!
+//! Source: the records themselves. Goal: input hash, hash of the reference package, hub displacement
+//! (mm) and tangent stiffness (kN/m) of the tool under every judged load, and the verdict. Accuracy:
+//! hashes exactly, numbers to what the order of sums on another processor may change.
+
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use railspring::crosscheck::python::package_hash;
+use railspring::crosscheck::questions::tool_curves;
+use railspring::output::OutputFolder;
+use railspring::pipeline::Pipeline;
+use railspring::records::crosscheck::{CrosscheckRecord, ToolCurve};
+use railspring::stages;
+use railspring::study::Study;
+use railspring_calibrate::monitor::Silent;
+
+/// SOLVER: end of the contact iterations; rounding of other processors is far below.
+const SOLVER: f64 = 1e-6;
+/// What makes the records again.
+const REMEDY: &str = "run `cargo validate` and commit the file";
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(name)
+}
+
+fn read(path: &Path) -> CrosscheckRecord {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}; {REMEDY}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}; {REMEDY}", path.display()))
+}
+
+/// The tool's load curves of a study.
+fn now(study: &Study) -> Vec<ToolCurve> {
+    let geometry = stages::geometry(study).unwrap_or_else(|e| panic!("{e}"));
+    let meshes = stages::meshes(study, &geometry).unwrap_or_else(|e| panic!("{e}"));
+    tool_curves(&stages::answers(study, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
+}
+
+/// What is stale in a record, or does not hold.
+fn stale(record: &CrosscheckRecord, study: &Study, curves: &[ToolCurve]) -> Vec<String> {
+    let mut found = Vec::new();
+    if record.input_hash != study.input_hash {
+        found.push("the study or the program's version has changed".into());
+    }
+    if record.reference.package_hash != package_hash() {
+        found.push("the reference package has changed".into());
+    }
+    found.extend(moved(&record.curves, curves));
+    let failing = record.checks.iter().filter(|c| !(c.holds && c.difference <= c.limit)).count();
+    if !record.holds || failing > 0 || record.checks.is_empty() {
+        found.push(format!("{failing} of {} checks do not hold", record.checks.len()));
+    }
+    found
+}
+
+/// The first number of the tool's curves that is no longer the recorded one.
+fn moved(kept: &[ToolCurve], now: &[ToolCurve]) -> Option<String> {
+    let kind = |curves: &[ToolCurve]| -> Vec<(String, f64, usize)> {
+        curves.iter().map(|c| (c.element.clone(), c.friction, c.points.len())).collect()
+    };
+    if kept.is_empty() || kind(kept) != kind(now) {
+        return Some(format!("the tool's curves were {:?} and are {:?}", kind(kept), kind(now)));
+    }
+    kept.iter().zip(now).find_map(|(kept, now)| {
+        kept.points.iter().zip(&now.points).find_map(|(a, b)| {
+            let numbers = [
+                ("load", a.load_kn, b.load_kn),
+                ("hub displacement", a.hub_displacement_mm, b.hub_displacement_mm),
+                ("tangent stiffness", a.tangent_kn_per_m, b.tangent_kn_per_m),
+            ];
+            numbers.into_iter().find(|(_, kept, now)| !((now / kept - 1.0).abs() <= SOLVER)).map(
+                |(quantity, was, is)| {
+                    format!(
+                        "{quantity} of the tool at {} kN ({}, friction {}) was {was} and is {is}",
+                        a.load_kn, kept.element, kept.friction
+                    )
+                },
+            )
+        })
+    })
+}
+
+/// Goal: the example study has a kept record, with elements of second order and CalculiX, and every
+/// kept record is fresh and holds.
+#[test]
+fn kept_records_are_fresh() {
+    let record = read(&folder("crosscheck").join("uic60-s1002.json"));
+    assert!(record.questions.iter().any(|q| q.name == "second_order"), "no second order; {REMEDY}");
+    assert!(record.checks.iter().any(|c| c.judge.starts_with("CalculiX")), "no CalculiX; {REMEDY}");
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder("crosscheck")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == "json"));
+    files.sort();
+    for path in files {
+        let study = folder("studies").join(path.file_name().unwrap()).with_extension("toml");
+        let study = Study::read(&study).unwrap_or_else(|e| panic!("{e}"));
+        let found = stale(&read(&path), &study, &now(&study));
+        assert!(found.is_empty(), "{}: {}; {REMEDY}", path.display(), found.join("; "));
+    }
+}
+
+/// A study of some seconds; its coarse contact is beyond the limits.
+const STUDY: &str = r#"
+name = "coarse"
+[rail]
+profile = "60E1"
+length_m = 0.555
+[wheel]
+profile = "S1002"
+tape_diameter_m = 0.858
+[mesh]
+contact_element_mm = 6
+contact_element_along_mm = 6
+element = "full-integration"
+[contact]
+friction = 0.5
+[calibration]
+load_min_kn = 5
+load_max_kn = 40
+load_count = 4
+"#;
+
+/// A folder with a study, its results and then its cross-check, kept too; what the report said before.
+struct Made {
+    study: PathBuf,
+    out: PathBuf,
+    kept: PathBuf,
+    report_before: String,
+}
+
+impl Made {
+    fn page(&self, name: &str) -> String {
+        std::fs::read_to_string(self.out.join(name)).unwrap()
+    }
+
+    fn railspring(&self, arguments: &[&str], expected: i32) {
+        let output = assert_cmd::Command::cargo_bin("railspring")
+            .unwrap()
+            .args(arguments)
+            .args(["--quiet", "-o"])
+            .args([&self.out, &self.study])
+            .env("RAILSPRING_CACHE", env!("CARGO_TARGET_TMPDIR"))
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(expected), "{arguments:?}: {said}");
+    }
+}
+
+fn made() -> &'static Made {
+    static MADE: OnceLock<Made> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join("validation");
+        let _ = std::fs::remove_dir_all(&root);
+        std::fs::create_dir_all(&root).unwrap();
+        let mut made = Made {
+            study: root.join("coarse.toml"),
+            out: root.join("out"),
+            kept: root.join("kept/coarse.json"),
+            report_before: String::new(),
+        };
+        std::fs::write(&made.study, STUDY).unwrap();
+        made.railspring(&["run"], 0);
+        made.report_before = made.page("report.html");
+        // the coarse contact is beyond the limits
+        made.railspring(&["crosscheck", "--keep", made.kept.to_str().unwrap()], 1);
+        made
+    })
+}
+
+/// Goal: the report says that there is no cross-check, has its chapter as soon as there is one, and
+/// says when it is of another study; report and page point to each other, a page alone to nothing.
+#[test]
+fn report_and_page_belong_together() {
+    let made = made();
+    let link = "href=\"crosscheck.html\"";
+    assert!(made.report_before.contains("no cross-validation of this study yet"));
+    assert!(!made.report_before.contains(link));
+    let (report, page) = (made.page("report.html"), made.page("crosscheck.html"));
+    assert!(report.contains(link) && report.contains("hub displacement"));
+    assert!(page.contains("href=\"report.html\""));
+    assert_eq!(page.matches("<figure>").count(), 5, "three curves and two bodies");
+    assert_eq!(report.matches("<figure>").count(), made.report_before.matches("<figure>").count() + 5);
+
+    let other = OutputFolder::create(&made.out.with_file_name("alone")).unwrap();
+    let study = Study::read(&made.study).unwrap_or_else(|e| panic!("{e}"));
+    other.write("crosscheck.json", made.page("crosscheck.json").as_bytes()).unwrap();
+    assert!(!Pipeline::new(&study, &other, &Silent).crosscheck_pages().unwrap());
+    let alone = std::fs::read_to_string(other.file("crosscheck.html")).unwrap();
+    assert!(!alone.contains("href=") && !other.file("report.html").exists());
+
+    let stale = made.page("crosscheck.json").replace(&study.input_hash, &"0".repeat(64));
+    std::fs::write(made.out.join("crosscheck.json"), stale).unwrap();
+    made.railspring(&["report"], 0);
+    let report = made.page("report.html");
+    assert!(report.contains("of another study") && !report.contains(link));
+}
+
+/// Goal: `--keep` writes the record; it is found fresh, its failing limits are told, and so is each
+/// change of study, reference, tool and verdict, alone.
+#[test]
+fn every_kind_of_staleness_is_found() {
+    let Made { study, kept, .. } = made();
+    let study = Study::read(study).unwrap_or_else(|e| panic!("{e}"));
+    let curves = now(&study);
+    let mut record = read(kept);
+    let underived: Vec<_> = record.checks.iter().filter(|check| record.limit(check).is_none()).collect();
+    assert!(underived.is_empty(), "limits without derivation: {underived:?}");
+    let found = stale(&record, &study, &curves);
+    assert!(found.len() == 1 && found[0].ends_with("checks do not hold"), "{found:?}");
+
+    record.checks.retain(|check| check.holds);
+    record.holds = true;
+    assert_eq!(stale(&record, &study, &curves), [""; 0], "fresh");
+    let changed = |change: fn(&mut CrosscheckRecord)| {
+        let mut copy = record.clone();
+        change(&mut copy);
+        let found = stale(&copy, &study, &curves);
+        assert_eq!(found.len(), 1, "{found:?}");
+        found.into_iter().next().unwrap()
+    };
+    assert!(changed(|r| r.input_hash.replace_range(..1, "x")).contains("study"));
+    assert!(changed(|r| r.reference.package_hash.clear()).contains("reference package"));
+    assert!(
+        changed(|r| r.curves[0].points[1].hub_displacement_mm *= 1.0 + 3e-6).contains("hub displacement")
+    );
+    assert!(changed(|r| r.curves[0].points[2].tangent_kn_per_m *= 1.0 - 3e-6).contains("tangent stiffness"));
+    assert!(changed(|r| r.curves[0].points[0].load_kn = f64::NAN).contains("load"));
+    assert!(changed(|r| r.curves.clear()).contains("curves"));
+    assert!(changed(|r| r.holds = false).contains("do not hold"));
+    assert!(changed(|r| r.checks[0].difference = 2.0 * r.checks[0].limit).contains("1 of"));
+    assert!(changed(|r| r.checks.clear()).contains("0 of 0"));
+}
