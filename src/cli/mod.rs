@@ -211,9 +211,9 @@ fn staged(
         Command::Export { format, .. } => export(study, *format, &folder, &progress).map(|_| true)?,
         Command::Crosscheck { python, second_order, with, keep, .. } => {
             let cases: &[Case] = if !*second_order {
-                &[Case::SameMesh, Case::SameMeshFriction]
+                &[Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface]
             } else {
-                &[Case::SameMesh, Case::SameMeshFriction, Case::SecondOrder]
+                &[Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder]
             };
             let settings = Settings {
                 interpreter: python.as_deref(),

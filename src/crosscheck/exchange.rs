@@ -28,7 +28,10 @@ pub enum Case {
     SameMesh,
     /// The same with friction.
     SameMeshFriction,
-    /// Frictionless contact with elements of second order on a coarser mesh.
+    /// Frictionless contact on the same mesh and element, the contact forces carried by the nodes of the wheel
+    /// instead of the rail's.
+    OtherSurface,
+    /// Frictionless contact with elements of second order on a finer mesh.
     SecondOrder,
 }
 
@@ -38,6 +41,7 @@ impl Case {
         match self {
             Self::SameMesh => "same_mesh",
             Self::SameMeshFriction => "same_mesh_friction",
+            Self::OtherSurface => "other_surface",
             Self::SecondOrder => "second_order",
         }
     }
@@ -85,12 +89,12 @@ pub struct Exchange {
 pub const BODIES: [&str; 2] = ["rail", "wheel"];
 
 impl Exchange {
-    /// Collects the questions; `coarse` are the meshes for elements of second order.
+    /// Collects the questions; `fine` are the meshes for elements of second order.
     pub fn new(
         study: &Study,
         geometry: &Geometry,
         meshes: &Meshes,
-        coarse: &Meshes,
+        fine: &Meshes,
         answers: &Answers,
         cases: Vec<Case>,
     ) -> Self {
@@ -124,7 +128,7 @@ impl Exchange {
         };
         Self {
             bodies: [0, 1].map(|k| body(meshes, k, true)),
-            second_order: [0, 1].map(|k| body(coarse, k, false)),
+            second_order: [0, 1].map(|k| body(fine, k, false)),
             loads: answers.loads.clone(),
             friction: answers.friction,
             cases,
@@ -153,7 +157,7 @@ impl Exchange {
             Ok(entries.into())
         };
         let second_order = if self.cases.contains(&Case::SecondOrder) {
-            set(&self.second_order, "coarse_")?
+            set(&self.second_order, "fine_")?
         } else {
             Value::Null
         };

@@ -38,8 +38,8 @@ use python::Python;
 
 /// Folder of the exchange inside the output folder.
 pub const EXCHANGE_FOLDER: &str = "crosscheck";
-/// How much coarser the contact elements of the second-order mesh are.
-const COARSER: f64 = 2.0;
+/// Size of the contact elements of the second-order mesh over that of the study's mesh.
+const FINER: f64 = 0.75;
 
 /// A study with the tool's answers and the questions.
 pub struct Prepared {
@@ -61,11 +61,11 @@ pub fn prepare(study: &Study, cases: &[Case], monitor: &dyn Monitor) -> Result<P
     let geometry = stages::geometry(study)?;
     let meshes = stages::meshes(study, &geometry)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
-    let mut coarser = study.clone();
-    coarser.mesh.contact_element *= COARSER;
-    coarser.mesh.contact_element_along *= COARSER;
-    let coarse = stages::meshes(&coarser, &geometry)?;
-    let exchange = Exchange::new(study, &geometry, &meshes, &coarse, &answers, cases.to_vec());
+    let mut finer = study.clone();
+    finer.mesh.contact_element *= FINER;
+    finer.mesh.contact_element_along *= FINER;
+    let fine = stages::meshes(&finer, &geometry)?;
+    let exchange = Exchange::new(study, &geometry, &meshes, &fine, &answers, cases.to_vec());
     Ok(Prepared { geometry, meshes, answers, exchange })
 }
 

@@ -34,8 +34,12 @@ pub fn questions(
             Case::SameMeshFriction => {
                 format!("The same with Coulomb friction {}: {curve}.", answers.friction)
             }
+            Case::OtherSurface => format!(
+                "The same without friction, the contact forces carried by the wheel's nodes instead of the rail's: \
+                 {curve}."
+            ),
             Case::SecondOrder => format!(
-                "Wheel on rail without friction, elements of second order on a coarser mesh, against the tool's {} on \
+                "Wheel on rail without friction, elements of second order on a finer mesh, against the tool's {} on \
                  the study's mesh: hub displacement and tangent stiffness under each load.",
                 answers.own_element_name
             ),
@@ -48,8 +52,8 @@ pub fn questions(
             name,
             format!(
                 "Wheel on rail without friction, the study's mesh and its element ({}), the program's own contact \
-                 between the facets of the meshes: the reaction of the hub at given displacements, from which the \
-                 displacement under each load.",
+                 between the flat facets of the meshes, to which the tool's answer refers too: the reaction of the hub \
+                 at given displacements, from which the displacement under each load.",
                 answers.own_element_name
             ),
         )
@@ -69,8 +73,8 @@ pub fn meshes(exchange: &Exchange) -> Vec<JudgedMesh> {
     let mut sizes: Vec<JudgedMesh> =
         BODIES.iter().zip(&exchange.bodies).map(|(name, body)| size(name, &body.mesh, "same mesh")).collect();
     if exchange.cases.contains(&Case::SecondOrder) {
-        let coarse = BODIES.iter().zip(&exchange.second_order);
-        sizes.extend(coarse.map(|(name, body)| size(name, &body.mesh, "for elements of second order")));
+        let fine = BODIES.iter().zip(&exchange.second_order);
+        sizes.extend(fine.map(|(name, body)| size(name, &body.mesh, "for elements of second order")));
     }
     sizes
 }
@@ -95,5 +99,6 @@ pub fn tool_curves(answers: &Answers) -> Vec<ToolCurve> {
     if answers.own_element_name != curves[0].element {
         curves.push(kept(answers.own_element_name, 0.0, &answers.own_element));
     }
+    curves.push(kept(&format!("{}, flat facets", answers.own_element_name), 0.0, &answers.faceted));
     curves
 }
