@@ -10,9 +10,9 @@ use std::sync::{Mutex, OnceLock};
 
 use railspring::crosscheck::compare::{Check, ROUNDOFF, ReferenceResult, compare};
 use railspring::crosscheck::exchange::{Case, Exchange};
-use railspring::crosscheck::python::Python;
 use railspring::crosscheck::{Prepared, prepare};
 use railspring::output::OutputFolder;
+use railspring::python::Python;
 use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
 
@@ -54,7 +54,8 @@ fn study() -> Study {
 
 fn prepared() -> &'static Prepared {
     static PREPARED: OnceLock<Prepared> = OnceLock::new();
-    PREPARED.get_or_init(|| prepare(&study(), &[Case::SameMesh], &Silent).unwrap_or_else(|e| panic!("{e}")))
+    PREPARED
+        .get_or_init(|| prepare(&study(), &[Case::SameMesh], None, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
 /// Checks of the reference on a possibly spoilt exchange.

@@ -1,7 +1,6 @@
 //! Cross-validation: independent judges repeat what the tool computed.
 //!
 //! * [`exchange`]: the questions, as files that know nothing of the tool's formulations;
-//! * [`python`]: the environment of the scikit-fem reference, and running it;
 //! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
 //! * [`mod@compare`]: answers against answers, with limits and their causes;
 //! * [`page`]: the page for whoever must trust the numbers.
@@ -11,7 +10,6 @@ pub mod compare;
 pub mod deck;
 pub mod exchange;
 pub mod page;
-pub mod python;
 
 use std::path::Path;
 use std::time::Instant;
@@ -23,13 +21,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::begin;
 use crate::output::OutputFolder;
+use crate::python::{self, Python};
 use crate::stages::{self, Answers, Geometry, Meshes};
 use crate::study::Study;
 use calculix::displacement_at;
 use compare::{Cause, Check, MODEL, Provenance, ReferenceResult, Timing, compare};
 use deck::{Deck, Format};
 use exchange::{Case, Exchange};
-use python::Python;
 
 /// Result of the cross-check.
 pub const CROSSCHECK: &str = "crosscheck.json";
@@ -75,18 +73,25 @@ pub struct Prepared {
     pub exchange: Exchange,
 }
 
-/// Computes the tool's answers and collects the questions.
+/// Computes the tool's answers and collects the questions; `interpreter` is the Python that reads mesh files.
+///
+/// Elements of second order are asked for on coarser meshes; a mesh from a file stays as it is.
 ///
 /// # Errors
 /// Those of meshing and calibration.
-pub fn prepare(study: &Study, cases: &[Case], monitor: &dyn Monitor) -> Result<Prepared> {
+pub fn prepare(
+    study: &Study,
+    cases: &[Case],
+    interpreter: Option<&Path>,
+    monitor: &dyn Monitor,
+) -> Result<Prepared> {
     let geometry = stages::geometry(study)?;
-    let meshes = stages::meshes(study, &geometry)?;
+    let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
     let mut coarser = study.clone();
     coarser.mesh.contact_element *= COARSER;
     coarser.mesh.contact_element_along *= COARSER;
-    let coarse = stages::meshes(&coarser, &geometry)?;
+    let coarse = stages::remeshed(&coarser, &geometry, &meshes)?;
     let exchange = Exchange::new(study, &geometry, &meshes, &coarse, &answers, cases.to_vec());
     Ok(Prepared { geometry, meshes, answers, exchange })
 }
@@ -96,9 +101,15 @@ pub fn prepare(study: &Study, cases: &[Case], monitor: &dyn Monitor) -> Result<P
 ///
 /// # Errors
 /// Those of meshing and calibration, and a folder that cannot be written.
-pub fn export(study: &Study, format: Format, folder: &OutputFolder, monitor: &dyn Monitor) -> Result<String> {
+pub fn export(
+    study: &Study,
+    format: Format,
+    folder: &OutputFolder,
+    interpreter: Option<&Path>,
+    monitor: &dyn Monitor,
+) -> Result<String> {
     let geometry = stages::geometry(study)?;
-    let meshes = stages::meshes(study, &geometry)?;
+    let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
     let lowerings: Vec<f64> = answers.own_element.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
@@ -188,13 +199,13 @@ pub fn crosscheck(
     }
     // first, so that a missing Python is told before anything is computed
     let python = Python::prepare(interpreter, &python::cache_folder(), monitor)?;
-    let prepared = prepare(study, cases, monitor)?;
+    let prepared = prepare(study, cases, interpreter, monitor)?;
     let exchange_folder = OutputFolder::create(&folder.file(EXCHANGE_FOLDER))?;
     prepared.exchange.write(&exchange_folder)?;
     python.run(exchange_folder.path(), monitor)?;
     let reference = ReferenceResult::read(&exchange_folder)?;
     let (mut checks, mut timings) =
-        compare(&prepared.answers, study.mesh.contact_element, cases, &reference)?;
+        compare(&prepared.answers, prepared.meshes.contact_element, cases, &reference)?;
     if with_calculix {
         let (more, timing) = calculix_checks(study, &prepared, &exchange_folder, monitor)?;
         checks.extend(more);

@@ -32,7 +32,8 @@ pub fn page(record: &CrosscheckRecord, prepared: &Prepared, reference: &Referenc
     .enumerate()
     {
         let theirs = reference.displacement(k);
-        if theirs.len() == answer.displacement.len() {
+        // a mesh that is not swept may have no section there
+        if theirs.len() == answer.displacement.len() && !mesh.middle_section().is_empty() {
             figures.push(json!({
                 "svg": inline(&section(mesh, &answer.displacement, theirs)),
                 "caption": format!("Where the {name}'s displacements under the given forces differ: the section under the load, coloured by the power of ten of the difference over the largest displacement."),
@@ -154,20 +155,13 @@ fn curves(record: &CrosscheckRecord) -> String {
     )
 }
 
-/// The section of a swept mesh under the load, every quadrilateral coloured by the largest
+/// The section of a mesh under the load, every quadrilateral coloured by the largest
 /// difference at its corners.
 fn section(mesh: &HexMesh, own: &[Vector3<f64>], theirs: &[Vector3<f64>]) -> String {
     const MARGIN: f64 = 12.0;
     const BAR: f64 = 34.0;
     let scale = own.iter().map(Vector3::norm).fold(0.0, f64::max);
-    let per_layer = mesh.layout.section_nodes;
-    let layer = mesh.contact.node(0, mesh.contact.along_track.len() / 2) / per_layer;
-    let quads: Vec<[usize; 4]> = mesh
-        .hexes
-        .iter()
-        .map(|hex| [hex[0], hex[1], hex[2], hex[3]])
-        .filter(|quad| quad.iter().all(|n| n / per_layer == layer))
-        .collect();
+    let quads = mesh.middle_section();
     // across the track to the right, height up; the layer is a plane through the axle or across the rail
     let at = |n: usize| Point2::new(mesh.nodes[n].y, mesh.nodes[n].z);
     let corners = || quads.iter().flatten().map(|&n| at(n));

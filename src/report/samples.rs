@@ -137,6 +137,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
         mesh: ["rail", "wheel"]
             .map(|body| BodyMeshRecord {
                 body: body.into(),
+                file: (body == "rail").then(|| "meshes/rail.msh".into()),
                 nodes: 19211,
                 elements: 16820,
                 degrees_of_freedom: 57633,

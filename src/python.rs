@@ -1,7 +1,8 @@
-//! Finding or making the Python environment, and running the reference in it.
+//! Finding or making the Python environment, and running the package of `reference/` in it: the independent solution,
+//! and the reader of mesh files.
 
 use std::ffi::OsString;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -9,22 +10,23 @@ use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::monitor::Monitor;
 
 /// Exact versions of all packages.
-const LOCK: &str = include_str!("../../reference/requirements.lock");
+const LOCK: &str = include_str!("../reference/requirements.lock");
 /// The reference package itself, so that the installed program needs no source tree.
-const PACKAGE: [(&str, &str); 8] = [
-    ("__init__.py", include_str!("../../reference/src/railspring_reference/__init__.py")),
-    ("__main__.py", include_str!("../../reference/src/railspring_reference/__main__.py")),
-    ("ordering.py", include_str!("../../reference/src/railspring_reference/ordering.py")),
-    ("body.py", include_str!("../../reference/src/railspring_reference/body.py")),
-    ("exchange.py", include_str!("../../reference/src/railspring_reference/exchange.py")),
-    ("surface.py", include_str!("../../reference/src/railspring_reference/surface.py")),
-    ("contact.py", include_str!("../../reference/src/railspring_reference/contact.py")),
-    ("run.py", include_str!("../../reference/src/railspring_reference/run.py")),
+const PACKAGE: [(&str, &str); 9] = [
+    ("__init__.py", include_str!("../reference/src/railspring_reference/__init__.py")),
+    ("__main__.py", include_str!("../reference/src/railspring_reference/__main__.py")),
+    ("ordering.py", include_str!("../reference/src/railspring_reference/ordering.py")),
+    ("body.py", include_str!("../reference/src/railspring_reference/body.py")),
+    ("exchange.py", include_str!("../reference/src/railspring_reference/exchange.py")),
+    ("surface.py", include_str!("../reference/src/railspring_reference/surface.py")),
+    ("contact.py", include_str!("../reference/src/railspring_reference/contact.py")),
+    ("run.py", include_str!("../reference/src/railspring_reference/run.py")),
+    ("mesh_in.py", include_str!("../reference/src/railspring_reference/mesh_in.py")),
 ];
 /// What to do where Python is missing.
 const REMEDY: &str = "install Python 3.11 or newer with the module venv (Debian: apt install python3-venv), or name an \
-                      interpreter that has scikit-fem, meshio and scipy with --python PATH; all other commands work \
-                      without it";
+                      interpreter that has scikit-fem, meshio and scipy with --python PATH; only `crosscheck` and studies \
+                      with a mesh_file need it";
 
 /// An interpreter that can run the reference.
 #[derive(Debug, Clone)]
@@ -71,17 +73,46 @@ impl Python {
         Err(missing(&self.interpreter, text.lines().last().unwrap_or("it cannot import the packages")).into())
     }
 
+    /// A module of the package, to be run.
+    fn module(&self, name: &str) -> Command {
+        let mut command = Command::new(&self.interpreter);
+        command
+            .args(["-m", name])
+            .env("PYTHONPATH", &self.package)
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .stdin(Stdio::null());
+        command
+    }
+
+    /// What the reader of mesh files says about a file and the names of its contact surface and held nodes: a line of
+    /// JSON and raw data, as `mesh_in.py` describes them.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `--python` if the reader does not run. A file that it refuses is no such error.
+    pub fn read_mesh(&self, file: &Path, contact: &str, held: &str) -> Result<Vec<u8>> {
+        // with = a name may begin with a dash
+        let output = self
+            .module("railspring_reference.mesh_in")
+            .args([format!("--contact={contact}"), format!("--held={held}"), "--".into()])
+            .arg(file)
+            .output()
+            .map_err(|cause| missing(&self.interpreter, &cause.to_string()))?;
+        if output.stdout.is_empty() {
+            let said = String::from_utf8_lossy(&output.stderr);
+            let last = said.lines().rev().find(|line| !line.trim().is_empty());
+            return Err(missing(&self.interpreter, last.unwrap_or("it said nothing").trim()).into());
+        }
+        Ok(output.stdout)
+    }
+
     /// Runs the reference on an exchange folder, handing its progress on.
     ///
     /// # Errors
     /// [`InputError`] with what the reference said when it failed; the user's wish to stop.
     pub fn run(&self, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
-        let mut child = Command::new(&self.interpreter)
-            .args(["-m", "railspring_reference"])
+        let mut child = self
+            .module("railspring_reference")
             .arg(folder)
-            .env("PYTHONPATH", &self.package)
-            .env("PYTHONDONTWRITEBYTECODE", "1")
-            .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -201,7 +232,10 @@ fn write_package(folder: &Path) -> std::io::Result<()> {
     for (name, text) in PACKAGE {
         let file = package.join(name);
         if std::fs::read(&file).ok().as_deref() != Some(text.as_bytes()) {
-            std::fs::write(file, text)?;
+            // commands that run at the same time must not see half a file
+            let mut whole = tempfile::NamedTempFile::new_in(&package)?;
+            whole.write_all(text.as_bytes())?;
+            whole.persist(file)?;
         }
     }
     Ok(())
