@@ -14,6 +14,7 @@ pub mod verify;
 pub mod records;
 pub mod report;
 pub mod study;
+pub mod python;
 pub mod stages;
 pub mod measure;
 pub mod pipeline;

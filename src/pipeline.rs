@@ -46,6 +46,7 @@ pub const DIFFERENCES: &str = "crosscheck/differences.json";
 pub struct Pipeline<'a> {
     study: &'a Study,
     folder: &'a OutputFolder,
+    interpreter: Option<&'a Path>,
     monitor: &'a dyn Monitor,
     measured: Measured,
 }
@@ -57,10 +58,16 @@ struct Runs {
 }
 
 impl<'a> Pipeline<'a> {
-    /// Begins with the measures that earlier commands have left in the folder.
-    pub fn new(study: &'a Study, folder: &'a OutputFolder, monitor: &'a dyn Monitor) -> Self {
+    /// Begins with the measures that earlier commands have left in the folder; `interpreter` is the Python that reads
+    /// mesh files, `None` that of the cache folder.
+    pub fn new(
+        study: &'a Study,
+        folder: &'a OutputFolder,
+        interpreter: Option<&'a Path>,
+        monitor: &'a dyn Monitor,
+    ) -> Self {
         let earlier = folder.read_json::<Measured>(MEASURED, "run").map(|m| m.stages).unwrap_or_default();
-        Self { study, folder, monitor, measured: Measured { stages: earlier, ..begin() } }
+        Self { study, folder, interpreter, monitor, measured: Measured { stages: earlier, ..begin() } }
     }
 
     /// All stages; whether all limits hold.
@@ -103,7 +110,7 @@ impl<'a> Pipeline<'a> {
     /// Those of the stage.
     pub fn mesh(self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
-        let meshes = stages::meshes(self.study, &geometry)?;
+        let meshes = stages::meshes(self.study, &geometry, self.interpreter, self.monitor)?;
         for (mesh, name) in [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")] {
             self.folder.write(name, stages::mesh_vtu(mesh)?.as_bytes())?;
         }
@@ -231,7 +238,7 @@ impl<'a> Pipeline<'a> {
 
     fn mesh_stage(&mut self, geometry: &Geometry) -> Result<Meshes> {
         let watch = Stopwatch::start();
-        let meshes = stages::meshes(self.study, geometry)?;
+        let meshes = stages::meshes(self.study, geometry, self.interpreter, self.monitor)?;
         // Kept until there is a result: a study that is refused later leaves no file behind.
         self.measured.note(watch.stop("meshes", None));
         Ok(meshes)
@@ -463,7 +470,11 @@ fn uncarried(study: &Study, error: Error) -> Error {
             key,
             cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}")),
             "loads whose contact patch stays within the fine zone of the mesh",
-            "lower the load, or enlarge mesh.window_half_length_mm",
+            if study.rail.mesh.is_some() || study.wheel.mesh.is_some() {
+                "lower the load, or enlarge mesh.window_half_length_mm and the contact surfaces of the mesh files"
+            } else {
+                "lower the load, or enlarge mesh.window_half_length_mm"
+            },
         )
         .into(),
         other => other,

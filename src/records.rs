@@ -152,6 +152,9 @@ pub struct PenaltyRecord {
 pub struct BodyMeshRecord {
     /// `rail` or `wheel`.
     pub body: String,
+    /// The mesh file as the study names it; none for the tool's own mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// Number of nodes.
     pub nodes: usize,
     /// Number of hexahedra.

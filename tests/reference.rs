@@ -10,9 +10,9 @@ use std::sync::{Mutex, OnceLock};
 
 use railspring::crosscheck::compare::{ROUNDOFF, ReferenceResult, compare};
 use railspring::crosscheck::exchange::{Case, Exchange};
-use railspring::crosscheck::python::Python;
 use railspring::crosscheck::{Prepared, prepare};
 use railspring::output::OutputFolder;
+use railspring::python::{Purpose, Python};
 use railspring::records::crosscheck::Check;
 use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
@@ -45,7 +45,7 @@ fn python() -> &'static Python {
     let _one = MAKING.lock().unwrap();
     PYTHON.get_or_init(|| {
         let cache = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-        Python::prepare(None, &cache, &Silent).unwrap_or_else(|e| panic!("{e}"))
+        Python::prepare(None, &cache, Purpose::FirstOrder, &Silent).unwrap_or_else(|e| panic!("{e}"))
     })
 }
 
@@ -55,7 +55,8 @@ fn study() -> Study {
 
 fn prepared() -> &'static Prepared {
     static PREPARED: OnceLock<Prepared> = OnceLock::new();
-    PREPARED.get_or_init(|| prepare(&study(), &[Case::SameMesh], &Silent).unwrap_or_else(|e| panic!("{e}")))
+    PREPARED
+        .get_or_init(|| prepare(&study(), &[Case::SameMesh], None, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
 /// Checks of the reference on a possibly spoilt exchange.

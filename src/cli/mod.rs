@@ -65,9 +65,6 @@ enum Command {
     Crosscheck {
         #[command(flatten)]
         study: StudyArgs,
-        /// Python with scikit-fem, meshio and scipy; left out, a virtual environment in the cache folder
-        #[arg(long, value_name = "PATH")]
-        python: Option<PathBuf>,
         /// Ask for elements of second order too, which take most of the time
         #[arg(long)]
         second_order: bool,
@@ -108,6 +105,10 @@ struct StudyArgs {
     /// Number of threads; left out, one for each core. The results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Python with scikit-fem, meshio and scipy, for mesh files and the cross-check; left out, a virtual environment in
+    /// the cache folder
+    #[arg(long, value_name = "PATH")]
+    python: Option<PathBuf>,
 }
 
 /// A judge besides the reference.
@@ -200,7 +201,8 @@ fn staged(
         })?;
     }
     let progress = Progress::new(args.quiet);
-    let pipeline = Pipeline::new(study, &folder, &progress);
+    let python = args.python.as_deref();
+    let pipeline = Pipeline::new(study, &folder, python, &progress);
     let holds = match command {
         Command::Run(_) => pipeline.run()?,
         Command::Calibrate(_) => pipeline.calibrate().map(|()| true)?,
@@ -208,15 +210,15 @@ fn staged(
         Command::Verify(_) => pipeline.verify()?,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
-        Command::Export { format, .. } => export(study, *format, &folder, &progress).map(|_| true)?,
-        Command::Crosscheck { python, second_order, with, keep, .. } => {
+        Command::Export { format, .. } => export(study, *format, &folder, python, &progress).map(|_| true)?,
+        Command::Crosscheck { second_order, with, keep, .. } => {
             let cases: &[Case] = if !*second_order {
                 &[Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface]
             } else {
                 &[Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder]
             };
             let settings = Settings {
-                interpreter: python.as_deref(),
+                interpreter: python,
                 cases,
                 calculix: with.is_some(),
                 keep: keep.as_deref(),

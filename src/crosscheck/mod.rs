@@ -1,7 +1,6 @@
 //! Cross-validation: independent judges repeat what the tool computed.
 //!
 //! * [`exchange`]: the questions, as files that know nothing of the tool's formulations;
-//! * [`python`]: the environment of the scikit-fem reference, and running it;
 //! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
 //! * [`mod@compare`]: answers against answers, with limits and their causes;
 //! * [`questions`]: what was asked, in words and numbers;
@@ -11,7 +10,6 @@ pub mod calculix;
 pub mod compare;
 pub mod deck;
 pub mod exchange;
-pub mod python;
 pub mod questions;
 pub mod sections;
 
@@ -25,6 +23,7 @@ use railspring_calibrate::units::MILLIMETRE;
 use crate::measure::begin;
 use crate::output::OutputFolder;
 use crate::pipeline::{CROSSCHECK, DIFFERENCES, Pipeline};
+use crate::python::{self, Purpose, Python};
 use crate::records::crosscheck::{
     Cause, Check, CrosscheckRecord, Differences, HUB_DISPLACEMENT, Provenance, Timing,
 };
@@ -34,7 +33,6 @@ use calculix::displacement_at;
 use compare::{MODEL, ReferenceResult, compare, limits};
 use deck::{Deck, Format};
 use exchange::{BODIES, Case, Exchange};
-use python::Python;
 
 /// Folder of the exchange inside the output folder.
 pub const EXCHANGE_FOLDER: &str = "crosscheck";
@@ -53,18 +51,25 @@ pub struct Prepared {
     pub exchange: Exchange,
 }
 
-/// Computes the tool's answers and collects the questions.
+/// Computes the tool's answers and collects the questions; `interpreter` is the Python that reads mesh files.
+///
+/// Elements of second order are asked for on coarser meshes; a mesh from a file stays as it is.
 ///
 /// # Errors
 /// Those of meshing and calibration.
-pub fn prepare(study: &Study, cases: &[Case], monitor: &dyn Monitor) -> Result<Prepared> {
+pub fn prepare(
+    study: &Study,
+    cases: &[Case],
+    interpreter: Option<&Path>,
+    monitor: &dyn Monitor,
+) -> Result<Prepared> {
     let geometry = stages::geometry(study)?;
-    let meshes = stages::meshes(study, &geometry)?;
+    let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
     let mut finer = study.clone();
     finer.mesh.contact_element *= FINER;
     finer.mesh.contact_element_along *= FINER;
-    let fine = stages::meshes(&finer, &geometry)?;
+    let fine = stages::remeshed(&finer, &geometry, &meshes)?;
     let exchange = Exchange::new(study, &geometry, &meshes, &fine, &answers, cases.to_vec());
     Ok(Prepared { geometry, meshes, answers, exchange })
 }
@@ -74,9 +79,15 @@ pub fn prepare(study: &Study, cases: &[Case], monitor: &dyn Monitor) -> Result<P
 ///
 /// # Errors
 /// Those of meshing and calibration, and a folder that cannot be written.
-pub fn export(study: &Study, format: Format, folder: &OutputFolder, monitor: &dyn Monitor) -> Result<String> {
+pub fn export(
+    study: &Study,
+    format: Format,
+    folder: &OutputFolder,
+    interpreter: Option<&Path>,
+    monitor: &dyn Monitor,
+) -> Result<String> {
     let geometry = stages::geometry(study)?;
-    let meshes = stages::meshes(study, &geometry)?;
+    let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
     let lowerings: Vec<f64> = answers.faceted.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
@@ -176,14 +187,18 @@ pub fn crosscheck(
     // first, so that whatever is missing is told before anything is computed
     let keep = settings.keep.map(kept_in).transpose()?;
     let calculix = if settings.calculix { Some(calculix::version()?.1) } else { None };
-    let python = Python::prepare(settings.interpreter, &python::cache_folder(), monitor)?;
-    let prepared = prepare(study, settings.cases, monitor)?;
+    let purpose = match settings.cases.contains(&Case::SecondOrder) {
+        true => Purpose::SecondOrder,
+        false => Purpose::FirstOrder,
+    };
+    let python = Python::prepare(settings.interpreter, &python::cache_folder(), purpose, monitor)?;
+    let prepared = prepare(study, settings.cases, settings.interpreter, monitor)?;
     let exchange_folder = OutputFolder::create(&folder.file(EXCHANGE_FOLDER))?;
     prepared.exchange.write(&exchange_folder)?;
     python.run(exchange_folder.path(), monitor)?;
     let reference = ReferenceResult::read(&exchange_folder)?;
     let (mut checks, mut timings) =
-        compare(&prepared.answers, study.mesh.contact_element, settings.cases, &reference)?;
+        compare(&prepared.answers, prepared.meshes.contact_element, settings.cases, &reference)?;
     if settings.calculix {
         let (more, timing) = calculix_checks(study, &prepared, &exchange_folder, monitor)?;
         checks.extend(more);
@@ -215,7 +230,7 @@ pub fn crosscheck(
         kept.write_json(&name, &record)?;
     }
     folder.write_json(DIFFERENCES, &differences(&record, &prepared, &reference))?;
-    Pipeline::new(study, folder, monitor).crosscheck_pages()?;
+    Pipeline::new(study, folder, settings.interpreter, monitor).crosscheck_pages()?;
     Ok(record)
 }
 

@@ -271,6 +271,8 @@ pub struct Provenance {
     pub package_hash: String,
     /// Version of Python.
     pub python: String,
+    /// Name and version of what factors the stiffness matrices.
+    pub solver: String,
     /// Versions of the packages that compute.
     pub packages: BTreeMap<String, String>,
     /// SHA-256 of the exchange's input files.

@@ -142,6 +142,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
         mesh: ["rail", "wheel"]
             .map(|body| BodyMeshRecord {
                 body: body.into(),
+                file: (body == "rail").then(|| "meshes/rail.msh".into()),
                 nodes: 19211,
                 elements: 16820,
                 degrees_of_freedom: 57633,
@@ -342,6 +343,7 @@ pub(crate) fn crosscheck() -> CrosscheckRecord {
             package: "railspring-reference 0.1.0".into(),
             package_hash: "ab".repeat(32),
             python: "3.11.2".into(),
+            solver: "SuperLU of scipy 1.17".into(),
             packages: [("numpy", "2.3"), ("scikit-fem", "11")].map(|(n, v)| (n.into(), v.into())).into(),
             input_sha256: "cd".repeat(32),
             date_utc: "2016-01-31T12:05:00Z".into(),

@@ -19,7 +19,7 @@ use crate::records::{
     BodyMeshRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow,
     PenaltyRecord, ReferenceRecord, StiffnessRecord, TangentRecord, TouchRecord,
 };
-use crate::study::{EnforcementKey, ReferenceKey, Study};
+use crate::study::{EnforcementKey, MeshFile, ReferenceKey, Study};
 
 /// One m/N in µm/kN.
 const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
@@ -118,8 +118,8 @@ pub fn calibrate(
                 .then(|| in_use.points.iter().map(|p| p.penalty_error).fold(0.0, f64::max)),
         },
         mesh: vec![
-            mesh_record("rail", &meshes.rail, study, &rail_on_ends)?,
-            mesh_record("wheel", &meshes.wheel, study, &wheel)?,
+            mesh_record("rail", &meshes.rail, &study.rail.mesh, meshes.contact_elements[0], &rail_on_ends)?,
+            mesh_record("wheel", &meshes.wheel, &study.wheel.mesh, meshes.contact_elements[1], &wheel)?,
         ],
         profiles: geometry.profiles.clone(),
         touch: touch_record(study, geometry),
@@ -185,15 +185,22 @@ fn load_curve_row(p: &LoadPoint) -> LoadCurveRow {
     }
 }
 
-fn mesh_record(body: &str, mesh: &HexMesh, study: &Study, element: &Superelement) -> Result<BodyMeshRecord> {
+fn mesh_record(
+    body: &str,
+    mesh: &HexMesh,
+    file: &Option<MeshFile>,
+    contact_element: f64,
+    element: &Superelement,
+) -> Result<BodyMeshRecord> {
     let quality = quality(mesh)?;
     Ok(BodyMeshRecord {
         body: body.into(),
+        file: file.as_ref().map(|file| file.file.clone()),
         nodes: mesh.nodes.len(),
         elements: mesh.hexes.len(),
         degrees_of_freedom: element.system.numbering.equations,
         contact_nodes: mesh.contact.nodes.len(),
-        contact_element_mm: study.mesh.contact_element / MILLIMETRE,
+        contact_element_mm: contact_element / MILLIMETRE,
         min_scaled_jacobian: quality.min_scaled_jacobian,
         mean_scaled_jacobian: quality.mean_scaled_jacobian,
         mass_kg: element.system.nodal_mass().total(),

@@ -134,10 +134,18 @@ fn body_vtu(body: &BodyFields) -> Result<String> {
     vtu(&body.points, Cells::Hexes(&body.hexes), &data, &[])
 }
 
-/// Text of the VTU file of a mesh without any load, in its own frame.
+/// Text of the VTU file of a mesh without any load, in its own frame, with masks of its contact surface and of its
+/// held nodes (a rail's foot, a wheel's bore): a mesh file that a study can name.
 ///
 /// # Errors
 /// None that a finished mesh can cause.
 pub fn mesh_vtu(mesh: &HexMesh) -> Result<String> {
-    vtu(&mesh.nodes, Cells::Hexes(&mesh.hexes), &[], &[])
+    let mask = |nodes: &[&[usize]]| {
+        let mut mask = vec![0.0; mesh.nodes.len()];
+        nodes.iter().copied().flatten().for_each(|&v| mask[v] = 1.0);
+        mask
+    };
+    let (contact, held) = (mask(&[&mesh.contact.nodes]), mask(&[&mesh.foot, &mesh.bore]));
+    let data = [Field::Scalar("contact", &contact), Field::Scalar("held", &held)];
+    vtu(&mesh.nodes, Cells::Hexes(&mesh.hexes), &data, &[])
 }

@@ -7,6 +7,7 @@ mod calibrate;
 mod crosscheck;
 mod fields;
 mod loads;
+mod mesh_files;
 mod sections;
 mod simulate;
 
@@ -16,11 +17,14 @@ pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
 pub use loads::check_loads;
 pub use simulate::{Springs, simulate, simulate_solid};
 
+use std::path::Path;
+
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
 use railspring_calibrate::contact::Surface;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
 use railspring_calibrate::section::{RailSection, WheelSection};
 use railspring_calibrate::section_analysis::{SectionProperties, rail_properties};
@@ -29,7 +33,7 @@ use railspring_calibrate::solid::Formulation;
 use crate::beam::{RailBeam, Torsion};
 use crate::records::ProfileRecord;
 use crate::report::ProfilePair;
-use crate::study::{ElementKey, EnforcementKey, Study};
+use crate::study::{ElementKey, EnforcementKey, MeshFile, Study};
 
 /// The two sections in place, and where they first touch.
 pub struct Geometry {
@@ -57,6 +61,11 @@ pub struct Meshes {
     pub rail: HexMesh,
     /// The wheel, in its body frame.
     pub wheel: HexMesh,
+    /// Edge of the elements in the contact zone across the track, of the rail and of the wheel, m: what the study asks
+    /// for, or the longest of a mesh from a file.
+    pub contact_elements: [f64; 2],
+    /// The larger of the two, m.
+    pub contact_element: f64,
 }
 
 impl Geometry {
@@ -117,16 +126,55 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
     Ok(Geometry { rail, properties, wheel, placed, tape_y: track.tape_y(), touch, beam, profiles })
 }
 
-/// Meshes of both bodies.
+/// Meshes of both bodies: the tool's own, or those of the study's mesh files, which `interpreter` reads (`None`: the
+/// Python of the cache folder). Without mesh files no Python is needed.
+///
+/// # Errors
+/// Settings that give an inverted or flat element; a missing Python, and mesh files that cannot be used.
+pub fn meshes(
+    study: &Study,
+    geometry: &Geometry,
+    interpreter: Option<&Path>,
+    monitor: &dyn Monitor,
+) -> Result<Meshes> {
+    let options = mesh_options(study);
+    let mut files = mesh_files::Files::new(interpreter, monitor);
+    let rail = match &study.rail.mesh {
+        Some(file) => files.rail(file, study, geometry, &options)?,
+        None => mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
+    };
+    let wheel = match &study.wheel.mesh {
+        Some(file) => files.wheel(file, geometry, &options)?,
+        None => mesh_wheel(&geometry.wheel, &options)?,
+    };
+    Ok(Meshes::new(study, rail, wheel))
+}
+
+/// The tool's own meshes again with the sizes of `study`; those from files stay as they are in `meshes`.
 ///
 /// # Errors
 /// Settings that give an inverted or flat element.
-pub fn meshes(study: &Study, geometry: &Geometry) -> Result<Meshes> {
+pub fn remeshed(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<Meshes> {
     let options = mesh_options(study);
-    Ok(Meshes {
-        rail: mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
-        wheel: mesh_wheel(&geometry.wheel, &options)?,
-    })
+    let rail = match &study.rail.mesh {
+        Some(_) => meshes.rail.clone(),
+        None => mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
+    };
+    let wheel = match &study.wheel.mesh {
+        Some(_) => meshes.wheel.clone(),
+        None => mesh_wheel(&geometry.wheel, &options)?,
+    };
+    Ok(Meshes::new(study, rail, wheel))
+}
+
+impl Meshes {
+    fn new(study: &Study, rail: HexMesh, wheel: HexMesh) -> Self {
+        let edge = |mesh: &HexMesh, file: &Option<MeshFile>| {
+            if file.is_some() { mesh.contact.longest_across() } else { study.mesh.contact_element }
+        };
+        let contact_elements = [edge(&rail, &study.rail.mesh), edge(&wheel, &study.wheel.mesh)];
+        Self { contact_element: contact_elements[0].max(contact_elements[1]), contact_elements, rail, wheel }
+    }
 }
 
 /// The study's mesh; a worn flange is steeper and touches deeper, so beside measured profiles the fine zones go

@@ -5,6 +5,7 @@ pub mod document;
 
 mod check;
 mod measured;
+mod mesh_file;
 mod resolve;
 mod source;
 
@@ -59,7 +60,7 @@ pub struct Study {
     /// Limits of the verdict.
     pub limits: Limits,
     /// Hash of everything that the numbers depend on: the resolved study without its
-    /// descriptions and limits, the content of its profile files, and the program's
+    /// descriptions and limits, the content of its profile and mesh files, and the program's
     /// version, which fixes the standard profiles.
     pub input_hash: String,
     /// All keys with their values, defaults filled in; the keys of each section by name.
@@ -92,6 +93,8 @@ pub struct Rail {
     pub inclination: f64,
     /// Length of the modelled piece, m.
     pub length: f64,
+    /// The mesh that takes the place of the tool's own.
+    pub mesh: Option<MeshFile>,
 }
 
 /// The wheel.
@@ -107,6 +110,8 @@ pub struct Wheel {
     pub flange: Flange,
     /// Rim, web and hub.
     pub body: WheelBody,
+    /// The mesh that takes the place of the tool's own.
+    pub mesh: Option<MeshFile>,
 }
 
 /// A measured profile: the content of its file, and how it is prepared.
@@ -122,6 +127,23 @@ pub struct MeasuredSurface {
     pub smoothing: Option<f64>,
     /// Whether it is laid onto the standard section first.
     pub aligned: bool,
+}
+
+/// A mesh in a file, and what its groups are called.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFile {
+    /// The file as the study names it.
+    pub file: String,
+    /// The file as it was found.
+    pub path: PathBuf,
+    /// Hash of its content.
+    pub hash: String,
+    /// Unit of its coordinates, m.
+    pub unit: f64,
+    /// Name of the running surface.
+    pub contact: String,
+    /// Name of the held nodes: at the foot of a rail, at the bore of a wheel.
+    pub held: String,
 }
 
 /// Where the wheel stands on the track; lengths in m.

@@ -18,9 +18,10 @@ use super::document::{
     SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
 };
 use super::measured::SurfaceKeys;
+use super::mesh_file::MeshFileKeys;
 use super::{
-    CalibrationSettings, ContactSettings, MeasuredSurface, Rail, ResolvedKey, SECTIONS, SimulationSettings,
-    Source, Study, StudyScenario, Track, Wheel,
+    CalibrationSettings, ContactSettings, MeasuredSurface, MeshFile, Rail, ResolvedKey, SECTIONS,
+    SimulationSettings, Source, Study, StudyScenario, Track, Wheel,
 };
 
 type Result<T> = std::result::Result<T, InputError>;
@@ -128,7 +129,16 @@ fn rail(keys: &RailKeys, study: &Path) -> Result<Rail> {
         aligned: keys.profile_aligned,
     };
     let (profile, measured) = named.resolve(study)?;
-    Ok(Rail { profile, measured, inclination, length: keys.length_m })
+    let mesh = MeshFileKeys {
+        section: "rail",
+        held_meaning: "the name in the mesh file of the nodes at the foot",
+        file: keys.mesh_file.as_deref(),
+        unit: keys.mesh_unit,
+        contact: keys.contact_surface.as_deref(),
+        held: keys.held_nodes.as_deref(),
+    }
+    .resolve(study)?;
+    Ok(Rail { profile, measured, inclination, length: keys.length_m, mesh })
 }
 
 fn wheel(keys: &WheelKeys, study: &Path) -> Result<Wheel> {
@@ -155,7 +165,16 @@ fn wheel(keys: &WheelKeys, study: &Path) -> Result<Wheel> {
         hub_diameter: keys.hub_diameter_mm * MILLIMETRE,
         rim_depth: keys.rim_depth_mm * MILLIMETRE,
     };
-    Ok(Wheel { profile, measured, tape_diameter: keys.tape_diameter_m, flange, body })
+    let mesh = MeshFileKeys {
+        section: "wheel",
+        held_meaning: "the name in the mesh file of the nodes at the bore",
+        file: keys.mesh_file.as_deref(),
+        unit: keys.mesh_unit,
+        contact: keys.contact_surface.as_deref(),
+        held: keys.held_nodes.as_deref(),
+    }
+    .resolve(study)?;
+    Ok(Wheel { profile, measured, tape_diameter: keys.tape_diameter_m, flange, body, mesh })
 }
 
 /// Slope of a ratio such as `1:40`.
@@ -320,9 +339,11 @@ fn main_scenario(document: &StudyDocument) -> Result<Option<String>> {
 
 fn input_hash(document: &StudyDocument, rail: &Rail, wheel: &Wheel) -> String {
     let mut numeric = document.clone();
-    // A profile file counts by its content, wherever it lies.
+    // A file counts by its content, wherever it lies.
     numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
     numeric.wheel.profile_file = wheel.measured.as_ref().map(MeasuredSurface::fingerprint);
+    numeric.rail.mesh_file = rail.mesh.as_ref().map(MeshFile::fingerprint);
+    numeric.wheel.mesh_file = wheel.mesh.as_ref().map(MeshFile::fingerprint);
     numeric.description.clear();
     numeric.verification = Default::default();
     for keys in numeric.scenario.values_mut() {

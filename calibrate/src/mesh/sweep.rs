@@ -3,7 +3,18 @@
 use nalgebra::Point3;
 
 use super::section_mesh::SectionMesh;
-use super::{HexMesh, SurfaceGrid, SweepLayout};
+use super::{HexMesh, SurfaceGrid};
+
+/// How the nodes are numbered: node `j` of the section in layer `l` is `l * section_nodes + j`.
+#[derive(Clone, Copy)]
+struct SweepLayout {
+    /// Number of nodes of the section.
+    section_nodes: usize,
+    /// Number of layers of nodes along the sweep.
+    layers: usize,
+    /// Whether the last layer of nodes is joined to the first by elements (a wheel).
+    closed: bool,
+}
 
 /// A section swept along x.
 ///
@@ -22,7 +33,6 @@ pub fn extrude(section: &SectionMesh, x: &[f64], window: f64, foot: &[usize]) ->
         ends: (0..count).chain((x.len() - 1) * count..x.len() * count).collect(),
         foot: all_layers(foot, layout),
         bore: Vec::new(),
-        layout,
     }
 }
 
@@ -53,7 +63,6 @@ pub fn revolve(section: &SectionMesh, radius: f64, theta: &[f64], window: f64, b
         ends: Vec::new(),
         foot: Vec::new(),
         bore: all_layers(bore, layout),
-        layout,
     }
 }
 

@@ -121,8 +121,19 @@ class Body:
     def _factor(self) -> Callable[[Floats], Floats]:
         return factored(self.stiffness[self.free][:, self.free].tocsc())
 
-    def solve(self, forces: sp.csc_matrix | Floats, progress: Callable[[int, int], None] | None = None) -> Floats:
-        """Displacements (rows: degrees of freedom) under each column of forces, one step of refinement."""
+    def release(self) -> None:
+        """Forgets the matrix and its factor, which come again when they are needed."""
+        for name in ("stiffness", "_factor"):
+            self.__dict__.pop(name, None)
+
+    def solve(
+        self,
+        forces: sp.csc_matrix | Floats,
+        progress: Callable[[int, int], None] | None = None,
+        refined: bool = True,
+    ) -> Floats:
+        """Displacements (rows: degrees of freedom) under each column of forces; ``refined``: one step of refinement,
+        from 1e-10 to 1e-13 of the largest."""
         columns = sp.csc_matrix(forces)
         matrix = self.stiffness[self.free][:, self.free].tocsr()
         solution = np.zeros(columns.shape)
@@ -130,7 +141,8 @@ class Body:
             chunk = slice(first, min(first + COLUMNS_AT_ONCE, columns.shape[1]))
             rhs = columns[:, chunk].toarray()[self.free]
             u = self._factor(rhs)
-            u += self._factor(rhs - matrix @ u)
+            if refined:
+                u += self._factor(rhs - matrix @ u)
             solution[self.free, chunk] = u
             if progress:
                 progress(chunk.stop, columns.shape[1])

@@ -100,10 +100,16 @@ class Contact:
             dofs, values = shape_rows(body, side, cell, local)
             loads = [functionals(body, dofs, values, d, phi, count) for d in directions]
             for j, block in enumerate(loads):
-                u = body.solve(block, lambda n, of, j=j, name=name: progress(f"{name}, compliance {j + 1}", n, of))
+                u = body.solve(
+                    block,
+                    lambda n, of, j=j, name=name: progress(f"{name}, compliance {j + 1}", n, of),
+                    refined=False,
+                )
                 for i, other in enumerate(loads):
                     rows, columns = (slice(k * count, (k + 1) * count) for k in (i, j))
                     self.compliance[rows, columns] += (other.T @ u) / np.outer(self.area, self.area)
+            if body.order == 2:
+                body.release()  # two factors of this size need more memory than many computers have
         self.compliance = 0.5 * (self.compliance + self.compliance.T)
         self.count = count
         self._root = la.cholesky(self.compliance[:count, :count], lower=True)

@@ -42,7 +42,19 @@ def factored(matrix: sp.csc_matrix) -> Callable[[Floats], Floats]:
         return spl.splu(
             matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
         ).solve
-    upper = sp.triu(matrix, format="csr")
-    pardiso = pypardiso.PyPardisoSolver(mtype=POSITIVE_DEFINITE)
-    pardiso.factorize(upper)
-    return lambda columns: pardiso.solve(upper, np.asfortranarray(columns))
+    return Pardiso(matrix)
+
+
+class Pardiso:
+    """A matrix factored by Pardiso; frees its memory, which Python knows nothing of, when nobody refers to it."""
+
+    def __init__(self, matrix: sp.csc_matrix) -> None:
+        self._upper = sp.triu(matrix, format="csr")
+        self._solver = pypardiso.PyPardisoSolver(mtype=POSITIVE_DEFINITE)
+        self._solver.factorize(self._upper)
+
+    def __call__(self, columns: Floats) -> Floats:
+        return self._solver.solve(self._upper, np.asfortranarray(columns))
+
+    def __del__(self) -> None:
+        self._solver.free_memory(everything=True)

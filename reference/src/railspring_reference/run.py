@@ -14,8 +14,9 @@ import numpy as np
 
 from . import __version__
 from .body import Body
-from .contact import Contact
+from .contact import Carrier, Contact
 from .exchange import Exchange
+from .factor import solver
 
 FIRST_REACH = 0.08e-3
 """First guess of the largest gap of a candidate at touching, m."""
@@ -56,14 +57,17 @@ def elastic(exchange: Exchange, name: str, body: Body) -> dict[str, Any]:
     }
 
 
-def condense(exchange: Exchange, bodies: dict[str, Body], variant: str, tangential: bool, label: str) -> Contact:
+def condense(
+    exchange: Exchange, bodies: dict[str, Body], case: str, tangential: bool = False, carrier: Carrier = "rail"
+) -> Contact:
     """The contact problem with enough candidates for the largest load."""
+    variant = "second_order" if case == "second_order" else "bodies"
     sides = (exchange.side("wheel", variant), exchange.side("rail", variant))
     reach = FIRST_REACH
     for _ in range(3):
         contact = Contact(
             bodies["wheel"], bodies["rail"], sides, tangential, reach,
-            lambda stage, done, of: progress(f"{label}: {stage}", done, of),
+            lambda stage, done, of: progress(f"{case.replace('_', ' ')}: {stage}", done, of), carrier,
         )
         try:
             contact.press(float(exchange.loads[-1]), None)
@@ -105,34 +109,34 @@ def run(folder: Path) -> dict[str, Any]:
     cases = exchange.data["contact"]["cases"]
     friction = exchange.friction if "same_mesh_friction" in cases else 0.0
 
-    def answer(case: str, contact: Contact, condensed_in: float, dofs: int) -> None:
-        started = time.perf_counter()
+    def answer(case: str, contact: Contact, begun: float, bodies: dict[str, Body]) -> None:
         rows = load_curve(exchange, contact, case.replace("_", " "))
         result["contact"][case] = {
             "rows": rows,
             "friction": contact.friction,
             "multipliers": contact.count,
-            "degrees_of_freedom": dofs,
-            "seconds": condensed_in + time.perf_counter() - started,
+            "degrees_of_freedom": sum(body.degrees_of_freedom for body in bodies.values()),
+            "seconds": time.perf_counter() - begun,
         }
 
     if "same_mesh" in cases or friction > 0.0:
-        contact = condense(exchange, bodies, "bodies", friction > 0.0, "same mesh")
-        spent, dofs = time.perf_counter() - begun, sum(b.degrees_of_freedom for b in bodies.values())
-        answer("same_mesh", contact, spent, dofs)
+        contact = condense(exchange, bodies, "same_mesh", friction > 0.0)
+        answer("same_mesh", contact, begun, bodies)
         if friction > 0.0:
-            answer("same_mesh_friction", contact.with_friction(friction), spent, dofs)
+            answer("same_mesh_friction", contact.with_friction(friction), begun, bodies)
+    if "other_surface" in cases:
+        started = time.perf_counter()
+        answer("other_surface", condense(exchange, bodies, "other_surface", carrier="wheel"), started, bodies)
     del bodies
     if "second_order" in cases:
         started = time.perf_counter()
         higher = {name: exchange.body(name, "second_order", order=2) for name in BODIES}
-        contact = condense(exchange, higher, "second_order", False, "second order")
-        spent, dofs = time.perf_counter() - started, sum(b.degrees_of_freedom for b in higher.values())
-        answer("second_order", contact, spent, dofs)
+        answer("second_order", condense(exchange, higher, "second_order"), started, higher)
     result["provenance"] = {
         "package": f"railspring-reference {__version__}",
         "python": platform.python_version(),
         "packages": {name: version(name) for name in PACKAGES},
+        "solver": solver(),
         "input_sha256": input_hash(folder),
         "date_utc": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         "seconds": time.perf_counter() - begun,

@@ -1,7 +1,8 @@
-//! Finding or making the Python environment, and running the reference in it.
+//! Finding or making the Python environment, and running the package of `reference/` in it: the independent solution,
+//! and the reader of mesh files.
 
 use std::ffi::OsString;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -9,22 +10,35 @@ use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::monitor::Monitor;
 
 /// Exact versions of all packages.
-const LOCK: &str = include_str!("../../reference/requirements.lock");
+const LOCK: &str = include_str!("../reference/requirements.lock");
+/// What elements of second order need besides.
+const SECOND_ORDER_LOCK: &str = include_str!("../reference/requirements-second-order.lock");
 /// The reference package itself, so that the installed program needs no source tree.
-const PACKAGE: [(&str, &str); 8] = [
-    ("__init__.py", include_str!("../../reference/src/railspring_reference/__init__.py")),
-    ("__main__.py", include_str!("../../reference/src/railspring_reference/__main__.py")),
-    ("ordering.py", include_str!("../../reference/src/railspring_reference/ordering.py")),
-    ("body.py", include_str!("../../reference/src/railspring_reference/body.py")),
-    ("exchange.py", include_str!("../../reference/src/railspring_reference/exchange.py")),
-    ("surface.py", include_str!("../../reference/src/railspring_reference/surface.py")),
-    ("contact.py", include_str!("../../reference/src/railspring_reference/contact.py")),
-    ("run.py", include_str!("../../reference/src/railspring_reference/run.py")),
+const PACKAGE: [(&str, &str); 10] = [
+    ("__init__.py", include_str!("../reference/src/railspring_reference/__init__.py")),
+    ("__main__.py", include_str!("../reference/src/railspring_reference/__main__.py")),
+    ("ordering.py", include_str!("../reference/src/railspring_reference/ordering.py")),
+    ("factor.py", include_str!("../reference/src/railspring_reference/factor.py")),
+    ("body.py", include_str!("../reference/src/railspring_reference/body.py")),
+    ("exchange.py", include_str!("../reference/src/railspring_reference/exchange.py")),
+    ("surface.py", include_str!("../reference/src/railspring_reference/surface.py")),
+    ("contact.py", include_str!("../reference/src/railspring_reference/contact.py")),
+    ("run.py", include_str!("../reference/src/railspring_reference/run.py")),
+    ("mesh_in.py", include_str!("../reference/src/railspring_reference/mesh_in.py")),
 ];
 /// What to do where Python is missing.
 const REMEDY: &str = "install Python 3.11 or newer with the module venv (Debian: apt install python3-venv), or name an \
-                      interpreter that has scikit-fem, meshio and scipy with --python PATH; all other commands work \
-                      without it";
+                      interpreter that has scikit-fem, meshio and scipy with --python PATH; only `crosscheck` and studies \
+                      with a mesh_file need it";
+
+/// What an environment is made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Meshes, and elements of first order.
+    FirstOrder,
+    /// Elements of second order too, which need a faster factorisation.
+    SecondOrder,
+}
 
 /// An interpreter that can run the reference.
 #[derive(Debug, Clone)]
@@ -39,12 +53,17 @@ impl Python {
     ///
     /// # Errors
     /// [`InputError`] with key `--python` that says what is missing and how to get it.
-    pub fn prepare(given: Option<&Path>, cache: &Path, monitor: &dyn Monitor) -> Result<Self> {
+    pub fn prepare(
+        given: Option<&Path>,
+        cache: &Path,
+        purpose: Purpose,
+        monitor: &dyn Monitor,
+    ) -> Result<Self> {
         let package = cache.join(format!("reference-{}", &package_hash()[..12]));
         write_package(&package).map_err(|cause| cache_error(cache, &cause))?;
         let interpreter = match given {
             Some(path) => path.to_path_buf(),
-            None => environment(cache, monitor)?,
+            None => environment(cache, purpose, monitor)?,
         };
         let python = Self { interpreter, package };
         python.probe()?;
@@ -70,17 +89,46 @@ impl Python {
         Err(missing(&self.interpreter, text.lines().last().unwrap_or("it cannot import the packages")).into())
     }
 
+    /// A module of the package, to be run.
+    fn module(&self, name: &str) -> Command {
+        let mut command = Command::new(&self.interpreter);
+        command
+            .args(["-m", name])
+            .env("PYTHONPATH", &self.package)
+            .env("PYTHONDONTWRITEBYTECODE", "1")
+            .stdin(Stdio::null());
+        command
+    }
+
+    /// What the reader of mesh files says about a file and the names of its contact surface and held nodes: a line of
+    /// JSON and raw data, as `mesh_in.py` describes them.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `--python` if the reader does not run. A file that it refuses is no such error.
+    pub fn read_mesh(&self, file: &Path, contact: &str, held: &str) -> Result<Vec<u8>> {
+        // with = a name may begin with a dash
+        let output = self
+            .module("railspring_reference.mesh_in")
+            .args([format!("--contact={contact}"), format!("--held={held}"), "--".into()])
+            .arg(file)
+            .output()
+            .map_err(|cause| missing(&self.interpreter, &cause.to_string()))?;
+        if output.stdout.is_empty() {
+            let said = String::from_utf8_lossy(&output.stderr);
+            let last = said.lines().rev().find(|line| !line.trim().is_empty());
+            return Err(missing(&self.interpreter, last.unwrap_or("it said nothing").trim()).into());
+        }
+        Ok(output.stdout)
+    }
+
     /// Runs the reference on an exchange folder, handing its progress on.
     ///
     /// # Errors
     /// [`InputError`] with what the reference said when it failed; the user's wish to stop.
     pub fn run(&self, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
-        let mut child = Command::new(&self.interpreter)
-            .args(["-m", "railspring_reference"])
+        let mut child = self
+            .module("railspring_reference")
             .arg(folder)
-            .env("PYTHONPATH", &self.package)
-            .env("PYTHONDONTWRITEBYTECODE", "1")
-            .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -144,8 +192,17 @@ pub fn cache_folder() -> PathBuf {
 }
 
 /// The interpreter of the virtual environment in `cache`; made if its mark of completion is absent.
-fn environment(cache: &Path, monitor: &dyn Monitor) -> Result<PathBuf> {
-    let folder = cache.join(format!("venv-{}", &blake3::hash(LOCK.as_bytes()).to_hex()[..12]));
+fn environment(cache: &Path, purpose: Purpose, monitor: &dyn Monitor) -> Result<PathBuf> {
+    let packages = match purpose {
+        Purpose::FirstOrder => LOCK.to_owned(),
+        Purpose::SecondOrder => [LOCK, SECOND_ORDER_LOCK].concat(),
+    };
+    let name = format!("venv-{}", &blake3::hash(packages.as_bytes()).to_hex()[..12]);
+    // of two commands at the same time one makes the environment and the other waits for it
+    let _one = std::fs::File::create(cache.join(format!("{name}.lock")))
+        .and_then(|file| file.lock().map(|()| file))
+        .map_err(|cause| cache_error(cache, &cause))?;
+    let folder = cache.join(&name);
     let interpreter =
         if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") };
     let complete = folder.join("complete");
@@ -165,8 +222,8 @@ fn environment(cache: &Path, monitor: &dyn Monitor) -> Result<PathBuf> {
             missing(Path::new("python3"), "no Python 3.11 or newer with venv was found on the path")
         })?;
     monitor.progress("making the Python environment", 0, 2)?;
-    let lock = cache.join("requirements.lock");
-    std::fs::write(&lock, LOCK).map_err(|cause| cache_error(cache, &cause))?;
+    let lock = cache.join(format!("{name}.txt"));
+    std::fs::write(&lock, packages).map_err(|cause| cache_error(cache, &cause))?;
     let made = |arguments: &[&std::ffi::OsStr], program: &Path| -> Result<()> {
         let output = Command::new(program)
             .args(arguments)
@@ -205,7 +262,10 @@ fn write_package(folder: &Path) -> std::io::Result<()> {
     for (name, text) in PACKAGE {
         let file = package.join(name);
         if std::fs::read(&file).ok().as_deref() != Some(text.as_bytes()) {
-            std::fs::write(file, text)?;
+            // commands that run at the same time must not see half a file
+            let mut whole = tempfile::NamedTempFile::new_in(&package)?;
+            whole.write_all(text.as_bytes())?;
+            whole.persist(file)?;
         }
     }
     Ok(())

@@ -1,0 +1,293 @@
+"""Reads a mesh that a user brings, in any format that meshio reads.
+
+``python -m railspring_reference.mesh_in FILE --contact NAME --held NAME`` writes to its standard output one line of
+JSON and then raw little-endian data: coordinates in the file's unit (``<f8``, three a node), nodes of the hexahedra in
+the order of VTK (``<i8``, eight each), the contact nodes and the held nodes (``<i8``, ascending). The line of JSON has
+their numbers, or under ``error`` what is wrong with the file: ``key`` (of the study, without its section), ``value``,
+``expected`` and ``remedy``.
+
+The order of the nodes is that of the file; nodes that belong to no hexahedron (centres of arcs, for instance) are left
+out. Whether the elements are sound, and what the names enclose, is for the tool to judge.
+"""
+
+import argparse
+import contextlib
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FORMAT = 1
+"""Version of the output."""
+HEXAHEDRON = "hexahedron"
+"""meshio's name of the hexahedron with eight nodes."""
+GMSH_GROUP = "gmsh:physical"
+"""Cell data with the tag of the physical group."""
+TO_HEXAHEDRA = (
+    "mesh with eight-node hexahedra of first order: in Gmsh extrude or revolve the section with `Recombine` and "
+    "`Layers`, with Mesh.RecombineAll = 1 (or transfinite surfaces and volumes) and Mesh.ElementOrder = 1; in Abaqus "
+    "C3D8 on swept or structured regions"
+)
+"""Advice for meshes of other elements."""
+REFERRING = {".xdmf", ".xmf", ".pvtu"}
+"""Endings of files that have their data elsewhere."""
+DIMENSION = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "polygon": 2}
+"""Dimension of the cells that carry names at most, by the beginning of their names; all others are volumes."""
+
+
+class Refused(Exception):
+    """The file cannot be used: key of the study, value, what was expected and how to mend it."""
+
+    def __init__(self, key: str, value: str, expected: str, remedy: str) -> None:
+        super().__init__(f"{key} = {value}: expected {expected}; {remedy}")
+        self.message = {"key": key, "value": value, "expected": expected, "remedy": remedy}
+
+
+def whole(path: Path) -> None:
+    """Refuses files that name others: the study's hash would not see a change in those."""
+    ending = path.suffix.lower()
+    if ending == ".inp":
+        text = path.read_text(encoding="utf-8", errors="replace")
+        other = next((line.strip() for line in text.splitlines() if line.upper().startswith("*INCLUDE")), None)
+    else:
+        other = "its data in another file" if ending in REFERRING else None
+    if other:
+        raise Refused(
+            "mesh_file",
+            f'"{path.name}" ({other})',
+            "a file that has the whole mesh",
+            "write the mesh into one file, for instance by inserting what it includes",
+        )
+
+
+def read(path: Path) -> meshio.Mesh:
+    """The mesh of a file, by its ending."""
+    whole(path)
+    try:
+        # meshio prints what it could not read, and ends the program
+        with contextlib.redirect_stdout(sys.stderr):
+            mesh = meshio.read(path)
+            if path.suffix.lower() == ".inp":
+                name_blocks(path, mesh)
+            return mesh
+    except Refused:
+        raise
+    except SystemExit:
+        cause = "meshio cannot read it in the format of its ending"
+    except Exception as error:  # readers stumble over broken files in many ways
+        cause = " ".join(f"{type(error).__name__}: {error}".split())
+    raise Refused(
+        "mesh_file",
+        f'"{path.name}" ({cause})',
+        "a mesh that meshio reads, for instance Gmsh (.msh), Abaqus (.inp) or VTU",
+        "check the file and its ending, or write it in another format; Abaqus decks must be flat, without parts and "
+        "instances",
+    )
+
+
+def name_blocks(path: Path, mesh: meshio.Mesh) -> None:
+    """Puts right the element sets that ``*ELEMENT`` lines name: meshio counts the sets where it should count the
+    blocks, and mixes them up where a block has no name or two have the same one."""
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+
+    def keyword(line: str) -> tuple[str, str | None]:
+        head, *parameters = (part.strip() for part in line.split(","))
+        sets = (p.split("=")[1].strip() for p in parameters if p.upper().startswith("ELSET") and "=" in p)
+        return head.upper(), next(sets, None)
+
+    keywords = [keyword(line) for line in lines if line.startswith("*") and not line.startswith("**")]
+    blocks = [name for head, name in keywords if head == "*ELEMENT"]
+    for name in {name for name in blocks if name}:
+        if ("*ELSET", name) in keywords:
+            raise Refused(
+                "mesh_file",
+                f'"{path.name}" (element set "{name}" on a line *ELEMENT and on a line *ELSET)',
+                "every element set in one place",
+                "rename one of the two sets",
+            )
+        mesh.cell_sets[name] = [
+            np.arange(len(block.data) if named == name else 0)
+            for block, named in zip(mesh.cells, blocks, strict=True)
+        ]
+
+
+def dimension(kind: str) -> int:
+    """Dimension of a kind of cell."""
+    return next((d for name, d in DIMENSION.items() if kind.startswith(name)), 3)
+
+
+def hexahedra(mesh: meshio.Mesh, file: str) -> Ints:
+    """Nodes of all hexahedra; any other volume element is refused."""
+    count: dict[str, int] = {}
+    for block in mesh.cells:
+        if dimension(block.type) == 3 and len(block.data):
+            count[block.type] = count.get(block.type, 0) + len(block.data)
+    others = {kind: n for kind, n in count.items() if kind != HEXAHEDRON}
+    if others:
+        found = ", ".join(f"{n} {kind}" for kind, n in sorted(count.items()))
+        raise Refused("mesh_file", f'"{file}" ({found})', "hexahedra with eight nodes only", TO_HEXAHEDRA)
+    if not count:
+        found = ", ".join(sorted({block.type for block in mesh.cells})) or "no cells"
+        raise Refused(
+            "mesh_file",
+            f'"{file}" ({found}, no hexahedra)',
+            "a mesh of hexahedra with eight nodes",
+            "save the volume too: in Gmsh give it a physical volume (or set Mesh.SaveAll = 1); " + TO_HEXAHEDRA,
+        )
+    return np.vstack([block.data for block in mesh.cells if block.type == HEXAHEDRON]).astype(np.int64)
+
+
+def of_cells(mesh: meshio.Mesh, chosen: list[Any], key: str, name: str) -> Ints:
+    """Nodes of the chosen cells of every block; a group of volumes is refused."""
+    nodes: list[Ints] = [np.zeros(0, dtype=np.int64)]
+    for block, cells in zip(mesh.cells, chosen, strict=False):
+        picked = np.asarray(block.data)[np.asarray([] if cells is None else cells, dtype=np.int64)]
+        if len(picked) and dimension(block.type) == 3:
+            raise Refused(
+                key,
+                f'"{name}" ({len(picked)} {block.type})',
+                "a group of nodes or of surface elements",
+                "name the surface, not the volume: its inner nodes would belong to the group too",
+            )
+        nodes.append(picked.ravel().astype(np.int64))
+    return np.unique(np.concatenate(nodes))
+
+
+def groups(mesh: meshio.Mesh) -> dict[str, str]:
+    """Names of all groups, and of what kind each is; where a name stands twice, the first kind counts."""
+    found: dict[str, str] = {}
+
+    def add(names: Any, kind: str) -> None:
+        for name in names:
+            if not str(name).startswith("gmsh:"):
+                found.setdefault(str(name), kind)
+
+    add(mesh.point_sets, "node set")
+    add(mesh.field_data if GMSH_GROUP in mesh.cell_data else (), "physical group")
+    add(mesh.cell_sets, "element set")
+    add((name for name, values in mesh.point_data.items() if scalar(values)), "node mask")
+    add((name for name, blocks in mesh.cell_data.items() if all(scalar(b) for b in blocks)), "cell mask")
+    return found
+
+
+def scalar(values: Any) -> bool:
+    """Whether there is one number for every node or cell, as in a mask."""
+    return np.ndim(values) == 1 or np.shape(values)[1:] == (1,)
+
+
+def inside(values: Any) -> Ints:
+    """Where a mask is not zero; what is not a number counts as outside."""
+    return np.flatnonzero(np.nan_to_num(np.ravel(values), nan=0.0)).astype(np.int64)
+
+
+def group(mesh: meshio.Mesh, key: str, name: str) -> Ints:
+    """Nodes of the group ``name``, ascending."""
+    known = groups(mesh)
+    # Abaqus does not tell upper case from lower
+    alike = [other for other in known if other.casefold() == name.casefold()]
+    found = name if name in known else alike[0] if len(alike) == 1 else None
+    if found is None:
+        names = ", ".join(f'"{other}" ({kind})' for other, kind in sorted(known.items())) or "no names at all"
+        raise Refused(
+            key,
+            f'"{name}"',
+            f"a name that the mesh file has: {names}",
+            "name a Gmsh physical surface, an Abaqus node set (or element set of surface elements), or a mask of "
+            "point or cell data that is not zero on the group",
+        )
+    match known[found]:
+        case "node set":
+            nodes = np.unique(np.asarray(mesh.point_sets[found], dtype=np.int64))
+        case "physical group":
+            tag, size = (int(v) for v in mesh.field_data[found])
+            tags = mesh.cell_data[GMSH_GROUP]
+            chosen = [
+                np.flatnonzero(np.asarray(t) == tag) if dimension(block.type) == size else None
+                for block, t in zip(mesh.cells, tags, strict=True)
+            ]
+            nodes = of_cells(mesh, chosen, key, found)
+        case "element set":
+            nodes = of_cells(mesh, mesh.cell_sets[found], key, found)
+        case "node mask":
+            nodes = inside(mesh.point_data[found])
+        case _:
+            nodes = of_cells(mesh, [inside(values) for values in mesh.cell_data[found]], key, found)
+    if len(nodes) == 0:
+        raise Refused(
+            key,
+            f'"{found}" ({known[found]}, empty)',
+            "a group with nodes",
+            "check what the group encloses; a set that only names other sets is not read",
+        )
+    return nodes
+
+
+def used_only(points: Floats, hexes: Ints, named: dict[str, tuple[str, Ints]]) -> tuple[Floats, Ints, list[Ints]]:
+    """The nodes that belong to hexahedra, numbered anew in their order; groups must have no others."""
+    used = np.zeros(len(points), dtype=bool)
+    used[hexes] = True
+    for key, (name, nodes) in named.items():
+        outside = int((~used[nodes]).sum())
+        if outside:
+            raise Refused(
+                key,
+                f'"{name}" ({outside} of its {len(nodes)} nodes belong to no hexahedron)',
+                "a group of nodes of the hexahedra",
+                "mesh the surface together with the volume, so that both have the same nodes, and take reference "
+                "points out of the group",
+            )
+    number = np.cumsum(used) - 1
+    return points[used], number[hexes], [number[nodes] for _, nodes in named.values()]
+
+
+def collect(path: Path, contact: str, held: str) -> tuple[dict[str, Any], bytes]:
+    """The line of JSON and the raw data of a file."""
+    mesh = read(path)
+    points = np.asarray(mesh.points, dtype=np.float64)
+    hexes = hexahedra(mesh, path.name)
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        raise Refused(
+            "mesh_file", f'"{path.name}"', "three finite coordinates a node", "write the mesh again in three dimensions"
+        )
+    named = {
+        "contact_surface": (contact, group(mesh, "contact_surface", contact)),
+        "held_nodes": (held, group(mesh, "held_nodes", held)),
+    }
+    points, hexes, (contact_nodes, held_nodes) = used_only(points, hexes, named)
+    header = {
+        "format": FORMAT,
+        "nodes": len(points),
+        "hexes": len(hexes),
+        "contact": len(contact_nodes),
+        "held": len(held_nodes),
+    }
+    integers = [np.ascontiguousarray(part, dtype="<i8").tobytes() for part in (hexes, contact_nodes, held_nodes)]
+    return header, b"".join([np.ascontiguousarray(points, dtype="<f8").tobytes(), *integers])
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Entry point."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--contact", required=True, help="name of the contact surface")
+    parser.add_argument("--held", required=True, help="name of the held nodes")
+    chosen = parser.parse_args(arguments)
+    payload = b""
+    try:
+        header, payload = collect(chosen.file, chosen.contact, chosen.held)
+    except Refused as refused:
+        header = {"error": refused.message}
+    sys.stdout.buffer.write(json.dumps(header).encode() + b"\n" + payload)
+    sys.stdout.buffer.flush()
+    return 1 if "error" in header else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

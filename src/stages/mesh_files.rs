@@ -1,0 +1,155 @@
+//! Meshes from files: read in Python, checked and brought into form by the library.
+
+use std::path::Path;
+
+use nalgebra::Point3;
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::mesh::{GivenMesh, HexMesh, MeshOptions, given_rail, given_wheel};
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::units::MILLIMETRE;
+use serde::Deserialize;
+
+use super::Geometry;
+use crate::python::{Purpose, Python, cache_folder};
+use crate::study::{MeshFile, Study};
+
+/// Version of the reader's answer.
+const FORMAT: u32 = 1;
+
+/// The first line of the reader's answer.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Header {
+    Read { format: u32, nodes: usize, hexes: usize, contact: usize, held: usize },
+    Refused { error: Refusal },
+}
+
+/// What is wrong with a file.
+#[derive(Debug, Deserialize)]
+struct Refusal {
+    key: String,
+    value: String,
+    expected: String,
+    remedy: String,
+}
+
+/// Reads mesh files; the Python environment is made when the first one is there.
+pub(super) struct Files<'a> {
+    interpreter: Option<&'a Path>,
+    monitor: &'a dyn Monitor,
+    python: Option<Python>,
+}
+
+impl<'a> Files<'a> {
+    pub fn new(interpreter: Option<&'a Path>, monitor: &'a dyn Monitor) -> Self {
+        Self { interpreter, monitor, python: None }
+    }
+
+    /// The rail of a mesh file.
+    pub fn rail(
+        &mut self,
+        file: &MeshFile,
+        study: &Study,
+        geometry: &Geometry,
+        options: &MeshOptions,
+    ) -> Result<HexMesh> {
+        let given = self.read("rail", file)?;
+        let curve = &geometry.placed.curve;
+        let mesh = given_rail(given, curve, study.rail.length, options)?;
+        check_touch("rail", &mesh, curve, geometry.touch.rail_s)?;
+        Ok(mesh)
+    }
+
+    /// The wheel of a mesh file.
+    pub fn wheel(&mut self, file: &MeshFile, geometry: &Geometry, options: &MeshOptions) -> Result<HexMesh> {
+        let given = self.read("wheel", file)?;
+        let curve = &geometry.wheel.running;
+        let mesh = given_wheel(given, curve, geometry.wheel.radius, options)?;
+        check_touch("wheel", &mesh, curve, geometry.touch.wheel_s)?;
+        Ok(mesh)
+    }
+
+    fn read(&mut self, section: &str, file: &MeshFile) -> Result<GivenMesh> {
+        self.monitor.progress(&format!("reading the {section}'s mesh"), 0, 1)?;
+        let python = match self.python.take() {
+            Some(python) => python,
+            None => Python::prepare(self.interpreter, &cache_folder(), Purpose::FirstOrder, self.monitor)?,
+        };
+        let answer = self.python.insert(python).read_mesh(&file.path, &file.contact, &file.held)?;
+        if !file.is_unchanged() {
+            return Err(InputError::new(
+                format!("{section}.mesh_file"),
+                format!("{:?}", file.file),
+                "a file that does not change while it is read",
+                "run the command again when it is complete",
+            )
+            .into());
+        }
+        let given = given(section, file, &answer)?;
+        self.monitor.progress(&format!("reading the {section}'s mesh"), 1, 1)?;
+        Ok(given)
+    }
+}
+
+/// The mesh in the reader's answer.
+fn given(section: &str, file: &MeshFile, answer: &[u8]) -> Result<GivenMesh> {
+    let broken = || {
+        InputError::new(
+            format!("{section}.mesh_file"),
+            format!("{:?} (an answer of {} bytes)", file.file, answer.len()),
+            "the answer of the reader that belongs to this program",
+            "remove the folders reference-* in the cache folder and run the command again",
+        )
+    };
+    let end = answer.iter().position(|&byte| byte == b'\n').ok_or_else(broken)?;
+    let (format, counts) = match serde_json::from_slice(&answer[..end]).map_err(|_| broken())? {
+        Header::Read { format, nodes, hexes, contact, held } => (format, [nodes, hexes, contact, held]),
+        Header::Refused { error } => {
+            let key = format!("{section}.{}", error.key);
+            return Err(InputError::new(key, error.value, error.expected, error.remedy).into());
+        }
+    };
+    let (words, rest) = answer[end + 1..].as_chunks::<8>();
+    let [nodes, hexes, contact, held] = counts;
+    if format != FORMAT || !rest.is_empty() || words.len() != 3 * nodes + 8 * hexes + contact + held {
+        return Err(broken().into());
+    }
+    let (points, numbers) = words.split_at(3 * nodes);
+    // a number that is no index is refused with the mesh
+    let index = |word: &[u8; 8]| usize::try_from(i64::from_le_bytes(*word)).unwrap_or(usize::MAX);
+    let (corners, groups) = numbers.split_at(8 * hexes);
+    let (contact, held) = groups.split_at(contact);
+    let coordinate = |word: &[u8; 8]| f64::from_le_bytes(*word) * file.unit;
+    Ok(GivenMesh {
+        nodes: points
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|[x, y, z]| Point3::new(coordinate(x), coordinate(y), coordinate(z)))
+            .collect(),
+        hexes: corners.as_chunks::<8>().0.iter().map(|hex| hex.each_ref().map(index)).collect(),
+        contact: contact.iter().map(index).collect(),
+        held: held.iter().map(index).collect(),
+    })
+}
+
+/// Checks that the bodies first touch on the named surface.
+fn check_touch(section: &str, mesh: &HexMesh, curve: &ProfileCurve, s: f64) -> Result<()> {
+    let along = &mesh.contact.along_profile;
+    let (first, last) = (along[0], along[along.len() - 1]);
+    if first < s && s < last {
+        return Ok(());
+    }
+    let shown = |s: f64| {
+        let p = curve.point(s) / MILLIMETRE;
+        format!("({:.3}, {:.3})", p.x, p.y)
+    };
+    Err(InputError::new(
+        format!("{section}.contact_surface"),
+        format!("a surface from (y, z) = {} to {} mm of the profile", shown(first), shown(last)),
+        format!("a surface around the first touch at {} mm", shown(s)),
+        "name a surface that goes further across the track",
+    )
+    .into())
+}

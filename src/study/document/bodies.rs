@@ -1,0 +1,179 @@
+//! The keys of the two bodies.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The rail: its standard section, how it is laid and how long a piece is modelled.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RailKeys {
+    /// Name of the standard section, for instance `60E1` or `UIC60`. Give this, or `profile_file` with `standard`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub profile: Option<String>,
+    /// File of a measured profile (Simpack, MiniProf, text or CSV), relative to the study.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub profile_file: Option<String>,
+    /// Name of the standard section that the measured profile is joined to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub standard: Option<String>,
+    /// Smoothing of the measured profile: waves of this length are halved, mm; left out, the points stay where they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.1, max = 20.0))]
+    pub profile_smoothing_mm: Option<f64>,
+    /// Whether the measured head is turned and moved onto the standard section, or taken as it stands: origin at the unworn top, on the axis, not inclined.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_aligned: Option<bool>,
+    /// Inclination towards the track centre, as a ratio `"1:40"` or as a slope `0.025`.
+    #[serde(default = "default_inclination")]
+    pub inclination: Inclination,
+    /// Length of the modelled piece, m; both its ends are held.
+    #[serde(default = "default_rail_length")]
+    #[schemars(range(min = 0.1, max = 20.0))]
+    pub length_m: f64,
+    /// File of a mesh of hexahedra that takes the place of the tool's own (Gmsh, Abaqus, VTU, all that meshio reads), relative to the study. The rail as it lies in the track: x along it from the middle, y from the track centre to the field side, z down from the highest point of the inclined rail. The profile stays the study's: it carries the gap, the mesh the stiffness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub mesh_file: Option<String>,
+    /// Unit of the mesh file's coordinates; left out, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_unit: Option<MeshUnitKey>,
+    /// Name of the running surface in the mesh file: a Gmsh physical surface, an Abaqus node set, or a mask of point or cell data. Its nodes form a swept grid on the study's profile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub contact_surface: Option<String>,
+    /// Name of the nodes at the rail's foot in the mesh file, a group as `contact_surface`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub held_nodes: Option<String>,
+}
+
+/// A rail inclination.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Inclination {
+    /// Slope, for instance `0.025`.
+    Slope(#[schemars(range(min = -0.2, max = 0.2))] f64),
+    /// Ratio, for instance `"1:40"`.
+    Ratio(String),
+}
+
+fn default_inclination() -> Inclination {
+    Inclination::Ratio("1:40".into())
+}
+
+fn default_rail_length() -> f64 {
+    0.555
+}
+
+/// The wheel: its running profile, its flange and its generic body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WheelKeys {
+    /// Name of the standard running profile, for instance `S1002`. Give this, or `profile_file` with `standard`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub profile: Option<String>,
+    /// File of a measured profile (Simpack, MiniProf, text or CSV), relative to the study.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub profile_file: Option<String>,
+    /// Name of the standard wheel that the measured profile is joined to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub standard: Option<String>,
+    /// Smoothing of the measured profile: waves of this length are halved, mm; left out, the points stay where they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.1, max = 20.0))]
+    pub profile_smoothing_mm: Option<f64>,
+    /// Diameter at the tape circle (70 mm from the flange back), m.
+    #[serde(default = "default_tape_diameter")]
+    #[schemars(range(min = 0.3, max = 1.5))]
+    pub tape_diameter_m: f64,
+    /// Height of the flange, mm: 28, 30 or 32.
+    #[serde(default = "default_flange_height")]
+    #[schemars(range(min = 28.0, max = 32.0))]
+    pub flange_height_mm: f64,
+    /// Thickness of the flange, mm; 28.5 to 33, S1002 up to 32.5.
+    #[serde(default = "default_flange_thickness")]
+    #[schemars(range(min = 28.5, max = 33.0))]
+    pub flange_thickness_mm: f64,
+    /// Course of the web.
+    #[serde(default)]
+    pub body: WebKey,
+    /// Diameter of the bore, mm.
+    #[serde(default = "default_bore")]
+    #[schemars(range(min = 40.0, max = 400.0))]
+    pub bore_mm: f64,
+    /// Diameter of the hub, mm.
+    #[serde(default = "default_hub_diameter")]
+    #[schemars(range(min = 60.0, max = 800.0))]
+    pub hub_diameter_mm: f64,
+    /// Depth of the rim below the tread at the tape circle, mm.
+    #[serde(default = "default_rim_depth")]
+    #[schemars(range(min = 30.0, max = 150.0))]
+    pub rim_depth_mm: f64,
+    /// File of a mesh of hexahedra that takes the place of the tool's own (Gmsh, Abaqus, VTU, all that meshio reads), relative to the study. The whole wheel: y along the axle to the field side, from the tape circle; z down, the contact below the axle; x along the track. The profile stays the study's: it carries the gap, the mesh the stiffness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub mesh_file: Option<String>,
+    /// Unit of the mesh file's coordinates; left out, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_unit: Option<MeshUnitKey>,
+    /// Name of the running surface in the mesh file: a Gmsh physical surface, an Abaqus node set, or a mask of point or cell data. Its nodes form a swept grid on the study's profile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub contact_surface: Option<String>,
+    /// Name of the nodes at the wheel's bore in the mesh file, which follow the hub, a group as `contact_surface`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub held_nodes: Option<String>,
+}
+
+/// Course of a wheel's web.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum WebKey {
+    /// Straight.
+    #[default]
+    StraightWeb,
+    /// S-shaped.
+    SWeb,
+}
+
+fn default_tape_diameter() -> f64 {
+    0.858
+}
+
+fn default_flange_height() -> f64 {
+    28.0
+}
+
+fn default_flange_thickness() -> f64 {
+    32.5
+}
+
+fn default_bore() -> f64 {
+    192.0
+}
+
+fn default_hub_diameter() -> f64 {
+    270.0
+}
+
+fn default_rim_depth() -> f64 {
+    65.0
+}
+
+/// Unit of a mesh file's coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum MeshUnitKey {
+    /// Millimetres.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// Metres.
+    #[serde(rename = "m")]
+    Metre,
+}

@@ -1,0 +1,109 @@
+//! The keys that put a mesh from a file in the place of the tool's own.
+
+use std::io::Read;
+use std::path::Path;
+
+use railspring_calibrate::error::InputError;
+use railspring_calibrate::units::MILLIMETRE;
+
+use super::MeshFile;
+use super::document::MeshUnitKey;
+use super::source::MISSING;
+
+/// The keys of one body.
+pub(super) struct MeshFileKeys<'a> {
+    /// `rail` or `wheel`.
+    pub section: &'static str,
+    /// What the held nodes are, for messages.
+    pub held_meaning: &'static str,
+    pub file: Option<&'a str>,
+    pub unit: Option<MeshUnitKey>,
+    pub contact: Option<&'a str>,
+    pub held: Option<&'a str>,
+}
+
+impl MeshFileKeys<'_> {
+    /// The mesh file, if there is one; `study` is the study's file.
+    pub fn resolve(&self, study: &Path) -> Result<Option<MeshFile>, InputError> {
+        let section = self.section;
+        let key = |leaf: &str| format!("{section}.{leaf}");
+        let Some(file) = self.file else {
+            let alone = [
+                ("mesh_unit", self.unit.map(|unit| format!("{:?}", unit.name()))),
+                ("contact_surface", self.contact.map(|name| format!("{name:?}"))),
+                ("held_nodes", self.held.map(|name| format!("{name:?}"))),
+            ];
+            return match alone.into_iter().find_map(|(leaf, value)| Some((leaf, value?))) {
+                Some((leaf, value)) => Err(InputError::new(
+                    key(leaf),
+                    value,
+                    format!("{section}.mesh_file beside it"),
+                    "the key belongs to a mesh from a file: give the file, or remove the key",
+                )),
+                None => Ok(None),
+            };
+        };
+        let named = |name: Option<&str>, leaf: &str, meaning: &str| {
+            name.map(str::to_owned).ok_or_else(|| {
+                InputError::new(
+                    key(leaf),
+                    MISSING,
+                    "a text in quotes",
+                    format!("add this key to [{section}]: {meaning}"),
+                )
+            })
+        };
+        let contact = named(self.contact, "contact_surface", "the running surface's name in the mesh file")?;
+        let held = named(self.held, "held_nodes", self.held_meaning)?;
+        let path = study.parent().unwrap_or(Path::new("")).join(file);
+        let hash = hash(&path).map_err(|cause| {
+            InputError::new(
+                key("mesh_file"),
+                format!("{file:?}"),
+                format!("a readable file; {}: {cause}", path.display()),
+                "give its path relative to the study",
+            )
+        })?;
+        let unit = match self.unit {
+            None | Some(MeshUnitKey::Millimetre) => MILLIMETRE,
+            Some(MeshUnitKey::Metre) => 1.0,
+        };
+        Ok(Some(MeshFile { file: file.to_owned(), path, hash, unit, contact, held }))
+    }
+}
+
+impl MeshUnitKey {
+    /// Name in the study file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimetre => "mm",
+            Self::Metre => "m",
+        }
+    }
+}
+
+impl MeshFile {
+    /// What stands for the file in the hash of the study: its ending, which tells the format, and its content.
+    pub(super) fn fingerprint(&self) -> String {
+        let ending = self.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        format!("{}.{ending}", self.hash)
+    }
+
+    /// Whether the file is still the one that the study was read with.
+    pub fn is_unchanged(&self) -> bool {
+        hash(&self.path).is_ok_and(|now| now == self.hash)
+    }
+}
+
+/// Hash of a file's content; meshes can be large, so it is read piece by piece.
+fn hash(path: &Path) -> std::io::Result<String> {
+    let mut file = std::fs::File::open(path)?;
+    let mut hasher = blake3::Hasher::new();
+    let mut piece = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut piece)? {
+            0 => return Ok(hasher.finalize().to_hex().to_string()),
+            read => hasher.update(&piece[..read]),
+        };
+    }
+}
