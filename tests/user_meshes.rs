@@ -28,7 +28,9 @@ fn python() -> &'static Python {
     static PYTHON: OnceLock<Python> = OnceLock::new();
     static MAKING: Mutex<()> = Mutex::new(());
     let _one = MAKING.lock().unwrap();
-    PYTHON.get_or_init(|| Python::prepare(None, &cache(), Purpose::FirstOrder, &Silent).unwrap_or_else(|e| panic!("{e}")))
+    PYTHON.get_or_init(|| {
+        Python::prepare(None, &cache(), Purpose::FirstOrder, &Silent).unwrap_or_else(|e| panic!("{e}"))
+    })
 }
 
 fn meshes() -> PathBuf {

@@ -8,10 +8,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use railspring::crosscheck::python::package_hash;
 use railspring::crosscheck::questions::tool_curves;
 use railspring::output::OutputFolder;
 use railspring::pipeline::Pipeline;
+use railspring::python::package_hash;
 use railspring::records::crosscheck::{CrosscheckRecord, ToolCurve};
 use railspring::stages;
 use railspring::study::Study;
@@ -34,7 +34,7 @@ fn read(path: &Path) -> CrosscheckRecord {
 /// The tool's load curves of a study.
 fn now(study: &Study) -> Vec<ToolCurve> {
     let geometry = stages::geometry(study).unwrap_or_else(|e| panic!("{e}"));
-    let meshes = stages::meshes(study, &geometry).unwrap_or_else(|e| panic!("{e}"));
+    let meshes = stages::meshes(study, &geometry, None, &Silent).unwrap_or_else(|e| panic!("{e}"));
     tool_curves(&stages::answers(study, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
@@ -187,7 +187,7 @@ fn report_and_page_belong_together() {
     let other = OutputFolder::create(&made.out.with_file_name("alone")).unwrap();
     let study = Study::read(&made.study).unwrap_or_else(|e| panic!("{e}"));
     other.write("crosscheck.json", made.page("crosscheck.json").as_bytes()).unwrap();
-    assert!(!Pipeline::new(&study, &other, &Silent).crosscheck_pages().unwrap());
+    assert!(!Pipeline::new(&study, &other, None, &Silent).crosscheck_pages().unwrap());
     let alone = std::fs::read_to_string(other.file("crosscheck.html")).unwrap();
     assert!(!alone.contains("href=") && !other.file("report.html").exists());
 

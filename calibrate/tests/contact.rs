@@ -68,8 +68,7 @@ impl Blocks {
         let material = Material { poisson: 0.0, ..Material::STEEL };
         let (lower, upper) = (condensed(&self.lower, material), condensed(&self.upper, material));
         let curve = straight(self.width);
-        let surface =
-            |grid| Surface::extruded(&curve, grid);
+        let surface = |grid| Surface::extruded(&curve, grid);
         let points = pair(
             &surface(&self.lower.contact),
             &surface(&self.upper.contact),

@@ -217,12 +217,8 @@ fn staged(
             } else {
                 &[Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder]
             };
-            let settings = Settings {
-                interpreter: python,
-                cases,
-                calculix: with.is_some(),
-                keep: keep.as_deref(),
-            };
+            let settings =
+                Settings { interpreter: python, cases, calculix: with.is_some(), keep: keep.as_deref() };
             let record = crosscheck(study, &folder, &settings, &progress)?;
             progress.finish();
             if !args.quiet {

@@ -108,22 +108,23 @@ pub fn answers(
             rayon::join(|| one(&meshes.wheel, &wheel_supports), || one(&meshes.rail, &rail_supports));
         Ok((wheel?, rail?))
     };
-    let curve = |(wheel, rail): (&Superelement, &Superelement), friction: f64, between_nodes: BetweenNodes| {
-        let clock = Instant::now();
-        let pair = WheelOnRail {
-            rail,
-            wheel,
-            rail_surface: Surface { between_nodes, ..geometry.rail_surface(&meshes.rail) },
-            wheel_surface: Surface { between_nodes, ..geometry.wheel_surface(&meshes.wheel) },
-            friction,
-            enforcement: Enforcement::Exact,
+    let curve =
+        |(wheel, rail): (&Superelement, &Superelement), friction: f64, between_nodes: BetweenNodes| {
+            let clock = Instant::now();
+            let pair = WheelOnRail {
+                rail,
+                wheel,
+                rail_surface: Surface { between_nodes, ..geometry.rail_surface(&meshes.rail) },
+                wheel_surface: Surface { between_nodes, ..geometry.wheel_surface(&meshes.wheel) },
+                friction,
+                enforcement: Enforcement::Exact,
+            };
+            // hub against support: what the calibration calls the foot's reference, whatever is held
+            let states = press_loads(&pair, &loads, "calibration, foot held", monitor)?;
+            let normal = calibrate_normal(&pair, &states, Reference::Foot, None, &study.material)?;
+            let seconds = clock.elapsed().as_secs_f64();
+            Result::Ok((AnsweredCurve { points: normal.points, seconds }, states))
         };
-        // hub against support: what the calibration calls the foot's reference, whatever is held
-        let states = press_loads(&pair, &loads, "calibration, foot held", monitor)?;
-        let normal = calibrate_normal(&pair, &states, Reference::Foot, None, &study.material)?;
-        let seconds = clock.elapsed().as_secs_f64();
-        Result::Ok((AnsweredCurve { points: normal.points, seconds }, states))
-    };
     monitor.progress("superelements, full integration", 0, 1)?;
     let clock = Instant::now();
     let (wheel, rail) = condense(Formulation::FullIntegration)?;

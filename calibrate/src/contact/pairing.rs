@@ -256,9 +256,8 @@ pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Contac
                             };
                             let u = (sq - s[i]) / (s[i + 1] - s[i]);
                             let v = (xq - x[k]) / (x[k + 1] - x[k]);
-                            let gap = p.gap
-                                + base.recession((i, k), (u, v))
-                                + opposing.recession((a, b), (ua, vb));
+                            let gap =
+                                p.gap + base.recession((i, k), (u, v)) + opposing.recession((a, b), (ua, vb));
                             let on_opposing = opposing.curve.point(p.along_profile);
                             for (di, dk, phi) in corners(u, v) {
                                 let j = slot[(i + di) * columns + k + dk];
