@@ -1,7 +1,7 @@
 //! Contact against closed solutions: patch test, Hertz, sticking and sliding.
 
 use faer::Mat;
-use nalgebra::{Point2, Point3, Vector2};
+use nalgebra::{Point2, Point3};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::contact::{
     BodyCompliance, Compliance, ContactPoints, HalfSpace, PairingLimits, PenaltySprings, PointMode, Problem,

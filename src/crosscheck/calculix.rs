@@ -1,9 +1,13 @@
 //! Running CalculiX on an exported deck and reading its reactions back.
 
+use std::fs::File;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::monitor::Monitor;
 
 /// Names under which distributions install the solver.
 const PROGRAMS: [&str; 2] = ["ccx", "ccx_2.22"];
@@ -32,34 +36,58 @@ pub fn version() -> Result<(&'static str, String)> {
         })
 }
 
-/// Runs the deck `name.inp` in `folder` and returns its steps.
+/// Runs the deck `name.inp` of `count` steps in `folder` and returns its steps; what the solver says goes to `name.log`.
 ///
 /// # Errors
-/// [`InputError`] with the solver's last words if it fails.
-pub fn run(program: &str, folder: &Path, name: &str) -> Result<Steps> {
+/// [`InputError`] with the solver's last words if it fails; the user's wish to stop.
+pub fn run(program: &str, folder: &Path, name: &str, count: usize, monitor: &dyn Monitor) -> Result<Steps> {
+    const PAUSE: Duration = Duration::from_millis(200);
+    let [log, results] = ["log", "dat"].map(|ending| folder.join(format!("{name}.{ending}")));
+    let failed = |cause: std::io::Error| {
+        InputError::new("--with calculix", cause, "CalculiX CrunchiX in a folder that can be written", REMEDY)
+    };
+    let output = File::create(&log).map_err(failed)?;
+    // what an earlier run has left must not pass for results of this one
+    match std::fs::remove_file(&results) {
+        Err(cause) if cause.kind() != ErrorKind::NotFound => return Err(failed(cause).into()),
+        _ => {}
+    }
     let threads = rayon::current_num_threads().to_string();
-    let output = Command::new(program)
+    let mut child = Command::new(program)
         .args(["-i", name])
         .current_dir(folder)
         .env("OMP_NUM_THREADS", &threads)
-        .env("CCX_NPROC_EQUATION_SOLVER", &threads)
         .stdin(Stdio::null())
-        .output()
-        .map_err(|cause| InputError::new("--with calculix", cause, "CalculiX CrunchiX", REMEDY))?;
-    let said = String::from_utf8_lossy(&output.stdout);
-    let _ = std::fs::write(folder.join(format!("{name}.log")), said.as_bytes());
-    let dat = std::fs::read_to_string(folder.join(format!("{name}.dat"))).unwrap_or_default();
-    let steps = parse(&dat);
-    if !output.status.success() || said.contains("*ERROR") || steps.is_empty() {
-        let words = said.lines().find(|l| l.contains("*ERROR")).unwrap_or("no results were written");
+        .stdout(output.try_clone().map_err(failed)?)
+        .stderr(output)
+        .spawn()
+        .map_err(failed)?;
+    let so_far = || parse(&std::fs::read_to_string(&results).unwrap_or_default());
+    let status = loop {
+        if let Err(stop) = monitor.progress("CalculiX", so_far().len().min(count), count) {
+            let _ = child.kill();
+            let _ = child.wait();
+            return Err(stop);
+        }
+        if let Some(status) = child.try_wait().map_err(failed)? {
+            break status;
+        }
+        std::thread::sleep(PAUSE);
+    };
+    let steps = so_far();
+    let said = std::fs::read_to_string(&log).unwrap_or_default();
+    let words = said.lines().find(|line| line.contains("*ERROR"));
+    if !status.success() || words.is_some() || steps.len() != count {
+        let told = format!("{} of {count} steps", steps.len());
         return Err(InputError::new(
             "CalculiX",
-            words.trim(),
+            words.map_or(told.as_str(), str::trim),
             "a run that ends",
-            format!("see {}", folder.join(format!("{name}.log")).display()),
+            format!("see {}", log.display()),
         )
         .into());
     }
+    monitor.progress("CalculiX", count, count)?;
     Ok(steps)
 }
 

@@ -6,8 +6,8 @@
 //! position in which the smooth surfaces just touch; the flat facets of the deck
 //! lie some micrometres below them, so that they touch later.
 //!
-//! Contact is hard: CalculiX enforces it by multipliers (mortar), so that no
-//! penalty stiffness adds its own compliance.
+//! Contact is hard: CalculiX enforces it by multipliers (mortar) on the rail's
+//! surface, so that no penalty stiffness adds its own compliance.
 
 use std::fmt::Write as _;
 
@@ -130,7 +130,7 @@ impl Deck<'_> {
         if self.friction > 0.0 {
             let _ = writeln!(out, "*FRICTION\n{friction}");
         }
-        let _ = writeln!(out, "*CONTACT PAIR, INTERACTION=CONTACT, TYPE={kind}\nSWHEEL, SRAIL");
+        let _ = writeln!(out, "*CONTACT PAIR, INTERACTION=CONTACT, TYPE={kind}\nSRAIL, SWHEEL");
     }
 }
 

@@ -126,11 +126,9 @@ fn calculix_checks(
         lowerings: &lowerings,
     };
     folder.write("calculix.inp", deck.text(Format::Calculix)?.as_bytes())?;
-    monitor.progress("CalculiX", 0, 1)?;
     let clock = Instant::now();
-    let steps = calculix::run(program, folder.path(), "calculix")?;
+    let steps = calculix::run(program, folder.path(), "calculix", lowerings.len(), monitor)?;
     let seconds = clock.elapsed().as_secs_f64();
-    monitor.progress("CalculiX", 1, 1)?;
     let checks = curve
         .points
         .iter()

@@ -4,7 +4,7 @@ use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{
     LoadPoint, NormalCalibration, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
 };
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::law::{LawFit, REFERENCE_FORCE};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
@@ -42,6 +42,15 @@ pub fn calibrate(
     meshes: &Meshes,
     monitor: &dyn Monitor,
 ) -> Result<(Calibration, PressedFields)> {
+    if study.contact.friction == 0.0 {
+        return Err(InputError::new(
+            "contact.friction",
+            "0",
+            "a positive coefficient: the horizontal stiffness is that of a sticking wheel",
+            "give the coefficient of the pair; a load case may have its own, 0 too, in scenario.NAME.friction",
+        )
+        .into());
+    }
     let element = formulation(study);
     let condense = |mesh, supports: Supports| -> Result<Superelement> {
         Superelement::new(System::new(mesh, study.material, element, &supports)?)
@@ -126,7 +135,7 @@ pub fn calibrate(
         input_hash: study.input_hash.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    let load_curve = in_use.points.iter().map(load_curve_row).collect();
+    let load_curve = in_use.points.iter().map(|point| load_curve_row(point, &in_use.fit)).collect();
     Ok((Calibration { stiffness: record, load_curve }, fields))
 }
 
@@ -172,12 +181,12 @@ fn compliance_record(p: &LoadPoint) -> ComplianceRecord {
     }
 }
 
-fn load_curve_row(p: &LoadPoint) -> LoadCurveRow {
+fn load_curve_row(p: &LoadPoint, fit: &LawFit) -> LoadCurveRow {
     LoadCurveRow {
         force_kn: p.force / KILONEWTON,
         displacement_mm: p.displacement / MILLIMETRE,
         solid_tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
-        law_tangent_kn_per_m: p.law_tangent / KILONEWTON_PER_METRE,
+        law_tangent_kn_per_m: fit.law.tangent(p.force) / KILONEWTON_PER_METRE,
         contact_area_mm2: p.contact_area / SQUARE_MILLIMETRE,
         max_pressure_mpa: p.max_pressure / MEGAPASCAL,
         semi_axis_along_mm: p.semi_axis_along / MILLIMETRE,

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_normal, press_loads,
+    Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
 };
 use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
 use railspring_calibrate::error::Result;
@@ -121,9 +121,9 @@ pub fn answers(
             };
             // hub against support: what the calibration calls the foot's reference, whatever is held
             let states = press_loads(&pair, &loads, "calibration, foot held", monitor)?;
-            let normal = calibrate_normal(&pair, &states, Reference::Foot, None, &study.material)?;
+            let points = load_points(&pair, &states, Reference::Foot, None, &study.material)?;
             let seconds = clock.elapsed().as_secs_f64();
-            Result::Ok((AnsweredCurve { points: normal.points, seconds }, states))
+            Result::Ok((AnsweredCurve { points, seconds }, states))
         };
     monitor.progress("superelements, full integration", 0, 1)?;
     let clock = Instant::now();

@@ -38,8 +38,6 @@ pub struct LoadPoint {
     pub displacement: f64,
     /// Tangent stiffness dP/dδ of the solid by the reference, N/m.
     pub solid_tangent: f64,
-    /// Stiffness of the fitted law there, N/m.
-    pub law_tangent: f64,
     /// Area that carries pressure, m².
     pub contact_area: f64,
     /// Largest nodal pressure, Pa.
@@ -125,10 +123,24 @@ pub fn press_loads(
     Ok(states)
 }
 
-/// Fits the normal law with `reference` to the states of [`press_loads`].
+/// Displacement, tangent stiffness and patch of the states of [`press_loads`].
 ///
 /// `beam` is the static flexibility (y, z), m/N, of the moving solver's rail beam at the contact; it is
 /// needed for the reference `beam` and only split off for the others.
+///
+/// # Errors
+/// Numerical errors of the tangent.
+pub fn load_points(
+    wheel_on_rail: &WheelOnRail,
+    states: &[Pressed],
+    reference: Reference,
+    beam: Option<&Matrix2<f64>>,
+    material: &Material,
+) -> Result<Vec<LoadPoint>> {
+    states.iter().map(|state| load_point(wheel_on_rail, state, reference, beam, material)).collect()
+}
+
+/// Fits the normal law with `reference` to the states of [`press_loads`]; `beam` as for [`load_points`].
 ///
 /// # Errors
 /// Numerical errors of tangent and fit.
@@ -139,16 +151,10 @@ pub fn calibrate_normal(
     beam: Option<&Matrix2<f64>>,
     material: &Material,
 ) -> Result<NormalCalibration> {
-    let mut points = states
-        .iter()
-        .map(|state| load_point(wheel_on_rail, state, reference, beam, material))
-        .collect::<Result<Vec<_>>>()?;
+    let points = load_points(wheel_on_rail, states, reference, beam, material)?;
     let loads: Vec<f64> = points.iter().map(|p| p.force).collect();
     let tangents: Vec<f64> = points.iter().map(|p| p.solid_tangent).collect();
     let fit = fit_law(&loads, &tangents)?;
-    for p in &mut points {
-        p.law_tangent = fit.law.tangent(p.force);
-    }
     Ok(NormalCalibration { reference, points, fit })
 }
 
@@ -220,7 +226,6 @@ fn load_point(
         force: state.load,
         displacement,
         solid_tangent: 1.0 / compliance,
-        law_tangent: f64::NAN,
         contact_area: patch.area,
         max_pressure: patch.max_pressure,
         semi_axis_along: patch.semi_axis_along,
