@@ -8,7 +8,6 @@ import pytest
 import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 import skfem
-
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from railspring_reference import factor

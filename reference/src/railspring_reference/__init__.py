@@ -4,8 +4,8 @@ Shares no code with the tool. Meshes, materials, supports, loads and the two
 profile curves come in through an exchange folder (:mod:`.exchange`); results
 go back through it. Units are SI throughout.
 
-Modules in the order of use: ``exchange``, ``ordering``, ``body``, ``surface``,
-``contact``, ``run``.
+Modules in the order of use: ``ordering``, ``factor``, ``body``, ``exchange``,
+``surface``, ``contact``, ``run``; and ``mesh_in``, which reads mesh files for the tool.
 """
 
 __version__ = "0.1.0"

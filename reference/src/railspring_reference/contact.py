@@ -12,6 +12,7 @@ accelerated projected gradients (A. Beck, M. Teboulle, SIAM J. Imaging Sci. 2
 import copy
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -100,11 +101,7 @@ class Contact:
             dofs, values = shape_rows(body, side, cell, local)
             loads = [functionals(body, dofs, values, d, phi, count) for d in directions]
             for j, block in enumerate(loads):
-                u = body.solve(
-                    block,
-                    lambda n, of, j=j, name=name: progress(f"{name}, compliance {j + 1}", n, of),
-                    refined=False,
-                )
+                u = body.solve(block, partial(progress, f"{name}, compliance {j + 1}"), refined=False)
                 for i, other in enumerate(loads):
                     rows, columns = (slice(k * count, (k + 1) * count) for k in (i, j))
                     self.compliance[rows, columns] += (other.T @ u) / np.outer(self.area, self.area)
@@ -230,7 +227,7 @@ class Contact:
         old_slip = before.slip.T.ravel() if before else np.zeros(2 * n)
         vertical = self.vertical[n:]
         for _ in range(200):
-            lowering, normal = self._balance(load, normal_tangential @ tangential, vertical @ tangential, guess)
+            lowering, normal = self._balance(load, normal_tangential @ tangential, float(vertical @ tangential), guess)
             guess = lowering * 1.0001
             free = normal_tangential.T @ normal - vertical * lowering - old_slip
             new = self._friction_forces(free, normal, tangential)
