@@ -18,25 +18,7 @@ use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
 
 /// Coarse enough for a few seconds, fine enough for a contact.
-const STUDY: &str = r#"
-name = "coarse"
-[rail]
-profile = "60E1"
-length_m = 0.555
-[wheel]
-profile = "S1002"
-tape_diameter_m = 0.858
-[mesh]
-contact_element_mm = 6
-contact_element_along_mm = 6
-element = "full-integration"
-[contact]
-friction = 0.5
-[calibration]
-load_min_kn = 5
-load_max_kn = 85
-load_count = 5
-"#;
+const STUDY: &str = include_str!("studies/coarse.toml");
 
 /// What the reference is asked on the coarse mesh.
 const CASES: [Case; 3] = [Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface];

@@ -104,25 +104,7 @@ fn kept_records_are_fresh() {
 }
 
 /// A study of some seconds; its coarse contact is beyond the limits.
-const STUDY: &str = r#"
-name = "coarse"
-[rail]
-profile = "60E1"
-length_m = 0.555
-[wheel]
-profile = "S1002"
-tape_diameter_m = 0.858
-[mesh]
-contact_element_mm = 6
-contact_element_along_mm = 6
-element = "full-integration"
-[contact]
-friction = 0.5
-[calibration]
-load_min_kn = 5
-load_max_kn = 40
-load_count = 4
-"#;
+const STUDY: &str = include_str!("studies/coarse.toml");
 
 /// A folder with a study, its results and then its cross-check, kept too; what the report said before.
 struct Made {

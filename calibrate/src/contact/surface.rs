@@ -190,3 +190,49 @@ impl<'a> Surface<'a> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ROUNDOFF of radii of half a metre in a recession of a micrometre, and the spline through the points.
+    const ROUNDOFF: f64 = 1e-11;
+    const HALF: [f64; 3] = [-1e-3, 0.0, 1e-3];
+
+    /// Source: the rise of a circular arc over its chord, r·(1 − cos α). Goal: facets of a crowned rail
+    /// and of a crowned wheel lie below their smooth surfaces by the rise across and along the track, m,
+    /// and not at all at the nodes or where the surface is taken as smooth. Accuracy: rounding.
+    #[test]
+    fn facets_lie_below_the_smooth_surface() {
+        const CROWN: f64 = 0.3;
+        const WHEEL: f64 = 0.429;
+        // crowned towards the other body: up (−z) for the rail, down for the wheel
+        let arc = |sign: f64| -> ProfileCurve {
+            let points: Vec<Point2<f64>> = (-100..=100)
+                .map(|k| f64::from(k) * 2e-4 / CROWN)
+                .map(|a| Point2::new(CROWN * a.sin(), sign * CROWN * (1.0 - a.cos())))
+                .collect();
+            ProfileCurve::from_points(&points, &[]).unwrap()
+        };
+        let (rail, wheel) = (arc(1.0), arc(-1.0));
+        let grid = |curve: &ProfileCurve, angle: f64| SurfaceGrid {
+            along_profile: HALF.map(|s| 0.5 * curve.length() + s).to_vec(),
+            along_track: HALF.map(|x| x * angle).to_vec(),
+            nodes: (0..9).collect(),
+        };
+        let grids = [grid(&rail, 1.0), grid(&wheel, 1.0 / WHEEL)];
+        let faceted = |surface| Surface { between_nodes: BetweenNodes::Facets, ..surface };
+        let smooth = Surface::extruded(&rail, &grids[0]);
+        let on_rail = faceted(smooth.clone());
+        let on_wheel = faceted(Surface::revolved(&wheel, &grids[1], WHEEL, Vector2::zeros()));
+        let rise = |radius: f64| radius * (1.0 - (0.5 * 1e-3 / radius).cos());
+        for (surface, expected) in [(on_rail, rise(CROWN)), (on_wheel, rise(CROWN) + rise(WHEEL))] {
+            let middle = surface.recession((0, 1), (0.5, 0.5));
+            assert!((middle - expected).abs() < ROUNDOFF, "{middle} {expected}");
+            for node in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)] {
+                assert!(surface.recession((0, 1), node).abs() < ROUNDOFF);
+            }
+        }
+        assert_eq!(smooth.recession((0, 1), (0.5, 0.5)), 0.0);
+    }
+}
