@@ -282,9 +282,14 @@ fn elastic_checks(
         difference / scale,
         (ROUNDOFF, Cause::Roundoff),
     ));
-    for (own, theirs) in body.compliance.iter().zip(&judged.compliance_columns) {
+    for (k, own) in body.compliance.iter().enumerate() {
         let size = |column: &[f64]| column.iter().map(|v| v.abs()).fold(0.0, f64::max);
-        let difference = own.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64_max);
+        let theirs = judged.compliance_columns.get(k).map_or(&[][..], Vec::as_slice);
+        let difference = if theirs.len() == own.len() {
+            own.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64_max)
+        } else {
+            f64::NAN
+        };
         checks.push(Check::new(
             &problem,
             &format!("{name}: compliance columns, largest difference"),
