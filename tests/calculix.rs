@@ -1,4 +1,4 @@
-//! The deck for other programs, and CalculiX on it.
+//! The deck for other programs, CalculiX on it, and studies that no judge can be asked about.
 //!
 //! CalculiX (`ccx` on the path; Debian: `calculix-ccx`) is not needed to build or use the tool; without it the second
 //! test says so and is skipped. The long comparison is `cargo validate-calculix`.
@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use railspring::crosscheck::deck::{Deck, Format};
 use railspring::crosscheck::{Prepared, calculix, prepare};
-use railspring::stages::AnsweredCurve;
+use railspring::stages::{AnsweredCurve, calibrate};
 use railspring::study::{ElementKey, Study};
 use railspring_calibrate::monitor::Silent;
 
@@ -80,4 +80,19 @@ fn calculix_finds_the_load() {
     let [(displacement, reaction)] = steps[..] else { panic!("{steps:?}") };
     assert!((displacement / point.displacement - 1.0).abs() < 1e-6, "{displacement}");
     assert!((reaction / LOAD - 1.0).abs() < DISCRETISATION, "{reaction}");
+}
+
+/// Goal: a study whose loads are all below the smallest judged one is refused by key, and so is a frictionless
+/// calibration.
+#[test]
+fn studies_that_cannot_be_judged_are_told() {
+    let mut light = study().clone();
+    light.calibration.loads = vec![1e3, 2e3, 3e3];
+    let said = prepare(&light, &[], None, &Silent).map(|_| ()).unwrap_err().to_string();
+    assert!(said.contains("calibration.load_max_kn = 3: expected a load of at least 5 kN"), "{said}");
+    let mut smooth = study().clone();
+    smooth.contact.friction = 0.0;
+    let Prepared { geometry, meshes, .. } = prepared();
+    let said = calibrate(&smooth, geometry, meshes, &Silent).map(|_| ()).unwrap_err().to_string();
+    assert!(said.contains("contact.friction = 0: expected a positive coefficient"), "{said}");
 }

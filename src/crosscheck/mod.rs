@@ -53,7 +53,7 @@ pub struct Prepared {
 
 /// Computes the tool's answers and collects the questions; `interpreter` is the Python that reads mesh files.
 ///
-/// Elements of second order are asked for on coarser meshes; a mesh from a file stays as it is.
+/// Elements of second order are asked for on finer meshes; a mesh from a file stays as it is.
 ///
 /// # Errors
 /// Those of meshing and calibration.

@@ -10,7 +10,7 @@ use railspring_calibrate::calibration::{
     Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
 };
 use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
@@ -100,6 +100,16 @@ pub fn answers(
 ) -> Result<Answers> {
     let held = rail_held(study, &meshes.rail).to_vec();
     let loads = judged_loads(study);
+    if loads.is_empty() {
+        let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
+        return Err(InputError::new(
+            "calibration.load_max_kn",
+            largest / KILONEWTON,
+            format!("a load of at least {} kN, the smallest at which judges are asked", LOADS_KN[0]),
+            "raise it, or the last of loads_kn",
+        )
+        .into());
+    }
     let rail_supports = Supports { held: held.clone(), ..Supports::default() };
     let wheel_supports = Supports { followers: meshes.wheel.bore.clone(), ..Supports::default() };
     let condense = |element: Formulation| -> Result<(Superelement<'_>, Superelement<'_>)> {
