@@ -230,9 +230,13 @@ impl<'a> Pipeline<'a> {
         sections: &[SectionDifference],
         report: bool,
     ) -> Result<()> {
-        let inputs = inputs(self.study);
-        let data =
-            PageData { description: &self.study.description, inputs: &inputs, record, sections, report };
+        let data = PageData {
+            description: &self.study.description,
+            inputs: &self.study.resolved,
+            record,
+            sections,
+            report,
+        };
         self.folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
     }
 
@@ -347,13 +351,12 @@ impl<'a> Pipeline<'a> {
                 }
             })
             .collect();
-        let inputs = inputs(self.study);
         let judged = self.own_crosscheck();
         let sections = judged.as_ref().map_or_else(Vec::new, |record| self.differences(record));
         let data = ReportData {
             name: &self.study.name,
             description: &self.study.description,
-            inputs: &inputs,
+            inputs: &self.study.resolved,
             stiffness: &calibration.stiffness,
             load_curve: &calibration.load_curve,
             profiles: &profiles,
@@ -428,20 +431,6 @@ impl<'a> Pipeline<'a> {
                 .into()
             })
     }
-}
-
-/// The study's keys for a page.
-fn inputs(study: &Study) -> Vec<report::InputRow> {
-    study
-        .resolved
-        .iter()
-        .map(|key| report::InputRow {
-            section: key.section.clone(),
-            key: key.key.clone(),
-            value: key.value.clone(),
-            given: key.given,
-        })
-        .collect()
 }
 
 /// Name of a model's run in the measures.

@@ -8,6 +8,19 @@ use crate::verify::{Comparison, Line};
 pub mod crosscheck;
 pub mod history_csv;
 
+/// One key of a resolved study.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResolvedKey {
+    /// Section, for instance `track`; empty for the top level.
+    pub section: String,
+    /// Key with its unit, for instance `gauge_mm`.
+    pub key: String,
+    /// The value as text.
+    pub value: String,
+    /// Whether the file says so itself, or the default applies.
+    pub given: bool,
+}
+
 /// `stiffness.json`: the springs and what made them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StiffnessRecord {

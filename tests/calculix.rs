@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use railspring::crosscheck::deck::{Deck, Format};
 use railspring::crosscheck::{Prepared, calculix, prepare};
 use railspring::stages::{AnsweredCurve, calibrate};
-use railspring::study::{ElementKey, Study};
+use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
 
 fn study() -> &'static Study {
@@ -27,7 +27,7 @@ fn prepared() -> &'static Prepared {
 
 fn deck(friction: f64, lowerings: &[f64]) -> Deck<'_> {
     let Prepared { geometry, meshes, .. } = prepared();
-    Deck { study: study(), geometry, meshes, element: ElementKey::FullIntegration, friction, lowerings }
+    Deck { study: study(), geometry, meshes, friction, lowerings }
 }
 
 /// Lines that follow the first line beginning with `keyword`, up to the next keyword.

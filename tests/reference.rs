@@ -54,7 +54,7 @@ fn judged_for(prepared: &Prepared, exchange: &Exchange) -> Vec<Check> {
     exchange.write(&folder).unwrap_or_else(|e| panic!("{e}"));
     python().run(folder.path(), &Silent).unwrap_or_else(|e| panic!("{e}"));
     let reference = ReferenceResult::read(&folder).unwrap_or_else(|e| panic!("{e}"));
-    compare(&prepared.answers, prepared.meshes.contact_element, &exchange.cases, &reference).unwrap().0
+    compare(&prepared.answers, prepared.meshes.contact_element(), &exchange.cases, &reference).unwrap().0
 }
 
 /// Checks of the exchange as it is.

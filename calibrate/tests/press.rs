@@ -8,10 +8,10 @@ use railspring_calibrate::contact::{
     HalfSpace, PairingLimits, Problem, Surface, hub_response, pair, solve, total,
 };
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
-use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::placement::{PlacedRail, TrackGeometry, place_rail, touch};
+use railspring_calibrate::section::{WheelSection, rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
 
@@ -23,34 +23,64 @@ struct Case {
     enforcement: Enforcement,
 }
 
+/// Both bodies of a case in place, meshed as by default.
+struct Bodies {
+    placed: PlacedRail,
+    wheel: WheelSection,
+    /// World position (y, z) of the tape circle at the first touch, m.
+    tape: Vector2<f64>,
+    rail_mesh: HexMesh,
+    wheel_mesh: HexMesh,
+}
+
+impl Bodies {
+    fn new(case: &Case) -> Self {
+        let track = TrackGeometry { lateral_shift: case.lateral_shift, ..TrackGeometry::standard() };
+        let rail = rail_section(case.rail).unwrap();
+        let wheel = wheel_section("S1002", case.tape_diameter).unwrap();
+        let placed = place_rail(&rail, &track).unwrap();
+        let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
+        let options = MeshOptions::default();
+        let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
+        let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
+        Self { placed, wheel, tape: Vector2::new(track.tape_y(), touching.tape_z), rail_mesh, wheel_mesh }
+    }
+
+    fn rail_surface(&self) -> Surface<'_> {
+        Surface::extruded(&self.placed.curve, &self.rail_mesh.contact)
+    }
+
+    fn wheel_surface(&self) -> Surface<'_> {
+        Surface::revolved(&self.wheel.running, &self.wheel_mesh.contact, self.wheel.radius, self.tape)
+    }
+}
+
 /// Load points with the foot held, by reference, and the horizontal stiffness at the first load.
 fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadPoint>>, f64) {
-    let track = TrackGeometry { lateral_shift: case.lateral_shift, ..TrackGeometry::standard() };
-    let rail = rail_section(case.rail).unwrap();
-    let wheel = wheel_section("S1002", case.tape_diameter).unwrap();
-    let placed = place_rail(&rail, &track).unwrap();
-    let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
-    let options = MeshOptions::default();
-    let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
-    let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
+    let bodies = Bodies::new(case);
     let condense = |mesh, supports: Supports| {
         let system = System::new(mesh, case.material, Formulation::IncompatibleModes, &supports).unwrap();
         Superelement::new(system).unwrap()
     };
     let (rail_element, wheel_element) = rayon::join(
-        || condense(&rail_mesh, Supports { held: rail_mesh.foot.clone(), ..Default::default() }),
-        || condense(&wheel_mesh, Supports { followers: wheel_mesh.bore.clone(), ..Default::default() }),
+        || {
+            condense(
+                &bodies.rail_mesh,
+                Supports { held: bodies.rail_mesh.foot.clone(), ..Default::default() },
+            )
+        },
+        || {
+            condense(
+                &bodies.wheel_mesh,
+                Supports { followers: bodies.wheel_mesh.bore.clone(), ..Default::default() },
+            )
+        },
     );
     let pair = WheelOnRail {
         rail: &rail_element,
         wheel: &wheel_element,
-        rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
-        wheel_surface: Surface::revolved(
-            &wheel.running,
-            &wheel_mesh.contact,
-            wheel.radius,
-            Vector2::new(track.tape_y(), touching.tape_z),
-        ),
+        rail_surface: bodies.rail_surface(),
+        wheel_surface: bodies.wheel_surface(),
         friction: 0.5,
         enforcement: case.enforcement,
     };
@@ -142,24 +172,8 @@ fn the_local_stiffness_is_that_of_a_half_space_program() {
 
 /// Tangent stiffness, contact area and largest pressure under each load, our pairing on half-spaces.
 fn half_space(case: &Case, loads: &[f64]) -> Vec<[f64; 3]> {
-    let track = TrackGeometry { lateral_shift: case.lateral_shift, ..TrackGeometry::standard() };
-    let rail = rail_section(case.rail).unwrap();
-    let wheel = wheel_section("S1002", case.tape_diameter).unwrap();
-    let placed = place_rail(&rail, &track).unwrap();
-    let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
-    let options = MeshOptions::default();
-    let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
-    let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
-    let points = pair(
-        &Surface::extruded(&placed.curve, &rail_mesh.contact),
-        &Surface::revolved(
-            &wheel.running,
-            &wheel_mesh.contact,
-            wheel.radius,
-            Vector2::new(track.tape_y(), touching.tape_z),
-        ),
-        PairingLimits { largest_gap: 0.2e-3 },
-    );
+    let bodies = Bodies::new(case);
+    let points = pair(&bodies.rail_surface(), &bodies.wheel_surface(), PairingLimits { largest_gap: 0.2e-3 });
     let half_space = HalfSpace { contact_modulus: case.material.contact_modulus() };
     let compliance = total(&[&half_space], &points, 1);
     loads

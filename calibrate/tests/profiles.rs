@@ -273,6 +273,14 @@ fn rail_outlines_meet_the_independent_construction() {
     }
 }
 
+/// Points (y, z), mm, of a table up to y = 60 mm; lines that begin with no number are its head.
+fn running_points(table: &str) -> impl Iterator<Item = (f64, f64)> {
+    let rows = table.lines().filter(|l| l.starts_with(|c: char| c == '-' || c.is_ascii_digit()));
+    rows.map(|row| row.split_once(',').unwrap())
+        .map(|(y, z)| (y.parse().unwrap(), z.parse().unwrap()))
+        .filter(|(y, _): &(f64, f64)| *y <= 60.0)
+}
+
 /// Source: the published zone formulas evaluated elsewhere, `geometry/s1002_points.csv` (mm, 6 decimals), checked
 /// there against the benchmark's wheel file to 1.6e-6 mm. Goal: the curve. Accuracy: the rounding, and half the
 /// published steps (1.2e-4 and 3.7e-5 mm) near the joints that have them.
@@ -282,12 +290,7 @@ fn s1002_meets_its_zone_formulas() {
     let Some(table) = facts("geometry/s1002_points.csv") else { return };
     let wheel = wheel_profile("S1002").unwrap();
     let mut compared = 0;
-    for row in table.lines().filter(|l| l.starts_with(|c: char| c == '-' || c.is_ascii_digit())) {
-        let (y, z) = row.split_once(',').unwrap();
-        let (y, z): (f64, f64) = (y.parse().unwrap(), z.parse().unwrap());
-        if y > 60.0 {
-            continue;
-        }
+    for (y, z) in running_points(&table) {
         let near = |joint: f64| (y - joint).abs() < 2.0;
         let limit = if near(-35.0) {
             60e-9
@@ -373,12 +376,7 @@ fn cone_1_in_40_meets_the_published_points() {
     let Some(table) = facts("geometry/en13715_1in40_points.csv") else { return };
     let wheel = wheel_profile("EN13715-1in40").unwrap();
     let mut compared = 0;
-    for row in table.lines().filter(|l| l.starts_with(|c: char| c == '-' || c.is_ascii_digit())) {
-        let (y, z) = row.split_once(',').unwrap();
-        let (y, z): (f64, f64) = (y.parse().unwrap(), z.parse().unwrap());
-        if y > 60.0 {
-            continue;
-        }
+    for (y, z) in running_points(&table) {
         let off = wheel.closest(&Point2::new(1e-3 * y, 1e-3 * z)).1;
         assert!(off < MODEL, "y = {y}: {off:e} m");
         compared += 1;

@@ -212,11 +212,9 @@ fn staged(
         Command::Report(_) => pipeline.report().map(|()| true)?,
         Command::Export { format, .. } => export(study, *format, &folder, python, &progress).map(|_| true)?,
         Command::Crosscheck { second_order, with, keep, .. } => {
-            let cases: &[Case] = if !*second_order {
-                &[Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface]
-            } else {
-                &[Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder]
-            };
+            const CASES: [Case; 4] =
+                [Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder];
+            let cases = if *second_order { &CASES[..] } else { &CASES[..3] };
             let settings =
                 Settings { interpreter: python, cases, calculix: with.is_some(), keep: keep.as_deref() };
             let record = crosscheck(study, &folder, &settings, &progress)?;

@@ -40,8 +40,6 @@ pub struct Deck<'a> {
     pub geometry: &'a Geometry,
     /// Its meshes.
     pub meshes: &'a Meshes,
-    /// Brick of the deck.
-    pub element: ElementKey,
     /// Coulomb friction coefficient; 0 leaves friction out.
     pub friction: f64,
     /// Displacements of the hub from touching, m, one a step.
@@ -75,7 +73,7 @@ impl Deck<'_> {
             let [x, y, z] = [p.x, p.y, p.z].map(|v| v / MILLIMETRE);
             let _ = writeln!(out, "{}, {x:.12e}, {y:.12e}, {z:.12e}", n + 1);
         }
-        let kind = match self.element {
+        let kind = match self.study.element {
             ElementKey::IncompatibleModes => "C3D8I",
             ElementKey::FullIntegration => "C3D8",
         };

@@ -73,8 +73,8 @@ pub struct Body {
 pub struct Exchange {
     /// Rail and wheel.
     pub bodies: [Body; 2],
-    /// Rail and wheel for elements of second order.
-    pub second_order: [Body; 2],
+    /// Rail and wheel for elements of second order, if they are asked for.
+    pub second_order: Option<[Body; 2]>,
     /// Loads, N.
     pub loads: Vec<f64>,
     /// Coulomb friction coefficient.
@@ -89,12 +89,12 @@ pub struct Exchange {
 pub const BODIES: [&str; 2] = ["rail", "wheel"];
 
 impl Exchange {
-    /// Collects the questions; `fine` are the meshes for elements of second order.
+    /// Collects the questions; `fine` are the meshes for elements of second order, if they are asked for.
     pub fn new(
         study: &Study,
         geometry: &Geometry,
         meshes: &Meshes,
-        fine: &Meshes,
+        fine: Option<&Meshes>,
         answers: &Answers,
         cases: Vec<Case>,
     ) -> Self {
@@ -128,7 +128,7 @@ impl Exchange {
         };
         Self {
             bodies: [0, 1].map(|k| body(meshes, k, true)),
-            second_order: [0, 1].map(|k| body(fine, k, false)),
+            second_order: fine.map(|fine| [0, 1].map(|k| body(fine, k, false))),
             loads: answers.loads.clone(),
             friction: answers.friction,
             cases,
@@ -156,10 +156,9 @@ impl Exchange {
             }
             Ok(entries.into())
         };
-        let second_order = if self.cases.contains(&Case::SecondOrder) {
-            set(&self.second_order, "fine_")?
-        } else {
-            Value::Null
+        let second_order = match &self.second_order {
+            Some(bodies) => set(bodies, "fine_")?,
+            None => Value::Null,
         };
         folder.write_json(
             "exchange.json",

@@ -66,11 +66,15 @@ pub fn prepare(
     let geometry = stages::geometry(study)?;
     let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
-    let mut finer = study.clone();
-    finer.mesh.contact_element *= FINER;
-    finer.mesh.contact_element_along *= FINER;
-    let fine = stages::remeshed(&finer, &geometry, &meshes)?;
-    let exchange = Exchange::new(study, &geometry, &meshes, &fine, &answers, cases.to_vec());
+    let fine = if cases.contains(&Case::SecondOrder) {
+        let mut finer = study.clone();
+        finer.mesh.contact_element *= FINER;
+        finer.mesh.contact_element_along *= FINER;
+        Some(stages::remeshed(&finer, &geometry, &meshes)?)
+    } else {
+        None
+    };
+    let exchange = Exchange::new(study, &geometry, &meshes, fine.as_ref(), &answers, cases.to_vec());
     Ok(Prepared { geometry, meshes, answers, exchange })
 }
 
@@ -88,13 +92,12 @@ pub fn export(
 ) -> Result<String> {
     let geometry = stages::geometry(study)?;
     let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
-    let answers = stages::answers(study, &geometry, &meshes, monitor)?;
-    let lowerings: Vec<f64> = answers.faceted.points.iter().map(|p| p.displacement).collect();
+    let curve = stages::faceted(study, &geometry, &meshes, monitor)?;
+    let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
         study,
         geometry: &geometry,
         meshes: &meshes,
-        element: study.element,
         friction: study.contact.friction,
         lowerings: &lowerings,
     };
@@ -110,18 +113,17 @@ pub fn export(
 fn calculix_checks(
     study: &Study,
     prepared: &Prepared,
+    (program, judge): (&str, &str),
     folder: &OutputFolder,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Check>, Timing)> {
     const PROBLEM: &str = "contact without friction, faceted surfaces";
-    let (program, judge) = calculix::version()?;
     let curve = &prepared.answers.faceted;
     let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
         study,
         geometry: &prepared.geometry,
         meshes: &prepared.meshes,
-        element: study.element,
         friction: 0.0,
         lowerings: &lowerings,
     };
@@ -140,7 +142,7 @@ fn calculix_checks(
                 Some(point.force),
                 "mm",
                 (point.displacement / MILLIMETRE, judged / MILLIMETRE),
-                &judge,
+                judge,
                 (judged / point.displacement - 1.0).abs(),
                 (MODEL, Cause::Model),
             )
@@ -148,7 +150,7 @@ fn calculix_checks(
         .collect();
     let timing = Timing {
         problem: PROBLEM.into(),
-        judge,
+        judge: judge.into(),
         degrees_of_freedom: 3 * (prepared.meshes.rail.nodes.len() + prepared.meshes.wheel.nodes.len()),
         loads: lowerings.len(),
         tool_seconds: curve.seconds,
@@ -184,11 +186,10 @@ pub fn crosscheck(
     let begun = begin();
     // first, so that whatever is missing is told before anything is computed
     let keep = settings.keep.map(kept_in).transpose()?;
-    let calculix = if settings.calculix { Some(calculix::version()?.1) } else { None };
-    let purpose = match settings.cases.contains(&Case::SecondOrder) {
-        true => Purpose::SecondOrder,
-        false => Purpose::FirstOrder,
-    };
+    let calculix = settings.calculix.then(calculix::version).transpose()?;
+    let calculix_name = calculix.as_ref().map(|(_, name)| name.as_str());
+    let purpose =
+        if settings.cases.contains(&Case::SecondOrder) { Purpose::SecondOrder } else { Purpose::FirstOrder };
     let python = Python::prepare(settings.interpreter, &python::cache_folder(), purpose, monitor)?;
     let prepared = prepare(study, settings.cases, settings.interpreter, monitor)?;
     let exchange_folder = OutputFolder::create(&folder.file(EXCHANGE_FOLDER))?;
@@ -196,9 +197,9 @@ pub fn crosscheck(
     python.run(exchange_folder.path(), monitor)?;
     let reference = ReferenceResult::read(&exchange_folder)?;
     let (mut checks, mut timings) =
-        compare(&prepared.answers, prepared.meshes.contact_element, settings.cases, &reference)?;
-    if settings.calculix {
-        let (more, timing) = calculix_checks(study, &prepared, &exchange_folder, monitor)?;
+        compare(&prepared.answers, prepared.meshes.contact_element(), settings.cases, &reference)?;
+    if let Some((program, judge)) = &calculix {
+        let (more, timing) = calculix_checks(study, &prepared, (program, judge), &exchange_folder, monitor)?;
         checks.extend(more);
         timings.push(timing);
     }
@@ -209,13 +210,8 @@ pub fn crosscheck(
         version: env!("CARGO_PKG_VERSION").into(),
         begun_utc: begun.begun_utc,
         host: begun.host,
-        questions: questions::questions(
-            settings.cases,
-            &prepared.answers,
-            &reference.judge(),
-            calculix.as_deref(),
-        ),
-        calculix,
+        questions: questions::questions(settings.cases, &prepared.answers, &reference.judge(), calculix_name),
+        calculix: calculix_name.map(str::to_owned),
         reference: Provenance { package_hash: python::package_hash(), ..reference.provenance.clone() },
         meshes: questions::meshes(&prepared.exchange),
         limits: limits(&checks),

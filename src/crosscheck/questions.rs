@@ -72,8 +72,8 @@ pub fn meshes(exchange: &Exchange) -> Vec<JudgedMesh> {
     };
     let mut sizes: Vec<JudgedMesh> =
         BODIES.iter().zip(&exchange.bodies).map(|(name, body)| size(name, &body.mesh, "same mesh")).collect();
-    if exchange.cases.contains(&Case::SecondOrder) {
-        let fine = BODIES.iter().zip(&exchange.second_order);
+    if let Some(bodies) = &exchange.second_order {
+        let fine = BODIES.iter().zip(bodies);
         sizes.extend(fine.map(|(name, body)| size(name, &body.mesh, "for elements of second order")));
     }
     sizes

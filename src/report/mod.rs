@@ -16,22 +16,11 @@ use railspring_calibrate::history::History;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::records::{LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord};
+use crate::records::{
+    LoadCurveRow, Measured, ResolvedKey, ScenarioVerdict, StiffnessRecord, VerificationRecord,
+};
 
 pub use positions::ProfilePair;
-
-/// One key of the study.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct InputRow {
-    /// Section of the study file.
-    pub section: String,
-    /// Key with its unit.
-    pub key: String,
-    /// Value as text.
-    pub value: String,
-    /// Whether the file gives it, or the default applies.
-    pub given: bool,
-}
 
 /// Both runs of one scenario.
 #[derive(Debug, Clone)]
@@ -58,7 +47,7 @@ pub struct ReportData<'a> {
     /// What the study is about.
     pub description: &'a str,
     /// The study's keys.
-    pub inputs: &'a [InputRow],
+    pub inputs: &'a [ResolvedKey],
     /// The springs.
     pub stiffness: &'a StiffnessRecord,
     /// The load curve with the reference in use.

@@ -8,8 +8,8 @@ use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryR
 
 use crate::records::{
     BodyMeshRecord, ComplianceRecord, FindingRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
-    LoadCurveRow, Measured, PenaltyRecord, ProfileRecord, ReferenceRecord, StageMeasure, StiffnessRecord,
-    TangentRecord, TouchRecord,
+    LoadCurveRow, Measured, PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey, StageMeasure,
+    StiffnessRecord, TangentRecord, TouchRecord,
 };
 
 use crate::records::crosscheck::{
@@ -17,7 +17,7 @@ use crate::records::crosscheck::{
     SectionDifference, TANGENT_STIFFNESS, Timing,
 };
 
-use super::{InputRow, ProfilePair};
+use super::ProfilePair;
 
 /// A run with sliding, a flange contact from 0.01 s on and one separation.
 pub(crate) fn history(shift: f64) -> History {
@@ -250,13 +250,13 @@ pub(crate) fn profiles() -> ProfilePair {
 }
 
 /// Some keys.
-pub(crate) fn inputs() -> Vec<InputRow> {
+pub(crate) fn inputs() -> Vec<ResolvedKey> {
     [
         ("rail", "profile", "60E1", true),
         ("rail", "length_m", "0.555", false),
         ("track", "gauge_mm", "1435", false),
     ]
-    .map(|(section, key, value, given)| InputRow {
+    .map(|(section, key, value, given)| ResolvedKey {
         section: section.into(),
         key: key.into(),
         value: value.into(),

@@ -3,20 +3,20 @@
 use railspring_calibrate::history::History;
 use serde::Serialize;
 
-use crate::records::{StiffnessRecord, VerificationRecord};
+use crate::records::{ResolvedKey, StiffnessRecord, VerificationRecord};
 use crate::verify::{self, Kind, Line};
 
-use super::{InputRow, ScenarioRun};
+use super::ScenarioRun;
 
 /// The keys of one section.
 #[derive(Debug, Serialize)]
 pub(super) struct Group {
     section: String,
-    rows: Vec<InputRow>,
+    rows: Vec<ResolvedKey>,
 }
 
 /// Keys grouped by section, in their order.
-pub(super) fn grouped(inputs: &[InputRow]) -> Vec<Group> {
+pub(super) fn grouped(inputs: &[ResolvedKey]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for row in inputs {
         match groups.iter_mut().find(|group| group.section == row.section) {

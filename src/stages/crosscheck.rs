@@ -13,7 +13,7 @@ use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::solid::{Formulation, Material, Supports, System};
+use railspring_calibrate::solid::{Formulation, Supports, System};
 use railspring_calibrate::superelement::Superelement;
 use railspring_calibrate::units::KILONEWTON;
 
@@ -28,8 +28,6 @@ const COLUMNS: usize = 6;
 /// One body with a question and the tool's answer.
 #[derive(Debug, Clone)]
 pub struct AnsweredBody {
-    /// Nodes that cannot move; of the wheel its bore.
-    pub held: Vec<usize>,
     /// Given nodal forces, N.
     pub forces: Vec<Vector3<f64>>,
     /// Nodal displacements under them, m.
@@ -56,8 +54,6 @@ pub struct Answers {
     pub rail: AnsweredBody,
     /// The wheel.
     pub wheel: AnsweredBody,
-    /// Material of both.
-    pub material: Material,
     /// Loads, N.
     pub loads: Vec<f64>,
     /// Coulomb friction coefficient.
@@ -83,7 +79,7 @@ pub fn rail_held<'a>(study: &Study, rail: &'a HexMesh) -> &'a [usize] {
 }
 
 /// Loads at which judges are asked, N.
-pub fn judged_loads(study: &Study) -> Vec<f64> {
+fn judged_loads(study: &Study) -> Vec<f64> {
     let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
     LOADS_KN.iter().map(|l| l * KILONEWTON).filter(|l| *l <= largest * (1.0 + 1e-9)).collect()
 }
@@ -91,107 +87,152 @@ pub fn judged_loads(study: &Study) -> Vec<f64> {
 /// Answers all questions.
 ///
 /// # Errors
-/// Those of the calibration.
+/// Those of the calibration, and loads that are all below the smallest judged one.
 pub fn answers(
     study: &Study,
     geometry: &Geometry,
     meshes: &Meshes,
     monitor: &dyn Monitor,
 ) -> Result<Answers> {
-    let held = rail_held(study, &meshes.rail).to_vec();
-    let loads = judged_loads(study);
-    if loads.is_empty() {
-        let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
-        return Err(InputError::new(
-            "calibration.load_max_kn",
-            largest / KILONEWTON,
-            format!("a load of at least {} kN, the smallest at which judges are asked", LOADS_KN[0]),
-            "raise it, or the last of loads_kn",
-        )
-        .into());
-    }
-    let rail_supports = Supports { held: held.clone(), ..Supports::default() };
-    let wheel_supports = Supports { followers: meshes.wheel.bore.clone(), ..Supports::default() };
-    let condense = |element: Formulation| -> Result<(Superelement<'_>, Superelement<'_>)> {
-        let one = |mesh, supports| Superelement::new(System::new(mesh, study.material, element, supports)?);
-        let (wheel, rail) =
-            rayon::join(|| one(&meshes.wheel, &wheel_supports), || one(&meshes.rail, &rail_supports));
-        Ok((wheel?, rail?))
-    };
-    let curve =
-        |(wheel, rail): (&Superelement, &Superelement), friction: f64, between_nodes: BetweenNodes| {
-            let clock = Instant::now();
-            let pair = WheelOnRail {
-                rail,
-                wheel,
-                rail_surface: Surface { between_nodes, ..geometry.rail_surface(&meshes.rail) },
-                wheel_surface: Surface { between_nodes, ..geometry.wheel_surface(&meshes.wheel) },
-                friction,
-                enforcement: Enforcement::Exact,
-            };
-            // hub against support: what the calibration calls the foot's reference, whatever is held
-            let states = press_loads(&pair, &loads, "calibration, foot held", monitor)?;
-            let points = load_points(&pair, &states, Reference::Foot, None, &study.material)?;
-            let seconds = clock.elapsed().as_secs_f64();
-            Result::Ok((AnsweredCurve { points, seconds }, states))
-        };
-    monitor.progress("superelements, full integration", 0, 1)?;
-    let clock = Instant::now();
-    let (wheel, rail) = condense(Formulation::FullIntegration)?;
-    let factorisation = clock.elapsed().as_secs_f64();
-    let (mut frictionless, smooth_states) = curve((&wheel, &rail), 0.0, BetweenNodes::Smooth)?;
-    frictionless.seconds += factorisation;
+    let asked = Asked::new(study, geometry, meshes, monitor)?;
+    let full = asked.condense(Formulation::FullIntegration)?;
+    let (mut frictionless, smooth_states) = asked.curve(&full, 0.0, BetweenNodes::Smooth)?;
+    frictionless.seconds += full.seconds;
     let (frictional, states) = if study.contact.friction > 0.0 {
-        let (curve, states) = curve((&wheel, &rail), study.contact.friction, BetweenNodes::Smooth)?;
+        let (curve, states) = asked.curve(&full, study.contact.friction, BetweenNodes::Smooth)?;
         (Some(curve), states)
     } else {
         (None, smooth_states)
     };
     let largest = states.last().expect("there are loads");
-    let rail_answer = answer(&meshes.rail, &rail, largest, Side::Base, held);
-    let wheel_answer = answer(&meshes.wheel, &wheel, largest, Side::Opposing, meshes.wheel.bore.clone());
-    let own = formulation(study);
-    let (own_element, faceted) = if own == Formulation::FullIntegration {
-        let (mut faceted, _) = curve((&wheel, &rail), 0.0, BetweenNodes::Facets)?;
-        faceted.seconds += factorisation;
-        (frictionless.clone(), faceted)
+    let rail = answer(&meshes.rail, &full.rail, largest, Side::Base);
+    let wheel = answer(&meshes.wheel, &full.wheel, largest, Side::Opposing);
+    let element = formulation(study);
+    let (own_element, faceted) = if element == Formulation::FullIntegration {
+        (frictionless.clone(), asked.faceted(&full)?)
     } else {
-        monitor.progress("superelements, the study's element", 0, 1)?;
-        let clock = Instant::now();
-        let (wheel, rail) = condense(own)?;
-        let factorisation = clock.elapsed().as_secs_f64();
-        let own = |between_nodes| -> Result<AnsweredCurve> {
-            let (mut own, _) = curve((&wheel, &rail), 0.0, between_nodes)?;
-            own.seconds += factorisation;
-            Ok(own)
-        };
-        (own(BetweenNodes::Smooth)?, own(BetweenNodes::Facets)?)
+        let own = asked.condense(element)?;
+        let (mut smooth, _) = asked.curve(&own, 0.0, BetweenNodes::Smooth)?;
+        smooth.seconds += own.seconds;
+        (smooth, asked.faceted(&own)?)
     };
     Ok(Answers {
-        rail: rail_answer,
-        wheel: wheel_answer,
-        material: study.material,
-        loads,
+        rail,
+        wheel,
+        loads: asked.loads.clone(),
         friction: study.contact.friction,
         frictionless,
         frictional,
         own_element,
         faceted,
-        own_element_name: match own {
+        own_element_name: match element {
             Formulation::IncompatibleModes => "incompatible modes",
             Formulation::FullIntegration => "full integration",
         },
     })
 }
 
+/// The load curve between flat facets alone, [`Answers::faceted`].
+///
+/// # Errors
+/// As [`answers`].
+pub fn faceted(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    monitor: &dyn Monitor,
+) -> Result<AnsweredCurve> {
+    let asked = Asked::new(study, geometry, meshes, monitor)?;
+    asked.faceted(&asked.condense(formulation(study))?)
+}
+
+/// What the tool needs to answer.
+struct Asked<'a> {
+    study: &'a Study,
+    geometry: &'a Geometry,
+    meshes: &'a Meshes,
+    monitor: &'a dyn Monitor,
+    loads: Vec<f64>,
+}
+
+/// Both bodies condensed, and the time that took, s.
+struct Condensed<'a> {
+    wheel: Superelement<'a>,
+    rail: Superelement<'a>,
+    seconds: f64,
+}
+
+impl<'a> Asked<'a> {
+    fn new(
+        study: &'a Study,
+        geometry: &'a Geometry,
+        meshes: &'a Meshes,
+        monitor: &'a dyn Monitor,
+    ) -> Result<Self> {
+        let loads = judged_loads(study);
+        if loads.is_empty() {
+            let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
+            return Err(InputError::new(
+                "calibration.load_max_kn",
+                largest / KILONEWTON,
+                format!("a load of at least {} kN, the smallest at which judges are asked", LOADS_KN[0]),
+                "raise it, or the last of loads_kn",
+            )
+            .into());
+        }
+        Ok(Self { study, geometry, meshes, monitor, loads })
+    }
+
+    fn condense(&self, element: Formulation) -> Result<Condensed<'a>> {
+        let stage = match element {
+            Formulation::FullIntegration => "superelements, full integration",
+            Formulation::IncompatibleModes => "superelements, incompatible modes",
+        };
+        self.monitor.progress(stage, 0, 1)?;
+        let clock = Instant::now();
+        let one = |mesh, supports: Supports| {
+            Superelement::new(System::new(mesh, self.study.material, element, &supports)?)
+        };
+        let (rail, wheel) = (&self.meshes.rail, &self.meshes.wheel);
+        let (wheel, rail) = rayon::join(
+            || one(wheel, Supports { followers: wheel.bore.clone(), ..Supports::default() }),
+            || one(rail, Supports { held: rail_held(self.study, rail).to_vec(), ..Supports::default() }),
+        );
+        Ok(Condensed { wheel: wheel?, rail: rail?, seconds: clock.elapsed().as_secs_f64() })
+    }
+
+    /// All loads; the curve has their time without the factorisation.
+    fn curve(
+        &self,
+        bodies: &Condensed<'_>,
+        friction: f64,
+        between_nodes: BetweenNodes,
+    ) -> Result<(AnsweredCurve, Vec<Pressed>)> {
+        let clock = Instant::now();
+        let pair = WheelOnRail {
+            rail: &bodies.rail,
+            wheel: &bodies.wheel,
+            rail_surface: Surface { between_nodes, ..self.geometry.rail_surface(&self.meshes.rail) },
+            wheel_surface: Surface { between_nodes, ..self.geometry.wheel_surface(&self.meshes.wheel) },
+            friction,
+            enforcement: Enforcement::Exact,
+        };
+        // hub against support: what the calibration calls the foot's reference, whatever is held
+        let states = press_loads(&pair, &self.loads, "calibration, foot held", self.monitor)?;
+        let points = load_points(&pair, &states, Reference::Foot, None, &self.study.material)?;
+        Ok((AnsweredCurve { points, seconds: clock.elapsed().as_secs_f64() }, states))
+    }
+
+    /// The frictionless curve between facets, with the time of the factorisation.
+    fn faceted(&self, bodies: &Condensed<'_>) -> Result<AnsweredCurve> {
+        let (mut curve, _) = self.curve(bodies, 0.0, BetweenNodes::Facets)?;
+        curve.seconds += bodies.seconds;
+        Ok(curve)
+    }
+}
+
 /// Displacements under the contact forces of a state, and compliance columns under its most loaded nodes.
-fn answer(
-    mesh: &HexMesh,
-    element: &Superelement,
-    state: &Pressed,
-    side: Side,
-    held: Vec<usize>,
-) -> AnsweredBody {
+fn answer(mesh: &HexMesh, element: &Superelement, state: &Pressed, side: Side) -> AnsweredBody {
     let contact_nodes = mesh.contact.nodes.len();
     let retained = state.body_forces(side, element);
     let mut forces = vec![Vector3::zeros(); mesh.nodes.len()];
@@ -213,7 +254,6 @@ fn answer(
         .collect();
     let displacement = element.displacement(&retained);
     AnsweredBody {
-        held,
         forces,
         displacement: displacement.chunks_exact(3).map(|u| Vector3::new(u[0], u[1], u[2])).collect(),
         columns,

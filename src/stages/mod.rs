@@ -12,7 +12,7 @@ mod sections;
 mod simulate;
 
 pub use calibrate::{Calibration, calibrate};
-pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, judged_loads, rail_held};
+pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
 pub use loads::check_loads;
 pub use simulate::{Springs, simulate, simulate_solid};
@@ -64,8 +64,6 @@ pub struct Meshes {
     /// Edge of the elements in the contact zone across the track, of the rail and of the wheel, m: what the study asks
     /// for, or the longest of a mesh from a file.
     pub contact_elements: [f64; 2],
-    /// The larger of the two, m.
-    pub contact_element: f64,
 }
 
 impl Geometry {
@@ -139,15 +137,10 @@ pub fn meshes(
 ) -> Result<Meshes> {
     let options = mesh_options(study);
     let mut files = mesh_files::Files::new(interpreter, monitor);
-    let rail = match &study.rail.mesh {
-        Some(file) => files.rail(file, study, geometry, &options)?,
-        None => mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
-    };
-    let wheel = match &study.wheel.mesh {
-        Some(file) => files.wheel(file, geometry, &options)?,
-        None => mesh_wheel(&geometry.wheel, &options)?,
-    };
-    Ok(Meshes::new(study, rail, wheel))
+    let rail =
+        study.rail.mesh.as_ref().map(|file| files.rail(file, study, geometry, &options)).transpose()?;
+    let wheel = study.wheel.mesh.as_ref().map(|file| files.wheel(file, geometry, &options)).transpose()?;
+    Meshes::with_own(study, geometry, rail, wheel)
 }
 
 /// The tool's own meshes again with the sizes of `study`; those from files stay as they are in `meshes`.
@@ -155,25 +148,36 @@ pub fn meshes(
 /// # Errors
 /// Settings that give an inverted or flat element.
 pub fn remeshed(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<Meshes> {
-    let options = mesh_options(study);
-    let rail = match &study.rail.mesh {
-        Some(_) => meshes.rail.clone(),
-        None => mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options)?,
-    };
-    let wheel = match &study.wheel.mesh {
-        Some(_) => meshes.wheel.clone(),
-        None => mesh_wheel(&geometry.wheel, &options)?,
-    };
-    Ok(Meshes::new(study, rail, wheel))
+    let kept = |file: &Option<MeshFile>, mesh: &HexMesh| file.as_ref().map(|_| mesh.clone());
+    let (rail, wheel) = (kept(&study.rail.mesh, &meshes.rail), kept(&study.wheel.mesh, &meshes.wheel));
+    Meshes::with_own(study, geometry, rail, wheel)
 }
 
 impl Meshes {
-    fn new(study: &Study, rail: HexMesh, wheel: HexMesh) -> Self {
-        let edge = |mesh: &HexMesh, file: &Option<MeshFile>| {
-            if file.is_some() { mesh.contact.longest_across() } else { study.mesh.contact_element }
+    /// The given meshes, and the tool's own where there is none.
+    fn with_own(
+        study: &Study,
+        geometry: &Geometry,
+        rail: Option<HexMesh>,
+        wheel: Option<HexMesh>,
+    ) -> Result<Self> {
+        let options = mesh_options(study);
+        let edge = |given: &Option<HexMesh>| {
+            given.as_ref().map_or(study.mesh.contact_element, |mesh| mesh.contact.longest_across())
         };
-        let contact_elements = [edge(&rail, &study.rail.mesh), edge(&wheel, &study.wheel.mesh)];
-        Self { contact_element: contact_elements[0].max(contact_elements[1]), contact_elements, rail, wheel }
+        let contact_elements = [edge(&rail), edge(&wheel)];
+        let own_rail = || mesh_rail(&geometry.rail, &geometry.placed, study.rail.length, &options);
+        let own_wheel = || mesh_wheel(&geometry.wheel, &options);
+        Ok(Self {
+            rail: rail.map_or_else(own_rail, Ok)?,
+            wheel: wheel.map_or_else(own_wheel, Ok)?,
+            contact_elements,
+        })
+    }
+
+    /// The larger edge of the two, m.
+    pub fn contact_element(&self) -> f64 {
+        self.contact_elements[0].max(self.contact_elements[1])
     }
 }
 

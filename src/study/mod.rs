@@ -26,6 +26,7 @@ pub use document::{
 };
 pub use source::{LocatedError, Source};
 
+use crate::records::ResolvedKey;
 use crate::verify::Limits;
 
 /// A checked study, in SI units.
@@ -67,19 +68,6 @@ pub struct Study {
     pub resolved: Vec<ResolvedKey>,
     /// The file the study came from.
     pub source: Source,
-}
-
-/// One key of the resolved study, for the report.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct ResolvedKey {
-    /// Section, for instance `track`; empty for the top level.
-    pub section: String,
-    /// Key with its unit, for instance `gauge_mm`.
-    pub key: String,
-    /// The value as text.
-    pub value: String,
-    /// Whether the file says so itself, or the default applies.
-    pub given: bool,
 }
 
 /// The rail.

@@ -20,9 +20,10 @@ use super::document::{
 use super::measured::SurfaceKeys;
 use super::mesh_file::MeshFileKeys;
 use super::{
-    CalibrationSettings, ContactSettings, MeasuredSurface, MeshFile, Rail, ResolvedKey, SECTIONS,
-    SimulationSettings, Source, Study, StudyScenario, Track, Wheel,
+    CalibrationSettings, ContactSettings, MeasuredSurface, MeshFile, Rail, SECTIONS, SimulationSettings,
+    Source, Study, StudyScenario, Track, Wheel,
 };
+use crate::records::ResolvedKey;
 
 type Result<T> = std::result::Result<T, InputError>;
 

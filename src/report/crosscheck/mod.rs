@@ -7,7 +7,8 @@ mod section;
 use serde_json::{Value, json};
 
 use super::tables::{self, number};
-use super::{Collector, Figure, InputRow, html};
+use super::{Collector, Figure, html};
+use crate::records::ResolvedKey;
 use crate::records::crosscheck::{Check, CrosscheckRecord, SectionDifference};
 
 /// What the output folder knows of the cross-validation.
@@ -27,7 +28,7 @@ pub struct PageData<'a> {
     /// What the study is about.
     pub description: &'a str,
     /// The study's keys.
-    pub inputs: &'a [InputRow],
+    pub inputs: &'a [ResolvedKey],
     /// The cross-validation.
     pub record: &'a CrosscheckRecord,
     /// Where the displacements differ.
