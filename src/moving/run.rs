@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Vector2, Vector3};
 
 use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
-use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryRow};
+use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::scenario::Scenario;
 
@@ -67,7 +67,7 @@ pub(super) fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monito
     let counted = penalty_errors.iter().filter(|e| e.0 >= 0.1 * largest);
     statistics.penalty_error = counted.fold(0.0, |m: f64, e| m.max(e.1));
     monitor.progress("simulate", scenario.steps, scenario.steps)?;
-    let history = History { rows, degrees_of_freedom: run.degrees_of_freedom() };
+    let history = History { rows, degrees_of_freedom: run.degrees_of_freedom(), ending: Ending::Completed };
     Ok(MovingRun { history, rail, statistics })
 }
 

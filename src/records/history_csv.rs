@@ -8,7 +8,7 @@ use std::path::Path;
 
 use nalgebra::Point2;
 use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryRow};
+use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 /// Columns before those of the contacts.
@@ -135,7 +135,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize) -> Result<Histor
             contacts,
         });
     }
-    Ok(History { rows, degrees_of_freedom })
+    Ok(History { rows, degrees_of_freedom, ending: Ending::Completed })
 }
 
 #[cfg(test)]
@@ -164,8 +164,11 @@ mod tests {
     fn a_history_survives_the_file() {
         // ROUNDOFF: twelve digits are written.
         const ROUNDOFF: f64 = 1e-11;
-        let history =
-            History { rows: (0..4).map(|n| row(n as f64 * 0.0005, n)).collect(), degrees_of_freedom: 116 };
+        let history = History {
+            rows: (0..4).map(|n| row(n as f64 * 0.0005, n)).collect(),
+            degrees_of_freedom: 116,
+            ending: Ending::Completed,
+        };
         let bytes = write(&history);
         let text = String::from_utf8(bytes.clone()).unwrap();
         assert!(text.starts_with("time_s,p_kn,q_kn,q_over_p,"), "{text}");
@@ -186,7 +189,11 @@ mod tests {
 
     #[test]
     fn a_broken_row_is_named() {
-        let history = History { rows: vec![row(0.0, 1), row(0.0005, 1)], degrees_of_freedom: 1 };
+        let history = History {
+            rows: vec![row(0.0, 1), row(0.0005, 1)],
+            degrees_of_freedom: 1,
+            ending: Ending::Completed,
+        };
         let text = String::from_utf8(write(&history)).unwrap().replace("0.0005,", "soon,");
         let error = read(Path::new("x.csv"), &text, 1).unwrap_err().to_string();
         assert!(error.starts_with("x.csv:3 = \"soon\" in column 1"), "{error}");

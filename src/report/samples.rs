@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point2;
-use railspring_calibrate::history::{ContactMode, ContactState, History, HistoryRow};
+use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 use crate::records::{
     BodyMeshRecord, ComplianceRecord, FindingRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
@@ -65,7 +65,7 @@ pub(crate) fn history(shift: f64) -> History {
             }
         })
         .collect();
-    History { rows, degrees_of_freedom: 116 }
+    History { rows, degrees_of_freedom: 116, ending: Ending::Completed }
 }
 
 fn law(a: f64, b: f64, c: f64) -> LawRecord {

@@ -2,7 +2,7 @@
 //! by construction.
 
 use nalgebra::Point2;
-use railspring_calibrate::history::ContactState;
+use railspring_calibrate::history::{ContactState, Ending};
 
 use super::*;
 
@@ -36,7 +36,7 @@ fn history(
             }
         })
         .collect();
-    History { rows, degrees_of_freedom: 1 }
+    History { rows, degrees_of_freedom: 1, ending: Ending::Completed }
 }
 
 fn value(comparison: &Comparison, meaning: &str) -> Option<f64> {

@@ -14,7 +14,7 @@ use crate::contact::{
     ContactPoints, PairingLimits, PointMode, Problem, Side, Solution, Surface, pair, solve,
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
-use crate::history::{ContactMode, ContactState, History, HistoryRow};
+use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use crate::mesh::HexMesh;
 use crate::monitor::Monitor;
 use crate::placement::PlacedRail;
@@ -146,7 +146,11 @@ impl TransientModel<'_> {
         }
         monitor.progress("transient solid model", scenario.steps, scenario.steps)?;
         Ok(TransientRun {
-            history: History { rows, degrees_of_freedom: rail.equations() + wheel.equations() + 1 },
+            history: History {
+                rows,
+                degrees_of_freedom: rail.equations() + wheel.equations() + 1,
+                ending: Ending::Completed,
+            },
             wheel_mass,
             factor_values: rail.factor_values() + wheel.factor_values(),
             most_active,
