@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use railspring_calibrate::error::{Error, InputError, Result, StopReason};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
@@ -278,7 +279,8 @@ impl<'a> Pipeline<'a> {
         let horizontal =
             self.study.simulation.horizontal.unwrap_or(stiffness.horizontal_kn_per_m * KILONEWTON_PER_METRE);
         let springs = Springs { normal, horizontal, wheel_mass: stiffness.wheel_mass() };
-        let history = stages::simulate(self.study, geometry, &springs, scenario, self.monitor)?;
+        let history = stages::simulate(self.study, geometry, &springs, scenario, self.monitor)
+            .map_err(|error| self.study.in_scenario(name, error))?;
         self.folder.write(&self.file(name, "history"), &history_csv::write(&history))?;
         self.note(watch, &model("simple", name), Some(history.degrees_of_freedom))?;
         Ok(history)
@@ -292,7 +294,8 @@ impl<'a> Pipeline<'a> {
         scenario: &StudyScenario,
     ) -> Result<History> {
         let watch = Stopwatch::start();
-        let history = stages::simulate_solid(self.study, geometry, meshes, scenario, self.monitor)?;
+        let history = stages::simulate_solid(self.study, geometry, meshes, scenario, self.monitor)
+            .map_err(|error| self.study.in_scenario(name, error))?;
         self.folder.write(&self.file(name, "solid_history"), &history_csv::write(&history))?;
         self.note(watch, &model("solid", name), Some(history.degrees_of_freedom))?;
         Ok(history)
@@ -446,23 +449,17 @@ fn law(record: &LawRecord) -> StiffnessLaw {
     }
 }
 
-/// A contact that grows over the edge of the fine zone means a load too large for the study; the
-/// key is the one that the study has.
+/// A contact that grows over the edge of the fine zone means a load too large for the study.
 fn uncarried(study: &Study, error: Error) -> Error {
-    let given = study.source.gives("calibration.loads_kn");
-    let key = if given { "calibration.loads_kn" } else { "calibration.load_max_kn" };
     match error {
-        Error::Input(cause) if cause.key == "calibration.loads_kn" => {
-            InputError { key: key.into(), ..cause }.into()
-        }
         Error::Numerics(cause) if cause.reason == StopReason::EdgeOfCandidates => InputError::new(
-            key,
+            InputField::Loads,
             cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}")),
             "loads whose contact patch stays within the fine zone of the mesh",
             if study.rail.mesh.is_some() || study.wheel.mesh.is_some() {
-                "lower the load, or enlarge mesh.window_half_length_mm and the contact surfaces of the mesh files"
+                "lower the load, or enlarge `window_half_length` and the contact surfaces of the mesh files"
             } else {
-                "lower the load, or enlarge mesh.window_half_length_mm"
+                "lower the load, or enlarge `window_half_length`"
             },
         )
         .into(),

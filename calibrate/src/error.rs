@@ -20,17 +20,18 @@ pub enum Error {
     Interrupted,
 }
 
-/// Input that cannot be used: where it stands, what it was, what was expected and how to mend it.
+/// Input that cannot be used: where it stands, what it was, what was expected and how to correct it.
 #[derive(Debug, Clone, Error)]
 #[error("{key} = {value}: expected {expected}; {remedy}")]
 pub struct InputError {
-    /// Key of the study file, dotted (for instance `track.lateral_shift_mm`), or what the value belongs to.
+    /// The library's [`InputField`](crate::field::InputField), or what else the value belongs to; a program puts the
+    /// key of its file in the place of a field.
     pub key: String,
     /// The offending value, with its unit.
     pub value: String,
     /// What would have been accepted.
     pub expected: String,
-    /// How to mend it.
+    /// How to correct it; fields are in backticks.
     pub remedy: String,
 }
 

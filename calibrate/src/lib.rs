@@ -4,6 +4,7 @@
 //! above it.
 
 pub mod units;
+pub mod field;
 pub mod error;
 pub mod monitor;
 pub mod law;

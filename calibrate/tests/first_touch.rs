@@ -217,7 +217,7 @@ fn a_wheel_that_misses_is_refused() {
     let wheel = wheel_profile("S1002").unwrap();
     // Beside the rail on both sides, on the tread's end, and nowhere.
     for shift in [0.3, -0.3, -0.085, f64::NAN] {
-        assert_eq!(key(touch(&rail, &wheel, track.tape_y() + shift)), "track.lateral_shift_mm", "{shift}");
+        assert_eq!(key(touch(&rail, &wheel, track.tape_y() + shift)), "lateral_shift", "{shift}");
     }
 }
 
@@ -225,11 +225,11 @@ fn a_wheel_that_misses_is_refused() {
 fn an_impossible_track_is_refused() {
     let standard = TrackGeometry::standard();
     let cases = [
-        (TrackGeometry { gauge: 1435.0, ..standard }, "track.gauge_mm"),
-        (TrackGeometry { gauge_height: -0.014, ..standard }, "track.gauge_height_mm"),
-        (TrackGeometry { flange_back: f64::NAN, ..standard }, "track.flange_back_mm"),
-        (TrackGeometry { lateral_shift: 5.0, ..standard }, "track.lateral_shift_mm"),
-        (TrackGeometry { inclination: 40.0, ..standard }, "rail.inclination"),
+        (TrackGeometry { gauge: 1435.0, ..standard }, "gauge"),
+        (TrackGeometry { gauge_height: -0.014, ..standard }, "gauge_height"),
+        (TrackGeometry { flange_back: f64::NAN, ..standard }, "flange_back"),
+        (TrackGeometry { lateral_shift: 5.0, ..standard }, "lateral_shift"),
+        (TrackGeometry { inclination: 40.0, ..standard }, "inclination"),
     ];
     for (track, expected) in cases {
         assert_eq!(key(place_rail(&rail_section("60E1").unwrap(), &track)), expected);
@@ -237,5 +237,5 @@ fn an_impossible_track_is_refused() {
     // A rail profile that ends above the gauge's depth.
     let mut shallow = rail_section("60E1").unwrap();
     shallow.running = arc(Point2::new(0.0, 0.01), 0.01, true);
-    assert_eq!(key(place_rail(&shallow, &standard)), "track.gauge_height_mm");
+    assert_eq!(key(place_rail(&shallow, &standard)), "gauge_height");
 }

@@ -245,5 +245,5 @@ fn a_head_elsewhere_is_refused() {
     head.points.retain(|p| p.point.y < 20.0 * MM);
     let message =
         rail_section_with_head("60E1", &prepared(&head).curve, &mut Vec::new()).unwrap_err().to_string();
-    assert!(message.contains("rail.profile_file") && message.contains("aligned"), "{message}");
+    assert!(message.contains("rail_head") && message.contains("`rail_aligned`"), "{message}");
 }

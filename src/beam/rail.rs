@@ -5,6 +5,7 @@ use nalgebra::{
 };
 
 use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::section_analysis::SectionProperties;
 
 use super::element::BeamElement;
@@ -79,7 +80,7 @@ impl RailBeam {
     /// A beam of `elements` equal elements over `length` metres, its section turned by `angle` (rad, y to z).
     ///
     /// # Errors
-    /// [`InputError`] with key `rail.length` or `rail.elements`; [`NumericsError`] when the beam is not held.
+    /// [`InputError`] with field `rail_length` or `beam_elements`; [`NumericsError`] when the beam is not held.
     pub fn new(
         section: BeamSection,
         length: f64,
@@ -88,13 +89,17 @@ impl RailBeam {
         ends: [End; 2],
     ) -> Result<Self> {
         if !(length.is_finite() && length > 0.0) {
-            return Err(
-                InputError::new("rail.length", length, "a positive length in metres", "set it").into()
-            );
+            return Err(InputError::new(
+                InputField::RailLength,
+                length,
+                "a positive length in metres",
+                "set it",
+            )
+            .into());
         }
         if !(1..=400).contains(&elements) {
             return Err(InputError::new(
-                "rail.elements",
+                InputField::BeamElements,
                 elements,
                 "1 to 400 elements",
                 "the publication has 20",

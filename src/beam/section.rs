@@ -56,7 +56,7 @@ impl BeamSection {
     /// The section of a rail of `span` metres fixed at both ends, in the profile frame (z down).
     ///
     /// # Errors
-    /// [`InputError`] with key `rail.section` or `rail.material` when a property is not positive and finite.
+    /// [`InputError`] with key `section of the beam` or `material of the beam` when a property is not positive and finite.
     pub fn rail(
         properties: &SectionProperties,
         material: &Material,
@@ -65,10 +65,10 @@ impl BeamSection {
     ) -> Result<Self> {
         let Material { young, density, .. } = *material;
         let shear = material.shear_modulus();
-        positive("rail.material", &[young, shear, density])?;
+        positive("material of the beam", &[young, shear, density])?;
         let p = properties;
         positive(
-            "rail.section",
+            "section of the beam",
             &[
                 p.area,
                 p.ixx,

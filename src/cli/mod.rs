@@ -170,7 +170,10 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
     };
     let study = Study::read(&args.study).map_err(Failure::Located)?;
     staged(command, args, &study, law).map_err(|error| match error {
-        Error::Input(input) if study.owns(&input.key) => Failure::Located(study.source.locate(input)),
+        Error::Input(input) => match study.with_keys(input) {
+            input if study.owns(&input.key) => Failure::Located(study.source.locate(input)),
+            input => Failure::Plain(input.into()),
+        },
         other => Failure::Plain(other),
     })
 }

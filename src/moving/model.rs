@@ -3,6 +3,7 @@
 use nalgebra::Point2;
 
 use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
@@ -143,31 +144,31 @@ impl MovingModel {
     fn check(&self, scenario: &Scenario) -> Result<()> {
         let mass = scenario.wheel_mass.unwrap_or(self.wheel_mass);
         let positive = [
-            ("moving.penalty_kn_per_m", self.penalty),
-            ("moving.node_spacing_mm", self.node_spacing),
-            ("stiffness.horizontal_kn_per_m", self.springs.horizontal),
-            ("wheel.diameter_mm", self.wheel_radius),
-            ("scenario.wheel_mass_t", mass),
-            ("scenario.time_step_s", scenario.time_step),
+            (InputField::Penalty, self.penalty),
+            (InputField::NodeSpacing, self.node_spacing),
+            (InputField::HorizontalStiffness, self.springs.horizontal),
+            (InputField::TapeDiameter, self.wheel_radius),
+            (InputField::WheelMass, mass),
+            (InputField::TimeStep, scenario.time_step),
         ];
         let not_negative = [
-            ("scenario.friction", scenario.friction),
-            ("scenario.suspended_mass_t", scenario.suspended_mass),
-            ("scenario.vertical_stiffness_kn_per_m", scenario.vertical_suspension.stiffness),
-            ("scenario.vertical_damping_kn_s_per_m", scenario.vertical_suspension.damping),
-            ("moving.dissipation", self.dissipation),
+            (InputField::Friction, scenario.friction),
+            (InputField::SuspendedMass, scenario.suspended_mass),
+            (InputField::VerticalStiffness, scenario.vertical_suspension.stiffness),
+            (InputField::VerticalDamping, scenario.vertical_suspension.damping),
+            (InputField::Dissipation, self.dissipation),
         ];
         for (entries, least, expected) in
             [(&positive[..], f64::MIN_POSITIVE, "a positive value"), (&not_negative[..], 0.0, "zero or more")]
         {
-            if let Some((key, value)) = entries.iter().find(|(_, v)| !(v.is_finite() && *v >= least)) {
-                return Err(InputError::new(*key, value, expected, "correct the value (SI units)").into());
+            if let Some((field, value)) = entries.iter().find(|(_, v)| !(v.is_finite() && *v >= least)) {
+                return Err(InputError::new(*field, value, expected, "correct the value (SI units)").into());
             }
         }
         if self.rail.curve.length() / self.node_spacing > 1e5 {
             let remedy = "0.25 mm is fine enough";
             return Err(InputError::new(
-                "moving.node_spacing_mm",
+                InputField::NodeSpacing,
                 self.node_spacing,
                 "a larger distance",
                 remedy,
@@ -191,7 +192,7 @@ impl MovingModel {
             return Ok(());
         }
         Err(InputError::new(
-            "scenario.start_x_m",
+            InputField::StartX,
             format!("{from} m, at {} m/s until {to} m", scenario.speed),
             format!("a path within the rail, 0 to {} m", beam.length()),
             "start elsewhere, move slower, or take a longer rail",

@@ -1,6 +1,6 @@
 //! The two sections of a study: standard ones, or measured surfaces on standard bodies.
 
-use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::error::Result;
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::profile_file::{
@@ -24,7 +24,7 @@ pub(super) fn rail(study: &Study) -> Result<(RailSection, Option<ProfileRecord>)
     let Some(measured) = &study.rail.measured else {
         return Ok((rail_section(standard)?, None));
     };
-    let standard_section = rail_section(standard).map_err(|error| standard_key(error, "rail"))?;
+    let standard_section = rail_section(standard)?;
     let (profile, mut curve, mut findings) = curve_of(measured, ProfileKind::Rail)?;
     if measured.aligned {
         let motion = align_rail(&curve, &standard_section.running)?;
@@ -59,7 +59,7 @@ pub(super) fn wheel(study: &Study) -> Result<(WheelSection, Option<ProfileRecord
     let Some(measured) = &keys.measured else {
         return Ok((nominal?, None));
     };
-    let nominal = nominal.map_err(|error| standard_key(error, "wheel"))?;
+    let nominal = nominal?;
     let (profile, curve, mut findings) = curve_of(measured, ProfileKind::Wheel)?;
     let section = wheel_section_with_profile(nominal, &curve, &mut findings)?;
     Ok((section, Some(record("wheel", measured, standard, &profile, &findings))))
@@ -74,16 +74,6 @@ fn curve_of(
     let profile = parse(&name, &measured.content, &options)?;
     let prepared = prepare(&profile, &PrepareOptions { smoothing: measured.smoothing })?;
     Ok((profile, prepared.curve, prepared.findings))
-}
-
-/// Beside a measured profile the standard is named by another key.
-fn standard_key(error: Error, section: &str) -> Error {
-    match error {
-        Error::Input(input) if input.key == format!("{section}.profile") => {
-            InputError { key: format!("{section}.standard"), ..input }.into()
-        }
-        other => other,
-    }
 }
 
 fn record(

@@ -4,6 +4,7 @@
 pub mod document;
 
 mod check;
+mod fields;
 mod measured;
 mod mesh_file;
 mod resolve;

@@ -10,6 +10,7 @@ use crate::contact::{
     BodyCompliance, Compliance, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total,
 };
 use crate::error::{InputError, NumericsError, Result, StopReason};
+use crate::field::InputField;
 use crate::law::{LawFit, fit_law};
 use crate::monitor::Monitor;
 use crate::solid::Material;
@@ -107,7 +108,7 @@ pub fn press_loads(
 ) -> Result<Vec<Pressed>> {
     if loads.windows(2).any(|w| !(w[1] > w[0])) {
         return Err(InputError::new(
-            "calibration.loads_kn",
+            InputField::Loads,
             format!("{:?}", loads.iter().map(|l| l * 1e-3).collect::<Vec<_>>()),
             "loads in ascending order",
             "sort them and remove doubles",
@@ -306,7 +307,7 @@ pub fn calibrate_horizontal(
         let spring = flexibility[(0, 0)] - beam.map_or(0.0, |b| b[(0, 0)]);
         if !(spring > 0.0) {
             return Err(InputError::new(
-                "simulation.rail_beam",
+                InputField::RailLength,
                 format!("{:.4e} m/N lateral flexibility", beam.map_or(0.0, |b| b[(0, 0)])),
                 format!("a rail beam stiffer than the solid, which has {:.4e} m/N", flexibility[(0, 0)]),
                 "use the beam with restrained warping, or check the section properties",

@@ -5,6 +5,7 @@ use crate::contact::{
     solve, total,
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
+use crate::field::InputField;
 use crate::superelement::{Superelement, times};
 use faer::Mat;
 use nalgebra::Vector2;
@@ -246,10 +247,10 @@ pub(crate) fn carry_over(
 
 fn refused_load(load: f64, expected: &str) -> InputError {
     InputError::new(
-        "calibration.loads_kn",
+        InputField::Loads,
         format!("{:.4} kN", load * 1e-3),
         expected,
-        "choose a smaller load, or widen `mesh.window_half_length_mm` and the fine zones",
+        "choose a smaller load, or widen `window_half_length` and the fine zones",
     )
 }
 

@@ -6,6 +6,7 @@ use super::section_mesh::{SectionOutline, SurfacePoint, mesh_section};
 use super::sweep::{extrude, graded, revolve};
 use super::{FineZone, HexMesh, MeshOptions};
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::placement::PlacedRail;
 use crate::profile::ProfileCurve;
 use crate::section::{RailSection, WheelSection};
@@ -62,10 +63,10 @@ pub(super) fn check_rail_window(length: f64, options: &MeshOptions) -> Result<()
         return Ok(());
     }
     Err(InputError::new(
-        "rail.length_m",
+        InputField::RailLength,
         format!("{length} m"),
         format!("more than the contact window of {:.1} mm", 2e3 * options.window_half_length),
-        "take a longer rail or a shorter window",
+        "take a longer rail or a shorter `window_half_length`",
     )
     .into())
 }
@@ -76,7 +77,7 @@ pub(super) fn check_wheel_window(radius: f64, options: &MeshOptions) -> Result<(
         return Ok(());
     }
     Err(InputError::new(
-        "mesh.window_half_length_mm",
+        InputField::WindowHalfLength,
         format!("{:.1} mm", options.window_half_length * 1e3),
         format!("at most half the wheel's radius of {:.1} mm", radius * 1e3),
         "shorten the contact window",
@@ -105,7 +106,7 @@ pub fn rail_outline(section: &RailSection, options: &MeshOptions) -> Result<Sect
         &options.rail_zone,
         options.contact_element,
         1.0,
-        "mesh.rail_zone",
+        [InputField::RailZoneFaceDepth, InputField::RailZoneFieldY],
     )
 }
 
@@ -120,7 +121,7 @@ pub fn wheel_outline(section: &WheelSection, options: &MeshOptions) -> Result<Se
         &options.wheel_zone,
         options.contact_element,
         -1.0,
-        "mesh.wheel_zone",
+        [InputField::WheelZoneFaceDepth, InputField::WheelZoneFieldY],
     )
 }
 
@@ -131,23 +132,22 @@ fn outline(
     zone: &FineZone,
     element: f64,
     below: f64,
-    key: &str,
+    [face_depth, field_y]: [InputField; 2],
 ) -> Result<SectionOutline> {
-    let no_end = |what: &str, value: f64| {
+    let no_end = |field: InputField, value: f64| {
         InputError::new(
-            format!("{key}.{what}"),
+            field,
             format!("{:.2} mm", value * 1e3),
             "a position on the running curve",
             "move the end of the fine zone onto the profile",
         )
     };
-    let top = running.s_at_y(0.0).ok_or_else(|| no_end("face_depth", zone.face_depth))?;
-    let first =
-        face_end(running, top, zone.face_depth).ok_or_else(|| no_end("face_depth", zone.face_depth))?;
+    let top = running.s_at_y(0.0).ok_or_else(|| no_end(face_depth, zone.face_depth))?;
+    let first = face_end(running, top, zone.face_depth).ok_or_else(|| no_end(face_depth, zone.face_depth))?;
     let last = running
         .s_at_y(zone.field_y)
         .filter(|last| last - first > 2.0 * element)
-        .ok_or_else(|| no_end("field_y", zone.field_y))?;
+        .ok_or_else(|| no_end(field_y, zone.field_y))?;
 
     let elements = 2 * ((last - first) / (2.0 * element) - 1e-9).ceil() as usize;
     let fine = (0..=elements)
@@ -407,16 +407,16 @@ mod tests {
         };
         let default = MeshOptions::default();
         let zone = |face_depth: f64, field_y: f64| FineZone { face_depth, field_y };
-        assert!(message(default.clone(), 0.02).starts_with("rail.length_m = 0.02 m"));
-        assert!(message(default.clone(), f64::NAN).starts_with("rail.length_m = NaN"));
+        assert!(message(default.clone(), 0.02).starts_with("rail_length = 0.02 m"));
+        assert!(message(default.clone(), f64::NAN).starts_with("rail_length = NaN"));
         let cases = [
-            ("mesh.contact_element_mm", MeshOptions { contact_element: 0.0, ..default.clone() }),
-            ("mesh.contact_element_mm", MeshOptions { contact_element: f64::NAN, ..default.clone() }),
-            ("mesh.growth", MeshOptions { growth: 0.9, ..default.clone() }),
-            ("mesh.layers", MeshOptions { layers: 3, ..default.clone() }),
-            ("mesh.rail_zone.face_depth", MeshOptions { rail_zone: zone(0.2, 22e-3), ..default.clone() }),
-            ("mesh.rail_zone.field_y", MeshOptions { rail_zone: zone(20e-3, 0.2), ..default.clone() }),
-            ("mesh.rail_zone.field_y", MeshOptions { rail_zone: zone(20e-3, -0.0362), ..default.clone() }),
+            ("contact_element", MeshOptions { contact_element: 0.0, ..default.clone() }),
+            ("contact_element", MeshOptions { contact_element: f64::NAN, ..default.clone() }),
+            ("growth", MeshOptions { growth: 0.9, ..default.clone() }),
+            ("layers", MeshOptions { layers: 3, ..default.clone() }),
+            ("rail_zone.face_depth", MeshOptions { rail_zone: zone(0.2, 22e-3), ..default.clone() }),
+            ("rail_zone.field_y", MeshOptions { rail_zone: zone(20e-3, 0.2), ..default.clone() }),
+            ("rail_zone.field_y", MeshOptions { rail_zone: zone(20e-3, -0.0362), ..default.clone() }),
         ];
         for (key, options) in cases {
             let text = message(options, LENGTH);
@@ -424,6 +424,6 @@ mod tests {
         }
         let options = MeshOptions { window_half_length: 0.3, ..default };
         let text = mesh_wheel(&wheel, &options).map(|_| ()).unwrap_err().to_string();
-        assert!(text.starts_with("mesh.window_half_length_mm"), "{text}");
+        assert!(text.starts_with("window_half_length"), "{text}");
     }
 }

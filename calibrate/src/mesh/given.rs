@@ -15,6 +15,7 @@ use super::given_surface::Smooth;
 use super::quality::{is_sound, scaled_jacobian};
 use super::{HexMesh, MeshOptions};
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::profile::ProfileCurve;
 use crate::units::MILLIMETRE;
 
@@ -50,7 +51,7 @@ pub struct GivenMesh {
 /// The ends are the nodes of the first and the last plane across x.
 ///
 /// # Errors
-/// [`InputError`] with a key of `[rail]` for a mesh that is not sound, not in its place or not as long as the rail,
+/// [`InputError`] with a field of the rail for a mesh that is not sound, not in its place or not as long as the rail,
 /// and for a contact surface that is no swept grid on the curve.
 pub fn given_rail(
     given: GivenMesh,
@@ -58,37 +59,41 @@ pub fn given_rail(
     length: f64,
     options: &MeshOptions,
 ) -> Result<HexMesh> {
-    const SECTION: &str = "rail";
     check_rail_window(length, options)?;
-    let faces = check_solid(&given, SECTION)?;
+    let faces = check_solid(&given, ("rail", InputField::RailMesh, InputField::RailMeshUnit))?;
     let half = 0.5 * length;
     let bound = |pick: fn(f64, f64) -> f64, start: f64| given.nodes.iter().map(|p| p.x).fold(start, pick);
     let (first, last) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
     if !((first + half).abs() <= END && (last - half).abs() <= END) {
         return Err(InputError::new(
-            "rail.mesh_file",
+            InputField::RailMesh,
             format!("a rail from x = {:.3} to {:.3} mm", first / MILLIMETRE, last / MILLIMETRE),
             format!(
-                "a rail from x = {:.3} to {:.3} mm, by rail.length_m",
+                "a rail from x = {:.3} to {:.3} mm, by `rail_length`",
                 -half / MILLIMETRE,
                 half / MILLIMETRE
             ),
-            "x runs along the track with its zero in the middle: move the mesh, or set rail.length_m to its length",
+            "x runs along the track with its zero in the middle: move the mesh, or set `rail_length` to its length",
         )
         .into());
     }
-    let smooth = Smooth { section: SECTION, curve, radius: None };
+    let smooth = Smooth { field: InputField::RailContactSurface, curve, radius: None };
     let contact = smooth.grid(&given.nodes, &faces.outer, &given.contact, options.window_half_length)?;
     let ends = [first, last].map(|x| -> Vec<usize> {
         (0..given.nodes.len()).filter(|&v| (given.nodes[v].x - x).abs() <= END).collect()
     });
     for end in &ends {
-        check_held(&given.nodes, end, "rail.mesh_file", "nodes at an end of the rail, on a plane across x")?;
+        check_held(
+            &given.nodes,
+            end,
+            InputField::RailMesh,
+            "nodes at an end of the rail, on a plane across x",
+        )?;
     }
     let ends = sorted(ends.concat());
-    check_apart(&contact.nodes, &ends, "rail.contact_surface", "the ends of the rail")?;
-    check_apart(&contact.nodes, &given.held, "rail.held_nodes", "the contact surface")?;
-    check_held(&given.nodes, &given.held, "rail.held_nodes", "nodes that hold the foot")?;
+    check_apart(&contact.nodes, &ends, InputField::RailContactSurface, "the ends of the rail")?;
+    check_apart(&contact.nodes, &given.held, InputField::RailHeldNodes, "the contact surface")?;
+    check_held(&given.nodes, &given.held, InputField::RailHeldNodes, "nodes that hold the foot")?;
     let foot = sorted(given.held);
     Ok(HexMesh { nodes: given.nodes, hexes: given.hexes, contact, ends, foot, bore: Vec::new() })
 }
@@ -97,7 +102,7 @@ pub fn given_rail(
 /// `radius` (m) at its z = 0.
 ///
 /// # Errors
-/// [`InputError`] with a key of `[wheel]` for a mesh that is not sound, not in its place or no full wheel, and for
+/// [`InputError`] with a field of the wheel for a mesh that is not sound, not in its place or no full wheel, and for
 /// a contact surface that is no swept grid on the curve.
 pub fn given_wheel(
     given: GivenMesh,
@@ -105,26 +110,25 @@ pub fn given_wheel(
     radius: f64,
     options: &MeshOptions,
 ) -> Result<HexMesh> {
-    const SECTION: &str = "wheel";
     check_wheel_window(radius, options)?;
-    let faces = check_solid(&given, SECTION)?;
+    let faces = check_solid(&given, ("wheel", InputField::WheelMesh, InputField::WheelMeshUnit))?;
     let mut angles: Vec<f64> = given.nodes.iter().map(|p| p.x.atan2(p.z)).collect();
     angles.sort_by(f64::total_cmp);
     let around = angles.first().map_or(TAU, |first| first + TAU - angles[angles.len() - 1]);
     let widest = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max);
     if !(widest <= WIDEST_ANGLE) {
         return Err(InputError::new(
-            "wheel.mesh_file",
+            InputField::WheelMesh,
             format!("no nodes over {:.1}\u{b0} about the axle", widest.to_degrees()),
             "a full wheel about the y axis",
             "mesh the whole revolution, with the axle on y and the origin in the middle of the hub",
         )
         .into());
     }
-    let smooth = Smooth { section: SECTION, curve: running, radius: Some(radius) };
+    let smooth = Smooth { field: InputField::WheelContactSurface, curve: running, radius: Some(radius) };
     let contact = smooth.grid(&given.nodes, &faces.outer, &given.contact, options.window_half_length)?;
-    check_apart(&contact.nodes, &given.held, "wheel.held_nodes", "the contact surface")?;
-    check_held(&given.nodes, &given.held, "wheel.held_nodes", "nodes that follow the hub")?;
+    check_apart(&contact.nodes, &given.held, InputField::WheelHeldNodes, "the contact surface")?;
+    check_held(&given.nodes, &given.held, InputField::WheelHeldNodes, "nodes that follow the hub")?;
     let bore = sorted(given.held);
     Ok(HexMesh { nodes: given.nodes, hexes: given.hexes, contact, ends: Vec::new(), foot: Vec::new(), bore })
 }
@@ -140,11 +144,11 @@ fn place(p: &Point3<f64>) -> String {
 }
 
 /// Checks that the hexahedra are one sound body of a plausible size; returns its faces.
-fn check_solid(given: &GivenMesh, section: &str) -> Result<Faces> {
+fn check_solid(given: &GivenMesh, fields: (&str, InputField, InputField)) -> Result<Faces> {
     let GivenMesh { nodes, hexes, contact, held } = given;
-    let file = format!("{section}.mesh_file");
+    let (section, file, unit) = fields;
     let refuse = |value: String, expected: &str, remedy: &str| -> Result<Faces> {
-        Err(InputError::new(&file, value, expected, remedy).into())
+        Err(InputError::new(file, value, expected, remedy).into())
     };
     let beyond = hexes.iter().flatten().chain(contact).chain(held).find(|&&v| v >= nodes.len());
     if let Some(&v) = beyond {
@@ -169,10 +173,10 @@ fn check_solid(given: &GivenMesh, section: &str) -> Result<Faces> {
     if !(SMALLEST..=LARGEST).contains(&extent) {
         let other = if extent > LARGEST { "mm" } else { "m" };
         return Err(InputError::new(
-            format!("{section}.mesh_unit"),
+            unit,
             format!("a {section} of {extent:.6} m"),
             format!("a {section} between {SMALLEST} and {LARGEST} m large"),
-            format!("if the file is in {other}, set {section}.mesh_unit = \"{other}\""),
+            format!("if the file is in {other}, set `{unit}` = \"{other}\""),
         )
         .into());
     }
@@ -183,7 +187,7 @@ fn check_solid(given: &GivenMesh, section: &str) -> Result<Faces> {
             "merge coincident nodes: where the elements have each their own, the body has a crack",
         );
     }
-    check_elements(given, &file)?;
+    check_elements(given, file)?;
     let faces = Faces::new(hexes);
     if let Some(face) = faces.overfull {
         let value = format!("a face at {} that belongs to more than two hexahedra", place(&nodes[face[0]]));
@@ -205,7 +209,7 @@ fn check_solid(given: &GivenMesh, section: &str) -> Result<Faces> {
 }
 
 /// Checks that no element is inverted or flat.
-fn check_elements(given: &GivenMesh, file: &str) -> Result<()> {
+fn check_elements(given: &GivenMesh, file: InputField) -> Result<()> {
     let corner = |hex: &[usize; 8]| hex.map(|v| given.nodes[v]);
     let bad: Vec<usize> = (0..given.hexes.len()).filter(|&e| !is_sound(&corner(&given.hexes[e]))).collect();
     let Some(&first) = bad.first() else {
@@ -217,7 +221,7 @@ fn check_elements(given: &GivenMesh, file: &str) -> Result<()> {
         "the mesh is mirrored: its axes have to be right-handed (x along the track, y to the field side, z down), and \
          the nodes of the elements in the order of VTK, Gmsh and Abaqus"
     } else {
-        "mend these elements: corners that fold over, or nodes in another order than that of VTK, Gmsh and Abaqus"
+        "correct these elements: corners that fold over, or nodes in another order than that of VTK, Gmsh and Abaqus"
     };
     Err(InputError::new(
         file,
@@ -235,14 +239,14 @@ fn check_elements(given: &GivenMesh, file: &str) -> Result<()> {
 }
 
 /// Checks that two groups of nodes have none in common; `other` is what the second one is.
-fn check_apart(contact: &[usize], nodes: &[usize], key: &str, other: &str) -> Result<()> {
+fn check_apart(contact: &[usize], nodes: &[usize], field: InputField, other: &str) -> Result<()> {
     let contact: BTreeSet<usize> = contact.iter().copied().collect();
     let common = nodes.iter().filter(|v| contact.contains(v)).count();
     if common == 0 {
         return Ok(());
     }
     Err(InputError::new(
-        key,
+        field,
         format!("{common} nodes that belong to {other} too"),
         "contact nodes that are free to move",
         "name different nodes; a contact node cannot be held",
@@ -251,7 +255,7 @@ fn check_apart(contact: &[usize], nodes: &[usize], key: &str, other: &str) -> Re
 }
 
 /// Checks that nodes can hold a body: at least three that do not lie on a line.
-fn check_held(nodes: &[Point3<f64>], held: &[usize], key: &str, what: &str) -> Result<()> {
+fn check_held(nodes: &[Point3<f64>], held: &[usize], field: InputField, what: &str) -> Result<()> {
     let spread = held.first().map_or(0.0, |&a| {
         let arm = |v: usize| nodes[v] - nodes[a];
         let far = held
@@ -265,7 +269,7 @@ fn check_held(nodes: &[Point3<f64>], held: &[usize], key: &str, what: &str) -> R
         return Ok(());
     }
     Err(InputError::new(
-        key,
+        field,
         format!("{} nodes on a line", held.len()),
         format!("{what}, at least three that are not on a line"),
         "name the nodes of a surface",

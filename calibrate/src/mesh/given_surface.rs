@@ -7,6 +7,7 @@ use nalgebra::{Point2, Point3};
 
 use super::SurfaceGrid;
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::profile::ProfileCurve;
 use crate::units::MILLIMETRE;
 
@@ -20,8 +21,8 @@ const WINDOW: f64 = 1e-3;
 
 /// The smooth surface that the mesh's contact nodes have to lie on, in the frame of the mesh.
 pub(super) struct Smooth<'a> {
-    /// `rail` or `wheel`.
-    pub section: &'static str,
+    /// Contact surface of the rail or of the wheel.
+    pub field: InputField,
     /// Running curve: of the rail in the world frame, of the wheel in its profile frame.
     pub curve: &'a ProfileCurve,
     /// Radius of the wheel at the curve's z = 0, m; `None` for a rail.
@@ -40,10 +41,6 @@ struct Placed {
 }
 
 impl Smooth<'_> {
-    fn key(&self) -> String {
-        format!("{}.contact_surface", self.section)
-    }
-
     /// Grid coordinate along the track: x in m or θ in rad.
     fn track(&self, p: &Point3<f64>) -> f64 {
         if self.radius.is_some() { p.x.atan2(p.z) } else { p.x }
@@ -72,7 +69,7 @@ impl Smooth<'_> {
     /// them.
     ///
     /// # Errors
-    /// [`InputError`] with the key `contact_surface` if the faces are no swept grid on the smooth surface, or do not
+    /// [`InputError`] with the field of the contact surface if the faces are no swept grid on the smooth surface, or do not
     /// cover the window.
     pub fn grid(
         &self,
@@ -86,7 +83,7 @@ impl Smooth<'_> {
         let surface: Vec<&[usize; 4]> = outer.iter().filter(|face| face.iter().all(|&v| named[v])).collect();
         if surface.is_empty() {
             return Err(InputError::new(
-                self.key(),
+                self.field,
                 format!(
                     "{} nodes, none of the mesh's outer faces has all its four among them",
                     contact.len()
@@ -117,14 +114,14 @@ impl Smooth<'_> {
         if !(first <= -reach && last >= reach) {
             let (first, last) = extent(surface.iter().flat_map(|face| face.map(|v| self.track(&nodes[v]))));
             return Err(InputError::new(
-                self.key(),
+                self.field,
                 format!("faces from {} to {}", self.shown(first), self.shown(last)),
                 format!(
                     "a surface on both sides of the contact, over the window of \u{b1}{:.3} mm",
                     half / MILLIMETRE
                 ),
                 "name a longer surface with its middle at the contact (x = 0, below the axle), or shorten \
-                 mesh.window_half_length_mm",
+                 `window_half_length`",
             )
             .into());
         }
@@ -159,7 +156,7 @@ impl Smooth<'_> {
             }
         };
         Err(InputError::new(
-            self.key(),
+            self.field,
             format!(
                 "{beyond} of {} nodes lie off the running surface, the worst by {:.3} mm at ({:.3}, {:.3}, {:.3}) mm",
                 used.len(),
@@ -170,8 +167,8 @@ impl Smooth<'_> {
             ),
             format!("nodes within {} mm of the study's profile", ON_CURVE / MILLIMETRE),
             format!(
-                "check the profile, the unit, {frame}; `railspring mesh` without {}.mesh_file writes a mesh in its place",
-                self.section
+                "check the profile, the unit, {frame}; `railspring mesh` without `{}` writes a mesh in its place",
+                if self.radius.is_some() { InputField::WheelMesh } else { InputField::RailMesh }
             ),
         )
         .into())
@@ -184,7 +181,7 @@ impl Smooth<'_> {
         let refuse = |what: String, at: usize| {
             let p = nodes[at] / MILLIMETRE;
             InputError::new(
-                self.key(),
+                self.field,
                 format!("{what} at ({:.3}, {:.3}, {:.3}) mm", p.x, p.y, p.z),
                 "a swept grid: every row of nodes at one place of the profile, every column at one place along the \
                  track",

@@ -20,6 +20,7 @@
 use nalgebra::{Point2, Point3};
 
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 
 mod block;
 mod bodies;
@@ -201,35 +202,35 @@ impl MeshOptions {
     /// Refuses values no mesh can be made with.
     fn check(&self) -> Result<()> {
         let lengths = [
-            ("contact_element", self.contact_element),
-            ("contact_element_along", self.contact_element_along),
-            ("window_half_length", self.window_half_length),
-            ("first_layer", self.first_layer),
-            ("rail_section_element", self.rail_section_element),
-            ("wheel_section_element", self.wheel_section_element),
-            ("rail_length_element", self.rail_length_element),
-            ("wheel_arc_element", self.wheel_arc_element),
+            (InputField::ContactElement, self.contact_element),
+            (InputField::ContactElementAlong, self.contact_element_along),
+            (InputField::WindowHalfLength, self.window_half_length),
+            (InputField::FirstLayer, self.first_layer),
+            (InputField::RailSectionElement, self.rail_section_element),
+            (InputField::WheelSectionElement, self.wheel_section_element),
+            (InputField::RailLengthElement, self.rail_length_element),
+            (InputField::WheelArcElement, self.wheel_arc_element),
         ];
-        for (name, length) in lengths {
+        for (field, length) in lengths {
             if !(length.is_finite() && length >= SMALLEST_ELEMENT) {
                 return Err(InputError::new(
-                    format!("mesh.{name}_mm"),
+                    field,
                     format!("{} mm", length * 1e3),
                     format!("{} mm or more", SMALLEST_ELEMENT * 1e3),
-                    "give the size of the elements in mm",
+                    "check the size of the elements and its unit",
                 )
                 .into());
             }
         }
         let ratios = [
-            ("layer_growth", self.layer_growth, 1.0),
-            ("growth", self.growth, 1.0),
-            ("section_growth", self.section_growth, 0.05),
+            (InputField::LayerGrowth, self.layer_growth, 1.0),
+            (InputField::Growth, self.growth, 1.0),
+            (InputField::SectionGrowth, self.section_growth, 0.05),
         ];
-        for (name, ratio, least) in ratios {
+        for (field, ratio, least) in ratios {
             if !(ratio.is_finite() && ratio >= least && ratio <= LARGEST_RATIO) {
                 return Err(InputError::new(
-                    format!("mesh.{name}"),
+                    field,
                     ratio,
                     format!("a number from {least} to {LARGEST_RATIO}"),
                     "elements grow away from the contact zone",

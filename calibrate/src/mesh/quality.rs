@@ -60,7 +60,7 @@ pub fn quality(mesh: &HexMesh) -> Result<Quality> {
         if !(scaled > 0.0 && smallest > 0.0) {
             let middle = corner.iter().map(|p| p.coords).sum::<Vector3<f64>>() * (1e3 / 8.0);
             return Err(InputError::new(
-                "mesh",
+                "hexahedron",
                 format!(
                     "element {e} around ({:.2}, {:.2}, {:.2}) mm: scaled Jacobian {scaled:.3e}, \
                      smallest Jacobian at a Gauss point {smallest:.3e} m³",

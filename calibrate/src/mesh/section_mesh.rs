@@ -15,6 +15,7 @@ use super::sizing::{Polyline, SizeField, thickness};
 use super::smoothing::{Freedom, smooth};
 use super::triangulation::{Cell, fill, pair, smallest_sine};
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 
 /// Turning within this length (m) makes a corner of the outline.
 const CORNER_WINDOW: f64 = 4e-3;
@@ -129,7 +130,7 @@ pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<Se
     }
     if sizes.layers < 2 || !sizes.layers.is_multiple_of(2) {
         return Err(InputError::new(
-            "mesh.layers",
+            InputField::Layers,
             sizes.layers,
             "an even number from 2 on",
             "take one layer more or less",

@@ -8,6 +8,7 @@ mod touch;
 use nalgebra::{Point2, Rotation2, Vector2};
 
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::profile::ProfileCurve;
 use crate::profile::root::bracketed_newton;
 use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
@@ -56,18 +57,18 @@ impl TrackGeometry {
     /// Checks every value against what a track can have.
     ///
     /// # Errors
-    /// [`InputError`] naming the key of the first value out of range.
+    /// [`InputError`] naming the field of the first value out of range.
     pub fn check(&self) -> Result<()> {
         let in_millimetres = [
-            ("track.gauge_mm", self.gauge, 300.0, 3000.0),
-            ("track.gauge_height_mm", self.gauge_height, 1.0, 30.0),
-            ("track.flange_back_mm", self.flange_back, 250.0, 3000.0),
-            ("track.lateral_shift_mm", self.lateral_shift, -100.0, 100.0),
+            (InputField::Gauge, self.gauge, 300.0, 3000.0),
+            (InputField::GaugeHeight, self.gauge_height, 1.0, 30.0),
+            (InputField::FlangeBack, self.flange_back, 250.0, 3000.0),
+            (InputField::LateralShift, self.lateral_shift, -100.0, 100.0),
         ];
-        for (key, value, least, greatest) in in_millimetres {
+        for (field, value, least, greatest) in in_millimetres {
             if !(least..=greatest).contains(&(value / MILLIMETRE)) {
                 return Err(InputError::new(
-                    key,
+                    field,
                     format!("{} mm", value / MILLIMETRE),
                     format!("{least} to {greatest} mm"),
                     "check the value and its unit",
@@ -77,7 +78,7 @@ impl TrackGeometry {
         }
         if !(-0.2..=0.2).contains(&self.inclination) {
             return Err(InputError::new(
-                "rail.inclination",
+                InputField::Inclination,
                 self.inclination,
                 "a slope between -0.2 and 0.2",
                 "give the slope, for instance 0.025 for 1:40",
@@ -138,7 +139,7 @@ pub fn place_rail(section: &RailSection, track: &TrackGeometry) -> Result<Placed
     let depth = |s: f64| inclined.point(s).y - top - track.gauge_height;
     let reaching = (0..=top_interval).rev().find(|&i| depth(knots[i]) >= 0.0).ok_or_else(|| {
         InputError::new(
-            "track.gauge_height_mm",
+            InputField::GaugeHeight,
             format!("{} mm", track.gauge_height / MILLIMETRE),
             "a depth that the gauge side of the rail profile reaches",
             "measure the gauge less deep, or give a profile that goes on further down the gauge side",

@@ -8,6 +8,7 @@ use parry2d_f64::shape::Polyline;
 
 use super::PlacedRail;
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::profile::ProfileCurve;
 use crate::profile::root::bracketed_newton;
 use crate::units::MILLIMETRE;
@@ -36,7 +37,7 @@ pub struct Touch {
 /// of the smooth curves is minimised to round-off.
 ///
 /// # Errors
-/// [`InputError`] with the key `track.lateral_shift_mm` if the wheel misses the rail, or would hang on an end of
+/// [`InputError`] with the field `lateral_shift` if the wheel misses the rail, or would hang on an end of
 /// one of the two curves.
 pub fn touch(rail: &PlacedRail, wheel: &ProfileCurve, tape_y: f64) -> Result<Touch> {
     let rail = &rail.curve;
@@ -49,10 +50,10 @@ pub fn touch(rail: &PlacedRail, wheel: &ProfileCurve, tape_y: f64) -> Result<Tou
     }
     let missed = |what: &str| {
         InputError::new(
-            "track.lateral_shift_mm",
+            InputField::LateralShift,
             format!("tape circle at y = {:.3} mm", tape_y / MILLIMETRE),
             "a position at which the running surfaces of wheel and rail touch",
-            format!("{what}; reduce the lateral shift, or check gauge and flange back distance"),
+            format!("{what}; reduce `lateral_shift`, or check `gauge` and `flange_back`"),
         )
     };
     let (tape_z, rail_s, wheel_s) = best.ok_or_else(|| missed("the wheel misses the rail"))?;

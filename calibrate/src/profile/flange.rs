@@ -8,6 +8,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::segment::{EndlessLine, Segment};
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::units::MILLIMETRE;
 
 /// Thickness for which the standard gives its construction points, m.
@@ -62,7 +63,7 @@ impl Flange {
     pub(super) fn shoulder_radius(&self) -> Result<f64> {
         if !(28.5..=33.0).contains(&(self.thickness / MILLIMETRE)) {
             return Err(InputError::new(
-                "wheel.flange_thickness_mm",
+                InputField::FlangeThickness,
                 format!("{} mm", self.thickness / MILLIMETRE),
                 "28.5 to 33 mm",
                 "take a thickness of the standard; a flange worn further is a measured profile",
@@ -77,7 +78,7 @@ impl Flange {
             .map(|(_, radius)| radius)
             .ok_or_else(|| {
                 InputError::new(
-                    "wheel.flange_height_mm",
+                    InputField::FlangeHeight,
                     format!("{} mm", self.height / MILLIMETRE),
                     "28, 30 or 32 mm",
                     "take a height of the standard; a higher flange of a worn wheel is a measured profile",

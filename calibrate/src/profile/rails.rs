@@ -9,6 +9,7 @@ use nalgebra::{Point2, Vector2};
 use super::curve::ProfileCurve;
 use super::segment::{EndlessLine, Segment, fillet};
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::units::MILLIMETRE;
 
 /// Names that [`rail_outline`] knows.
@@ -151,7 +152,7 @@ const FISHING_SLOPE: f64 = 1.0 / 2.75;
 pub fn rail_outline(name: &str) -> Result<RailOutline> {
     let drawing = drawing(name).ok_or_else(|| {
         InputError::new(
-            "rail.profile",
+            InputField::RailName,
             format!("{name:?}"),
             format!("one of {}", RAIL_NAMES.join(", ")),
             "choose a known section",

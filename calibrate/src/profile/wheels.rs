@@ -12,6 +12,7 @@ use super::flange::{NOMINAL_THICKNESS, THROAT_RADIUS};
 use super::segment::{EndlessLine, Segment};
 use super::spline::Piece;
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::units::MILLIMETRE;
 
 pub use super::flange::Flange;
@@ -109,7 +110,7 @@ pub fn wheel_profile_with_flange(name: &str, flange: &Flange) -> Result<ProfileC
         "S1002" => Ok(ProfileCurve::from_pieces(s1002(flange)?)),
         "EN13715-1in40" => Ok(ProfileCurve::from_pieces(cone_1_in_40(flange)?)),
         _ => Err(InputError::new(
-            "wheel.profile",
+            InputField::WheelName,
             format!("{name:?}"),
             format!("one of {}", WHEEL_NAMES.join(", ")),
             "choose a known profile",
@@ -288,7 +289,7 @@ fn throat_shift(flange: &Flange) -> Result<f64> {
     }
     if shift > 0.0 {
         return Err(InputError::new(
-            "wheel.flange_thickness_mm",
+            InputField::FlangeThickness,
             format!("{} mm", flange.thickness / MILLIMETRE),
             "28.5 to 32.5 mm with S1002, whose moved part would overlap the tread beyond",
             "take a thinner flange",

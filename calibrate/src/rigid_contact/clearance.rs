@@ -1,6 +1,7 @@
 //! The clearance between a rail and what lies above it, and its local minima.
 
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::profile::ProfileCurve;
 use crate::profile::root::bracketed_newton;
 use crate::units::MILLIMETRE;
@@ -73,10 +74,10 @@ pub(super) fn minima(
 ) -> Result<(f64, Vec<Minimum>)> {
     let missed = |what: &str| {
         InputError::new(
-            "track.lateral_shift_mm",
+            InputField::LateralShift,
             format!("tape circle at y = {:.3} mm", near / MILLIMETRE),
             "a position at which the running surfaces of wheel and rail touch",
-            format!("{what}; reduce the shift, or check gauge and flange back distance"),
+            format!("{what}; reduce `lateral_shift`, or check `gauge` and `flange_back`"),
         )
     };
     let [rail, wheel] = [rail, wheel].map(|curve| {

@@ -119,7 +119,7 @@ impl WheelOnRail {
     /// that is at most `gap` (m) above the touching one.
     ///
     /// # Errors
-    /// [`crate::error::InputError`] with the key `track.lateral_shift_mm` if the wheel misses the rail or would hang on
+    /// [`crate::error::InputError`] with the field `lateral_shift` if the wheel misses the rail or would hang on
     /// an end of a profile.
     pub fn lower(&self, tape_y: f64, shift: f64, yaw: f64, roll: f64, gap: f64) -> Result<SideContact> {
         let trace = trace::Trace::new(&self.wheel, self.radius, tape_y, shift, yaw, roll)?;

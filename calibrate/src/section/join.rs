@@ -3,6 +3,7 @@
 use nalgebra::{Point2, Vector2};
 
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::profile::{Piece, ProfileCurve};
 use crate::profile_file::{Action, Finding, FindingKind};
 use crate::units::MILLIMETRE;
@@ -33,24 +34,24 @@ struct Seam {
 /// of the standard curve. Where the measured curve reaches the standard's end or goes beyond, it is cut off before.
 ///
 /// # Errors
-/// [`InputError`] with the key `key` if the ends of the measured curve do not lie near the standard one.
+/// [`InputError`] naming `field` if the ends of the measured curve do not lie near the standard one.
 pub(super) fn join(
     standard: &ProfileCurve,
     measured: &ProfileCurve,
-    key: &str,
+    field: InputField,
     findings: &mut Vec<Finding>,
 ) -> Result<ProfileCurve> {
-    let start = seam(standard, measured, Side::Start, key)?;
-    let end = seam(standard, measured, Side::End, key)?;
+    let start = seam(standard, measured, Side::Start, field)?;
+    let end = seam(standard, measured, Side::End, field)?;
     if end.measured - start.measured < 2.0 * LEAST_BLEND || end.standard <= start.standard {
         return Err(InputError::new(
-            key,
+            field,
             format!(
                 "{:.2} mm on the standard surface",
                 (end.measured - start.measured).max(0.0) / MILLIMETRE
             ),
             "a measured surface that covers the standard's contact range",
-            "check that the profile is in the frame of the standard section, or have it aligned",
+            remedy(field),
         )
         .into());
     }
@@ -95,7 +96,7 @@ impl Side {
 }
 
 /// Where the standard surface is left (or reached again) and where the measured one begins (or ends).
-fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, key: &str) -> Result<Seam> {
+fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, field: InputField) -> Result<Seam> {
     // Arc lengths counted from the end in question, inwards.
     let from = |curve: &ProfileCurve, inwards: f64| match side {
         Side::Start => inwards,
@@ -125,7 +126,7 @@ fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, key: &str)
     if found.offset > GREATEST_OFFSET || turn > GREATEST_TURN {
         let p = measured.point(found.measured);
         return Err(InputError::new(
-            key,
+            field,
             format!(
                 "{} (y {:.2} mm, z {:.2} mm), {:.2} mm off the standard surface and turned by {turn:.1} degrees",
                 side.name(),
@@ -134,11 +135,22 @@ fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, key: &str)
                 found.offset / MILLIMETRE,
             ),
             format!("at most {} mm and {GREATEST_TURN} degrees", GREATEST_OFFSET / MILLIMETRE),
-            "check the standard, and that the profile is in its frame, or have it aligned",
+            remedy(field),
         )
         .into());
     }
     Ok(found)
+}
+
+/// What to do about a measured surface that does not lie on the standard one.
+fn remedy(field: InputField) -> String {
+    let aligned = match field {
+        InputField::RailHead => {
+            "; a head that is measured as it lies in the track, canted, needs `rail_aligned` = true"
+        }
+        _ => "",
+    };
+    format!("check that the standard is the right one and that the profile is in its frame{aligned}")
 }
 
 /// Unit tangent at `s`, at a breakpoint that of the side on which the curve goes on.

@@ -6,6 +6,7 @@ use super::FILLET_STEP;
 use super::join::join;
 use super::properties::{AreaProperties, area_moments};
 use crate::error::Result;
+use crate::field::InputField;
 use crate::profile::rails::{rail_outline, running_curve};
 use crate::profile::{ProfileCurve, Segment, polyline};
 use crate::profile_file::Finding;
@@ -68,7 +69,7 @@ pub fn rail_section(name: &str) -> Result<RailSection> {
 /// What was done is added to `findings`.
 ///
 /// # Errors
-/// [`crate::error::InputError`] for an unknown name, and with the key `rail.profile_file` for a head whose ends do
+/// [`crate::error::InputError`] for an unknown name, and with the field `rail_head` for a head whose ends do
 /// not lie near the standard surface.
 pub fn rail_section_with_head(
     name: &str,
@@ -76,7 +77,7 @@ pub fn rail_section_with_head(
     findings: &mut Vec<Finding>,
 ) -> Result<RailSection> {
     let standard = rail_section(name)?;
-    let running = join(&standard.running, head, "rail.profile_file", findings)?;
+    let running = join(&standard.running, head, InputField::RailHead, findings)?;
     let moments = area_moments(&running, &standard.body_outline);
     let mut section = RailSection { name: format!("measured head on {name}"), running, ..standard };
     let last = section.body.len() - 1;
@@ -135,6 +136,6 @@ mod tests {
     #[test]
     fn unknown_rail_is_refused() {
         let message = rail_section("60E9").unwrap_err().to_string();
-        assert!(message.contains("rail.profile") && message.contains("60E1, UIC60"), "{message}");
+        assert!(message.contains("rail_name") && message.contains("60E1, UIC60"), "{message}");
     }
 }

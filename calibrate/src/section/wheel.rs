@@ -9,6 +9,7 @@ use super::join::join;
 use super::properties::boundary_integral;
 use super::wheel_body::WheelBody;
 use crate::error::Result;
+use crate::field::InputField;
 use crate::profile::wheels::wheel_profile;
 use crate::profile::{ProfileCurve, Segment, polyline};
 use crate::profile_file::Finding;
@@ -84,14 +85,14 @@ pub fn wheel_section_on(
 /// circle, at which the wheel has the nominal diameter where its z is 0. What was done is added to `findings`.
 ///
 /// # Errors
-/// [`crate::error::InputError`] with the key `wheel.profile_file` for a profile whose ends do not lie
+/// [`crate::error::InputError`] with the field `wheel_profile` for a profile whose ends do not lie
 /// near the standard surface.
 pub fn wheel_section_with_profile(
     standard: WheelSection,
     profile: &ProfileCurve,
     findings: &mut Vec<Finding>,
 ) -> Result<WheelSection> {
-    let running = join(&standard.running, profile, "wheel.profile_file", findings)?;
+    let running = join(&standard.running, profile, InputField::WheelProfile, findings)?;
     let mut section =
         WheelSection { name: format!("measured profile on {}", standard.name), running, ..standard };
     let last = section.body.len() - 1;
@@ -176,11 +177,11 @@ mod tests {
             wheel_section_on(running, "S1002", 0.858, &form).unwrap_err().to_string()
         };
         let form = WheelBody::default();
-        assert!(key(WheelBody { bore_diameter: 0.265, ..form }).contains("wheel.hub_diameter_mm"));
-        assert!(key(WheelBody { bore_diameter: 0.01, ..form }).contains("wheel.bore_mm"));
-        assert!(key(WheelBody { rim_depth: 0.02, ..form }).contains("wheel.rim_depth_mm"));
-        assert!(key(WheelBody { rim_depth: f64::NAN, ..form }).contains("wheel.rim_depth_mm"));
-        assert!(key(WheelBody { hub_diameter: 0.6, ..form }).contains("wheel.tape_diameter_m"));
+        assert!(key(WheelBody { bore_diameter: 0.265, ..form }).contains("hub_diameter"));
+        assert!(key(WheelBody { bore_diameter: 0.01, ..form }).contains("bore_diameter"));
+        assert!(key(WheelBody { rim_depth: 0.02, ..form }).contains("rim_depth"));
+        assert!(key(WheelBody { rim_depth: f64::NAN, ..form }).contains("rim_depth"));
+        assert!(key(WheelBody { hub_diameter: 0.6, ..form }).contains("tape_diameter"));
     }
 
     /// Source: the same generic section as a polygon of 0.002 mm chord error, tread diameter 860 mm, 7850 kg/m³:
@@ -215,8 +216,8 @@ mod tests {
     fn diameters_without_room_are_refused() {
         for diameter in [0.5, 858.0, f64::NAN, -0.858] {
             let message = wheel_section("S1002", diameter).unwrap_err().to_string();
-            assert!(message.contains("wheel.tape_diameter_m"), "{message}");
+            assert!(message.contains("tape_diameter"), "{message}");
         }
-        assert!(wheel_section("S1003", 0.858).unwrap_err().to_string().contains("wheel.profile"));
+        assert!(wheel_section("S1003", 0.858).unwrap_err().to_string().contains("wheel_name"));
     }
 }

@@ -5,6 +5,7 @@
 use nalgebra::{Matrix5, Point2, Vector2, Vector5};
 
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::profile::{EndlessLine, Segment, fillet};
 use crate::units::MILLIMETRE;
 
@@ -43,7 +44,7 @@ impl Default for WheelBody {
     }
 }
 
-/// Field face of the rim, mm.
+/// InputField face of the rim, mm.
 const RIM_FACE: f64 = 65.0;
 /// Radius of the fillets between web, rim and hub, mm.
 const FILLET: f64 = 30.0;
@@ -73,29 +74,29 @@ impl WheelBody {
     /// Checks the dimensions against each other for a tape diameter in m.
     ///
     /// # Errors
-    /// [`InputError`] naming the key that leaves too little room.
+    /// [`InputError`] naming the field that leaves too little room.
     pub(super) fn check(&self, tape_diameter: f64) -> Result<()> {
         let [bore, hub, rim] =
             [self.bore_diameter, self.hub_diameter, self.rim_depth].map(|v| v / MILLIMETRE);
-        let out_of = |key: &str, value: f64, least: f64, greatest: f64, remedy: &str| {
+        let out_of = |field: InputField, value: f64, least: f64, greatest: f64, remedy: &str| {
             let expected = format!("{least} to {greatest} mm");
-            Err(InputError::new(key, format!("{value} mm"), expected, remedy).into())
+            Err(InputError::new(field, format!("{value} mm"), expected, remedy).into())
         };
         if !(40.0..=400.0).contains(&bore) {
-            return out_of("wheel.bore_mm", bore, 40.0, 400.0, "check the diameter and its unit");
+            return out_of(InputField::BoreDiameter, bore, 40.0, 400.0, "check the diameter and its unit");
         }
         let least_hub = bore + 2.0 * LEAST_HUB_WALL;
         if !(least_hub..=800.0).contains(&hub) {
-            return out_of("wheel.hub_diameter_mm", hub, least_hub, 800.0, "leave a wall around the bore");
+            return out_of(InputField::HubDiameter, hub, least_hub, 800.0, "leave a wall around the bore");
         }
         if !(30.0..=150.0).contains(&rim) {
-            return out_of("wheel.rim_depth_mm", rim, 30.0, 150.0, "check the depth and its unit");
+            return out_of(InputField::RimDepth, rim, 30.0, 150.0, "check the depth and its unit");
         }
         const GREATEST: f64 = 1.5;
         let least = 2.0 * MILLIMETRE * (0.5 * hub + rim + 2.0 * FILLET + LEAST_WEB);
         if !(least..=GREATEST).contains(&tape_diameter) {
             return Err(InputError::new(
-                "wheel.tape_diameter_m",
+                InputField::TapeDiameter,
                 format!("{tape_diameter} m"),
                 format!("{least:.2} to {GREATEST:.2} m"),
                 "choose a diameter that leaves room for hub, web and rim; check its unit",
@@ -147,7 +148,7 @@ struct Levels {
     hub: f64,
 }
 
-/// Field side (from rim to hub) and back (from hub to rim) of the straight web with their fillets.
+/// InputField side (from rim to hub) and back (from hub to rim) of the straight web with their fillets.
 fn straight_sides(levels: &Levels) -> [Vec<Segment>; 2] {
     // Half the web's thickness grows linearly from the rim to the hub.
     let [z_hub, z_rim] = [levels.hub - OVERLAP, levels.rim + OVERLAP];

@@ -156,7 +156,7 @@ pub(super) fn corners(mesh: &HexMesh, hex: &[usize; 8]) -> [Point3<f64>; 8] {
 fn flat_element(element: usize, nodes: &[Point3<f64>; 8]) -> crate::error::Error {
     let c = nodes.iter().fold(nalgebra::Vector3::zeros(), |sum, p| sum + p.coords) / 8.0;
     InputError::new(
-        "mesh",
+        "hexahedron",
         format!("element {element} at ({:.4}, {:.4}, {:.4}) m", c.x, c.y, c.z),
         "a hexahedron with positive Jacobian",
         "refine the mesh there or correct the order of its nodes",

@@ -15,6 +15,7 @@ pub use numbering::{Numbering, Supports};
 pub use stress::nodal_stress;
 
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use nalgebra::SMatrix;
 
 /// Isotropic linear elastic material.
@@ -40,21 +41,20 @@ impl Material {
     /// # Errors
     /// [`InputError`] naming the constant that is out of range.
     pub fn check(&self) -> Result<()> {
-        let refuse = |key: &str, value: f64, expected: &str| {
-            Err(InputError::new(format!("material.{key}"), value, expected, "correct the material constant")
-                .into())
+        let refuse = |field: InputField, value: String, expected: &str| {
+            Err(InputError::new(field, value, expected, "correct the material constant").into())
         };
         if !(self.young > 0.0 && self.young.is_finite()) {
-            return refuse("young_gpa", self.young * 1e-9, "a positive modulus");
+            return refuse(InputField::Young, format!("{} GPa", self.young * 1e-9), "a positive modulus");
         }
         if !(self.poisson > -1.0 && self.poisson < 0.5) {
-            return refuse("poisson", self.poisson, "a ratio between -1 and 0.5");
+            return refuse(InputField::Poisson, self.poisson.to_string(), "a ratio between -1 and 0.5");
         }
         if !(self.density > 0.0 && self.density.is_finite()) {
-            return refuse("density_kg_per_m3", self.density, "a positive density");
+            return refuse(InputField::Density, format!("{} kg/m³", self.density), "a positive density");
         }
         if !(self.damping >= 0.0 && self.damping.is_finite()) {
-            return refuse("damping_ratio", self.damping, "a damping that is not negative");
+            return refuse(InputField::Damping, self.damping.to_string(), "a damping that is not negative");
         }
         Ok(())
     }

@@ -14,6 +14,7 @@ use crate::contact::{
     ContactPoints, PairingLimits, PointMode, Problem, Side, Solution, Surface, pair, solve,
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
+use crate::field::InputField;
 use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use crate::mesh::HexMesh;
 use crate::monitor::Monitor;
@@ -385,20 +386,20 @@ impl HubMotion {
 }
 
 fn refuse_moving(scenario: &Scenario) -> Result<()> {
-    let refuse = |key: &str, value: String| {
+    let refuse = |field: InputField, value: String| {
         Err(InputError::new(
-            format!("scenario.{key}"),
+            field,
             value,
             "0 for the solid model",
-            "run this scenario with the moving solver alone (`solid = false`)",
+            "run this scenario with the moving solver alone",
         )
         .into())
     };
     if scenario.speed != 0.0 {
-        return refuse("speed_m_per_s", scenario.speed.to_string());
+        return refuse(InputField::Speed, format!("{} m/s", scenario.speed));
     }
     if let Some(torsion) = scenario.rail_torsion {
-        return refuse("torsion", format!("{} N·m", torsion.amplitude));
+        return refuse(InputField::RailTorsion, format!("{} N·m", torsion.amplitude));
     }
     Ok(())
 }

@@ -192,11 +192,11 @@ fn unusable_beams_are_named() {
     let message = |length, elements, ends| {
         RailBeam::new(section(), length, elements, 0.0, ends).unwrap_err().to_string()
     };
-    assert!(message(-1.0, 20, [End::Fixed; 2]).contains("rail.length"));
-    assert!(message(1.0, 0, [End::Fixed; 2]).contains("rail.elements"));
+    assert!(message(-1.0, 20, [End::Fixed; 2]).contains("rail_length"));
+    assert!(message(1.0, 0, [End::Fixed; 2]).contains("beam_elements"));
     assert!(message(1.0, 5, [End::Free; 2]).contains("singular"));
     let mut bad = properties();
     bad.torsion_constant = f64::NAN;
     let error = BeamSection::rail(&bad, &Material::STEEL, LENGTH, Torsion::default()).unwrap_err();
-    assert!(error.to_string().contains("rail.section"));
+    assert!(error.to_string().contains("section of the beam"));
 }
