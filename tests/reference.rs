@@ -72,8 +72,7 @@ fn failing(checks: &[Check]) -> Vec<&str> {
 #[test]
 fn the_references_own_tests_pass() {
     let output = Command::new(python().interpreter())
-        .args(["-m", "pytest"])
-        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .args(["-I", "-B", "-m", "pytest"])
         .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("reference"))
         .output()
         .unwrap();

@@ -305,3 +305,37 @@ fn python_is_needed_for_mesh_files_only() {
     assert_eq!(output.status.code(), Some(2), "{said}");
     has(&said, &["--python = /no/such/python", "install Python 3.11", "studies with a mesh_file"]);
 }
+
+/// Source: modules named like those that the reader imports, in the working folder, beside the study and on
+/// PYTHONPATH, and settings of a user's own Python. Goal: none of them is run and the mesh is read, also with a cache
+/// folder and an interpreter that are named relative to the working folder.
+#[cfg(unix)]
+#[test]
+fn python_of_the_working_folder_stays_out() {
+    let place = Place::new();
+    std::fs::copy(meshes().join("rail-60e1.msh"), place.path("rail.msh")).unwrap();
+    let study = format!("{RAIL}{}{WHEEL}{COARSE}", keys("rail.msh", "running surface", "foot"));
+    std::fs::write(place.path("study.toml"), study).unwrap();
+    let planted = format!("open({:?}, 'w')\nraise SystemExit(3)\n", place.path("PLANTED"));
+    for name in ["meshio", "numpy", "json", "sitecustomize", "usercustomize", "railspring_reference"] {
+        std::fs::write(place.path(&format!("{name}.py")), &planted).unwrap();
+    }
+    std::os::unix::fs::symlink(cache(), place.path("cache")).unwrap();
+    let interpreter = Path::new("cache").join(python().interpreter().strip_prefix(cache()).unwrap());
+    for more in [vec![], vec!["--python", interpreter.to_str().unwrap()]] {
+        let output = assert_cmd::Command::cargo_bin("railspring")
+            .unwrap()
+            .current_dir(place.root.path())
+            .args(["mesh", "study.toml", "-o", "out", "--quiet"])
+            .args(&more)
+            .env("RAILSPRING_CACHE", "cache")
+            .env("PYTHONPATH", place.root.path())
+            .env("PYTHONHOME", place.root.path())
+            .env("PYTHONSTARTUP", place.path("numpy.py"))
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{more:?}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(!place.path("PLANTED").exists(), "{more:?}: a planted module was run");
+        std::fs::remove_dir_all(place.path("out")).unwrap();
+    }
+}

@@ -1,13 +1,20 @@
 """The contact of a cylinder-like wheel on a flat rail block: conditions and balances."""
 
+from types import ModuleType
+from typing import Any
+
 import meshio
 import numpy as np
 import pytest
 from test_body import STEEL, block
 
+from railspring_reference import contact as contact_module
+from railspring_reference import run
+from railspring_reference import surface as surface_module
 from railspring_reference.body import Body
 from railspring_reference.contact import Carrier, Contact
 from railspring_reference.exchange import Grid, Side
+from railspring_reference.iteration import BeyondCandidates, NotConverged
 from railspring_reference.surface import Graph, rail_gap
 
 SOLVER = 1e-6
@@ -15,6 +22,8 @@ SOLVER = 1e-6
 RADIUS = 0.4
 HEIGHT = 0.02
 WIDTH = 0.02
+LOAD = 4e4
+"""Load under which eleven nodes touch, some slipping and some at rest with a friction of 0.1, N."""
 
 
 def pair(friction: bool = False, carrier: Carrier = "rail") -> tuple[Contact, Body]:
@@ -78,13 +87,14 @@ def test_the_tangent_is_the_slope_of_the_curve(contact: Contact) -> None:
 def test_friction_stays_on_its_cone_and_opposes_slip(contact: Contact) -> None:
     """Goal: |t| <= mu n; slipping points are pushed against their slip; less friction slips more."""
     frictional = contact.with_friction(0.1)
-    state = frictional.press(5e3, None)
+    state = frictional.press(LOAD, None)
     size = np.hypot(*state.tangential.T)
     on = state.normal > 0.0
     assert (size[on] <= 0.1 * state.normal[on] * (1 + SOLVER)).all()
     slipping = on & (size > 0.1 * state.normal * (1 - SOLVER)) & (size > 0.0)
     slip = np.hypot(*state.slip.T)
     resting = on & ~slipping
+    assert resting.any() and (slip[slipping] > 1e-3 * state.lowering).any()
     assert slip[resting].max(initial=0.0) < 1e-4 * state.lowering
     for j in np.flatnonzero(slipping & (slip > 1e-3 * state.lowering)):
         assert state.tangential[j] @ state.slip[j] < 0.0
@@ -109,3 +119,79 @@ def test_the_gap_runs_along_the_normal() -> None:
     expected = 0.1 / (np.sqrt(0.75) + 0.5)
     assert abs(gap[0] - expected) < 1e-12
     assert abs(y[0] + 0.5 * expected) < 1e-12
+
+
+STOPS = [
+    (contact_module, "NNLS_ROUNDS", 0.02, "normal forces by non-negative least squares"),
+    (contact_module, "PROJECTIONS", 1, "tangential forces under given normal forces"),
+    (contact_module, "ALTERNATIONS", 1, "friction under 4e\\+04 N"),
+    (surface_module, "PROJECTIONS", 1, "gap along the wheel's normal"),
+]
+"""Iterations with a limit that is too small for them."""
+
+
+@pytest.mark.parametrize(("module", "limit", "value", "what"), STOPS)
+def test_an_iteration_without_an_answer_is_an_error(
+    contact: Contact, monkeypatch: pytest.MonkeyPatch, module: ModuleType, limit: str, value: float, what: str
+) -> None:
+    """Goal: each iteration that runs out of steps raises with its name, its steps and what was missing."""
+    frictional = contact.with_friction(0.1)
+    monkeypatch.setattr(module, limit, value)
+    with pytest.raises(NotConverged, match=what) as caught:
+        frictional.press(LOAD, None)
+    assert caught.value.iterations == (round(value * contact.count) if limit == "NNLS_ROUNDS" else value)
+    assert caught.value.points > 0
+    assert f"no convergence in {caught.value.iterations} iterations" in str(caught.value)
+
+
+def test_the_edge_of_the_candidates_alone_asks_for_more_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Goal: an iteration that stops is not hidden by a larger contact surface, and three sizes that are too small are an
+    error, not a contact."""
+    made: list[float] = []
+
+    class Planted:
+        def __init__(self, *arguments: object) -> None:
+            made.append(float(str(arguments[4])))
+
+        def press(self, *_: object) -> None:
+            raise error
+
+    class Asked:
+        loads = np.array([1e3])
+
+        def side(self, *_: object) -> None:
+            return None
+
+    monkeypatch.setattr(run, "Contact", Planted)
+    bodies: Any = {"wheel": None, "rail": None}
+    asked: Any = Asked()
+    error: Exception = NotConverged("friction under 1e3 N", 200, 1.0, 0.1, "N", 9)
+    with pytest.raises(NotConverged):
+        run.condense(asked, bodies, "same_mesh")
+    assert len(made) == 1
+    made.clear()
+    error = BeyondCandidates("edge")
+    with pytest.raises(BeyondCandidates, match="same mesh: candidates up to a gap of 0.00018 m are not enough"):
+        run.condense(asked, bodies, "same_mesh")
+    assert made == pytest.approx([8e-5, 1.2e-4, 1.8e-4])
+
+
+def test_the_command_ends_with_the_reason(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Goal: 3 and a line for the tool where an iteration stops, 3 for other numerics, 2 for input; never a traceback."""
+    planted: list[tuple[Exception, int, str]] = [
+        (NotConverged("friction under 1e+04 N", 200, 0.25, 0.1, "N", 9), 3, "friction under 1e+04 N: no convergence"),
+        (BeyondCandidates("edge"), 3, "BeyondCandidates: edge"),
+        (RuntimeError("Factor is exactly singular"), 3, "RuntimeError: Factor is exactly singular"),
+        (KeyError("loads_n"), 2, "KeyError: 'loads_n'"),
+    ]
+    for error, code, text in planted:
+
+        def stop(_: object, error: Exception = error) -> None:
+            raise error
+
+        monkeypatch.setattr(run, "run", stop)
+        assert run.main(["folder"]) == code
+        said = capsys.readouterr()
+        assert said.err.startswith(f"error: {text}") and said.err.count("\n") == 1
+        line = "STOPPED\tfriction under 1e+04 N\t200\t0.25\t9\n"
+        assert said.out == (line if isinstance(error, NotConverged) else "")

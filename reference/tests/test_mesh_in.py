@@ -1,5 +1,6 @@
 """Reading meshes: groups of every kind, and what is refused."""
 
+import contextlib
 import json
 import struct
 from pathlib import Path
@@ -9,6 +10,7 @@ import meshio
 import numpy as np
 import pytest
 
+from railspring_reference import mesh_in
 from railspring_reference.mesh_in import Refused, collect, main
 
 AXES = [np.array([0.0, 1.0, 2.5]), np.array([0.0, 0.1]), np.array([0.0, 1.0 / 3.0])]
@@ -151,8 +153,71 @@ def test_files_that_cannot_be_read_are_refused(tmp_path: Path, capsys: pytest.Ca
     (tmp_path / "b.inp").write_text(twice)
     assert 'element set "a" on a line *ELEMENT and on a line *ELSET' in refused(tmp_path / "b.inp")
     (tmp_path / "b.inp").write_text("*INCLUDE, INPUT=other.inp\n")
-    assert '"b.inp" (*INCLUDE, INPUT=other.inp): expected a file that has the whole mesh' in refused(tmp_path / "b.inp")
     capsys.readouterr()
     assert main([str(tmp_path / "b.inp"), "--contact", "top", "--held", "end"]) == 1
     error = json.loads(capsys.readouterr().out)["error"]
     assert set(error) == {"key", "value", "expected", "remedy"}
+
+
+FOLLOWED = [
+    "*INCLUDE, INPUT=other.inp",
+    " *INCLUDE, INPUT=other.inp",
+    "\t*include ,input = other.inp",
+    "*Include,Input=other.inp",
+    "include, INPUT=other.inp",
+    "*IN*CLUDE, INPUT=other.inp",
+]
+"""Lines that meshio follows into another deck."""
+INCLUDES = [*FOLLOWED, "* INCLUDE, INPUT=other.inp", "*INCLUDE,\nINPUT=other.inp", "*INCLUDE=other.inp"]
+"""These and others that Abaqus or another reader may follow."""
+
+
+@pytest.mark.parametrize("line", INCLUDES)
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_included_decks_are_refused_in_every_spelling(line: str, end: str, tmp_path: Path) -> None:
+    """Goal: no deck is read with parts of another, which the hash of the study would not see."""
+    block(point_sets={"top": TOP, "end": END}).write(tmp_path / "other.inp")
+    (tmp_path / "a.inp").write_bytes(f"*HEADING\nrail\n{line}\n".replace("\n", end).encode())
+    text = refused(tmp_path / "a.inp")
+    assert f'"a.inp" ({line.splitlines()[0].strip()}): expected a file that has the whole mesh' in text
+
+
+@pytest.mark.parametrize("line", FOLLOWED)
+def test_no_other_file_is_opened_however_it_is_named(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Goal: where the look at the lines is left out, the opening of the file itself is refused; a reader of two files
+    (TetGen) likewise; afterwards files can be opened again."""
+    monkeypatch.setattr(mesh_in, "whole", lambda _: None)
+    block(point_sets={"top": TOP, "end": END}).write(tmp_path / "other.inp")
+    (tmp_path / "a.inp").write_text(f"{line}\n")
+    assert len(meshio.read(tmp_path / "a.inp").points) == len(POINTS)
+    assert '"a.inp" (other.inp): expected a file that has the whole mesh' in refused(tmp_path / "a.inp")
+    (tmp_path / "b.node").write_text("1 3 0 0\n1 0 0 0\n")
+    (tmp_path / "b.ele").write_text("0 4 0\n")
+    assert '"b.node" (b.ele): expected' in refused(tmp_path / "b.node")
+    assert (tmp_path / "b.ele").read_text()
+
+
+def test_a_reader_that_goes_on_without_the_other_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Goal: a refused opening counts even where the reader catches it."""
+    path = tmp_path / "a.vtu"
+    block(point_data=masks()).write(path)
+    plain = meshio.read
+
+    def tolerant(file: Path) -> meshio.Mesh:
+        with contextlib.suppress(Exception):
+            (tmp_path / "more.dat").open("rb")
+        return plain(file)
+
+    assert answer(path)[0].shape == POINTS.shape
+    monkeypatch.setattr(meshio, "read", tolerant)
+    assert '"a.vtu" (more.dat): expected a file that has the whole mesh' in refused(path)
+
+
+def test_files_that_may_refer_to_others_are_refused(tmp_path: Path) -> None:
+    """Goal: XDMF by its ending and HDF5 by its first bytes, whatever their content."""
+    for name, content in {"a.xdmf": b"<Xdmf/>", "a.med": mesh_in.HDF5 + b"...", "a.cgns": mesh_in.HDF5}.items():
+        (tmp_path / name).write_bytes(content)
+        text = refused(tmp_path / name)
+        assert text.startswith(f'mesh_file = "{name}" (') and "expected a file that has the whole mesh" in text, text

@@ -71,15 +71,17 @@ impl<'a> Files<'a> {
     }
 
     fn read(&mut self, section: &str, file: &MeshFile) -> Result<GivenMesh> {
-        self.monitor.progress(&format!("reading the {section}'s mesh"), 0, 1)?;
+        let key = format!("{section}.mesh_file");
+        self.monitor.progress(&format!("reading {key}"), 0, 1)?;
         let python = match self.python.take() {
             Some(python) => python,
             None => Python::prepare(self.interpreter, &cache_folder(), Purpose::FirstOrder, self.monitor)?,
         };
-        let answer = self.python.insert(python).read_mesh(&file.path, &file.contact, &file.held)?;
+        let python = self.python.insert(python);
+        let answer = python.read_mesh(&key, &file.path, &file.contact, &file.held, self.monitor)?;
         if !file.is_unchanged() {
             return Err(InputError::new(
-                format!("{section}.mesh_file"),
+                key,
                 format!("{:?}", file.file),
                 "a file that does not change while it is read",
                 "run the command again when it is complete",
@@ -87,7 +89,7 @@ impl<'a> Files<'a> {
             .into());
         }
         let given = given(section, file, &answer)?;
-        self.monitor.progress(&format!("reading the {section}'s mesh"), 1, 1)?;
+        self.monitor.progress(&format!("reading {key}"), 1, 1)?;
         Ok(given)
     }
 }

@@ -22,6 +22,7 @@ from scipy.optimize import brentq, nnls
 
 from .body import Body, Floats, Ints
 from .exchange import Side
+from .iteration import BeyondCandidates, NotConverged
 from .surface import Graph, bilinear, functionals, rail_gap, shape_rows, wheel_points
 
 Flags = NDArray[np.bool_]
@@ -30,6 +31,16 @@ Carrier = Literal["rail", "wheel"]
 
 STEP_FOR_TANGENT = 1e-3
 """Relative load step of the tangent."""
+NNLS_ROUNDS = 100
+"""Most rounds of the non-negative least squares for every multiplier."""
+ALTERNATIONS = 200
+"""Most alternations of normal and tangential forces."""
+ALTERNATION_END = 1e-7
+"""Change of a tangential force that ends them, in the largest normal force."""
+PROJECTIONS = 20000
+"""Most projected gradients of the tangential forces."""
+PROJECTION_END = 1e-11
+"""Change of a tangential force that ends them, in the largest bound of friction."""
 
 
 @dataclass(frozen=True)
@@ -192,7 +203,11 @@ class Contact:
     def _normal_forces(self, gap: Floats) -> Floats:
         rhs = -la.solve_triangular(self._root, gap, lower=True)
         scale = float(np.abs(self._root).max())
-        return nnls(self._root.T / scale, rhs, maxiter=100 * self.count)[0] / scale
+        rounds = round(NNLS_ROUNDS * self.count)
+        try:
+            return nnls(self._root.T / scale, rhs, maxiter=rounds)[0] / scale
+        except RuntimeError as cause:  # SciPy gives no number
+            raise NotConverged("normal forces by non-negative least squares", rounds, np.nan, 0.0, "N", self.count) from cause
 
     def _balance(self, load: float, extra_gap: Floats, carried: float, guess: float) -> tuple[float, Floats]:
         """Lowering and normal forces that carry ``load`` less ``carried``."""
@@ -206,13 +221,18 @@ class Contact:
         while excess(high) < 0.0:
             high *= 1.5
             if high > 0.01:
-                raise ValueError(f"the load {load:.4g} N cannot be carried")
+                raise ValueError(f"the load {load:.4g} N is not reached with the wheel lowered by {high:.3g} m")
         low = 0.7 * high
-        while low > 1e-9 and excess(low) > 0.0:
+        while excess(low) > 0.0:
+            if low < 1e-9:
+                raise ValueError(f"the tangential forces alone exceed the load {load:.4g} N")
             low *= 0.7
-        root = float(brentq(excess, low, high, xtol=1e-13, rtol=1e-12))
+        root, report = brentq(excess, low, high, xtol=1e-13, rtol=1e-12, full_output=True, disp=False)
+        if not report.converged:
+            what, carrying = f"lowering of the wheel under {load:.4g} N", int((last["f"] > 0.0).sum())
+            raise NotConverged(what, report.iterations, abs(excess(root)), 0.0, "N", carrying)
         excess(root)
-        return root, last["f"]
+        return float(root), last["f"]
 
     def press(self, load: float, before: State | None) -> State:
         """Equilibrium under ``load``, grown from ``before``."""
@@ -226,17 +246,19 @@ class Contact:
         tangential = before.tangential.T.ravel() if before else np.zeros(2 * n)
         old_slip = before.slip.T.ravel() if before else np.zeros(2 * n)
         vertical = self.vertical[n:]
-        for _ in range(200):
+        for _ in range(ALTERNATIONS):
             lowering, normal = self._balance(load, normal_tangential @ tangential, float(vertical @ tangential), guess)
             guess = lowering * 1.0001
             free = normal_tangential.T @ normal - vertical * lowering - old_slip
             new = self._friction_forces(free, normal, tangential)
             change = float(np.abs(new - tangential).max())
             tangential = new
-            if change < 1e-7 * float(normal.max()):
+            limit = ALTERNATION_END * float(normal.max())
+            if change < limit:
                 break
         else:
-            raise ValueError(f"friction under {load:.4g} N does not come to rest: change {change:.3g} N")
+            carrying = int((normal > 0.0).sum())
+            raise NotConverged(f"friction under {load:.4g} N", ALTERNATIONS, change, limit, "N", carrying)
         self._check(normal, load)
         slip = free + old_slip + self.compliance[n:, n:] @ tangential
         return State(load, lowering, normal, tangential.reshape(2, n).T, slip.reshape(2, n).T)
@@ -256,8 +278,8 @@ class Contact:
 
         force = project(start[rows])
         ahead, speed = force, 1.0
-        size = float(limit.max())
-        for _ in range(20000):
+        end = PROJECTION_END * float(limit.max())
+        for _ in range(PROJECTIONS):
             new = project(ahead - step * (matrix @ ahead + free[rows]))
             moved = new - force
             if (ahead - new) @ moved > 0.0:
@@ -267,15 +289,19 @@ class Contact:
                 ahead = new + (speed - 1.0) / faster * moved
                 speed = faster
             force = new
-            if np.abs(moved).max() < 1e-11 * size:
+            change = float(np.abs(moved).max())
+            if change < end:
                 break
+        else:
+            what = "tangential forces under given normal forces"
+            raise NotConverged(what, PROJECTIONS, change, end, "N", len(on))
         full = np.zeros(2 * n)
         full[rows] = force
         return full
 
     def _check(self, normal: Floats, load: float) -> None:
         if ((normal > 0.0) & (self.rim_of | self.at_edge)).any():
-            raise ValueError(f"the contact reaches the edge of the candidates under {load:.4g} N")
+            raise BeyondCandidates(f"the contact reaches the edge of the candidates under {load:.4g} N")
 
     def tangent(self, state: State) -> float:
         """Tangent stiffness dP/d(lowering), N/m, for growing load."""

@@ -7,13 +7,16 @@ their numbers, or under ``error`` what is wrong with the file: ``key`` (of the s
 ``expected`` and ``remedy``.
 
 The order of the nodes is that of the file; nodes that belong to no hexahedron (centres of arcs, for instance) are left
-out. Whether the elements are sound, and what the names enclose, is for the tool to judge.
+out. Whether the elements are sound, and what the names enclose, is for the tool to check.
 """
 
 import argparse
 import contextlib
 import json
+import os
 import sys
+import sysconfig
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -36,47 +39,121 @@ TO_HEXAHEDRA = (
     "C3D8 on swept or structured regions"
 )
 """Advice for meshes of other elements."""
-REFERRING = {".xdmf", ".xmf", ".pvtu"}
+REFERRING = {".xdmf", ".xmf"}
 """Endings of files that have their data elsewhere."""
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""Beginning of files whose groups and data may lie in other files."""
+CODE = {".py", ".pyc", ".pyd", ".so", ".dll", ".dylib"}
+"""Endings of what Python itself opens when it imports a module."""
 DIMENSION = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "polygon": 2}
 """Dimension of the cells that carry names at most, by the beginning of their names; all others are volumes."""
 
 
 class Refused(Exception):
-    """The file cannot be used: key of the study, value, what was expected and how to mend it."""
+    """The file cannot be used: key of the study, value, what was expected and how to correct it."""
 
     def __init__(self, key: str, value: str, expected: str, remedy: str) -> None:
         super().__init__(f"{key} = {value}: expected {expected}; {remedy}")
         self.message = {"key": key, "value": value, "expected": expected, "remedy": remedy}
 
 
+class OneFile:
+    """Refuses every other file that is opened while a mesh is read: the study's hash would not see a change in it.
+
+    Python reports each opening before it happens, however the mesh file names the other one.
+    """
+
+    def __init__(self) -> None:
+        self._mesh: Path | None = None
+        self._other: str | None = None
+        self._installed = False
+        folders = {sys.prefix, sys.base_prefix, *(sysconfig.get_paths()[k] for k in ("stdlib", "purelib", "platlib"))}
+        self._python = [Path(folder).resolve() for folder in folders]
+
+    @contextlib.contextmanager
+    def only(self, path: Path) -> Iterator[None]:
+        """Within this context ``path`` alone can be read."""
+        if not self._installed:  # a hook stays for the life of the process
+            sys.addaudithook(self._hook)
+            self._installed = True
+        self._other, self._mesh = None, path.resolve()
+        try:
+            yield
+        finally:
+            self._mesh = None
+        if self._other:  # a reader may have gone on without it
+            raise elsewhere(path, self._other)
+
+    def _hook(self, event: str, arguments: tuple[Any, ...]) -> None:
+        mesh = self._mesh
+        if event != "open" or mesh is None or isinstance(arguments[0], int):
+            return
+        self._mesh = None  # what follows may open files too
+        try:
+            opened = Path(os.fsdecode(arguments[0])).resolve()
+            code = opened.suffix in CODE and any(opened.is_relative_to(folder) for folder in self._python)
+            if opened != mesh and not code:
+                self._other = opened.name
+                raise elsewhere(mesh, opened.name)
+        finally:
+            self._mesh = mesh
+
+
+ONE_FILE = OneFile()
+
+
+def elsewhere(path: Path, what: str) -> Refused:
+    """Refuses a file with parts in others."""
+    return Refused(
+        "mesh_file",
+        f'"{path.name}" ({what})',
+        "a file that has the whole mesh",
+        "write the mesh into one file, for instance by inserting what it includes, or as Gmsh (.msh) or VTU",
+    )
+
+
+def deck_lines(path: Path) -> list[str]:
+    """The lines of a deck, where meshio sees their ends."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        return list(file)
+
+
+def keyword(line: str) -> str:
+    """The keyword of a line of a deck as meshio reads it: with blanks around it, in small letters, even without a star;
+    empty for a comment."""
+    return "" if line.startswith("**") else line.partition(",")[0].strip().replace("*", "").upper()
+
+
+def includes(line: str) -> bool:
+    """Whether a line of a deck includes another: in the spellings that meshio follows, and in those of Abaqus."""
+    head = keyword(line)
+    return head == "INCLUDE" or (line.lstrip().startswith("*") and head.strip().startswith("INCLUDE"))
+
+
 def whole(path: Path) -> None:
-    """Refuses files that name others: the study's hash would not see a change in those."""
+    """Refuses files that name others, as far as can be seen before they are read."""
     ending = path.suffix.lower()
     if ending == ".inp":
-        text = path.read_text(encoding="utf-8", errors="replace")
-        other = next((line.strip() for line in text.splitlines() if line.upper().startswith("*INCLUDE")), None)
+        other = next((line.strip() for line in deck_lines(path) if includes(line)), None)
+    elif ending in REFERRING:
+        other = "its data in another file"
     else:
-        other = "its data in another file" if ending in REFERRING else None
+        with path.open("rb") as file:
+            other = "HDF5, which may have its data in other files" if file.read(len(HDF5)) == HDF5 else None
     if other:
-        raise Refused(
-            "mesh_file",
-            f'"{path.name}" ({other})',
-            "a file that has the whole mesh",
-            "write the mesh into one file, for instance by inserting what it includes",
-        )
+        raise elsewhere(path, other)
 
 
 def read(path: Path) -> meshio.Mesh:
     """The mesh of a file, by its ending."""
-    whole(path)
     try:
+        whole(path)
         # meshio prints what it could not read, and ends the program
-        with contextlib.redirect_stdout(sys.stderr):
+        with contextlib.redirect_stdout(sys.stderr), ONE_FILE.only(path):
             mesh = meshio.read(path)
-            if path.suffix.lower() == ".inp":
-                name_blocks(path, mesh)
-            return mesh
+        if path.suffix.lower() == ".inp":
+            name_blocks(path, mesh)
+        return mesh
     except Refused:
         raise
     except SystemExit:
@@ -95,17 +172,16 @@ def read(path: Path) -> meshio.Mesh:
 def name_blocks(path: Path, mesh: meshio.Mesh) -> None:
     """Puts right the element sets that ``*ELEMENT`` lines name: meshio counts the sets where it should count the
     blocks, and mixes them up where a block has no name or two have the same one."""
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
 
-    def keyword(line: str) -> tuple[str, str | None]:
-        head, *parameters = (part.strip() for part in line.split(","))
+    def set_name(line: str) -> str | None:
+        parameters = (part.strip() for part in line.split(",")[1:])
         sets = (p.split("=")[1].strip() for p in parameters if p.upper().startswith("ELSET") and "=" in p)
-        return head.upper(), next(sets, None)
+        return next(sets, None)
 
-    keywords = [keyword(line) for line in lines if line.startswith("*") and not line.startswith("**")]
-    blocks = [name for head, name in keywords if head == "*ELEMENT"]
+    keywords = [(keyword(line), set_name(line)) for line in deck_lines(path)]
+    blocks = [name for head, name in keywords if head == "ELEMENT"]
     for name in {name for name in blocks if name}:
-        if ("*ELSET", name) in keywords:
+        if ("ELSET", name) in keywords:
             raise Refused(
                 "mesh_file",
                 f'"{path.name}" (element set "{name}" on a line *ELEMENT and on a line *ELSET)',
@@ -190,7 +266,7 @@ def inside(values: Any) -> Ints:
 def group(mesh: meshio.Mesh, key: str, name: str) -> Ints:
     """Nodes of the group ``name``, ascending."""
     known = groups(mesh)
-    # Abaqus does not tell upper case from lower
+    # upper and lower case are the same in Abaqus
     alike = [other for other in known if other.casefold() == name.casefold()]
     found = name if name in known else alike[0] if len(alike) == 1 else None
     if found is None:

@@ -17,6 +17,7 @@ from .body import Body
 from .contact import Carrier, Contact
 from .exchange import Exchange
 from .factor import solver
+from .iteration import BeyondCandidates, NotConverged
 
 FIRST_REACH = 0.08e-3
 """First guess of the largest gap of a candidate at touching, m."""
@@ -71,11 +72,11 @@ def condense(
         )
         try:
             contact.press(float(exchange.loads[-1]), None)
-        except ValueError:
+        except BeyondCandidates:
             reach *= 1.5
         else:
-            break
-    return contact
+            return contact
+    raise BeyondCandidates(f"{case.replace('_', ' ')}: candidates up to a gap of {reach / 1.5:.2g} m are not enough")
 
 
 def load_curve(exchange: Exchange, contact: Contact, label: str) -> list[dict[str, float]]:
@@ -146,14 +147,22 @@ def run(folder: Path) -> dict[str, Any]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """``python -m railspring_reference FOLDER``."""
+    """Entry point with the exchange folder; ends with 2 for input that cannot be used and with 3 where the numerics do
+    not reach an answer. An iteration that stops has a line for the tool: what, iterations, residual, points."""
     arguments = sys.argv[1:] if arguments is None else arguments
     if len(arguments) != 1:
         print("usage: python -m railspring_reference EXCHANGE_FOLDER", file=sys.stderr)
         return 2
     try:
         run(Path(arguments[0]))
-    except (ValueError, OSError, KeyError) as cause:
-        print(f"error: {cause}", file=sys.stderr)
-        return 3
-    return 0
+    except NotConverged as stop:
+        print(f"STOPPED\t{stop.what}\t{stop.iterations}\t{stop.residual}\t{stop.points}", flush=True)
+        cause, code = f"{stop}", 3
+    except (BeyondCandidates, np.linalg.LinAlgError, RuntimeError, ArithmeticError, MemoryError) as stop:
+        cause, code = f"{type(stop).__name__}: {stop}", 3
+    except (ValueError, OSError, KeyError) as stop:
+        cause, code = f"{type(stop).__name__}: {stop}", 2
+    else:
+        return 0
+    print(f"error: {cause}", file=sys.stderr)
+    return code

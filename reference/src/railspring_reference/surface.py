@@ -13,11 +13,16 @@ from scipy.interpolate import CubicSpline
 
 from .body import Body, Floats, Ints
 from .exchange import Side
+from .iteration import NotConverged
 
 GAUSS = 7
 """Gauss points a direction on every face."""
 STEEPEST = 6.0
 """Largest slope at which a profile is taken as a graph z(y)."""
+PROJECTIONS = 50
+"""Most steps of Newton's method for a gap."""
+GAP_END = 1e-15
+"""Change of a gap that ends them, m."""
 
 
 class Graph:
@@ -60,12 +65,15 @@ def rail_gap(points: Points, rail: Graph, origin: Floats, lowered: float) -> tup
     z = points.position[2] + lowered - origin[1]
     _, ny, nz = points.normal
     gap = np.zeros_like(y)
-    for _ in range(50):
+    for _ in range(PROJECTIONS):
         at = np.clip(y + gap * ny, rail.low, rail.high)
         step = (z + gap * nz - rail.z(at)) / (nz - ny * rail.z(at, 1))
         gap -= step
-        if np.abs(step).max() < 1e-15:
+        change = float(np.abs(step).max())
+        if change < GAP_END:
             break
+    else:
+        raise NotConverged("gap along the wheel's normal", PROJECTIONS, change, GAP_END, "m", len(gap))
     return gap, y + gap * ny + origin[0]
 
 

@@ -1,0 +1,170 @@
+//! The virtual environment with the locked packages.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use railspring_calibrate::error::Result;
+use railspring_calibrate::monitor::Monitor;
+
+use super::child::Limits;
+use super::{PROBE_LIMITS, Purpose, answer, cache_error, isolated, missing};
+
+/// Exact versions and hashes of all packages.
+const LOCK: &str = include_str!("../../reference/requirements.lock");
+/// The same with what elements of second order need besides.
+const SECOND_ORDER_LOCK: &str = include_str!("../../reference/requirements-second-order.lock");
+/// Limits of making the environment and of loading packages over a slow line.
+const LIMITS: Limits = Limits { time: Duration::from_secs(1800), output: 64 << 20 };
+/// Shown while that goes on.
+const STAGE: &str = "making the Python environment";
+/// Settings of pip that say where packages come from and how to get there. With hashes it does not matter who hands the
+/// packages over. All others could install something else or elsewhere, so they are not handed on.
+const NETWORK: [&str; 16] = [
+    "CACHE_DIR",
+    "CERT",
+    "CLIENT_CERT",
+    "CONFIG_FILE",
+    "DEFAULT_TIMEOUT",
+    "EXTRA_INDEX_URL",
+    "FIND_LINKS",
+    "INDEX_URL",
+    "KEYRING_PROVIDER",
+    "NO_CACHE_DIR",
+    "NO_INDEX",
+    "NO_INPUT",
+    "PROXY",
+    "RETRIES",
+    "TIMEOUT",
+    "TRUSTED_HOST",
+];
+
+/// Default folder of the virtual environment: `RAILSPRING_CACHE`, else the user's cache folder.
+pub fn cache_folder() -> PathBuf {
+    let user = |name: &str, below: &[&str]| -> Option<PathBuf> {
+        let root = std::env::var_os(name).filter(|v: &OsString| !v.is_empty())?;
+        Some(below.iter().fold(PathBuf::from(root), |path, part| path.join(part)))
+    };
+    user("RAILSPRING_CACHE", &[])
+        .or_else(|| user("XDG_CACHE_HOME", &["railspring"]))
+        .or_else(|| user("LOCALAPPDATA", &["railspring"]))
+        .or_else(|| user("HOME", &[".cache", "railspring"]))
+        .unwrap_or_else(|| PathBuf::from(".railspring-cache"))
+}
+
+/// The interpreter of the virtual environment in `cache`, an absolute path; made if its mark of completion is absent.
+/// Programs work in the folder `place`.
+pub(super) fn interpreter(
+    cache: &Path,
+    purpose: Purpose,
+    place: &Path,
+    monitor: &dyn Monitor,
+) -> Result<PathBuf> {
+    let packages = match purpose {
+        Purpose::FirstOrder => LOCK,
+        Purpose::SecondOrder => SECOND_ORDER_LOCK,
+    };
+    let name = format!("venv-{}", &blake3::hash(packages.as_bytes()).to_hex()[..12]);
+    // of two commands at the same time one makes the environment and the other waits for it
+    let _one = std::fs::File::create(cache.join(format!("{name}.lock")))
+        .and_then(|file| file.lock().map(|()| file))
+        .map_err(|cause| cache_error(cache, &cause))?;
+    let folder = cache.join(&name);
+    let interpreter =
+        if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") };
+    let complete = folder.join("complete");
+    if complete.exists() && interpreter.exists() {
+        return Ok(interpreter);
+    }
+    const SUITABLE: &str = "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))";
+    let base = ["python3", "python"]
+        .map(Path::new)
+        .into_iter()
+        .find(|name| {
+            let mut command = isolated(name, place);
+            command.args(["-c", SUITABLE]);
+            answer(&mut command, &PROBE_LIMITS, monitor, STAGE).is_ok_and(|ended| ended.status.success())
+        })
+        .ok_or_else(|| {
+            missing(Path::new("python3"), "no Python 3.11 or newer with venv was found on the path")
+        })?;
+    monitor.progress(STAGE, 0, 2)?;
+    let lock = cache.join(format!("{name}.txt"));
+    std::fs::write(&lock, packages).map_err(|cause| cache_error(cache, &cause))?;
+    let made = |program: &Path, arguments: &[&OsStr]| -> Result<()> {
+        let mut command = isolated(program, place);
+        keep_network_settings(&mut command);
+        command.args(arguments);
+        let ended = answer(&mut command, &LIMITS, monitor, STAGE)?;
+        if ended.status.success() {
+            return Ok(());
+        }
+        let said = format!("{}\n{}", ended.messages, String::from_utf8_lossy(&ended.output));
+        let cause = said.lines().find(|line| line.contains("ERROR")).or(said.trim_end().lines().last());
+        Err(missing(program, cause.unwrap_or("failed")).into())
+    };
+    made(base, &["-m".as_ref(), "venv".as_ref(), "--clear".as_ref(), folder.as_os_str()])?;
+    monitor.progress(STAGE, 1, 2)?;
+    // wheels alone: a source package would run its own code here
+    let install =
+        "-m pip install --quiet --disable-pip-version-check --require-hashes --only-binary=:all: -r";
+    let mut arguments: Vec<&OsStr> = install.split(' ').map(OsStr::new).collect();
+    arguments.push(lock.as_os_str());
+    made(&interpreter, &arguments)?;
+    std::fs::write(&complete, "").map_err(|cause| cache_error(cache, &cause))?;
+    monitor.progress(STAGE, 2, 2)?;
+    Ok(interpreter)
+}
+
+/// Takes all of pip's variables away but those of the network and the index.
+fn keep_network_settings(command: &mut Command) {
+    for (name, _) in std::env::vars_os() {
+        if changes_the_installation(&name.to_string_lossy()) {
+            command.env_remove(name);
+        }
+    }
+}
+
+/// Whether a variable is one of pip's that says what is installed, or where.
+fn changes_the_installation(name: &str) -> bool {
+    name.to_uppercase().strip_prefix("PIP_").is_some_and(|setting| !NETWORK.contains(&setting))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: the way to the index stays, another target does not.
+    #[test]
+    fn pip_keeps_its_network_and_nothing_else() {
+        for name in ["PIP_INDEX_URL", "pip_cert", "PIP_PROXY", "PATH", "SSL_CERT_FILE", "PIPX_HOME"] {
+            assert!(!changes_the_installation(name), "{name}");
+        }
+        for name in ["PIP_TARGET", "PIP_USER", "PIP_PYTHON", "PIP_NO_BINARY", "PIP_PRE", "pip_constraint"] {
+            assert!(changes_the_installation(name), "{name}");
+        }
+    }
+
+    /// Goal: every package of both locks has a version and at least one hash, and the locks name no host.
+    #[test]
+    fn the_locks_have_hashes_for_every_package() {
+        for lock in [LOCK, SECOND_ORDER_LOCK] {
+            assert!(!lock.contains("://") && !lock.contains("--index"), "a host in a lock");
+            let whole = lock.replace("\\\n", " ");
+            let packages: Vec<&str> =
+                whole.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty()).collect();
+            assert!(packages.len() > 10);
+            for package in &packages {
+                assert!(package.contains("==") && package.contains("--hash=sha256:"), "{package}");
+            }
+            for name in ["meshio", "numpy", "scikit-fem", "scipy", "pytest"] {
+                assert!(packages.iter().any(|package| package.starts_with(&format!("{name}=="))), "{name}");
+            }
+        }
+        for line in LOCK.lines().filter(|line| line.contains("==")) {
+            assert!(SECOND_ORDER_LOCK.contains(line), "{line}: not the same in both locks");
+        }
+        assert!(SECOND_ORDER_LOCK.contains("pypardiso=="));
+    }
+}

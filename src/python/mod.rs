@@ -1,0 +1,419 @@
+//! Finding or making the Python environment, and running the package of `reference/` in it: the independent solution,
+//! and the reader of mesh files.
+//!
+//! Python runs isolated: it imports what is installed beside the interpreter and the package of this program, whatever
+//! lies in the working folder, beside a study or on `PYTHONPATH`.
+
+mod child;
+mod environment;
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf, absolute};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::time::Duration;
+
+use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason};
+use railspring_calibrate::monitor::Monitor;
+use tempfile::TempDir;
+
+use child::{Ended, Limits, Stop};
+pub use environment::cache_folder;
+
+/// The reference package itself, so that the installed program needs no source tree.
+const PACKAGE: [(&str, &str); 11] = [
+    ("__init__.py", include_str!("../../reference/src/railspring_reference/__init__.py")),
+    ("__main__.py", include_str!("../../reference/src/railspring_reference/__main__.py")),
+    ("iteration.py", include_str!("../../reference/src/railspring_reference/iteration.py")),
+    ("ordering.py", include_str!("../../reference/src/railspring_reference/ordering.py")),
+    ("factor.py", include_str!("../../reference/src/railspring_reference/factor.py")),
+    ("body.py", include_str!("../../reference/src/railspring_reference/body.py")),
+    ("exchange.py", include_str!("../../reference/src/railspring_reference/exchange.py")),
+    ("surface.py", include_str!("../../reference/src/railspring_reference/surface.py")),
+    ("contact.py", include_str!("../../reference/src/railspring_reference/contact.py")),
+    ("run.py", include_str!("../../reference/src/railspring_reference/run.py")),
+    ("mesh_in.py", include_str!("../../reference/src/railspring_reference/mesh_in.py")),
+];
+/// Name of the package.
+const NAME: &str = "railspring_reference";
+/// Loads the package from its own folder (first argument) and runs one of its modules (second argument). The folder is
+/// not put on the path of modules: what else lies there is never imported.
+const BOOTSTRAP: &str = "\
+import importlib.util, os, runpy, sys
+folder, module = sys.argv[1:3]
+del sys.argv[1:3]
+name = module.partition('.')[0]
+spec = importlib.util.spec_from_file_location(
+    name, os.path.join(folder, '__init__.py'), submodule_search_locations=[folder])
+sys.modules[name] = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(sys.modules[name])
+runpy.run_module(module, run_name='__main__', alter_sys=True)
+";
+/// Fails where the interpreter is too old or lacks a package.
+const PROBE: &str = "\
+import sys
+if sys.version_info < (3, 11):
+    sys.exit('Python ' + sys.version.split()[0] + ' is older than 3.11')
+import skfem, meshio, scipy, numpy
+";
+/// What to do where Python is missing.
+const REMEDY: &str = "install Python 3.11 or newer with the module venv (Debian: apt install python3-venv), or name an \
+                      interpreter that has scikit-fem, meshio and scipy with --python PATH; only `crosscheck` and studies \
+                      with a mesh_file need it";
+/// Limits of a command that answers at once.
+const PROBE_LIMITS: Limits = Limits { time: Duration::from_secs(120), output: 1 << 20 };
+/// Time for the reader of mesh files to start, for files of any size.
+const READER_START: Duration = Duration::from_secs(60);
+/// Time for every million bytes of a mesh file; meshio takes a tenth of a second for text.
+const READER_PER_MEGABYTE: Duration = Duration::from_secs(10);
+/// Largest answer of the reader: ten million nodes and hexahedra.
+const LARGEST_ANSWER: u64 = 1 << 30;
+/// Exit code of the reference where its numerics do not reach an answer.
+const NO_ANSWER: i32 = 3;
+
+/// What an environment is made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Meshes, and elements of first order.
+    FirstOrder,
+    /// Elements of second order too, which need a faster factorisation.
+    SecondOrder,
+}
+
+/// An interpreter that can run the reference.
+#[derive(Debug, Clone)]
+pub struct Python {
+    interpreter: PathBuf,
+    package: PathBuf,
+    /// An empty working folder.
+    place: Arc<TempDir>,
+}
+
+impl Python {
+    /// Takes the given interpreter, or makes a virtual environment in `cache` with the locked
+    /// packages if none is there yet.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `--python` that says what is missing and how to get it; the user's wish to stop.
+    pub fn prepare(
+        given: Option<&Path>,
+        cache: &Path,
+        purpose: Purpose,
+        monitor: &dyn Monitor,
+    ) -> Result<Self> {
+        // Python works in another folder, so that paths have to be whole
+        let cache = absolute(cache).map_err(|cause| cache_error(cache, &cause))?;
+        let package = cache.join(format!("reference-{}", &package_hash()[..12])).join(NAME);
+        write_package(&package).map_err(|cause| cache_error(&cache, &cause))?;
+        let place = tempfile::tempdir().map_err(|cause| {
+            InputError::new(
+                "temporary folder",
+                format!("{} ({cause})", std::env::temp_dir().display()),
+                "a folder that can be written",
+                "set TMPDIR to another one",
+            )
+        })?;
+        let interpreter = match given {
+            Some(path) => whole(path),
+            None => environment::interpreter(&cache, purpose, place.path(), monitor)?,
+        };
+        let python = Self { interpreter, package, place: Arc::new(place) };
+        python.probe(monitor)?;
+        Ok(python)
+    }
+
+    /// The interpreter.
+    pub fn interpreter(&self) -> &Path {
+        &self.interpreter
+    }
+
+    /// Fails if the packages cannot be imported.
+    fn probe(&self, monitor: &dyn Monitor) -> Result<()> {
+        let mut command = isolated(&self.interpreter, self.place.path());
+        command.args(["-c", PROBE]);
+        let ended = answer(&mut command, &PROBE_LIMITS, monitor, "looking for Python")?;
+        if ended.status.success() {
+            return Ok(());
+        }
+        let cause = last_line(&ended.messages).unwrap_or("it cannot import the packages");
+        Err(missing(&self.interpreter, cause).into())
+    }
+
+    /// A module of the package, to be run.
+    fn module(&self, name: &str) -> Command {
+        let mut command = isolated(&self.interpreter, self.place.path());
+        command.args(["-c", BOOTSTRAP]).arg(&self.package).arg(format!("{NAME}.{name}"));
+        command
+    }
+
+    /// What the reader of mesh files says about a file and the names of its contact surface and held nodes: a line of
+    /// JSON and raw data, as `mesh_in.py` describes them. `key` is that of the file in the study.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `--python` if the reader does not run, and with `key` if the file takes it too long or
+    /// holds too much; the user's wish to stop. A file that it refuses is no such error.
+    pub fn read_mesh(
+        &self,
+        key: &str,
+        file: &Path,
+        contact: &str,
+        held: &str,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<u8>> {
+        let bytes = std::fs::metadata(file).map_or(0, |data| data.len());
+        #[allow(clippy::cast_precision_loss)] // seconds for a file
+        let time = READER_START + READER_PER_MEGABYTE.mul_f64(bytes as f64 / 1e6);
+        self.read_mesh_within(&Limits { time, output: LARGEST_ANSWER }, key, file, [contact, held], monitor)
+    }
+
+    fn read_mesh_within(
+        &self,
+        limits: &Limits,
+        key: &str,
+        file: &Path,
+        [contact, held]: [&str; 2],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<u8>> {
+        let mut command = self.module("mesh_in");
+        // with = a name may begin with a dash
+        command
+            .args([format!("--contact={contact}"), format!("--held={held}"), "--".into()])
+            .arg(whole(file));
+        let go_on = || monitor.progress(&format!("reading {key}"), 0, 1);
+        let ended = match child::run(&mut command, limits, &go_on) {
+            Ok(ended) => ended,
+            Err(Stop::Asked(stop)) => return Err(stop),
+            Err(Stop::Failed(cause)) => return Err(missing(&self.interpreter, &cause.to_string()).into()),
+            Err(Stop::Time) => {
+                let seconds = limits.time.as_secs_f64();
+                return Err(InputError::new(
+                    key,
+                    format!("\"{}\" (still being read after {seconds:.0} s)", file.display()),
+                    format!("a mesh that is read within {seconds:.0} s, which is ample for a file of its size"),
+                    "check that the file is whole and what its ending says, or write it in another format (VTU is read \
+                     fastest)",
+                )
+                .into());
+            }
+            Err(Stop::Output) => {
+                return Err(InputError::new(
+                    key,
+                    format!(
+                        "\"{}\" (more than {} MiB of nodes and elements)",
+                        file.display(),
+                        limits.output >> 20
+                    ),
+                    "a mesh of at most some million hexahedra",
+                    "take a coarser mesh",
+                )
+                .into());
+            }
+        };
+        if ended.output.is_empty() {
+            let cause = last_line(&ended.messages).unwrap_or("it said nothing");
+            return Err(missing(&self.interpreter, cause).into());
+        }
+        Ok(ended.output)
+    }
+
+    /// Runs the reference on an exchange folder, handing its progress on.
+    ///
+    /// # Errors
+    /// [`NumericsError`] where an iteration of the reference does not converge; [`InputError`] with what the
+    /// reference said when it failed otherwise; the user's wish to stop.
+    pub fn run(&self, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
+        let failed = |cause: std::io::Error| missing(&self.interpreter, &cause.to_string());
+        let mut child = self
+            .module("__main__")
+            .arg(whole(folder))
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(failed)?;
+        let messages = child::messages_of(&mut child);
+        let output = BufReader::new(child.stdout.take().expect("stdout is piped"));
+        let mut stopped = None;
+        for line in output.lines().map_while(std::result::Result::ok) {
+            let parts: Vec<&str> = line.split('\t').collect();
+            match parts[..] {
+                ["PROGRESS", stage, done, total] => {
+                    let (done, total) = (done.parse().unwrap_or(0), total.parse().unwrap_or(1));
+                    if let Err(stop) = monitor.progress(&format!("reference: {stage}"), done, total) {
+                        let _ = child.kill();
+                        let _ = child.wait();
+                        return Err(stop);
+                    }
+                }
+                ["STOPPED", what, iterations, residual, points] => {
+                    stopped = Some(NumericsError {
+                        stage: format!("reference: {what}"),
+                        step: None,
+                        iteration: iterations.parse().unwrap_or(0),
+                        residual: residual.parse().unwrap_or(f64::NAN),
+                        active: points.parse().unwrap_or(0),
+                        reason: StopReason::IterationLimit,
+                    });
+                }
+                _ => {}
+            }
+        }
+        let status = child.wait().map_err(failed)?;
+        let said = messages.recv().unwrap_or_default();
+        match (status.code(), stopped) {
+            (Some(0), None) => Ok(()),
+            (Some(NO_ANSWER), Some(stopped)) => Err(stopped.into()),
+            (code, _) => Err(InputError::new(
+                "reference",
+                format!(
+                    "{} ({})",
+                    last_line(&said).unwrap_or("no message"),
+                    code.map_or_else(|| status.to_string(), |code| format!("exit code {code}"))
+                ),
+                "a reference run that ends",
+                format!("the questions that it was asked are in {}", folder.display()),
+            )
+            .into()),
+        }
+    }
+}
+
+/// An interpreter that sees neither the working folder nor variables of the user's own Python.
+fn isolated(interpreter: &Path, place: &Path) -> Command {
+    let mut command = Command::new(interpreter);
+    for (name, _) in std::env::vars_os() {
+        if name.to_string_lossy().to_uppercase().starts_with("PYTHON") {
+            command.env_remove(name);
+        }
+    }
+    // -I: no variables, no folder of the script or of the user on the path of modules; -B: no files beside modules;
+    // UTF-8 on every system
+    command.args(["-I", "-B", "-X", "utf8"]).current_dir(place);
+    command
+}
+
+/// Runs a command that the user waits for.
+fn answer(command: &mut Command, limits: &Limits, monitor: &dyn Monitor, stage: &str) -> Result<Ended> {
+    let program = PathBuf::from(command.get_program());
+    child::run(command, limits, &|| monitor.progress(stage, 0, 1)).map_err(|stop| match stop {
+        Stop::Asked(stop) => stop,
+        Stop::Failed(cause) => missing(&program, &cause.to_string()).into(),
+        Stop::Time => missing(&program, &format!("no answer within {} s", limits.time.as_secs())).into(),
+        Stop::Output => missing(&program, "it writes without end").into(),
+    })
+}
+
+/// A path that means the same in every working folder; a bare name is one to be looked up.
+fn whole(path: &Path) -> PathBuf {
+    let bare = path.parent() == Some(Path::new("")) && !path.exists();
+    if bare { path.to_path_buf() } else { absolute(path).unwrap_or_else(|_| path.to_path_buf()) }
+}
+
+fn last_line(text: &str) -> Option<&str> {
+    text.lines().rev().map(str::trim).find(|line| !line.is_empty())
+}
+
+/// BLAKE3 of the reference package's source files.
+pub fn package_hash() -> String {
+    blake3::hash(&package_bytes()).to_hex().to_string()
+}
+
+fn package_bytes() -> Vec<u8> {
+    PACKAGE.iter().flat_map(|(name, text)| [name.as_bytes(), text.as_bytes()].concat()).collect()
+}
+
+fn write_package(package: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(package)?;
+    for (name, text) in PACKAGE {
+        let file = package.join(name);
+        if std::fs::read(&file).ok().as_deref() != Some(text.as_bytes()) {
+            // commands that run at the same time must not see half a file
+            let mut whole = tempfile::NamedTempFile::new_in(package)?;
+            whole.write_all(text.as_bytes())?;
+            whole.persist(file)?;
+        }
+    }
+    Ok(())
+}
+
+fn missing(interpreter: &Path, cause: &str) -> InputError {
+    InputError::new(
+        "--python",
+        format!("{} ({cause})", interpreter.display()),
+        "a Python that runs the reference (scikit-fem, meshio, numpy, scipy)",
+        REMEDY,
+    )
+}
+
+fn cache_error(cache: &Path, cause: &std::io::Error) -> InputError {
+    InputError::new(
+        "cache folder",
+        format!("{} ({cause})", cache.display()),
+        "a folder that can be created and written",
+        "set RAILSPRING_CACHE to another one",
+    )
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use railspring_calibrate::error::Error;
+    use railspring_calibrate::monitor::Silent;
+
+    use super::*;
+
+    /// An interpreter that knows no Python: it reads for ever, and its reference does as `reference` says.
+    fn planted(reference: &str) -> (Python, TempDir) {
+        let root = tempfile::tempdir().unwrap();
+        let file = root.path().join("python");
+        let script = format!(
+            "#!/bin/sh\ncase \"$*\" in\n*.mesh_in*) exec sleep 600;;\n*.__main__*) {reference};;\nesac\n"
+        );
+        std::fs::write(&file, script).unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let python = Python::prepare(Some(&file), root.path(), Purpose::FirstOrder, &Silent);
+        (python.unwrap_or_else(|e| panic!("{e}")), root)
+    }
+
+    /// Goal: a reader that does not end is killed; the message has the key, the file, the seconds and what to do.
+    #[test]
+    fn a_reader_that_does_not_end_is_refused() {
+        let (python, root) = planted("exit 1");
+        let limits = Limits { time: Duration::from_millis(300), output: 1000 };
+        let begun = std::time::Instant::now();
+        let file = root.path().join("rail.inp");
+        let said = python
+            .read_mesh_within(&limits, "rail.mesh_file", &file, ["top", "foot"], &Silent)
+            .unwrap_err()
+            .to_string();
+        assert!(begun.elapsed() < Duration::from_secs(30));
+        assert!(said.starts_with("rail.mesh_file = ") && said.contains("rail.inp"), "{said}");
+        assert!(said.contains("still being read after") && said.contains("check that the file"), "{said}");
+    }
+
+    /// Goal: an iteration of the reference without an answer is an error of the numerics with its place, its steps and
+    /// its residual; any other failure has its words and its exit code.
+    #[test]
+    fn a_reference_without_an_answer_says_why() {
+        let stop = r"printf 'PROGRESS\ta\t1\t2\nSTOPPED\tfriction under 1e+04 N\t200\t0.25\t9\n'; exit 3";
+        let (python, root) = planted(stop);
+        match python.run(root.path(), &Silent) {
+            Err(Error::Numerics(stop)) => {
+                assert_eq!(stop.stage, "reference: friction under 1e+04 N");
+                assert_eq!((stop.iteration, stop.residual, stop.active), (200, 0.25, 9));
+                assert_eq!(stop.reason, StopReason::IterationLimit);
+            }
+            other => panic!("{other:?}"),
+        }
+        let (python, root) = planted("echo 'MemoryError: 9 GB' >&2; exit 3");
+        let said = python.run(root.path(), &Silent).unwrap_err().to_string();
+        assert!(
+            said.starts_with("reference = MemoryError: 9 GB (exit code 3): expected a reference run"),
+            "{said}"
+        );
+        // an answer beside a stop is none
+        let (python, root) = planted(&stop.replace("exit 3", "exit 0"));
+        assert!(python.run(root.path(), &Silent).is_err());
+    }
+}
