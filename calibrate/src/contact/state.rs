@@ -98,20 +98,23 @@ impl<'a> State<'a> {
             separation: vec![0.0; rows],
             scale: scales(problem.compliance, count, directions),
         };
-        if !problem.hub.is_empty() && start.iter().all(|f| *f == 0.0) {
-            state.touch_down();
+        if !problem.hub.is_empty() {
+            state.update_separation();
+            if (0..count).all(|j| state.mode(j) == PointMode::Open) {
+                state.touch_down();
+            }
         }
         state
     }
 
-    /// Without a start, moves the hub along its first free axis until the nearest point overlaps a little.
+    /// Where the start presses no point, moves the hub along its first free axis until the nearest one overlaps a little.
     fn touch_down(&mut self) {
         let count = self.problem.points.len();
         let (axis, force) = self.problem.hub[0];
         let reach = (0..count)
             .filter_map(|j| {
                 let slope = self.problem.points.direction(j, 0)[axis];
-                (slope * force > 0.0).then(|| self.problem.free[j] / slope)
+                (slope * force > 0.0).then(|| self.separation[j] / slope)
             })
             .min_by(|a, b| a.abs().total_cmp(&b.abs()));
         if let Some(reach) = reach {
