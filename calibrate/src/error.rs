@@ -60,6 +60,11 @@ pub enum StopReason {
     /// A value became infinite or not a number.
     #[error("a value is not finite")]
     NotFinite,
+    /// The iterations that a run may take are used up.
+    #[error(
+        "the bound on the iterations of a run was reached; the load case is beyond what its time step can follow"
+    )]
+    WorkBound,
     /// The contact reached the edge of the candidate surface.
     #[error("the contact reached the edge of the candidate surface")]
     EdgeOfCandidates,

@@ -55,6 +55,9 @@ pub struct HistoryRow {
     pub wheel_y: f64,
     /// Vertical displacement of the wheel centre since t = 0, m, positive down.
     pub wheel_z: f64,
+    /// Lateral displacement since t = 0 of the point where the lateral force acts, m: that of the wheel centre and the
+    /// lengthening of the lateral suspension, which starts unloaded.
+    pub load_y: f64,
     /// The contacts that carry load, ordered from the gauge side to the field side; empty while separated.
     pub contacts: Vec<ContactState>,
 }

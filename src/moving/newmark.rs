@@ -20,6 +20,12 @@ pub(super) struct Motion {
     pub a: f64,
 }
 
+impl Motion {
+    pub fn is_finite(&self) -> bool {
+        self.u.is_finite() && self.v.is_finite() && self.a.is_finite()
+    }
+}
+
 impl Newmark {
     /// Average acceleration (γ = 1/2, β = 1/4) for `dissipation` = 0; with a dissipation δ, γ = 1/2 + δ and
     /// β = (1 + δ)²/4, which damps what the step cannot resolve and costs one order of accuracy.

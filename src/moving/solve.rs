@@ -4,6 +4,8 @@
 //! eight unknowns remain: the pose of the contact masters B and C, and the
 //! wheel centre A in directions 1 and 2.
 
+use std::cell::Cell;
+
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
@@ -71,6 +73,8 @@ pub(super) struct StepSystem<'a> {
     pub start_force: f64,
     /// Friction limits of the rail nodes at the last converged state, N.
     pub start_limits: Vec<f64>,
+    /// Evaluations of the balance that the run has left.
+    pub evaluations_left: &'a Cell<usize>,
 }
 
 struct Balance {
@@ -133,6 +137,7 @@ impl StepSystem<'_> {
             if balance.error <= DESCENT_TOLERANCE {
                 return Ok((x, balance, iteration));
             }
+            self.check_work(iteration, &balance)?;
             let step = -newton_step(iteration, &balance)?;
             // The slope of the potential along the step rises from negative; where it is zero lies the minimum.
             let slope = |balance: &Balance| step.dot(&balance.residual);
@@ -180,11 +185,19 @@ impl StepSystem<'_> {
             if !balance.error.is_finite() {
                 return Err(failure(iteration, &balance, StopReason::NotFinite));
             }
+            self.check_work(iteration, &balance)?;
             x -= newton_step(iteration, &balance)?;
             let last = std::mem::take(&mut balance.active);
             balance = self.balance(surface, &x, balance.spring_force.y, FrictionLimit::Coulomb(&last));
         }
         Err(failure(most, &balance, StopReason::IterationLimit))
+    }
+
+    fn check_work(&self, iteration: usize, balance: &Balance) -> Result<()> {
+        match self.evaluations_left.get() {
+            0 => Err(failure(iteration, balance, StopReason::WorkBound)),
+            _ => Ok(()),
+        }
     }
 
     fn balance(
@@ -194,6 +207,7 @@ impl StepSystem<'_> {
         guess: f64,
         limit: FrictionLimit,
     ) -> Balance {
+        self.evaluations_left.set(self.evaluations_left.get().saturating_sub(1));
         let pose: Pose = x.fixed_rows::<6>(0).into_owned();
         let centre: Vector2<f64> = x.fixed_rows::<2>(6).into_owned();
         if let Some(motion) = surface.beyond_reach(&pose).filter(|m| m.is_finite()) {

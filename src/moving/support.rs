@@ -30,6 +30,13 @@ pub(super) struct RailState {
     motions: Vec<Motion>,
 }
 
+impl RailState {
+    /// Motions of the modes.
+    pub fn motions(&self) -> &[Motion] {
+        &self.motions
+    }
+}
+
 /// The rail prepared for a run.
 pub(super) struct RailDynamics<'a> {
     beam: &'a RailBeam,

@@ -81,8 +81,13 @@ impl WheelDynamics<'_> {
     pub fn start(&self, state: &mut WheelState, contact: Vector2<f64>, moment: f64) {
         let s = self.scenario;
         let (wheel, suspended) = self.loads(0.0);
-        let relative = s.vertical_suspension.stiffness * (state.suspended.u - state.centre[1].u)
-            + s.vertical_suspension.damping * (state.suspended.v - state.centre[1].v);
+        // Without a suspended mass spring and damper hand its load on from the first moment.
+        let relative = if s.suspended_mass > 0.0 {
+            s.vertical_suspension.stiffness * (state.suspended.u - state.centre[1].u)
+                + s.vertical_suspension.damping * (state.suspended.v - state.centre[1].v)
+        } else {
+            suspended
+        };
         state.centre[0].a = (wheel.x + contact.x) / self.mass;
         state.centre[1].a = (wheel.y + contact.y + relative) / self.mass;
         state.suspended.a =
@@ -102,13 +107,13 @@ impl WheelDynamics<'_> {
         let own = self.mass * scheme.acceleration;
         let mass = s.suspended_mass * scheme.acceleration + coupling;
         let load = suspended + s.suspended_mass * scheme.inertia(&state.suspended) - damper;
-        // Eliminate the suspended mass; without one and without suspension nothing is left of it.
+        // Eliminate the suspended mass; without one and without suspension its load acts on the wheel.
         let (stiffness, vertical) = if mass > 0.0 {
             // coupling − coupling²/mass without its cancellation.
             let series = coupling * (s.suspended_mass * scheme.acceleration) / mass;
             (own + series, vertical + coupling / mass * load)
         } else {
-            (own, vertical)
+            (own, vertical + load)
         };
         WheelStep {
             stiffness: [own, stiffness],
@@ -126,7 +131,7 @@ impl WheelStep {
     /// State at the end of the step from the displacements of the centre and its rotation.
     pub fn finish(&self, scheme: &Newmark, state: &WheelState, centre: [f64; 2], roll: f64) -> WheelState {
         let (coupling, mass, load) = self.suspension;
-        let suspended = if mass > 0.0 { (load + coupling * centre[1]) / mass } else { state.suspended.u };
+        let suspended = if mass > 0.0 { (load + coupling * centre[1]) / mass } else { centre[1] };
         WheelState {
             centre: [0, 1].map(|i| scheme.advance(&state.centre[i], centre[i])),
             roll: if self.roll.is_some() { scheme.advance(&state.roll, roll) } else { state.roll },

@@ -12,7 +12,8 @@ use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, 
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 /// Columns before those of the contacts.
-const COMMON: [&str; 7] = ["time_s", "p_kn", "q_kn", "q_over_p", "wheel_y_mm", "wheel_z_mm", "mode"];
+const COMMON: [&str; 8] =
+    ["time_s", "p_kn", "q_kn", "q_over_p", "wheel_y_mm", "wheel_z_mm", "load_y_mm", "mode"];
 /// Columns of one contact.
 const OF_CONTACT: [&str; 7] =
     ["mode", "normal_kn", "tangential_kn", "rail_y_mm", "rail_z_mm", "wheel_y_mm", "wheel_z_mm"];
@@ -41,6 +42,7 @@ pub fn write(history: &History) -> Vec<u8> {
             },
             number(row.wheel_y / MILLIMETRE),
             number(row.wheel_z / MILLIMETRE),
+            number(row.load_y / MILLIMETRE),
             row.mode().name().to_string(),
         ];
         for index in 0..contacts {
@@ -132,6 +134,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize) -> Result<Histor
             lateral_force: value(2)? * KILONEWTON,
             wheel_y: value(4)? * MILLIMETRE,
             wheel_z: value(5)? * MILLIMETRE,
+            load_y: value(6)? * MILLIMETRE,
             contacts,
         });
     }
@@ -156,6 +159,7 @@ mod tests {
             lateral_force: -2e4 / 7.0,
             wheel_y: 0.0067,
             wheel_z: -1e-12,
+            load_y: 0.0167,
             contacts: (0..contacts).map(contact).collect(),
         }
     }

@@ -361,7 +361,7 @@ pub struct ScenarioKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 2.0))]
     pub friction: Option<f64>,
-    /// Mass on the vertical spring and damper, t.
+    /// Mass on the vertical spring and damper, t; without one (0) the vertical force acts on the wheel unchanged.
     #[serde(default = "default_suspended_mass")]
     #[schemars(range(min = 0.0, max = 200.0))]
     pub suspended_mass_t: f64,
@@ -372,7 +372,8 @@ pub struct ScenarioKeys {
     /// Vertical spring and damper between the wheel centre and the suspended mass.
     #[serde(default = "default_suspension")]
     pub vertical_suspension: SuspensionKeys,
-    /// Lateral spring and damper between the wheel centre and the point where the lateral force acts.
+    /// Lateral spring and damper between the wheel centre and the point where the lateral force acts. That point has no
+    /// mass, so that the wheel receives the force unchanged; they give the travel of the point, `load_y_mm` in the histories.
     #[serde(default = "default_suspension")]
     pub lateral_suspension: SuspensionKeys,
     /// Force on the suspended mass, positive down.
@@ -386,7 +387,7 @@ pub struct ScenarioKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 20.0))]
     pub start_x_m: Option<f64>,
-    /// Speed of the wheel along the rail, m/s; other than 0 in the simple model only.
+    /// Speed of the wheel along the rail, m/s; other than 0 in the simple model only. A run ends where the rail does.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 200.0))]
     pub speed_m_per_s: f64,

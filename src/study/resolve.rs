@@ -17,6 +17,7 @@ use super::document::{
     CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
     SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
 };
+use super::fields::translate;
 use super::measured::SurfaceKeys;
 use super::mesh_file::MeshFileKeys;
 use super::{
@@ -39,7 +40,9 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
     let mut scenarios = std::collections::BTreeMap::new();
     for (name, keys) in &document.scenario {
         check_scenario(name, keys, rail.length)?;
-        scenarios.insert(name.clone(), scenario(keys, friction));
+        let resolved = scenario(keys, friction);
+        resolved.scenario.check().map_err(|error| translate(error, &source, Some(name)))?;
+        scenarios.insert(name.clone(), resolved);
     }
     let main_scenario = main_scenario(&document)?;
     let mesh = &document.mesh;
@@ -263,13 +266,12 @@ fn check_scenario(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Result<(
         ));
     }
     let start = keys.start_x_m.unwrap_or(0.5 * rail_length);
-    let end = start + keys.speed_m_per_s * keys.time_step_s * keys.steps as f64;
-    if start > rail_length || end > rail_length {
+    if start > rail_length {
         return Err(InputError::new(
-            key(if start > rail_length { "start_x_m" } else { "speed_m_per_s" }),
-            if start > rail_length { start } else { keys.speed_m_per_s },
-            format!("a wheel that stays on the rail of {rail_length} m; it would reach {end} m"),
-            "lengthen the rail, or shorten the run",
+            key("start_x_m"),
+            start,
+            format!("a place on the rail, 0 to {rail_length} m"),
+            "start elsewhere, or lengthen the rail",
         ));
     }
     Ok(())

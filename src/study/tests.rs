@@ -140,8 +140,12 @@ fn values_that_contradict_each_other_are_refused() {
     let forces = "lateral_force = {}\nvertical_force = {}\n";
     let moving = message(&format!("[scenario.s]\n{forces}speed_m_per_s = 1\n"));
     assert!(moving.contains("scenario.s.solid = true (default): expected false"), "{moving}");
-    let off = message(&format!("[scenario.s]\n{forces}solid = false\nspeed_m_per_s = 100\n"));
-    assert!(off.contains("speed_m_per_s = 100: expected a wheel that stays on the rail"), "{off}");
+    let off = message(&format!("[scenario.s]\n{forces}solid = false\nstart_x_m = 1\n"));
+    assert!(off.contains("start_x_m = 1: expected a place on the rail"), "{off}");
+    let fast = "lateral_force = { amplitude_kn = 1, frequency_hz = 1000 }\nvertical_force = {}\n";
+    let missed = message(&format!("[scenario.s]\n{fast}time_step_s = 1e-3\n"));
+    assert!(missed.contains("scenario.s.lateral_force = 1000 Hz at time steps of 0.001 s"), "{missed}");
+    assert!(missed.contains("lower `scenario.s.time_step_s` to 5.000e-5 s or less"), "{missed}");
     let unknown = message(&format!("[simulation]\nscenario = \"t\"\n[scenario.s]\n{forces}"));
     assert!(unknown.starts_with("x.toml:7: simulation.scenario = \"t\": expected one of"), "{unknown}");
 }

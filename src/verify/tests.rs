@@ -32,6 +32,7 @@ fn history(
                 lateral_force,
                 wheel_y: 0.0,
                 wheel_z: 0.0,
+                load_y: 0.0,
                 contacts: mode(time).map(contact).into_iter().collect(),
             }
         })

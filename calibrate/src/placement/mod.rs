@@ -3,6 +3,7 @@
 //! World frame: y from the track centre to the field side of the right rail, z down from the highest point of
 //! the placed rail.
 
+mod departure;
 mod touch;
 
 use nalgebra::{Point2, Rotation2, Vector2};
@@ -15,6 +16,7 @@ use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
 use crate::section::RailSection;
 use crate::units::MILLIMETRE;
 
+pub use departure::{departure, lateral_extent};
 pub use touch::{Touch, touch};
 
 /// Where rails and wheels stand in the track.

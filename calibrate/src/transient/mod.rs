@@ -18,7 +18,7 @@ use crate::field::InputField;
 use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use crate::mesh::HexMesh;
 use crate::monitor::Monitor;
-use crate::placement::PlacedRail;
+use crate::placement::{PlacedRail, departure, lateral_extent};
 use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Supports, System};
 use body::Body;
@@ -80,19 +80,17 @@ impl TransientModel<'_> {
     /// the contact does not settle or leaves the meshed contact zone.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         refuse_moving(scenario)?;
+        scenario.check()?;
         let dt = scenario.time_step;
         let spring = scenario.vertical_suspension;
         let effective = 2.0 * spring.damping / dt + spring.stiffness;
-        let suspended_effective = 4.0 * scenario.suspended_mass / (dt * dt) + effective;
+        let inertia = 4.0 * scenario.suspended_mass / (dt * dt);
+        let suspended_effective = inertia + effective;
+        // effective − effective²/suspended_effective without its cancellation; without mass nothing is left of it.
+        let condensed = if inertia > 0.0 { effective * (inertia / suspended_effective) } else { 0.0 };
         let (rail, wheel) = rayon::join(
             || Body::new(self.rail_system()?, dt, None),
-            || {
-                Body::new(
-                    self.wheel_system(scenario)?,
-                    dt,
-                    Some(effective - effective * effective / suspended_effective),
-                )
-            },
+            || Body::new(self.wheel_system(scenario)?, dt, Some(condensed)),
         );
         let (mut rail, mut wheel) = (rail?, wheel?);
         let wheel_mass = wheel.mass.total();
@@ -105,9 +103,13 @@ impl TransientModel<'_> {
             lateral_force: 0.0,
             wheel_y: 0.0,
             wheel_z: 0.0,
+            load_y: scenario.load_travel(0.0, 0.0),
             contacts: Vec::new(),
         }];
         let mut most_active = 0;
+        let mut ending = Ending::Completed;
+        let rail_extent = lateral_extent(self.placed_rail.curve.knot_points());
+        let wheel_extent = self.wheel_extent();
         for step in 1..=scenario.steps {
             monitor.progress("transient solid model", step - 1, scenario.steps)?;
             let t = step as f64 * dt;
@@ -133,6 +135,13 @@ impl TransientModel<'_> {
             let wheel_forces = points.nodal_forces(Side::Opposing, &solution.forces, wheel_free.len());
             rayon::join(|| rail.correct(dt, &rail_forces), || wheel.correct(dt, &wheel_forces));
             let hub = wheel.hub();
+            if !(hub.x.is_finite() && hub.y.is_finite()) {
+                return Err(at_step(failure(f64::NAN, solution.active(), StopReason::NotFinite), step));
+            }
+            if let Some(departure) = departure(rail_extent, wheel_extent.map(|y| y + hub.x)) {
+                ending = Ending::Departed { time: t, departure };
+                break;
+            }
             hub_motion.advance(dt, &hub, suspended_rhs, effective, suspended_effective);
             let force = points.resultant(&solution.forces);
             rows.push(HistoryRow {
@@ -141,21 +150,24 @@ impl TransientModel<'_> {
                 lateral_force: -force.y,
                 wheel_y: hub.x,
                 wheel_z: hub.y,
+                load_y: scenario.load_travel(t, hub.x),
                 contacts: self.contacts(points, solution),
             });
             contact = solved;
         }
         monitor.progress("transient solid model", scenario.steps, scenario.steps)?;
         Ok(TransientRun {
-            history: History {
-                rows,
-                degrees_of_freedom: rail.equations() + wheel.equations() + 1,
-                ending: Ending::Completed,
-            },
+            history: History { rows, degrees_of_freedom: rail.equations() + wheel.equations() + 1, ending },
             wheel_mass,
             factor_values: rail.factor_values() + wheel.factor_values(),
             most_active,
         })
+    }
+
+    /// Lateral positions of the ends of the wheel's running surface at t = 0, m.
+    fn wheel_extent(&self) -> [f64; 2] {
+        let surface = &self.wheel_surface;
+        lateral_extent(surface.curve.knot_points()).map(|y| y + surface.origin.x)
     }
 
     fn rail_system(&self) -> Result<System<'_>> {
@@ -336,11 +348,16 @@ struct HubMotion {
 impl HubMotion {
     /// At rest, with the accelerations of the rigid bodies under the forces of t = 0.
     fn at_start(scenario: &Scenario, wheel_mass: f64) -> Self {
-        let suspended = scenario.vertical_force.at(0.0) / scenario.suspended_mass + scenario.gravity;
+        let (mass, force) = (scenario.suspended_mass, scenario.vertical_force.at(0.0));
+        let (suspended, on_hub) =
+            if mass > 0.0 { (force / mass + scenario.gravity, 0.0) } else { (0.0, force / wheel_mass) };
         Self {
             position: Vector2::zeros(),
             velocity: Vector2::zeros(),
-            acceleration: Vector2::new(scenario.lateral_force.at(0.0) / wheel_mass, scenario.gravity),
+            acceleration: Vector2::new(
+                scenario.lateral_force.at(0.0) / wheel_mass,
+                scenario.gravity + on_hub,
+            ),
             suspended: SuspendedMass { z: 0.0, v: 0.0, a: suspended },
         }
     }
@@ -369,7 +386,9 @@ impl HubMotion {
             * (2.0 * m.z / dt + m.v - 2.0 * self.position.y / dt - self.velocity.y);
         let weight = scenario.suspended_mass * scenario.gravity;
         let rhs = scenario.vertical_force.at(t) + weight + inertia + damper;
-        ([scenario.lateral_force.at(t), effective * rhs / suspended_effective - damper], rhs)
+        // Without a suspended mass its load acts on the hub, through spring and damper or, without these, at once.
+        let share = if scenario.suspended_mass > 0.0 { effective / suspended_effective } else { 1.0 };
+        ([scenario.lateral_force.at(t), share * rhs - damper], rhs)
     }
 
     fn advance(&mut self, dt: f64, hub: &Vector2<f64>, rhs: f64, effective: f64, suspended_effective: f64) {
@@ -378,7 +397,8 @@ impl HubMotion {
             (hub - self.position) * (4.0 / (dt * dt)) - self.velocity * (4.0 / dt) - self.acceleration;
         (self.position, self.velocity, self.acceleration) = (*hub, velocity, acceleration);
         let m = &mut self.suspended;
-        let z = (rhs + effective * hub.y) / suspended_effective;
+        let z =
+            if suspended_effective > 0.0 { (rhs + effective * hub.y) / suspended_effective } else { hub.y };
         let a = (z - m.z) * 4.0 / (dt * dt) - m.v * 4.0 / dt - m.a;
         let v = (z - m.z) * 2.0 / dt - m.v;
         *m = SuspendedMass { z, v, a };

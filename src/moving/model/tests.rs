@@ -10,19 +10,25 @@ use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::Material;
 
 /// A profile 80 mm wide through z(y), with a kink in the middle or without.
-fn profile(shape: impl Fn(f64) -> f64, kinks: &[usize]) -> ProfileCurve {
+pub(super) fn profile(shape: impl Fn(f64) -> f64, kinks: &[usize]) -> ProfileCurve {
     let points: Vec<Point2<f64>> =
         (-40..=40).map(|i| 1e-3 * f64::from(i)).map(|y| Point2::new(y, shape(y))).collect();
     ProfileCurve::from_points(&points, kinks).unwrap()
 }
 
 /// z(y) of a wheel profile that is an arc.
-fn arc(radius: f64) -> impl Fn(f64) -> f64 {
+pub(super) fn arc(radius: f64) -> impl Fn(f64) -> f64 {
     move |y| radius * ((1.0 - (y / radius).powi(2)).sqrt() - 1.0)
 }
 
 /// A rigid rail and a wheel that touches it with its profile's origin at the depth `tape_z` below the rail's.
-fn rigid(rail: ProfileCurve, wheel: ProfileCurve, tape_z: f64, law: StiffnessLaw, mass: f64) -> MovingModel {
+pub(super) fn rigid(
+    rail: ProfileCurve,
+    wheel: ProfileCurve,
+    tape_z: f64,
+    law: StiffnessLaw,
+    mass: f64,
+) -> MovingModel {
     let rail = PlacedRail { curve: rail, angle: 0.0, origin: Point2::origin() };
     let touch = Touch { tape_z, rail_s: 0.04, wheel_s: 0.04, point: Point2::origin(), contact_angle: 0.0 };
     let springs = WheelSprings { horizontal: 1e9, normal: law, longitudinal: 1e9 };
@@ -30,14 +36,15 @@ fn rigid(rail: ProfileCurve, wheel: ProfileCurve, tape_z: f64, law: StiffnessLaw
 }
 
 /// A flat rail and a wheel whose profile is an arc of 0.3 m, touching in its middle.
-fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
+pub(super) fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
     rigid(profile(|_| 0.0, &[]), profile(arc(0.3), &[]), 0.0, law, mass)
 }
 
-const NO_FORCE: HarmonicForce = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
+pub(super) const NO_FORCE: HarmonicForce =
+    HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
 
 /// A wheel alone, without forces.
-fn quiet(steps: usize, time_step: f64) -> Scenario {
+pub(super) fn quiet(steps: usize, time_step: f64) -> Scenario {
     let nothing = Kelvin { stiffness: 0.0, damping: 0.0 };
     Scenario {
         steps,
@@ -61,7 +68,7 @@ fn peak(run: &MovingRun, value: impl Fn(&HistoryRow) -> f64) -> f64 {
     run.history.rows.iter().map(value).fold(f64::NEG_INFINITY, f64::max)
 }
 
-fn relative(value: f64, exact: f64) -> f64 {
+pub(super) fn relative(value: f64, exact: f64) -> f64 {
     (value / exact - 1.0).abs()
 }
 
@@ -282,7 +289,7 @@ fn sprung_mass_crosses_a_simply_supported_beam() {
 }
 
 /// The publication's wheel and rail.
-fn published() -> MovingModel {
+pub(super) fn published() -> MovingModel {
     let section = rail_section("60E1").unwrap();
     let properties = rail_properties(&section).unwrap();
     let track = TrackGeometry::standard();
@@ -299,7 +306,7 @@ fn published() -> MovingModel {
 }
 
 /// The publication's load cases 4.1 and 4.2, the vertical force pushing down first.
-fn published_scenario(lateral_force: HarmonicForce) -> Scenario {
+pub(super) fn published_scenario(lateral_force: HarmonicForce) -> Scenario {
     let suspension = Kelvin { stiffness: 1.2e6, damping: 4e4 };
     Scenario {
         suspended_mass: 6250.0,
@@ -372,7 +379,7 @@ fn torsion_twists_the_rail_under_the_moving_wheel() {
     let (middle, here) = (beam.section_flexibility(0.2775), beam.section_flexibility(x));
     let twist = 183.25e3 * middle[(2, 2)];
     assert!((0.6 * twist..twist).contains(&motion.rotation), "{} of {twist} at {here}", motion.rotation);
-    scenario.start_x = Some(0.5);
+    scenario.start_x = Some(0.6);
     assert!(model.run(&scenario, &Silent).unwrap_err().to_string().contains("start_x"));
 }
 
@@ -388,11 +395,4 @@ fn unusable_values_are_named() {
     assert!(message(&|m| m.wheel_mass = f64::NAN).contains("wheel_mass"));
     assert!(message(&|m| m.springs.normal.b = -1.0).contains("law"));
     assert!(message(&|m| m.node_spacing = 1e-9).contains("node_spacing"));
-    // A wheel that slides off the rail's profile is an error, not a result.
-    let mut model = flat(StiffnessLaw::published(), 283.0);
-    model.initial.velocity = [20.0, 0.01];
-    let mut scenario = quiet(100, 1e-4);
-    (scenario.gravity, scenario.friction) = (9.81, 0.0);
-    let error = model.run(&scenario, &Silent).unwrap_err().to_string();
-    assert!(error.contains("edge of the candidate surface"), "{error}");
 }

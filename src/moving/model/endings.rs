@@ -1,0 +1,174 @@
+//! Runs that end before their last step, and load cases without a suspended mass.
+
+use super::tests::{NO_FORCE, flat, published, published_scenario, quiet, relative};
+use super::*;
+use railspring_calibrate::history::{Departure, Ending};
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
+
+fn constant(force: f64) -> HarmonicForce {
+    HarmonicForce { constant: force, ..NO_FORCE }
+}
+
+/// How far the wheel of `history` got to the side at its last state, m.
+fn last_y(run: &MovingRun) -> f64 {
+    run.history.rows.last().unwrap().wheel_y
+}
+
+/// Source: free fall to the side, y = Q·t²/(2m), under a force far above the friction of 0.5 times the vertical force.
+/// Goal: a wheel pulled into the track with 500 kN falls off the head; the run ends there (s) with the history up to
+/// there. The tread's end of the profile, 60 mm from the tape circle, passes the gauge face, 32.5 mm inside of it: 92.5 mm at
+/// most, 67 mm at least when the end of the tread is the last to touch. Friction is below 5 % of the force.
+#[test]
+fn a_wheel_pulled_into_the_track_falls_off() {
+    const MODEL: f64 = 0.05;
+    let run = published().run(&published_scenario(constant(-500e3)), &Silent).unwrap();
+    let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
+    assert_eq!(departure, Departure::GaugeSide);
+    let fall = |y: f64| (2.0 * y * 283.0 / 500e3).sqrt();
+    let step = 5e-4;
+    assert!(((1.0 - MODEL) * fall(67e-3)..(1.0 + MODEL) * fall(92.5e-3) + step).contains(&time), "{time}");
+    assert!((-92.5e-3..-60e-3).contains(&last_y(&run)), "{}", last_y(&run));
+    let rows = &run.history.rows;
+    assert!((rows.last().unwrap().time - (time - step)).abs() < 1e-12);
+    assert_eq!((rows.len(), run.rail.len()), ((time / step).round() as usize, rows.len()));
+    assert!(run.history.ending.to_string().starts_with("left the profile at 0.01"), "{}", run.history.ending);
+}
+
+/// Source: Nadal. Goal: 200 kN sideways against 10 kN down, with friction 0.5 on a flange of 70°, is beyond any limit of climbing
+/// (Q/P = 20 against 0.95): the wheel rises by its flange of 28 mm and goes over the rail to the field side.
+#[test]
+fn a_wheel_beyond_nadal_climbs_out() {
+    let run = published().run(&published_scenario(constant(200e3)), &Silent).unwrap();
+    let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
+    assert_eq!(departure, Departure::FieldSide);
+    assert!((0.02..0.2).contains(&time), "{time}");
+    let highest = run.history.rows.iter().map(|r| -r.wheel_z).fold(0.0, f64::max);
+    assert!(highest > 27e-3, "{highest}");
+    assert!(run.history.rows.iter().all(|r| r.wheel_y < 0.12), "no state is off the rail");
+    // Below the limit the same flange holds it.
+    let held = published().run(&published_scenario(constant(20e3)), &Silent).unwrap();
+    assert_eq!(held.history.ending, Ending::Completed);
+}
+
+/// Goal: 500 kN towards the field side for 200 steps comes to an end within the bound on the evaluations, for the published law and for
+/// one that starts from zero stiffness: with a departure to the field side, or with an error that says so.
+#[test]
+fn work_is_bounded() {
+    for a in [StiffnessLaw::published().a, 0.0] {
+        let mut scenario = published_scenario(constant(500e3));
+        scenario.steps = 200;
+        let mut model = published();
+        model.springs.normal.a = a;
+        let result = model.run(&scenario, &Silent);
+
+        match result {
+            Ok(run) => {
+                let departure = Departure::FieldSide;
+                assert!(
+                    matches!(run.history.ending, Ending::Departed { departure: d, .. } if d == departure)
+                );
+                assert!(run.statistics.evaluations < 50_000 + 200 * run.history.rows.len());
+            }
+            Err(error) => assert!(error.to_string().contains("bound on the iterations"), "{error}"),
+        }
+    }
+}
+
+/// Goal: a wheel that slides along a profile of 80 mm leaves it at its end, 40 mm from where it started, on either side.
+#[test]
+fn a_wheel_slides_off_the_profile() {
+    for (speed, departure) in [(20.0, Departure::FieldSide), (-20.0, Departure::GaugeSide)] {
+        let mut model = flat(StiffnessLaw::published(), 283.0);
+        model.initial.velocity = [speed, 0.01];
+        let mut scenario = quiet(100, 1e-4);
+        (scenario.gravity, scenario.friction) = (9.81, 0.0);
+        let run = model.run(&scenario, &Silent).unwrap();
+        // After 20 steps of 2 mm the last point of the profile carries the load.
+        assert_eq!(run.history.ending, Ending::Departed { time: 0.002, departure });
+        assert!((last_y(&run).abs() - 0.038).abs() < 1e-6, "{}", last_y(&run));
+    }
+}
+
+/// Goal: a wheel at 0.5 m/s that starts 55 mm from the rail's end leaves it after 0.11 s: 220 steps of 0.5 ms are on the rail.
+#[test]
+fn a_wheel_runs_off_the_end() {
+    let mut scenario = published_scenario(NO_FORCE);
+    (scenario.start_x, scenario.speed) = (Some(0.5), 0.5);
+    let run = published().run(&scenario, &Silent).unwrap();
+    let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
+    assert_eq!(departure, Departure::RailEnd);
+    assert!((time - 0.1105).abs() < 1e-12, "{time}");
+    assert_eq!(run.history.rows.len(), 221);
+}
+
+/// Source: statics. Goal: without a suspended mass the vertical force (N) reaches the rail, unchanged, whatever spring and damper
+/// hand it on, the first step included.
+/// SOLVER: the balance of forces. DISCRETISATION: the wheel's spline lies within a nanometre of its arc, 2e-6 of the spring's 0.5 mm.
+#[test]
+fn a_force_without_suspended_mass_reaches_the_rail() {
+    const SOLVER: f64 = 1e-7;
+    const DISCRETISATION: f64 = 1e-5;
+    for (stiffness, damping) in [(0.0, 0.0), (1.2e6, 4e4), (0.0, 4e4), (1.2e6, 0.0)] {
+        // At rest on a linear spring under 50 kN.
+        let mut model = flat(StiffnessLaw { a: 1e8, b: 0.0, c: 0.0 }, 283.0);
+        model.initial.displacement[1] = 50e3 / 1e8 + 50e3 / model.penalty;
+        let mut scenario = quiet(50, 1e-4);
+        scenario.vertical_force = constant(50e3);
+        scenario.vertical_suspension = Kelvin { stiffness, damping };
+        let run = model.run(&scenario, &Silent).unwrap();
+        for row in &run.history.rows[1..] {
+            let force = row.vertical_force;
+            assert!(relative(force, 50e3) < DISCRETISATION, "{stiffness} {damping}: {force}");
+        }
+    }
+    // From a force that sets in at once every chain gives the same motion.
+    let sudden = |stiffness, damping| {
+        let mut scenario = quiet(50, 1e-4);
+        scenario.vertical_force = constant(50e3);
+        scenario.vertical_suspension = Kelvin { stiffness, damping };
+        flat(StiffnessLaw::published(), 283.0).run(&scenario, &Silent).unwrap().history
+    };
+    let bare = sudden(0.0, 0.0);
+    assert!(bare.rows.iter().any(|row| row.vertical_force > 80e3));
+    for (a, b) in bare.rows.iter().zip(&sudden(1.2e6, 4e4).rows) {
+        assert!((a.wheel_z - b.wheel_z).abs() < SOLVER * 1e-3, "{} s", a.time);
+    }
+}
+
+/// Goal: a mass that no spring and no damper carries, and values that are not finite, are refused with their key.
+#[test]
+fn load_cases_without_sense_are_named() {
+    let model = flat(StiffnessLaw::published(), 283.0);
+    let mut loose = quiet(1, 1e-4);
+    loose.suspended_mass = 1000.0;
+    let message = model.run(&loose, &Silent).unwrap_err().to_string();
+    assert!(message.contains("vertical_suspension.stiffness"), "{message}");
+    let endless = Scenario { lateral_force: constant(f64::INFINITY), ..quiet(1, 1e-4) };
+    assert!(model.run(&endless, &Silent).unwrap_err().to_string().contains("lateral_force"));
+    let mut lost = model.clone();
+    lost.initial.velocity[0] = f64::NAN;
+    assert!(lost.run(&quiet(1, 1e-4), &Silent).unwrap_err().to_string().contains("initial motion"));
+    // A finite force beyond what the numbers hold.
+    let huge = Scenario { lateral_force: constant(1e308), ..quiet(3, 1.0) };
+    assert!(model.run(&huge, &Silent).unwrap_err().to_string().contains("not finite"));
+}
+
+/// Source: publication, figure 3: spring and damper between wheel and force. Goal: they change the travel of the loading point and
+/// nothing else; from rest the travel differs from the wheel's by the closed lengthening.
+#[test]
+fn lateral_suspension_moves_the_loading_point_only() {
+    const ROUNDOFF: f64 = 1e-15;
+    let mut scenario = published_scenario(constant(20e3));
+    scenario.steps = 40;
+    let soft = published().run(&scenario, &Silent).unwrap().history;
+    scenario.lateral_suspension = Kelvin { stiffness: 0.0, damping: 0.0 };
+    let rigid = published().run(&scenario, &Silent).unwrap().history;
+    for (a, b) in soft.rows.iter().zip(&rigid.rows) {
+        assert_eq!((a.wheel_y, a.lateral_force), (b.wheel_y, b.lateral_force));
+        assert_eq!(b.load_y, b.wheel_y);
+        let lengthening = 20e3 / 1.2e6 * (1.0 - (-30.0 * a.time).exp());
+        assert!((a.load_y - a.wheel_y - lengthening).abs() < ROUNDOFF, "{} s", a.time);
+    }
+    assert!(soft.rows[40].load_y - soft.rows[40].wheel_y > 7e-3);
+}
