@@ -1,7 +1,7 @@
 //! One elastic body in time: prediction without contact, correction with it.
 
 use crate::error::Result;
-use crate::solid::{NodalMass, System};
+use crate::solid::{NodalMass, Numbering, System};
 use crate::superelement::{Superelement, times};
 use faer::Mat;
 use faer::sparse::SparseColMat;
@@ -9,13 +9,15 @@ use nalgebra::{Vector2, Vector3};
 
 /// A body with its state at the last finished step; states by equation.
 pub(super) struct Body<'a> {
-    element: Superelement<'a>,
+    pub(super) element: Superelement<'a>,
     pub(super) mass: NodalMass,
     /// Damping matrix, upper triangle; none if the material is undamped.
     damping: Option<SparseColMat<usize, f64>>,
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
+    pub(super) displacement: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
     acceleration: Vec<f64>,
+    /// What the contact nodes moved by in the last step.
+    contact_step: Vec<f64>,
     /// Right-hand side of the step: interior eliminated, retained condensed.
     work: Vec<f64>,
 }
@@ -28,6 +30,7 @@ impl<'a> Body<'a> {
         let diagonal: Vec<(usize, f64)> =
             hub_stiffness.and_then(|k| Some((system.numbering.master_equation(2)?, k))).into_iter().collect();
         let zeros = vec![0.0; system.numbering.equations];
+        let contact = system.numbering.contact;
         let beta = system.material.damping;
         let damping = (beta > 0.0).then(|| system.matrix(beta, 0.0, &[])).transpose()?;
         let element = Superelement::effective(system, 1.0 + 2.0 * beta / dt, 4.0 / (dt * dt), &diagonal)?;
@@ -38,14 +41,19 @@ impl<'a> Body<'a> {
             displacement: zeros.clone(),
             velocity: zeros.clone(),
             acceleration: zeros.clone(),
+            contact_step: vec![0.0; contact],
             work: zeros,
         })
     }
 
-    /// Gives the whole body the same initial acceleration (y, z).
-    pub(super) fn start(&mut self, acceleration: &Vector2<f64>) {
-        let translation = Vector3::new(0.0, acceleration.x, acceleration.y);
-        self.acceleration = self.element.system.numbering.translation(&translation);
+    /// Gives the whole body the same initial velocity and acceleration (y, z).
+    pub(super) fn start(&mut self, dt: f64, velocity: &Vector2<f64>, acceleration: &Vector2<f64>) {
+        let uniform =
+            |v: &Vector2<f64>| self.element.system.numbering.translation(&Vector3::new(0.0, v.x, v.y));
+        (self.velocity, self.acceleration) = (uniform(velocity), uniform(acceleration));
+        let Numbering { interior, contact, .. } = self.element.system.numbering;
+        let before = uniform(&(velocity * dt - acceleration * (0.5 * dt * dt)));
+        self.contact_step = before[interior..interior + contact].to_vec();
     }
 
     pub(super) fn equations(&self) -> usize {
@@ -86,7 +94,7 @@ impl<'a> Body<'a> {
 
     /// Finishes the step under contact forces on the retained equations.
     pub(super) fn correct(&mut self, dt: f64, contact_forces: &[f64]) {
-        let interior = self.element.system.numbering.interior;
+        let Numbering { interior, contact, .. } = self.element.system.numbering;
         let mut end = std::mem::take(&mut self.work);
         end[interior..].iter_mut().zip(contact_forces).for_each(|(r, f)| *r += f);
         let retained = times(&self.element.compliance, &end[interior..]);
@@ -98,6 +106,12 @@ impl<'a> Body<'a> {
             self.velocity[i] = 2.0 / dt * moved - v;
             self.acceleration[i] = 4.0 / (dt * dt) * moved - 4.0 / dt * v - self.acceleration[i];
         }
+        // nothing carries the velocity of a node without mass on: it is that of its last two steps, of second order
+        let steps: Vec<f64> = (interior..interior + contact).map(|i| end[i] - self.displacement[i]).collect();
+        for ((v, now), before) in self.velocity[interior..].iter_mut().zip(&steps).zip(&self.contact_step) {
+            *v = (1.5 * now - 0.5 * before) / dt;
+        }
+        self.contact_step = steps;
         self.displacement = end;
     }
 
@@ -128,7 +142,7 @@ impl<'a> Body<'a> {
 }
 
 /// Adds a symmetric matrix, given by its upper triangle, times a vector.
-fn add_symmetric_product(upper: &SparseColMat<usize, f64>, vector: &[f64], sum: &mut [f64]) {
+pub(super) fn add_symmetric_product(upper: &SparseColMat<usize, f64>, vector: &[f64], sum: &mut [f64]) {
     for column in 0..upper.ncols() {
         let range = upper.col_ptr()[column]..upper.col_ptr()[column + 1];
         let mut own = 0.0;

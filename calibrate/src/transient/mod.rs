@@ -8,6 +8,8 @@
 //! back: one solution a body and step, at full order.
 
 mod body;
+#[cfg(test)]
+mod tests;
 
 use crate::calibration::{Enforcement, carry_over};
 use crate::contact::{
@@ -81,21 +83,29 @@ impl TransientModel<'_> {
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         refuse_moving(scenario)?;
         scenario.check()?;
+        self.run_from(&InitialVelocity::default(), scenario, monitor, &mut |step| step.contact.refuse_edge())
+    }
+
+    /// Runs `scenario` from just touching with the given velocities; `observe` sees every finished step and can
+    /// end the run.
+    fn run_from(
+        &self,
+        initial: &InitialVelocity,
+        scenario: &Scenario,
+        monitor: &dyn Monitor,
+        observe: &mut dyn FnMut(&Step) -> Result<()>,
+    ) -> Result<TransientRun> {
         let dt = scenario.time_step;
-        let spring = scenario.vertical_suspension;
-        let effective = 2.0 * spring.damping / dt + spring.stiffness;
-        let inertia = 4.0 * scenario.suspended_mass / (dt * dt);
-        let suspended_effective = inertia + effective;
-        // effective − effective²/suspended_effective without its cancellation; without mass nothing is left of it.
-        let condensed = if inertia > 0.0 { effective * (inertia / suspended_effective) } else { 0.0 };
+        let suspension = Suspension::new(scenario);
         let (rail, wheel) = rayon::join(
             || Body::new(self.rail_system()?, dt, None),
-            || Body::new(self.wheel_system(scenario)?, dt, Some(condensed)),
+            || Body::new(self.wheel_system(scenario)?, dt, Some(suspension.series())),
         );
         let (mut rail, mut wheel) = (rail?, wheel?);
         let wheel_mass = wheel.mass.total();
-        let mut hub_motion = HubMotion::at_start(scenario, wheel_mass);
-        wheel.start(&hub_motion.acceleration());
+        let mut hub_motion = HubMotion::at_start(scenario, &initial.wheel, wheel_mass);
+        rail.start(dt, &initial.rail, &Vector2::zeros());
+        wheel.start(dt, &hub_motion.velocity, &hub_motion.acceleration);
         let mut contact = LastContact::default();
         let mut rows = vec![HistoryRow {
             time: 0.0,
@@ -113,7 +123,7 @@ impl TransientModel<'_> {
         for step in 1..=scenario.steps {
             monitor.progress("transient solid model", step - 1, scenario.steps)?;
             let t = step as f64 * dt;
-            let (hub_force, suspended_rhs) = hub_motion.forces(scenario, t, effective, suspended_effective);
+            let (hub_force, suspended_rhs) = hub_motion.forces(scenario, t, &suspension);
             let (rail_free, wheel_free) = rayon::join(
                 || rail.predict(dt, &[0.0; 2], 0.0),
                 || wheel.predict(dt, &hub_force, scenario.gravity),
@@ -142,7 +152,7 @@ impl TransientModel<'_> {
                 ending = Ending::Departed { time: t, departure };
                 break;
             }
-            hub_motion.advance(dt, &hub, suspended_rhs, effective, suspended_effective);
+            hub_motion.advance(dt, &hub, suspended_rhs, &suspension);
             let force = points.resultant(&solution.forces);
             rows.push(HistoryRow {
                 time: t,
@@ -153,6 +163,15 @@ impl TransientModel<'_> {
                 load_y: scenario.load_travel(t, hub.x),
                 contacts: self.contacts(points, solution),
             });
+            let finished = Step {
+                rail: &rail,
+                wheel: &wheel,
+                contact: &solved,
+                rail_forces: &rail_forces,
+                wheel_forces: &wheel_forces,
+                hub: &hub_motion,
+            };
+            observe(&finished).map_err(|e| at_step(e, step))?;
             contact = solved;
         }
         monitor.progress("transient solid model", scenario.steps, scenario.steps)?;
@@ -172,7 +191,7 @@ impl TransientModel<'_> {
 
     fn rail_system(&self) -> Result<System<'_>> {
         let supports = Supports { held: self.rail_mesh.ends.clone(), ..Default::default() };
-        System::new(self.rail_mesh, self.material, self.formulation, &supports)
+        Ok(System::new(self.rail_mesh, self.material, self.formulation, &supports)?.with_massless_contact())
     }
 
     fn wheel_system(&self, scenario: &Scenario) -> Result<System<'_>> {
@@ -183,7 +202,7 @@ impl TransientModel<'_> {
             master: Point3::origin(),
             master_free: [false, true, true, turning, turning, turning],
         };
-        System::new(self.wheel_mesh, self.material, self.formulation, &supports)
+        Ok(System::new(self.wheel_mesh, self.material, self.formulation, &supports)?.with_massless_contact())
     }
 
     /// Solves the contact at the end of a step, pairing again until the hub stays where it was paired.
@@ -228,10 +247,6 @@ impl TransientModel<'_> {
             let position = wheel.hub_with(wheel_free, &forces);
             moved = (position - hub).norm();
             if moved < HUB_TOLERANCE {
-                let at_edge = (0..points.len()).any(|j| points.at_edge[j] && solution.forces[j] > 0.0);
-                if at_edge {
-                    return Err(failure(moved, solution.active(), StopReason::EdgeOfCandidates));
-                }
                 return Ok(LastContact { points, solution });
             }
             hub = position;
@@ -280,11 +295,40 @@ impl TransientModel<'_> {
     }
 }
 
+/// Velocities (y, z) of the whole bodies at t = 0, m/s; the suspended mass has that of the wheel.
+#[derive(Debug, Clone, Copy, Default)]
+struct InitialVelocity {
+    rail: Vector2<f64>,
+    wheel: Vector2<f64>,
+}
+
+/// What an observer sees of a finished step.
+struct Step<'s, 'a> {
+    rail: &'s Body<'a>,
+    wheel: &'s Body<'a>,
+    contact: &'s LastContact,
+    /// Contact forces on the retained equations of each body, N.
+    rail_forces: &'s [f64],
+    wheel_forces: &'s [f64],
+    hub: &'s HubMotion,
+}
+
 /// Contact of the step before, as a start for the next.
 #[derive(Clone)]
 struct LastContact {
     points: ContactPoints,
     solution: Solution,
+}
+
+impl LastContact {
+    /// An error if a point at the edge of either grid carries load: the surface goes on beyond it.
+    fn refuse_edge(&self) -> Result<()> {
+        let loaded = |j: usize| self.points.at_edge[j] && self.solution.forces[j] > 0.0;
+        match (0..self.points.len()).any(loaded) {
+            true => Err(failure(0.0, self.solution.active(), StopReason::EdgeOfCandidates)),
+            false => Ok(()),
+        }
+    }
 }
 
 impl Default for LastContact {
@@ -337,6 +381,40 @@ fn add_slips(
     }
 }
 
+/// Effective stiffnesses of the vertical suspension, N/m: of spring and damper, and of the mass on them.
+struct Suspension {
+    coupling: f64,
+    inertia: f64,
+}
+
+impl Suspension {
+    fn new(scenario: &Scenario) -> Self {
+        let (dt, spring) = (scenario.time_step, scenario.vertical_suspension);
+        Self {
+            coupling: 2.0 * spring.damping / dt + spring.stiffness,
+            inertia: 4.0 * scenario.suspended_mass / (dt * dt),
+        }
+    }
+
+    /// Share of a force on the suspended mass that reaches the hub. Without mass and suspension the force acts on
+    /// the hub.
+    fn share(&self) -> f64 {
+        let sum = self.coupling + self.inertia;
+        if sum > 0.0 { self.coupling / sum } else { 1.0 }
+    }
+
+    /// Suspension and mass in series, as the hub feels them.
+    fn series(&self) -> f64 {
+        self.share() * self.inertia
+    }
+
+    /// Position of the suspended mass under its right-hand side.
+    fn position(&self, rhs: f64, hub: f64) -> f64 {
+        let sum = self.coupling + self.inertia;
+        if sum > 0.0 { (rhs + self.coupling * hub) / sum } else { hub }
+    }
+}
+
 /// Motion of the hub and of the suspended mass.
 struct HubMotion {
     position: Vector2<f64>,
@@ -346,24 +424,21 @@ struct HubMotion {
 }
 
 impl HubMotion {
-    /// At rest, with the accelerations of the rigid bodies under the forces of t = 0.
-    fn at_start(scenario: &Scenario, wheel_mass: f64) -> Self {
+    /// With the accelerations of the rigid bodies under the forces of t = 0.
+    fn at_start(scenario: &Scenario, velocity: &Vector2<f64>, wheel_mass: f64) -> Self {
         let (mass, force) = (scenario.suspended_mass, scenario.vertical_force.at(0.0));
-        let (suspended, on_hub) =
+        // a suspension without mass hands the force on at once
+        let (suspended, handed_on) =
             if mass > 0.0 { (force / mass + scenario.gravity, 0.0) } else { (0.0, force / wheel_mass) };
         Self {
             position: Vector2::zeros(),
-            velocity: Vector2::zeros(),
+            velocity: *velocity,
             acceleration: Vector2::new(
                 scenario.lateral_force.at(0.0) / wheel_mass,
-                scenario.gravity + on_hub,
+                scenario.gravity + handed_on,
             ),
-            suspended: SuspendedMass { z: 0.0, v: 0.0, a: suspended },
+            suspended: SuspendedMass { z: 0.0, v: velocity.y, a: suspended },
         }
-    }
-
-    fn acceleration(&self) -> Vector2<f64> {
-        self.acceleration
     }
 
     /// Position at the end of a step of constant acceleration.
@@ -372,13 +447,7 @@ impl HubMotion {
     }
 
     /// Forces (y, z) on the hub at time `t` with the suspended mass condensed, and that mass's right-hand side.
-    fn forces(
-        &self,
-        scenario: &Scenario,
-        t: f64,
-        effective: f64,
-        suspended_effective: f64,
-    ) -> ([f64; 2], f64) {
+    fn forces(&self, scenario: &Scenario, t: f64, suspension: &Suspension) -> ([f64; 2], f64) {
         let dt = scenario.time_step;
         let m = &self.suspended;
         let inertia = scenario.suspended_mass * (4.0 * m.z / (dt * dt) + 4.0 * m.v / dt + m.a);
@@ -386,19 +455,16 @@ impl HubMotion {
             * (2.0 * m.z / dt + m.v - 2.0 * self.position.y / dt - self.velocity.y);
         let weight = scenario.suspended_mass * scenario.gravity;
         let rhs = scenario.vertical_force.at(t) + weight + inertia + damper;
-        // Without a suspended mass its load acts on the hub, through spring and damper or, without these, at once.
-        let share = if scenario.suspended_mass > 0.0 { effective / suspended_effective } else { 1.0 };
-        ([scenario.lateral_force.at(t), share * rhs - damper], rhs)
+        ([scenario.lateral_force.at(t), suspension.share() * rhs - damper], rhs)
     }
 
-    fn advance(&mut self, dt: f64, hub: &Vector2<f64>, rhs: f64, effective: f64, suspended_effective: f64) {
+    fn advance(&mut self, dt: f64, hub: &Vector2<f64>, rhs: f64, suspension: &Suspension) {
         let velocity = (hub - self.position) * (2.0 / dt) - self.velocity;
         let acceleration =
             (hub - self.position) * (4.0 / (dt * dt)) - self.velocity * (4.0 / dt) - self.acceleration;
         (self.position, self.velocity, self.acceleration) = (*hub, velocity, acceleration);
         let m = &mut self.suspended;
-        let z =
-            if suspended_effective > 0.0 { (rhs + effective * hub.y) / suspended_effective } else { hub.y };
+        let z = suspension.position(rhs, hub.y);
         let a = (z - m.z) * 4.0 / (dt * dt) - m.v * 4.0 / dt - m.a;
         let v = (z - m.z) * 2.0 / dt - m.v;
         *m = SuspendedMass { z, v, a };
