@@ -6,6 +6,9 @@
 //! `K + 4/Δt²·M` of each body is constant and factored once. A step eliminates
 //! the interior, solves the contact on the retained equations, and substitutes
 //! back: one solution a body and step, at full order.
+//!
+//! The contact nodes have no mass ([`System::with_massless_contact`]): a node with mass collides with every step, its
+//! force alternates between zero and a multiple of the true one, and the work of these forces adds energy.
 
 mod body;
 #[cfg(test)]
