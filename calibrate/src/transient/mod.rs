@@ -306,6 +306,7 @@ struct InitialVelocity {
 }
 
 /// What an observer sees of a finished step.
+#[cfg_attr(not(test), expect(dead_code, reason = "the energy balance of the tests is made from it"))]
 struct Step<'s, 'a> {
     rail: &'s Body<'a>,
     wheel: &'s Body<'a>,
