@@ -12,9 +12,12 @@
 //! non-matching meshes exactly (patch test).
 
 mod compliance;
+mod newton;
 mod pairing;
 mod solver;
+mod state;
 mod surface;
+mod sweeps;
 
 pub use compliance::{BodyCompliance, Compliance, HalfSpace, PenaltySprings, Side, total};
 pub use pairing::{ContactPoints, PairingLimits, pair};

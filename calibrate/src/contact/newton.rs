@@ -1,0 +1,216 @@
+//! Semismooth Newton iteration on the projections of Signorini and Coulomb.
+//!
+//! P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution
+//! methods", Comput. Methods Appl. Mech. Eng. 92 (1991). Two safeguards: a point that slips to and fro
+//! sticks in between, and after [`PLAIN`] steps a line search on the residual shortens the steps, with the
+//! memory of L. Grippo, F. Lampariello, S. Lucidi, "A nonmonotone line search technique for Newton's method",
+//! SIAM J. Numer. Anal. 23 (1986).
+
+use super::state::{PointMode, Residual, State};
+use crate::error::StopReason;
+use nalgebra::{DMatrix, DVector};
+use std::collections::VecDeque;
+
+/// Steps at most.
+const LIMIT: usize = 60;
+/// Steps of full length before steps are shortened; what converges at all mostly needs fewer than ten.
+const PLAIN: usize = 20;
+/// Shortest step of the line search.
+const SHORTEST: f64 = 1.0 / 64.0;
+/// Residuals that the line search remembers.
+const MEMORY: usize = 4;
+/// SOLVER: residual over the largest force.
+const TOLERANCE: f64 = 1e-10;
+/// ROUNDOFF: where forces are tiny beside gap times stiffness, rounding may leave as much of them; a hub that
+/// runs away would otherwise pass for rounding.
+const COARSEST: f64 = 1e-8;
+
+/// Iterates until the conditions of contact hold, and adds the steps to `spent`.
+///
+/// # Errors
+/// Why the iteration stopped without an answer.
+pub(super) fn newton(state: &mut State, spent: &mut usize) -> Result<(), StopReason> {
+    let mut previous: Vec<PointMode> = Vec::new();
+    let mut remembered = VecDeque::new();
+    state.update_separation();
+    let mut residual = state.residual();
+    for iteration in 0..=LIMIT {
+        if residual.relative <= TOLERANCE.max(residual.roundoff.min(COARSEST)) {
+            return Ok(());
+        }
+        if !residual.relative.is_finite() {
+            return Err(StopReason::NotFinite);
+        }
+        if iteration == LIMIT {
+            break;
+        }
+        *spent += 1;
+        let mut modes = state.modes();
+        stick_between_slips(state, &previous, &mut modes);
+        let step = direction(state, &modes).ok_or(StopReason::Singular)?;
+        remembered.push_back(residual.squared());
+        if remembered.len() > MEMORY {
+            remembered.pop_front();
+        }
+        if iteration < PLAIN {
+            advance(state, &step, 1.0);
+            residual = state.residual();
+        } else {
+            let bound = remembered.iter().copied().fold(0.0, f64::max);
+            residual = search(state, &step, bound);
+        }
+        previous = modes;
+    }
+    Err(StopReason::IterationLimit)
+}
+
+/// A point that slipped one way and would now slip the other way has passed through sticking: full steps would
+/// throw it to and fro between the two sides of its friction cone.
+fn stick_between_slips(state: &State, previous: &[PointMode], modes: &mut [PointMode]) {
+    let n = modes.len();
+    for j in 0..previous.len() {
+        if previous[j] == PointMode::Slip && modes[j] == PointMode::Slip && state.problem.friction > 0.0 {
+            let (_, trial) = state.trial(j);
+            if trial.x * state.forces[n + j] + trial.y * state.forces[2 * n + j] < 0.0 {
+                modes[j] = PointMode::Stick;
+            }
+        }
+    }
+}
+
+/// Change of forces and hub, and what it does to the separations.
+struct Step {
+    forces: Vec<f64>,
+    hub: Vec<f64>,
+    separation: Vec<f64>,
+}
+
+fn advance(state: &mut State, step: &Step, length: f64) {
+    let add = |values: &mut [f64], change: &[f64]| {
+        values.iter_mut().zip(change).for_each(|(v, c)| *v += length * c);
+    };
+    add(&mut state.forces, &step.forces);
+    add(&mut state.hub, &step.hub);
+    if length == 1.0 {
+        // anew from the forces, so that rounding does not add up
+        state.update_separation();
+    } else {
+        add(&mut state.separation, &step.separation);
+    }
+}
+
+/// Halves the step until the residual falls below `bound`; takes the best of them if none does.
+fn search(state: &mut State, step: &Step, bound: f64) -> Residual {
+    /// Part of the decrease of the linearised residual that is asked for.
+    const DECREASE: f64 = 1e-4;
+    let at = |length: f64| {
+        let mut moved = state.clone();
+        advance(&mut moved, step, length);
+        let residual = moved.residual();
+        (moved, residual)
+    };
+    let mut length = 1.0;
+    let mut best = at(length);
+    while best.1.squared() > (1.0 - DECREASE * length) * bound && length > SHORTEST {
+        length *= 0.5;
+        let next = at(length);
+        if !(next.1.squared() >= best.1.squared()) {
+            best = next;
+        }
+    }
+    *state = best.0;
+    best.1
+}
+
+/// The Newton step with every point in its mode; open points lose their force.
+fn direction(state: &State, modes: &[PointMode]) -> Option<Step> {
+    let problem = state.problem;
+    let n = problem.points.len();
+    let active: Vec<usize> = (0..n).filter(|&j| modes[j] != PointMode::Open).collect();
+    let rows: Vec<usize> =
+        (0..state.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
+    let (m, k) = (rows.len(), state.hub.len());
+    if m == 0 && k > 0 {
+        return None;
+    }
+    let mut forces = vec![0.0; state.forces.len()];
+    for j in (0..n).filter(|&j| modes[j] == PointMode::Open) {
+        (0..state.directions).for_each(|d| forces[d * n + j] = -state.forces[d * n + j]);
+    }
+    // separations once the open points have lost their forces
+    let lost = state.motion(&forces, &vec![0.0; k]);
+    let mut matrix = DMatrix::zeros(m + k, m + k);
+    let mut rhs = DVector::zeros(m + k);
+    for (r, &row) in rows.iter().enumerate() {
+        // gap (and slip while sticking) closes; in newtons, so that all rows have one scale
+        for (c, &column) in rows.iter().enumerate() {
+            matrix[(r, c)] = state.scale[row] * problem.compliance[(row, column)];
+        }
+        for (h, &(axis, _)) in problem.hub.iter().enumerate() {
+            matrix[(r, m + h)] = state.scale[row] * state.hub_weight(row, axis);
+        }
+        rhs[r] = -state.scale[row] * (state.separation[row] + lost[row]);
+    }
+    // the hub's displacement in the columns is multiplied by this, m/N, to keep the matrix well scaled
+    let hub_unit = m as f64 / rows.iter().map(|&row| state.scale[row]).sum::<f64>();
+    for (h, &(axis, wanted)) in problem.hub.iter().enumerate() {
+        matrix.column_mut(m + h).scale_mut(hub_unit);
+        let mut carried = 0.0;
+        for (c, &column) in rows.iter().enumerate() {
+            matrix[(m + h, c)] = state.hub_weight(column, axis);
+            carried += state.hub_weight(column, axis) * state.forces[column];
+        }
+        rhs[m + h] = wanted - carried;
+    }
+    if state.directions == 3 {
+        slip_rows(state, modes, &active, &mut matrix, &mut rhs);
+    }
+    let change = matrix.lu().solve(&rhs)?;
+    for (r, &row) in rows.iter().enumerate() {
+        forces[row] = change[r];
+    }
+    let hub: Vec<f64> = (0..k).map(|h| change[m + h] * hub_unit).collect();
+    let separation = state.motion(&forces, &hub);
+    Some(Step { forces, hub, separation })
+}
+
+/// Replaces the tangential rows of slipping points, which hold the scaled change of their slip, by the linearised
+/// cone condition `τ = μ·p·v/|v|`, `v = τ - scale·slip`. `active` are the points of the rows, in their order.
+pub(super) fn slip_rows(
+    state: &State,
+    modes: &[PointMode],
+    active: &[usize],
+    matrix: &mut DMatrix<f64>,
+    rhs: &mut DVector<f64>,
+) {
+    let n = state.problem.points.len();
+    let a = active.len();
+    for (local, &j) in active.iter().enumerate().filter(|(_, j)| modes[**j] == PointMode::Slip) {
+        let (_, v) = state.trial(j);
+        let length = v.norm();
+        let unit = if length > 0.0 { v / length } else { v };
+        let limit = state.problem.friction * state.forces[j].max(0.0);
+        let turn = if limit > 0.0 { limit / length } else { 0.0 };
+        let (row1, row2) = (a + local, 2 * a + local);
+        let across = |x: f64, y: f64| {
+            let along = unit.x * x + unit.y * y;
+            (turn * (x - along * unit.x), turn * (y - along * unit.y))
+        };
+        for c in 0..matrix.ncols() {
+            // these rows hold scale·d(slip); v changes by -d(slip)·scale and +dτ
+            let (s1, s2) = across(matrix[(row1, c)], matrix[(row2, c)]);
+            matrix[(row1, c)] = s1;
+            matrix[(row2, c)] = s2;
+        }
+        let (e11, e21) = across(1.0, 0.0);
+        let (e12, e22) = across(0.0, 1.0);
+        matrix[(row1, row1)] += 1.0 - e11;
+        matrix[(row2, row1)] -= e21;
+        matrix[(row1, row2)] -= e12;
+        matrix[(row2, row2)] += 1.0 - e22;
+        matrix[(row1, local)] -= state.problem.friction * unit.x;
+        matrix[(row2, local)] -= state.problem.friction * unit.y;
+        rhs[row1] = limit * unit.x - state.forces[n + j];
+        rhs[row2] = limit * unit.y - state.forces[2 * n + j];
+    }
+}

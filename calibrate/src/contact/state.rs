@@ -1,0 +1,254 @@
+//! A contact problem, and the forces and the hub on the way to its solution.
+
+use super::ContactPoints;
+use faer::Mat;
+use nalgebra::Vector2;
+
+/// State of one contact point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PointMode {
+    /// No force.
+    Open,
+    /// Force inside the friction cone.
+    Stick,
+    /// Force on the friction cone.
+    Slip,
+}
+
+/// A contact problem on condensed bodies.
+pub struct Problem<'a> {
+    /// The points (their directions are needed for the hub).
+    pub points: &'a ContactPoints,
+    /// Compliance, `direction·points + point`; one direction without friction, else three, m/N.
+    pub compliance: &'a Mat<f64>,
+    /// Gap (and slip since the last state) of every row without contact forces, m.
+    pub free: &'a [f64],
+    /// Coulomb friction coefficient; ignored with one direction.
+    pub friction: f64,
+    /// World axes (0 x, 1 y, 2 z) in which the hub is free, with the contact force wanted there on
+    /// the opposing body, N. Empty when the compliance already contains the hub.
+    pub hub: &'a [(usize, f64)],
+}
+
+/// Forces that satisfy the contact conditions.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// Contact forces on the opposing body, `direction·points + point`, N; normal ones are not negative.
+    pub forces: Vec<f64>,
+    /// Gap and slip of every row, m.
+    pub separation: Vec<f64>,
+    /// State of every point.
+    pub modes: Vec<PointMode>,
+    /// Hub displacement along its free axes, m.
+    pub hub: Vec<f64>,
+    /// Newton iterations used.
+    pub iterations: usize,
+}
+
+impl Solution {
+    /// Number of points that carry load.
+    pub fn active(&self) -> usize {
+        self.modes.iter().filter(|m| **m != PointMode::Open).count()
+    }
+}
+
+/// Forces and hub during the iteration, with the separation that belongs to them.
+#[derive(Clone)]
+pub(super) struct State<'a> {
+    pub problem: &'a Problem<'a>,
+    pub directions: usize,
+    pub forces: Vec<f64>,
+    pub hub: Vec<f64>,
+    pub separation: Vec<f64>,
+    /// Scales that turn metres into newtons, by row: the stiffness of the point alone, the same for both tangents.
+    pub scale: Vec<f64>,
+}
+
+/// How far a state is from the conditions of contact.
+pub(super) struct Residual {
+    /// By row, N: force minus projected trial force.
+    pub rows: Vec<f64>,
+    /// By free axis of the hub, N: carried minus wanted force.
+    pub hub: Vec<f64>,
+    /// Largest of both over the largest force.
+    pub relative: f64,
+    /// What rounding of the separations alone leaves of it.
+    pub roundoff: f64,
+}
+
+impl Residual {
+    /// Sum of squares, N².
+    pub fn squared(&self) -> f64 {
+        self.rows.iter().chain(&self.hub).map(|r| r * r).sum()
+    }
+}
+
+impl<'a> State<'a> {
+    pub fn new(problem: &'a Problem, start: &[f64]) -> Self {
+        let rows = problem.free.len();
+        let count = problem.points.len();
+        assert_eq!(problem.compliance.nrows(), rows);
+        assert_eq!(start.len(), rows);
+        let directions = rows.checked_div(count).unwrap_or(1);
+        let mut state = Self {
+            problem,
+            directions,
+            forces: start.to_vec(),
+            hub: vec![0.0; problem.hub.len()],
+            separation: vec![0.0; rows],
+            scale: scales(problem.compliance, count, directions),
+        };
+        if !problem.hub.is_empty() {
+            state.update_separation();
+            if (0..count).all(|j| state.mode(j) == PointMode::Open) {
+                state.touch_down();
+            }
+        }
+        state
+    }
+
+    /// Where the start presses no point, moves the hub along its first free axis until the nearest one overlaps a little.
+    fn touch_down(&mut self) {
+        let count = self.problem.points.len();
+        let (axis, force) = self.problem.hub[0];
+        let reach = (0..count)
+            .filter_map(|j| {
+                let slope = self.problem.points.direction(j, 0)[axis];
+                (slope * force > 0.0).then(|| self.separation[j] / slope)
+            })
+            .min_by(|a, b| a.abs().total_cmp(&b.abs()));
+        if let Some(reach) = reach {
+            // the wheel moves against the contact force by the gap and the overlap of a light load
+            let mean = self.scale.iter().sum::<f64>() / self.scale.len() as f64;
+            let overlap = force.abs() / (mean * (count as f64).sqrt());
+            self.hub[0] = -reach - overlap.min(2e-5) * force.signum();
+        }
+    }
+
+    /// Component along the world `axis` of the direction of `row`.
+    pub fn hub_weight(&self, row: usize, axis: usize) -> f64 {
+        let count = self.problem.points.len();
+        self.problem.points.direction(row % count, row / count)[axis]
+    }
+
+    /// What the forces and the hub do to the separations, without the free ones.
+    pub fn motion(&self, forces: &[f64], hub: &[f64]) -> Vec<f64> {
+        let mut motion = vec![0.0; forces.len()];
+        for (j, &f) in forces.iter().enumerate() {
+            if f != 0.0 {
+                let column = self.problem.compliance.col_as_slice(j);
+                motion.iter_mut().zip(column).for_each(|(s, c)| *s += c * f);
+            }
+        }
+        for (&(axis, _), h) in self.problem.hub.iter().zip(hub) {
+            for (row, s) in motion.iter_mut().enumerate() {
+                *s += self.hub_weight(row, axis) * h;
+            }
+        }
+        motion
+    }
+
+    pub fn update_separation(&mut self) {
+        self.separation = self.motion(&self.forces, &self.hub);
+        self.separation.iter_mut().zip(self.problem.free).for_each(|(s, f)| *s += f);
+    }
+
+    /// Contact force along a free axis of the hub, N.
+    pub fn carried(&self, axis: usize) -> f64 {
+        (0..self.forces.len()).map(|row| self.hub_weight(row, axis) * self.forces[row]).sum()
+    }
+
+    /// Trial normal force of point `j`, N: what it carries if it is positive.
+    fn pressure(&self, j: usize) -> f64 {
+        self.forces[j] - self.scale[j] * self.separation[j]
+    }
+
+    /// Friction bound and trial tangential force of point `j`.
+    pub fn trial(&self, j: usize) -> (f64, Vector2<f64>) {
+        let n = self.problem.points.len();
+        let trial = |d: usize| {
+            let row = d * n + j;
+            self.forces[row] - self.scale[row] * self.separation[row]
+        };
+        (self.problem.friction * self.pressure(j).max(0.0), Vector2::new(trial(1), trial(2)))
+    }
+
+    pub fn mode(&self, j: usize) -> PointMode {
+        if self.pressure(j) <= 0.0 {
+            PointMode::Open
+        } else if self.directions == 1 {
+            PointMode::Stick
+        } else if self.problem.friction == 0.0 {
+            PointMode::Slip
+        } else {
+            let (bound, trial) = self.trial(j);
+            if trial.norm() <= bound { PointMode::Stick } else { PointMode::Slip }
+        }
+    }
+
+    pub fn modes(&self) -> Vec<PointMode> {
+        (0..self.problem.points.len()).map(|j| self.mode(j)).collect()
+    }
+
+    pub fn residual(&self) -> Residual {
+        let n = self.problem.points.len();
+        let mut projected = vec![0.0; self.forces.len()];
+        for j in 0..n {
+            projected[j] = self.pressure(j).max(0.0);
+            if self.directions == 3 {
+                let (bound, trial) = self.trial(j);
+                let length = trial.norm();
+                let shrink = if length > bound { bound / length } else { 1.0 };
+                projected[n + j] = shrink * trial.x;
+                projected[2 * n + j] = shrink * trial.y;
+            }
+        }
+        let rows: Vec<f64> = self.forces.iter().zip(&projected).map(|(f, p)| f - p).collect();
+        let hub: Vec<f64> =
+            self.problem.hub.iter().map(|&(axis, wanted)| self.carried(axis) - wanted).collect();
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let wanted = self.problem.hub.iter().fold(0.0_f64, |m, h| m.max(h.1.abs()));
+        let size = largest(&self.forces).max(largest(&projected)).max(wanted);
+        let over = |value: f64| if value == 0.0 { 0.0 } else { value / size };
+        // the separation is a sum of free gap, elastic displacement and hub motion, all of the free gap's size
+        let lengths = largest(self.problem.free) + largest(&self.hub);
+        let roundoff = over(ROUNDOFF * largest(&self.scale) * lengths);
+        let relative = over(largest(&rows).max(largest(&hub)));
+        // `max` passes over what is not a number, which is no small residual
+        let finite = rows.iter().chain(&hub).all(|r| r.is_finite());
+        Residual { relative: if finite { relative } else { f64::INFINITY }, roundoff, rows, hub }
+    }
+
+    /// The answer, once the residual is small: what a point carries that is open or pulls is below the tolerance.
+    pub fn solution(&self, iterations: usize) -> Solution {
+        let n = self.problem.points.len();
+        let modes = self.modes();
+        let mut forces = self.forces.clone();
+        for j in 0..n {
+            forces[j] = forces[j].max(0.0);
+            if modes[j] == PointMode::Open {
+                (0..self.directions).for_each(|d| forces[d * n + j] = 0.0);
+            }
+        }
+        Solution { forces, separation: self.separation.clone(), modes, hub: self.hub.clone(), iterations }
+    }
+}
+
+/// Rounding of a sum of separations, in units of its largest term.
+const ROUNDOFF: f64 = 16.0 * f64::EPSILON;
+
+/// Stiffness of every point alone, N/m.
+fn scales(compliance: &Mat<f64>, count: usize, directions: usize) -> Vec<f64> {
+    let rows = compliance.nrows();
+    let mean = (0..rows).map(|i| compliance[(i, i)]).sum::<f64>() / rows.max(1) as f64;
+    let stiffness = |c: f64| 1.0 / if c > 0.0 { c } else { mean.max(f64::MIN_POSITIVE) };
+    let mut scale: Vec<f64> = (0..rows).map(|i| stiffness(compliance[(i, i)])).collect();
+    if directions == 3 {
+        for j in 0..count {
+            let (a, b) = (count + j, 2 * count + j);
+            scale[a] = stiffness(0.5 * (compliance[(a, a)] + compliance[(b, b)]));
+            scale[b] = scale[a];
+        }
+    }
+    scale
+}

@@ -1,0 +1,217 @@
+//! The contact solver on small hard problems: every answer is held against the conditions of Signorini and Coulomb
+//! themselves, which know nothing of the way that led to it.
+
+use faer::Mat;
+use nalgebra::{Vector2, Vector3};
+use railspring_calibrate::contact::{
+    Compliance, ContactPoints, HalfSpace, PointMode, Problem, Solution, solve,
+};
+use railspring_calibrate::error::{Error, StopReason};
+
+/// SOLVER: the iteration ends at 1e-10 of the largest force; a hundred times that for sums over points.
+const SOLVER: f64 = 1e-8;
+
+/// Largest violation of the conditions of contact, relative to the largest force or to its displacement: no
+/// tension, no overlap, no force across a gap, friction inside its cone, no slip inside the cone, slip against the
+/// force on the cone, and the wanted forces of the hub.
+fn violation(problem: &Problem, solution: &Solution) -> f64 {
+    let n = problem.points.len();
+    let f = &solution.forces;
+    let size =
+        f.iter().chain(problem.hub.iter().map(|h| &h.1)).fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
+    let stiffness = |row: usize| 1.0 / problem.compliance[(row, row)];
+    let mut worst = 0.0_f64;
+    for row in 0..f.len() {
+        let (j, d) = (row % n, row / n);
+        let direction: Vector3<f64> = problem.points.direction(j, d);
+        let hub: f64 = problem.hub.iter().zip(&solution.hub).map(|(h, u)| direction[h.0] * u).sum();
+        let elastic: f64 = (0..f.len()).map(|c| problem.compliance[(row, c)] * f[c]).sum();
+        let separation = problem.free[row] + elastic + hub;
+        worst = worst.max((separation - solution.separation[row]).abs() * stiffness(row));
+    }
+    for j in 0..n {
+        let (p, gap) = (f[j], solution.separation[j] * stiffness(j));
+        worst = worst.max(-p).max(-gap).max(p.min(gap));
+        if f.len() == 3 * n {
+            let tangential = Vector2::new(f[n + j], f[2 * n + j]);
+            let slip = Vector2::new(solution.separation[n + j], solution.separation[2 * n + j])
+                * stiffness(n + j).min(stiffness(2 * n + j));
+            let inside = problem.friction * p - tangential.norm();
+            worst = worst.max(-inside);
+            if p > 0.0 {
+                // slip with force to spare, and slip that is not straight against the force
+                worst = worst.max(inside.min(slip.norm()));
+                if tangential.norm() > 0.0 && problem.friction > 0.0 {
+                    let along = tangential.normalize();
+                    let across = (slip - along * slip.dot(&along)).norm();
+                    // the force that turning the slip into its direction would take
+                    let cone = problem.friction * p;
+                    worst = worst.max(across * cone / (cone + slip.norm())).max(slip.dot(&along));
+                }
+            }
+        }
+    }
+    for (axis, wanted) in problem.hub {
+        let carried: f64 =
+            (0..f.len()).map(|row| problem.points.direction(row % n, row / n)[*axis] * f[row]).sum();
+        worst = worst.max((carried - wanted).abs());
+    }
+    worst / size
+}
+
+/// Goal: two points of a rim that gives way sideways ten times more than downwards, pressed with 1 kN at the friction
+/// 0.05: the points stick. A Newton iteration in full steps throws both to and fro between slipping one way and
+/// the other, the hub free. Units SI; the numbers are those of a coarse wheel on a coarse rail. Accuracy: SOLVER.
+#[test]
+fn points_between_two_directions_of_slip_stick() {
+    let mut points = ContactPoints::flat_grid((2, 1), 3e-3, |_, _| 0.0);
+    points.normal = [-0.030, -0.020].map(|y: f64| Vector2::new(y, -1.0).normalize()).to_vec();
+    let (local, common) = ([2.2e-9, 3.2e-8, 2.9e-9], [1.4e-9, 3.1e-8, 1.5e-9]);
+    let mut compliance = Mat::from_fn(6, 6, |r, c| match (r / 2 == c / 2, r == c) {
+        (true, true) => local[r / 2],
+        (true, false) => common[r / 2],
+        _ => 0.0,
+    });
+    // what presses the rim down also moves it sideways
+    for (r, c) in [(0, 2), (0, 3), (1, 2), (1, 3)] {
+        compliance[(r, c)] = -1.2e-10;
+        compliance[(c, r)] = -1.2e-10;
+    }
+    let free = [2.38e-6, 2.49e-6, 0.0, 0.0, 0.0, 0.0];
+    let hub = [(2, -1e3)];
+    let problem =
+        Problem { points: &points, compliance: &compliance, free: &free, friction: 0.05, hub: &hub };
+    let solution = solve(&problem, &[0.0; 6]).unwrap();
+    assert!(violation(&problem, &solution) < SOLVER, "{:e}", violation(&problem, &solution));
+    assert_eq!(solution.modes, [PointMode::Stick; 2]);
+}
+
+/// A half-space in all three directions: the tangential ones without the coupling to the normal one, in the ratio
+/// (1 - ν/2)/(1 - ν) of Mindlin's compliances.
+fn half_space(points: &ContactPoints, contact_modulus: f64, tangential: f64) -> Mat<f64> {
+    let n = points.len();
+    let mut normal = Mat::zeros(n, n);
+    HalfSpace { contact_modulus }.add_to(points, &mut normal);
+    Mat::from_fn(3 * n, 3 * n, |r, c| match (r / n == c / n, r / n) {
+        (false, _) => 0.0,
+        (true, 0) => normal[(r % n, c % n)],
+        (true, _) => tangential * normal[(r % n, c % n)],
+    })
+}
+
+/// Source: Cattaneo and Mindlin (K.L. Johnson, Contact Mechanics, 1985, sections 7.2 and 7.4): a sphere under the
+/// normal force P and the tangential force Q moves tangentially by δ_full·(1 − (1 − Q/μP)^⅔), and on the way back
+/// from Q₁ by δ₁ − 2·δ_full·(1 − (1 − (Q₁ − Q)/2μP)^⅔), with δ_full = 3μP/2 over the stiffness of
+/// sticking. Goal: loading and full reversal with the hub free in both directions, within 2 % of δ_full;
+/// DISCRETISATION of nine points over the diameter. Units SI.
+#[test]
+fn cattaneo_and_mindlin_forwards_and_back_with_the_hub_free() {
+    const DISCRETISATION: f64 = 0.02;
+    const LARGEST: f64 = 0.9;
+    let (radius, load, friction, contact_modulus, ratio) = (0.3_f64, 85e3, 0.5, 115e9, 1.2);
+    let patch = (0.75 * load * radius / contact_modulus).cbrt();
+    let h = patch / 5.0;
+    let points = ContactPoints::flat_grid((15, 15), h, |s, x| (s * s + x * x) / (2.0 * radius));
+    let n = points.len();
+    let compliance = half_space(&points, contact_modulus, ratio);
+    // Mindlin's stiffness of the stuck patch, 8·a·G*, is 2·a·E*/ratio here
+    let full = 1.5 * friction * load * ratio / (2.0 * patch * contact_modulus);
+    let slipped = |part: f64| full * (1.0 - (1.0 - part).powf(2.0 / 3.0));
+    let mut free = points.gap.clone();
+    free.resize(3 * n, 0.0);
+    let mut forces = vec![0.0; 3 * n];
+    let (mut moved, mut back) = (0.0, false);
+    for part in [0.3, 0.6, LARGEST, 0.5, 0.0, -0.5, -0.85] {
+        let hub = [(2, -load), (1, part * friction * load)];
+        let problem = Problem { points: &points, compliance: &compliance, free: &free, friction, hub: &hub };
+        let solution = solve(&problem, &forces).unwrap();
+        assert!(violation(&problem, &solution) < SOLVER, "{part}: {:e}", violation(&problem, &solution));
+        // the hub moves against the force that it is to feel
+        moved -= solution.hub[1];
+        let exact =
+            if back { slipped(LARGEST) - 2.0 * slipped(0.5 * (LARGEST - part)) } else { slipped(part) };
+        println!(
+            "Q/µP {part}: {:.4} of full, exact {:.4}, {} iterations",
+            moved / full,
+            exact / full,
+            solution.iterations
+        );
+        assert!((moved - exact).abs() < DISCRETISATION * full, "{part}: {} {}", moved / full, exact / full);
+        back |= part == LARGEST;
+        forces = solution.forces;
+        for row in n..3 * n {
+            // the slip of the next increment starts from the elastic displacement of this one
+            free[row] = -(0..3 * n).map(|c| compliance[(row, c)] * forces[c]).sum::<f64>();
+        }
+    }
+}
+
+/// Numbers in 0..1 that are the same in every run (D.E. Knuth, The Art of Computer Programming 2, section 3.3.4).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.next()
+    }
+}
+
+/// Goal: 600 problems of one to twelve points on faces of any slope between -70° and 70°, with full positive definite
+/// compliances that couple all directions, friction from 0.05 to 0.6, and slips that point anywhere; a third with
+/// the hub held, a third free downwards, a third free in both directions under a force inside the friction cone of
+/// the face. Every one has its answer, which satisfies the conditions. Accuracy: SOLVER.
+#[test]
+fn hard_problems_of_few_points_end_with_their_conditions_satisfied() {
+    let mut numbers = Numbers(7);
+    for case in 0..600 {
+        let n = 1 + case % 12;
+        let mut points = ContactPoints::flat_grid((n, 1), 1e-3, |_, _| 0.0);
+        let friction = numbers.between(0.05, 0.6);
+        let slope = numbers.between(-1.2, 1.2);
+        for j in 0..n {
+            let angle: f64 = slope + numbers.between(-0.4, 0.4) * friction;
+            points.normal[j] = Vector2::new(-angle.sin(), -angle.cos());
+        }
+        // A·Aᵀ couples everything; the diagonal is the point alone
+        let a = Mat::<f64>::from_fn(3 * n, 3 * n, |_, _| numbers.between(-1.0, 1.0));
+        let compliance = Mat::from_fn(3 * n, 3 * n, |r, c| {
+            let coupled: f64 = (0..3 * n).map(|k| a[(r, k)] * a[(c, k)]).sum();
+            1e-9 * (0.5 * coupled / n as f64 + if r == c { 0.5 } else { 0.0 })
+        });
+        let mut free: Vec<f64> = (0..3 * n).map(|_| numbers.between(-2e-5, 2e-5)).collect();
+        free[..n].iter_mut().for_each(|gap| *gap *= 0.5);
+        let load = numbers.between(1e3, 5e4);
+        let direction = slope + numbers.between(-0.4, 0.4) * friction;
+        let inside_the_cone = [(2, -load * direction.cos()), (1, -load * direction.sin())];
+        let hubs: [&[(usize, f64)]; 3] = [&[], &[(2, -load)], &inside_the_cone];
+        let hub = hubs[case % 3];
+        let problem = Problem { points: &points, compliance: &compliance, free: &free, friction, hub };
+        match solve(&problem, &vec![0.0; 3 * n]) {
+            Ok(solution) => {
+                let worst = violation(&problem, &solution);
+                assert!(worst < SOLVER, "case {case}: {worst:e}, hub {hub:?}");
+            }
+            Err(error) => panic!("case {case}, {n} points, friction {friction}, hub {hub:?}: {error}"),
+        }
+    }
+}
+
+/// Goal: a wheel that is pulled off cannot be carried by any point: an error with its reason, in bounded time.
+#[test]
+fn a_pull_that_nothing_carries_ends_with_a_reason() {
+    let points = ContactPoints::flat_grid((4, 4), 1e-3, |_, _| 1e-6);
+    let compliance = half_space(&points, 115e9, 1.2);
+    let mut free = points.gap.clone();
+    free.resize(3 * points.len(), 0.0);
+    let hub = [(2, 1e3)];
+    let problem = Problem { points: &points, compliance: &compliance, free: &free, friction: 0.3, hub: &hub };
+    let Err(Error::Numerics(error)) = solve(&problem, &vec![0.0; free.len()]) else {
+        panic!("a pull was carried");
+    };
+    assert!(matches!(error.reason, StopReason::Singular | StopReason::IterationLimit), "{error}");
+    assert_eq!(error.active, 0, "{error}");
+}
