@@ -20,11 +20,10 @@ impl Stopwatch {
     }
 
     /// The measure of the stage.
-    pub fn stop(self, stage: &str, degrees_of_freedom: Option<usize>) -> StageMeasure {
+    pub fn stop(self, stage: &str) -> StageMeasure {
         let seconds = self.begun.elapsed().as_secs_f64();
         StageMeasure {
             stage: stage.into(),
-            degrees_of_freedom,
             seconds: (seconds * 1e3).round() / 1e3,
             peak_memory_mib: peak_memory_mib().map(|mib| (mib * 10.0).round() / 10.0),
         }

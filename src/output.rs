@@ -1,7 +1,8 @@
 //! The output folder: checked before any work is done, and every file in it
 //! either complete or absent.
 
-use std::io::Write;
+use std::fs::{File, TryLockError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use railspring_calibrate::error::{InputError, Result};
@@ -62,10 +63,42 @@ impl OutputFolder {
         self.path.join(name)
     }
 
+    /// Keeps other processes from writing results into the folder until the value is dropped; a process that is killed
+    /// lets go as well. Where the system cannot lock a folder, nothing is kept away.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `output folder` if another process has it.
+    pub fn claim(&self) -> Result<Option<File>> {
+        let Ok(folder) = File::open(&self.path) else { return Ok(None) };
+        match folder.try_lock() {
+            Ok(()) => Ok(Some(folder)),
+            Err(TryLockError::Error(_)) => Ok(None),
+            Err(TryLockError::WouldBlock) => Err(InputError::new(
+                "output folder",
+                self.path.display(),
+                "a folder that no other railspring is writing to",
+                "wait for the other one to end, or choose another folder with -o",
+            )
+            .into()),
+        }
+    }
+
+    /// Removes a file; one that is not there is removed already.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path, if the file cannot be removed.
+    pub fn remove(&self, name: &str) -> Result<()> {
+        let path = self.file(name);
+        match std::fs::remove_file(&path) {
+            Err(cause) if cause.kind() != ErrorKind::NotFound => Err(unwritable_file(&path, &cause).into()),
+            _ => Ok(()),
+        }
+    }
+
     /// Writes a file at once; a file of that name is replaced only when the new one is complete.
     ///
     /// # Errors
-    /// [`InputError`] with key `output folder` if the file cannot be written.
+    /// [`InputError`] whose key is the path, if the file cannot be written.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<()> {
         self.replace(name, |temporary| std::fs::write(temporary, content))
     }
@@ -73,7 +106,7 @@ impl OutputFolder {
     /// Lets `fill` write a file under a temporary name in the same folder, then renames it.
     ///
     /// # Errors
-    /// [`InputError`] with key `output folder` if `fill` fails or the file cannot be renamed.
+    /// [`InputError`] whose key is the path, if `fill` fails or the file cannot be renamed.
     fn replace(&self, name: &str, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<()> {
         let target = self.file(name);
         let parent = target.parent().unwrap_or(&self.path);
@@ -85,7 +118,7 @@ impl OutputFolder {
             readable_by_all(&temporary)?;
             temporary.persist(&target).map_err(|cause| cause.error)
         };
-        write().map_err(|cause| self.unwritable(&cause).into())
+        write().map_err(|cause| unwritable_file(&target, &cause).into())
     }
 
     /// Writes a value as indented JSON.
@@ -93,9 +126,7 @@ impl OutputFolder {
     /// # Errors
     /// As [`OutputFolder::write`].
     pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<()> {
-        let mut text = serde_json::to_vec_pretty(value).expect("records are plain data");
-        text.write_all(b"\n").expect("a vector grows");
-        self.write(name, &text)
+        self.write(name, &to_json(value))
     }
 
     /// Reads a JSON file of the folder.
@@ -111,7 +142,7 @@ impl OutputFolder {
             "output folder",
             format!("{} ({cause})", self.path.display()),
             "a folder that can be created and written",
-            "choose another one with -o, or mend its permissions",
+            "choose another one with -o, or correct its permissions",
         )
     }
 }
@@ -127,14 +158,37 @@ impl Drop for OutputFolder {
     }
 }
 
+fn unwritable_file(path: &Path, cause: &std::io::Error) -> InputError {
+    InputError::new(
+        path.display().to_string(),
+        cause,
+        "a file that can be written",
+        "make room or correct the permissions, or choose another folder with -o",
+    )
+}
+
+/// A value as indented JSON.
+pub fn to_json(value: &impl Serialize) -> Vec<u8> {
+    let mut text = serde_json::to_vec_pretty(value).expect("records are plain data");
+    text.push(b'\n');
+    text
+}
+
 /// Reads a JSON file.
 ///
 /// # Errors
 /// [`InputError`] whose key is the path, if the file is absent or has another content; `made_by`
 /// names the command that writes such a file.
 pub fn read_json<T: DeserializeOwned>(path: &Path, made_by: &str) -> Result<T> {
-    let text = read_text(path, made_by)?;
-    serde_json::from_str(&text).map_err(|cause| {
+    parse_json(path, &read_text(path, made_by)?, made_by)
+}
+
+/// Reads the text of a JSON file.
+///
+/// # Errors
+/// As [`read_json`].
+pub fn parse_json<T: DeserializeOwned>(path: &Path, text: &str, made_by: &str) -> Result<T> {
+    serde_json::from_str(text).map_err(|cause| {
         InputError::new(
             path.display().to_string(),
             cause,

@@ -2,8 +2,12 @@
 //! order, and what each leaves in the output folder.
 //!
 //! Every stage writes its files as soon as it has ended, each complete or not
-//! at all, so that a later failure takes nothing away.
+//! at all, so that a later failure takes nothing away. What a stage reads, it
+//! takes only if it was made from the same inputs as it would be now.
 
+mod stored;
+
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use railspring_calibrate::error::{Error, InputError, Result, StopReason};
@@ -14,16 +18,18 @@ use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::KILONEWTON_PER_METRE;
 
 use crate::measure::{Stopwatch, begin};
-use crate::output::{OutputFolder, read_json, read_text};
+use crate::output::{OutputFolder, to_json};
 use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
 use crate::records::{
-    LawRecord, LoadCurveRow, Measured, ScenarioVerdict, StiffnessRecord, VerificationRecord, history_csv,
+    Measured, RunRecord, ScenarioVerdict, SpringsRecord, StiffnessRecord, VerificationRecord, history_csv,
     to_csv,
 };
 use crate::report::crosscheck::{Crosscheck, PageData, page};
 use crate::report::{self, ReportData, ScenarioRun};
-use crate::stages::{self, Calibration, Fields, Geometry, Meshes, Springs};
-use crate::study::{LawKey, Study, StudyScenario};
+use crate::results::{NewFile, Results, hash};
+use crate::springs;
+use crate::stages::{self, Calibration, Fields, Geometry, Meshes};
+use crate::study::{Study, StudyScenario};
 use crate::verify::{self, Kind, Line};
 
 /// The laws and the horizontal stiffness.
@@ -36,26 +42,40 @@ pub const VERIFICATION: &str = "verification.json";
 pub const MEASURED: &str = "measured.json";
 /// The report.
 pub const REPORT: &str = "report.html";
-/// What independent judges say.
+/// The figures of the report.
+const FIGURES: &str = "figures/";
+/// What independent programs say.
 pub const CROSSCHECK: &str = "crosscheck.json";
 /// The page about it.
 pub const CROSSCHECK_PAGE: &str = "crosscheck.html";
 /// Where on the bodies tool and reference differ.
 pub const DIFFERENCES: &str = "crosscheck/differences.json";
 
+/// What is made from springs and histories, and goes when one of them changes.
+const OF_THE_RUNS: [&str; 3] = [VERIFICATION, REPORT, FIGURES];
+/// What is made from the verdict.
+const OF_THE_VERDICT: [&str; 2] = [REPORT, FIGURES];
+
 /// A study on its way through the stages.
 pub struct Pipeline<'a> {
     study: &'a Study,
     folder: &'a OutputFolder,
+    results: Results<'a>,
     interpreter: Option<&'a Path>,
     monitor: &'a dyn Monitor,
     measured: Measured,
 }
 
+/// A history and what belongs to it.
+struct Run {
+    history: History,
+    record: RunRecord,
+}
+
 /// Both runs of a scenario.
 struct Runs {
-    simple: History,
-    solid: Option<History>,
+    simple: Run,
+    solid: Option<Run>,
 }
 
 impl<'a> Pipeline<'a> {
@@ -68,29 +88,32 @@ impl<'a> Pipeline<'a> {
         monitor: &'a dyn Monitor,
     ) -> Self {
         let earlier = folder.read_json::<Measured>(MEASURED, "run").map(|m| m.stages).unwrap_or_default();
-        Self { study, folder, interpreter, monitor, measured: Measured { stages: earlier, ..begin() } }
+        let measured = Measured { stages: earlier, ..begin() };
+        Self { study, folder, results: Results::new(folder), interpreter, monitor, measured }
     }
 
-    /// All stages; whether all limits hold.
+    /// All stages, each anew; the verdict.
     ///
     /// # Errors
     /// Those of the stages.
-    pub fn run(mut self) -> Result<bool> {
+    pub fn run(mut self) -> Result<VerificationRecord> {
+        springs::check_reference(self.study)?;
         self.measured.stages.clear();
         let geometry = stages::geometry(self.study)?;
         stages::check_loads(self.study, &geometry)?;
         let meshes = self.mesh_stage(&geometry)?;
         let calibration = self.calibrate_stage(&geometry, &meshes)?;
+        let springs = springs::own(self.study, &calibration.stiffness)?;
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
-            let simple = self.simulate_stage(&geometry, &calibration.stiffness, name, scenario)?;
+            let simple = self.simulate_stage(&geometry, &springs, name, scenario)?;
             let solid =
                 scenario.solid.then(|| self.solid_stage(&geometry, &meshes, name, scenario)).transpose()?;
             runs.push((name.clone(), Runs { simple, solid }));
         }
-        let verdict = self.verify_stage(&calibration.stiffness, &runs)?;
-        self.report_stage(&geometry, &calibration, &runs, Some(&verdict))?;
-        Ok(verdict.holds)
+        let verdict = self.verify_stage(Some(&calibration.stiffness), &runs)?;
+        self.report_stage(&geometry, &calibration, &runs, &verdict)?;
+        Ok(verdict)
     }
 
     /// Calibration alone: `stiffness.json`, `load_curve.csv` and the VTU files.
@@ -112,81 +135,71 @@ impl<'a> Pipeline<'a> {
     pub fn mesh(self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
         let meshes = stages::meshes(self.study, &geometry, self.interpreter, self.monitor)?;
-        for (mesh, name) in [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")] {
-            self.folder.write(name, stages::mesh_vtu(mesh)?.as_bytes())?;
-        }
-        Ok(())
+        let key = hash(format!("mesh {}", self.study.keys.calibration).as_bytes());
+        let files = [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")]
+            .into_iter()
+            .map(|(mesh, name)| Ok(NewFile::new(name, stages::mesh_vtu(mesh)?.into_bytes(), &key)))
+            .collect::<Result<_>>()?;
+        self.results.write(files, &[])
     }
 
-    /// The simple model alone, with the springs of `law` or of the folder.
+    /// The simple model alone, with the springs of `law` or of the folder; the records of its runs by scenario.
     ///
     /// # Errors
-    /// Those of the stage, and springs that are not there.
-    pub fn simulate(mut self, law: Option<&Path>) -> Result<()> {
+    /// Those of the stage, and springs that are not there or do not suit the study.
+    pub fn simulate(mut self, law: Option<&Path>) -> Result<Vec<(String, RunRecord)>> {
         let geometry = stages::geometry(self.study)?;
-        let stiffness = match law {
-            Some(path) => read_json(path, "calibrate")?,
-            None => self.folder.read_json(STIFFNESS, "calibrate")?,
+        let springs = match law {
+            Some(path) => springs::from_file(self.study, &geometry, path)?,
+            None => springs::own(self.study, &self.stored_stiffness()?)?,
         };
+        let mut records = Vec::new();
         for (name, scenario) in &self.study.scenarios {
-            self.simulate_stage(&geometry, &stiffness, name, scenario)?;
+            let run = self.simulate_stage(&geometry, &springs, name, scenario)?;
+            records.push((name.clone(), run.record));
         }
-        Ok(())
+        Ok(records)
     }
 
-    /// The solid model on the load cases of the folder, and the verdict; whether all limits hold.
+    /// The solid model on the load cases of the folder, and the verdict.
     ///
-    /// Solid histories that the folder has for this very study are taken from there.
+    /// Solid histories that the folder has for these very load cases are taken from there, others are made again.
     ///
     /// # Errors
-    /// Those of the stages, and results of another study in the folder.
-    pub fn verify(mut self) -> Result<bool> {
-        let stiffness = self.own_stiffness()?;
+    /// Those of the stages, and histories of the simple model that are missing or were made from other inputs.
+    pub fn verify(mut self) -> Result<VerificationRecord> {
+        let (stiffness, simple) = self.stored_simple_runs()?;
         let mut solid_model = None;
         let mut runs = Vec::new();
-        for (name, scenario) in &self.study.scenarios {
-            let simple = self.read_history(&self.file(name, "history"), &model("simple", name))?;
-            let file = self.file(name, "solid_history");
+        for ((name, scenario), simple) in self.study.scenarios.iter().zip(simple) {
             let solid = match scenario.solid {
                 false => None,
-                true if self.folder.file(&file).exists() => {
-                    Some(self.read_history(&file, &model("solid", name))?)
-                }
-                true => {
-                    if solid_model.is_none() {
-                        let geometry = stages::geometry(self.study)?;
-                        let meshes = self.mesh_stage(&geometry)?;
-                        solid_model = Some((geometry, meshes));
+                true => Some(match self.stored_solid_run(name, scenario) {
+                    Ok(run) => run,
+                    Err(_) => {
+                        if solid_model.is_none() {
+                            let geometry = stages::geometry(self.study)?;
+                            let meshes = self.mesh_stage(&geometry)?;
+                            solid_model = Some((geometry, meshes));
+                        }
+                        let (geometry, meshes) = solid_model.as_ref().expect("made above");
+                        self.solid_stage(geometry, meshes, name, scenario)?
                     }
-                    solid_model
-                        .as_ref()
-                        .map(|(geometry, meshes)| self.solid_stage(geometry, meshes, name, scenario))
-                        .transpose()?
-                }
+                }),
             };
             runs.push((name.clone(), Runs { simple, solid }));
         }
-        Ok(self.verify_stage(&stiffness, &runs)?.holds)
+        self.verify_stage(stiffness.as_ref(), &runs)
     }
 
     /// The report from the files of the folder.
     ///
     /// # Errors
-    /// Files that are not there, or of another study.
+    /// Files that are missing or were made from other inputs: all of them in one message.
     pub fn report(mut self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
-        let stiffness = self.own_stiffness()?;
-        let load_curve = self.read_load_curve()?;
-        let mut runs = Vec::new();
-        for (name, scenario) in &self.study.scenarios {
-            let simple = self.read_history(&self.file(name, "history"), &model("simple", name))?;
-            let file = self.file(name, "solid_history");
-            let solid =
-                scenario.solid.then(|| self.read_history(&file, &model("solid", name))).transpose()?;
-            runs.push((name.clone(), Runs { simple, solid }));
-        }
-        let verdict: VerificationRecord = self.folder.read_json(VERIFICATION, "verify")?;
-        self.report_stage(&geometry, &Calibration { stiffness, load_curve }, &runs, Some(&verdict))
+        let (calibration, runs, verdict) = self.stored_results()?;
+        self.report_stage(&geometry, &calibration, &runs, &verdict)
     }
 
     /// The pages after a cross-check: the report too, if the folder has the study's other results;
@@ -195,7 +208,7 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// As [`Pipeline::report`], and a cross-check that is not there.
     pub fn crosscheck_pages(self) -> Result<bool> {
-        if self.has_results() {
+        if self.stored_results().is_ok() {
             self.report().map(|()| true)
         } else {
             let record = self.folder.read_json(CROSSCHECK, "crosscheck")?;
@@ -203,17 +216,11 @@ impl<'a> Pipeline<'a> {
         }
     }
 
-    /// Whether the folder has springs and a verdict of this very study.
-    fn has_results(&self) -> bool {
-        let verdict = self.folder.read_json::<VerificationRecord>(VERIFICATION, "verify");
-        self.own_stiffness().is_ok() && verdict.is_ok_and(|v| v.input_hash == self.study.input_hash)
-    }
-
     /// The cross-check of the folder if it is one of this study: `None` if it is of another study
     /// or has another layout.
     fn own_crosscheck(&self) -> Option<CrosscheckRecord> {
         let record: CrosscheckRecord = self.folder.read_json(CROSSCHECK, "crosscheck").ok()?;
-        (record.input_hash == self.study.input_hash).then_some(record)
+        (record.input_hash == self.study.keys.study).then_some(record)
     }
 
     /// The sections of that very cross-check; none if they are not there.
@@ -245,7 +252,7 @@ impl<'a> Pipeline<'a> {
         let watch = Stopwatch::start();
         let meshes = stages::meshes(self.study, geometry, self.interpreter, self.monitor)?;
         // Kept until there is a result: a study that is refused later leaves no file behind.
-        self.measured.note(watch.stop("meshes", None));
+        self.measured.note(watch.stop("meshes"));
         Ok(meshes)
     }
 
@@ -253,37 +260,37 @@ impl<'a> Pipeline<'a> {
         let watch = Stopwatch::start();
         let (calibration, pressed) = stages::calibrate(self.study, geometry, meshes, self.monitor)
             .map_err(|error| uncarried(self.study, error))?;
-        self.folder.write_json(STIFFNESS, &calibration.stiffness)?;
-        self.folder.write(LOAD_CURVE, &to_csv(&calibration.load_curve))?;
+        let mut contents =
+            vec![(STIFFNESS, to_json(&calibration.stiffness)), (LOAD_CURVE, to_csv(&calibration.load_curve))];
         for (fields, name) in
             [(Fields::Rail, "rail.vtu"), (Fields::Wheel, "wheel.vtu"), (Fields::Contact, "contact.vtu")]
         {
-            self.folder.write(name, stages::fields_vtu(&pressed, fields)?.as_bytes())?;
+            contents.push((name, stages::fields_vtu(&pressed, fields)?.into_bytes()));
         }
-        self.note(watch, "calibration", None)?;
+        let key = &self.study.keys.calibration;
+        let files = contents.into_iter().map(|(name, content)| NewFile::new(name, content, key)).collect();
+        self.results.write(files, &OF_THE_RUNS)?;
+        self.note(watch, "calibration")?;
         Ok(calibration)
     }
 
     fn simulate_stage(
         &mut self,
         geometry: &Geometry,
-        stiffness: &StiffnessRecord,
+        springs: &SpringsRecord,
         name: &str,
         scenario: &StudyScenario,
-    ) -> Result<History> {
+    ) -> Result<Run> {
         let watch = Stopwatch::start();
-        let normal = match self.study.simulation.law {
-            LawKey::Calibrated => law(&stiffness.law),
-            LawKey::Published => StiffnessLaw::published(),
-        };
-        let horizontal =
-            self.study.simulation.horizontal.unwrap_or(stiffness.horizontal_kn_per_m * KILONEWTON_PER_METRE);
-        let springs = Springs { normal, horizontal, wheel_mass: stiffness.wheel_mass() };
-        let history = stages::simulate(self.study, geometry, &springs, scenario, self.monitor)
+        let used = springs::springs(springs)?;
+        let history = stages::simulate(self.study, geometry, &used, scenario, self.monitor)
             .map_err(|error| self.study.in_scenario(name, error))?;
-        self.folder.write(&self.file(name, "history"), &history_csv::write(&history))?;
-        self.note(watch, &model("simple", name), Some(history.degrees_of_freedom))?;
-        Ok(history)
+        let notes = springs::range_note(springs, &history).into_iter().collect();
+        let record = RunRecord::new(&history, Some(springs), notes);
+        let key = self.study.keys.simple(name, springs);
+        self.write_history(&self.file(name, "history"), &history, &record, &key)?;
+        self.note(watch, &model("simple", name))?;
+        Ok(Run { history, record })
     }
 
     fn solid_stage(
@@ -292,44 +299,78 @@ impl<'a> Pipeline<'a> {
         meshes: &Meshes,
         name: &str,
         scenario: &StudyScenario,
-    ) -> Result<History> {
+    ) -> Result<Run> {
         let watch = Stopwatch::start();
         let history = stages::simulate_solid(self.study, geometry, meshes, scenario, self.monitor)
             .map_err(|error| self.study.in_scenario(name, error))?;
-        self.folder.write(&self.file(name, "solid_history"), &history_csv::write(&history))?;
-        self.note(watch, &model("solid", name), Some(history.degrees_of_freedom))?;
-        Ok(history)
+        let record = RunRecord::new(&history, None, Vec::new());
+        let key = self.study.keys.solid(name);
+        self.write_history(&self.file(name, "solid_history"), &history, &record, &key)?;
+        self.note(watch, &model("solid", name))?;
+        Ok(Run { history, record })
     }
 
+    fn write_history(&self, file: &str, history: &History, record: &RunRecord, key: &str) -> Result<()> {
+        let new =
+            NewFile { run: Some(record.clone()), ..NewFile::new(file, history_csv::write(history), key) };
+        self.results.write(vec![new], &OF_THE_RUNS)
+    }
+
+    /// The verdict. `stiffness` is that of the study, if one of the simple models ran with it.
     fn verify_stage(
         &mut self,
-        stiffness: &StiffnessRecord,
+        stiffness: Option<&StiffnessRecord>,
         runs: &[(String, Runs)],
     ) -> Result<VerificationRecord> {
-        let calibration = calibration_lines(self.study, stiffness);
+        let calibration = stiffness.map_or_else(Vec::new, |record| calibration_lines(self.study, record));
         let mut scenarios = Vec::new();
-        for (name, runs) in runs {
-            if let Some(solid) = &runs.solid {
-                scenarios.push(ScenarioVerdict {
-                    scenario: name.clone(),
-                    simple_degrees_of_freedom: runs.simple.degrees_of_freedom,
-                    solid_degrees_of_freedom: solid.degrees_of_freedom,
-                    comparison: verify::compare(&runs.simple, solid, &self.study.limits)?,
-                });
-            }
+        for (name, Runs { simple, solid }) in runs {
+            let comparison = solid
+                .as_ref()
+                .map(|solid| verify::compare(&simple.history, &solid.history, &self.study.limits))
+                .transpose()?;
+            let (lines, not_applicable, compared) = match comparison {
+                Some(c) => (c.lines, c.not_applicable, Some(c.compared)),
+                None => (verify::run_lines(&simple.history, None), Vec::new(), None),
+            };
+            scenarios.push(ScenarioVerdict {
+                scenario: name.clone(),
+                simple: simple.record.clone(),
+                solid: solid.as_ref().map(|run| run.record.clone()),
+                lines,
+                not_applicable,
+                compared,
+            });
         }
-        let lines = calibration.iter().chain(scenarios.iter().flat_map(|s| &s.comparison.lines));
-        let verdict = VerificationRecord {
+        let inputs = self.verdict_inputs(stiffness.is_some());
+        let mut verdict = VerificationRecord {
             study: self.study.name.clone(),
-            holds: lines.into_iter().all(|line| line.holds),
+            holds: false,
             calibration,
             scenarios,
-            input_hash: self.study.input_hash.clone(),
+            input_hash: self.study.keys.verdict(&inputs),
+            inputs,
             version: env!("CARGO_PKG_VERSION").into(),
-            measured: self.measured.clone(),
         };
-        self.folder.write_json(VERIFICATION, &verdict)?;
+        let holds = verdict.lines().all(|(_, line)| line.holds);
+        verdict.holds = holds;
+        let file = NewFile::new(VERIFICATION, to_json(&verdict), &verdict.input_hash);
+        self.results.write(vec![file], &OF_THE_VERDICT)?;
         Ok(verdict)
+    }
+
+    /// The files that a verdict is made from, with the hashes of their contents.
+    fn verdict_inputs(&self, with_stiffness: bool) -> BTreeMap<String, String> {
+        let histories = self.study.scenarios.iter().flat_map(|(name, scenario)| {
+            let solid = scenario.solid.then(|| self.file(name, "solid_history"));
+            [Some(self.file(name, "history")), solid].into_iter().flatten()
+        });
+        let stiffness = with_stiffness.then(|| STIFFNESS.to_owned());
+        stiffness
+            .into_iter()
+            .chain(histories)
+            .filter_map(|name| self.results.entry(&name)?.blake3.map(|hash| (name, hash)))
+            .collect()
     }
 
     fn report_stage(
@@ -337,7 +378,7 @@ impl<'a> Pipeline<'a> {
         geometry: &Geometry,
         calibration: &Calibration,
         runs: &[(String, Runs)],
-        verdict: Option<&VerificationRecord>,
+        verdict: &VerificationRecord,
     ) -> Result<()> {
         let profiles = stages::profiles(geometry);
         let scenarios = runs
@@ -348,14 +389,13 @@ impl<'a> Pipeline<'a> {
                     name,
                     description: &scenario.description,
                     snapshots: &scenario.snapshots,
-                    simple: &runs.simple,
-                    solid: runs.solid.as_ref(),
-                    verdict: verdict.and_then(|v| v.scenarios.iter().find(|s| s.scenario == *name)),
+                    simple: &runs.simple.history,
+                    solid: runs.solid.as_ref().map(|run| &run.history),
                 }
             })
             .collect();
-        let judged = self.own_crosscheck();
-        let sections = judged.as_ref().map_or_else(Vec::new, |record| self.differences(record));
+        let crosscheck = self.own_crosscheck();
+        let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| self.differences(record));
         let data = ReportData {
             name: &self.study.name,
             description: &self.study.description,
@@ -368,23 +408,29 @@ impl<'a> Pipeline<'a> {
             ratio_floor: self.study.limits.ratio_floor,
             verdict,
             measured: &self.measured,
-            crosscheck: match &judged {
+            crosscheck: match &crosscheck {
                 Some(record) => Crosscheck::Fresh(record, &sections),
                 None if self.folder.file(CROSSCHECK).exists() => Crosscheck::Stale,
                 None => Crosscheck::Absent,
             },
         };
         let built = report::build(&data);
-        for (name, svg) in &built.figures {
-            self.folder.write(&format!("figures/{name}.svg"), svg.as_bytes())?;
-        }
-        self.folder.write(REPORT, built.html.as_bytes())?;
+        let key = &verdict.input_hash;
+        let mut files: Vec<NewFile> = built
+            .figures
+            .into_iter()
+            .map(|(name, svg)| NewFile::new(format!("{FIGURES}{name}.svg"), svg.into_bytes(), key))
+            .collect();
+        // The page shows seconds and the host.
+        let page = NewFile { reproducible: false, ..NewFile::new(REPORT, built.html.into_bytes(), key) };
+        files.push(page);
+        self.results.write(files, &[])?;
         // again, because it now has a report to point to
-        judged.map_or(Ok(()), |record| self.crosscheck_page(&record, &sections, true))
+        crosscheck.map_or(Ok(()), |record| self.crosscheck_page(&record, &sections, true))
     }
 
-    fn note(&mut self, watch: Stopwatch, stage: &str, degrees_of_freedom: Option<usize>) -> Result<()> {
-        self.measured.note(watch.stop(stage, degrees_of_freedom));
+    fn note(&mut self, watch: Stopwatch, stage: &str) -> Result<()> {
+        self.measured.note(watch.stop(stage));
         self.folder.write_json(MEASURED, &self.measured)
     }
 
@@ -396,57 +442,11 @@ impl<'a> Pipeline<'a> {
             format!("{stem}-{scenario}.csv")
         }
     }
-
-    /// The folder's springs, if this very study has made them.
-    fn own_stiffness(&self) -> Result<StiffnessRecord> {
-        let stiffness: StiffnessRecord = self.folder.read_json(STIFFNESS, "calibrate")?;
-        if stiffness.input_hash == self.study.input_hash {
-            return Ok(stiffness);
-        }
-        Err(InputError::new(
-            self.folder.file(STIFFNESS).display().to_string(),
-            format!("made from input {}", &stiffness.input_hash.get(..12).unwrap_or_default()),
-            format!("results of this study ({})", &self.study.input_hash[..12]),
-            "the study or the program has changed since; run it again",
-        )
-        .into())
-    }
-
-    fn read_history(&self, file: &str, model: &str) -> Result<History> {
-        let degrees_of_freedom = self.measured.stage(model).and_then(|stage| stage.degrees_of_freedom);
-        let path = self.folder.file(file);
-        history_csv::read(&path, &read_text(&path, "simulate")?, degrees_of_freedom.unwrap_or(0))
-    }
-
-    fn read_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
-        let path = self.folder.file(LOAD_CURVE);
-        let text = read_text(&path, "calibrate")?;
-        csv::Reader::from_reader(text.as_bytes())
-            .deserialize()
-            .collect::<std::result::Result<_, _>>()
-            .map_err(|cause| {
-                InputError::new(
-                    path.display().to_string(),
-                    cause,
-                    "a load curve as `railspring calibrate` writes it",
-                    "write it again with that command",
-                )
-                .into()
-            })
-    }
 }
 
 /// Name of a model's run in the measures.
 fn model(model: &str, scenario: &str) -> String {
     format!("{model} model, {scenario}")
-}
-
-fn law(record: &LawRecord) -> StiffnessLaw {
-    StiffnessLaw {
-        a: record.a_kn_per_m * KILONEWTON_PER_METRE,
-        b: record.b_kn_per_m * KILONEWTON_PER_METRE,
-        c: record.c,
-    }
 }
 
 /// A contact that grows over the edge of the fine zone means a load too large for the study.
@@ -476,7 +476,7 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
     let foot = stiffness.references.iter().find(|reference| reference.reference == "foot");
     let difference = foot.map(|foot| (foot.law.tangent(COMPARED_AT_KN) / published - 1.0).abs());
     vec![
-        Line::judge(
+        Line::check(
             "law_max",
             "Law against the solid's tangent stiffness, largest relative difference",
             Kind::Consistency,
@@ -484,7 +484,7 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
             Some(stiffness.law.max_rel_error),
             limits.law_max,
         ),
-        Line::judge(
+        Line::check(
             "horizontal_spread",
             "Horizontal stiffness, relative spread over the preloads",
             Kind::Consistency,
@@ -492,7 +492,7 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
             Some(stiffness.horizontal.relative_spread),
             limits.horizontal_spread,
         ),
-        Line::judge(
+        Line::check(
             "published_stiffness",
             "Foot-referenced tangent stiffness against the published law at 85 kN, relative difference",
             Kind::CrossCode,

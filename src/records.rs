@@ -3,10 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::verify::{Comparison, Line};
-
 pub mod crosscheck;
 pub mod history_csv;
+mod run;
+mod verdict;
+
+pub use run::{PairRecord, RunRecord, SpringsRecord, SpringsSource};
+pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};
 
 /// One key of a resolved study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -47,7 +50,9 @@ pub struct StiffnessRecord {
     pub profiles: Vec<ProfileRecord>,
     /// Where wheel and rail first touch.
     pub touch: TouchRecord,
-    /// Hash of the study that made this.
+    /// The pair.
+    pub pair: PairRecord,
+    /// Hash of what the calibration depends on.
     pub input_hash: String,
     /// Version of the program that made this.
     pub version: String,
@@ -274,39 +279,6 @@ pub struct LoadCurveRow {
     pub semi_axis_across_mm: f64,
 }
 
-/// `verification.json`: the verdict.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct VerificationRecord {
-    /// Name of the study.
-    pub study: String,
-    /// Whether every line holds.
-    pub holds: bool,
-    /// Lines on the springs themselves.
-    pub calibration: Vec<Line>,
-    /// The comparison of each scenario that both models ran.
-    pub scenarios: Vec<ScenarioVerdict>,
-    /// Hash of the study that made this.
-    pub input_hash: String,
-    /// Version of the program that made this.
-    pub version: String,
-    /// What differs from run to run.
-    pub measured: Measured,
-}
-
-/// The comparison of one scenario.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ScenarioVerdict {
-    /// Name of the scenario.
-    pub scenario: String,
-    /// Degrees of freedom of the simple model.
-    pub simple_degrees_of_freedom: usize,
-    /// Degrees of freedom of the solid model.
-    pub solid_degrees_of_freedom: usize,
-    /// How far apart they are.
-    #[serde(flatten)]
-    pub comparison: Comparison,
-}
-
 /// What differs from run to run: time, memory, host. Nothing else in the results does.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Measured {
@@ -338,11 +310,9 @@ impl Measured {
 pub struct StageMeasure {
     /// Name of the stage, for instance `solid model, sine`.
     pub stage: String,
-    /// Degrees of freedom, if the stage solves a model.
-    pub degrees_of_freedom: Option<usize>,
     /// Wall clock, s.
     pub seconds: f64,
-    /// Largest resident memory of the process during the stage, MiB; `None` where the system does not tell.
+    /// Largest resident memory of the process during the stage, MiB; `None` where the system does not say.
     pub peak_memory_mib: Option<f64>,
 }
 

@@ -133,7 +133,7 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Error> {
             }
         }
     }
-    say("shift mm   y rail mm   y wheel mm   angle rad   radius mm   difference mm   (right wheel)");
+    say("shift mm   y rail mm   y wheel mm   angle rad   radius mm   difference mm   (right wheel)")?;
     for ((shift, both), point) in rows.iter().zip(function.points()) {
         let millimetres = shift / MILLIMETRE;
         if (millimetres - millimetres.round()).abs() < 1e-6 {
@@ -146,7 +146,7 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Error> {
                 p.contact_angle,
                 p.rolling_radius / MILLIMETRE,
                 point.difference / MILLIMETRE,
-            ));
+            ))?;
         }
     }
     let amplitudes = (1..).map(|i| 0.5 * f64::from(i)).take_while(|a| *a <= args.shift_mm);
@@ -154,13 +154,12 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Error> {
         .filter_map(|a| function.equivalent_conicity(a * MILLIMETRE).map(|tangent| (a, tangent)))
         .collect();
     if let Some((amplitude, tangent)) = conicity.iter().find(|(a, _)| *a == 3.0) {
-        say(&format!("equivalent conicity at {amplitude} mm: {tangent:.4}"));
+        say(&format!("equivalent conicity at {amplitude} mm: {tangent:.4}"))?;
     }
     let (table, figure) = (args.output.with_extension("csv"), args.output.with_extension("svg"));
     write(&table, &csv)?;
     write(&figure, &picture(&wheelset, &rows, &function, conicity))?;
-    say(&format!("{}\n{}", table.display(), figure.display()));
-    Ok(())
+    say(&format!("{}\n{}", table.display(), figure.display()))
 }
 
 /// Wheel above rail with lines between the points that touch, rolling-radius difference and conicity.

@@ -2,34 +2,36 @@
 
 mod contact;
 mod findings;
+mod output;
 mod profile;
 mod progress;
 mod shapes;
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::history::Ending;
 
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
 use crate::crosscheck::{Settings, crosscheck, export};
 use crate::output::OutputFolder;
-use crate::pipeline::{Pipeline, REPORT, VERIFICATION};
-use crate::records::VerificationRecord;
+use crate::pipeline::{Pipeline, REPORT};
 use crate::records::crosscheck::CrosscheckRecord;
+use crate::records::{RunRecord, VerificationRecord, with_unit};
 use crate::study::{LocatedError, Study, schema};
 
+use output::{remark, say};
 use profile::ProfileCommand;
 use progress::Progress;
 
 /// Exit codes, the same for all commands.
 const EXIT_CODES: &str = "Exit codes:
   0    done, and every limit holds
-  1    done, but a limit does not hold
-  2    the input or the command line cannot be used
+  1    done, but a limit does not hold or the wheel has left the rail
+  2    the input or the command line cannot be used, or the output cannot be written
   3    the numerics did not reach an answer
   130  stopped with Ctrl-C";
 
@@ -51,11 +53,11 @@ enum Command {
     Simulate {
         #[command(flatten)]
         study: StudyArgs,
-        /// Springs to simulate with; left out, stiffness.json of the output folder
+        /// Springs to simulate with, a stiffness.json or a law written by hand; left out, those of the output folder
         #[arg(long, value_name = "FILE")]
         law: Option<PathBuf>,
     },
-    /// Run the solid model where its histories are missing, and judge the simple model by it
+    /// Run the solid model where its histories are missing, and compare the simple model with it
     Verify(StudyArgs),
     /// Write the meshes of wheel and rail
     Mesh(StudyArgs),
@@ -126,8 +128,11 @@ enum Failure {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let command = Cli::parse().command;
-    match dispatch(&command) {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(answer) => return answered(&answer),
+    };
+    match dispatch(&cli.command) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(failure) => {
@@ -135,9 +140,24 @@ pub fn main() -> ExitCode {
                 Failure::Located(error) => (error.to_string(), 2),
                 Failure::Plain(error) => (error.to_string(), exit_code(&error)),
             };
-            eprintln!("error: {message}");
+            remark(&format!("error: {message}"));
             ExitCode::from(code)
         }
+    }
+}
+
+/// Help, the version, or what is wrong with the arguments.
+fn answered(answer: &clap::Error) -> ExitCode {
+    let written = match answer.print() {
+        Err(cause) if !answer.use_stderr() => output::written(Err(cause)),
+        _ => Ok(()),
+    };
+    match written {
+        Err(error) => {
+            remark(&format!("error: {error}"));
+            ExitCode::from(exit_code(&error))
+        }
+        Ok(()) => ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2)),
     }
 }
 
@@ -156,8 +176,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
     let (args, law) = match command {
         Command::Schema => {
             let text = serde_json::to_string_pretty(&schema()).expect("a schema is plain JSON");
-            say(&text);
-            return Ok(true);
+            return say(&text).map(|()| true).map_err(Failure::Plain);
         }
         Command::Profile(command) => return profile::run(command).map_err(Failure::Plain),
         Command::Simulate { study, law } => (study, law.as_deref()),
@@ -203,14 +222,23 @@ fn staged(
             InputError::new("--threads", cause, "a number of threads that the system grants", "take fewer")
         })?;
     }
+    let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
     let python = args.python.as_deref();
     let pipeline = Pipeline::new(study, &folder, python, &progress);
+    let mut verdict = None;
     let holds = match command {
-        Command::Run(_) => pipeline.run()?,
+        Command::Run(_) => verdict.insert(pipeline.run()?).holds,
         Command::Calibrate(_) => pipeline.calibrate().map(|()| true)?,
-        Command::Simulate { .. } => pipeline.simulate(law).map(|()| true)?,
-        Command::Verify(_) => pipeline.verify()?,
+        Command::Simulate { .. } => {
+            let runs = pipeline.simulate(law)?;
+            progress.finish();
+            if !args.quiet {
+                print_runs(&runs)?;
+            }
+            runs.iter().all(|(_, run)| run.ending() == Some(Ending::Completed))
+        }
+        Command::Verify(_) => verdict.insert(pipeline.verify()?).holds,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
         Command::Export { format, .. } => export(study, *format, &folder, python, &progress).map(|_| true)?,
@@ -223,7 +251,7 @@ fn staged(
             let record = crosscheck(study, &folder, &settings, &progress)?;
             progress.finish();
             if !args.quiet {
-                print_crosscheck(&record);
+                print_crosscheck(&record)?;
             }
             record.holds
         }
@@ -231,44 +259,57 @@ fn staged(
     };
     progress.finish();
     if !args.quiet {
-        if matches!(command, Command::Run(_) | Command::Verify(_)) {
-            print_verdict(&folder.read_json(VERIFICATION, "verify")?);
+        if let Some(verdict) = &verdict {
+            print_lines(verdict)?;
         }
         let last =
             if matches!(command, Command::Run(_) | Command::Report(_)) { folder.file(REPORT) } else { path };
-        say(&last.display().to_string());
+        say(&last.display().to_string())?;
+        if let Some(verdict) = &verdict {
+            say(&format!("verdict: {}", verdict.summary()))?;
+        }
     }
     Ok(holds)
 }
 
-/// The verdict in a few lines.
-fn print_verdict(verdict: &VerificationRecord) {
-    let calibration = verdict.calibration.iter().map(|line| ("springs", line));
-    let scenarios = verdict
-        .scenarios
-        .iter()
-        .flat_map(|scenario| scenario.comparison.lines.iter().map(|line| (scenario.scenario.as_str(), line)));
-    for (subject, line) in calibration.chain(scenarios) {
+/// The lines of the verdict, what could not be compared and what has to be known.
+fn print_lines(verdict: &VerificationRecord) -> Result<(), Error> {
+    for (subject, line) in verdict.lines() {
         let word = if line.holds { "holds" } else { "FAILS" };
-        let unit = if line.unit == "1" { String::new() } else { format!(" {}", line.unit) };
-        let value = line.value.map_or_else(|| "none".into(), |value| format!("{value:.4}{unit}"));
-        say(&format!("{word}  {subject}: {} {value} (limit {}{unit})", line.meaning, line.limit));
+        let (value, limit) = (with_unit(line.value, &line.unit), with_unit(Some(line.limit), &line.unit));
+        let note = line.note.as_ref().map_or_else(String::new, |note| format!("; {note}"));
+        say(&format!("{word}  {subject}: {} {value} (limit {limit}){note}", line.meaning))?;
     }
+    for (subject, item) in verdict.not_applicable() {
+        say(&format!("n/a    {subject}: {}: {}", item.meaning, item.reason))?;
+    }
+    for (subject, note) in verdict.notes() {
+        say(&format!("note   {subject}: {note}"))?;
+    }
+    Ok(())
+}
+
+/// How each run of the simple model ended, and what has to be known about it.
+fn print_runs(runs: &[(String, RunRecord)]) -> Result<(), Error> {
+    for (name, run) in runs {
+        let ending = run.ending().map_or_else(|| run.ending.clone(), |ending| ending.to_string());
+        say(&format!("{name}: {ending}"))?;
+        for note in run.springs.iter().flat_map(|springs| &springs.notes).chain(&run.notes) {
+            say(&format!("note   {name}: {note}"))?;
+        }
+    }
+    Ok(())
 }
 
 /// The largest differences of the cross-check, and every limit that does not hold.
-fn print_crosscheck(record: &CrosscheckRecord) {
+fn print_crosscheck(record: &CrosscheckRecord) -> Result<(), Error> {
     for (check, holds) in record.worst() {
         let word = if holds { "holds" } else { "FAILS" };
         let load = check.load_kn.map_or_else(String::new, |load| format!(" at {load} kN"));
         say(&format!(
             "{word}  {}: {}: {:.2e}{load} (limit {:.0e})",
             check.problem, check.quantity, check.difference, check.limit
-        ));
+        ))?;
     }
-}
-
-/// Prints a line; a reader that has gone away, as in `railspring schema | head`, is no error.
-fn say(line: &str) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+    Ok(())
 }

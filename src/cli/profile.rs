@@ -129,10 +129,7 @@ impl FileArgs {
 /// Files that cannot be read, understood or written.
 pub(super) fn run(command: &ProfileCommand) -> Result<bool, Error> {
     match command {
-        ProfileCommand::List => {
-            shapes::list();
-            Ok(true)
-        }
+        ProfileCommand::List => shapes::list().map(|()| true),
         ProfileCommand::Show { profile } => shapes::show(profile).map(|()| true),
         ProfileCommand::Plot { profiles, output } => shapes::plot(profiles, output).map(|()| true),
         ProfileCommand::Contact(args) => contact(args).map(|()| true),
@@ -144,18 +141,18 @@ pub(super) fn run(command: &ProfileCommand) -> Result<bool, Error> {
 fn check(file: &FileArgs) -> Result<bool, Error> {
     let profile = file.read()?;
     let prepared = file.prepare(&profile)?;
-    say_profile(&profile, &prepared);
+    say_profile(&profile, &prepared)?;
     for finding in &prepared.findings {
-        say(&finding.to_string());
+        say(&finding.to_string())?;
     }
     let left = prepared.findings.iter().filter(|finding| finding.action == Action::Left).count();
     if left > 0 {
-        say(&format!("{left} findings are left to look at"));
+        say(&format!("{left} findings are left to look at"))?;
     }
     Ok(left == 0)
 }
 
-fn say_profile(profile: &MeasuredProfile, prepared: &Prepared) {
+fn say_profile(profile: &MeasuredProfile, prepared: &Prepared) -> Result<(), Error> {
     let (first, last) = (prepared.curve.point(0.0), prepared.curve.point(prepared.curve.length()));
     let place = |p: nalgebra::Point2<f64>| format!("({:.3}, {:.3})", p.x / MILLIMETRE, p.y / MILLIMETRE);
     say(&format!(
@@ -168,7 +165,7 @@ fn say_profile(profile: &MeasuredProfile, prepared: &Prepared) {
         place(first),
         place(last),
         prepared.curve.length() / MILLIMETRE,
-    ));
+    ))
 }
 
 fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
@@ -199,6 +196,6 @@ fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
             "choose another place",
         )
     })?;
-    findings.iter().for_each(|finding| say(&finding.to_string()));
+    findings.iter().try_for_each(|finding| say(&finding.to_string()))?;
     Ok(findings.iter().all(|finding| finding.action != Action::Left))
 }

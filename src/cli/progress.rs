@@ -9,6 +9,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::monitor::Monitor;
 
+use super::output::remark;
+
 /// Set by the first Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
 
@@ -41,7 +43,7 @@ impl Progress {
             if STOP.swap(true, Ordering::SeqCst) {
                 std::process::exit(130);
             }
-            eprintln!("stopping after this step; press Ctrl-C again to stop at once");
+            remark("stopping after this step; press Ctrl-C again to stop at once");
         });
         let style = match quiet {
             true => Style::Quiet,
@@ -83,7 +85,9 @@ impl Monitor for Progress {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             }
-            Style::Lines if new_stage || tenths > state.tenths => eprintln!("{stage}: {done} of {total}"),
+            Style::Lines if new_stage || tenths > state.tenths => {
+                remark(&format!("{stage}: {done} of {total}"));
+            }
             _ => {}
         }
         state.tenths = tenths;

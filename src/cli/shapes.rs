@@ -34,11 +34,11 @@ fn meaning(name: &str) -> &'static str {
 }
 
 /// Prints the standards.
-pub(super) fn list() {
+pub(super) fn list() -> Result<(), Error> {
     for name in RAIL_NAMES.iter().chain(&WHEEL_NAMES) {
-        say(&format!("{name:14} {}", meaning(name)));
+        say(&format!("{name:14} {}", meaning(name)))?;
     }
-    say("wheel bodies   straight-web, s-web: generic, with bore, hub and rim to be set in a study");
+    say("wheel bodies   straight-web, s-web: generic, with bore, hub and rim to be set in a study")
 }
 
 /// The running surface of a standard or of a file.
@@ -85,7 +85,7 @@ pub(super) fn show(profile: &str) -> Result<(), Error> {
     say(&format!(
         "{profile}: {}",
         if Path::new(profile).exists() { "profile file" } else { meaning(profile) }
-    ));
+    ))?;
     let (start, end) = (running.point(0.0), running.point(running.length()));
     say(&format!(
         "running surface    {:.3} mm long, from (y, z) = ({:.3}, {:.3}) to ({:.3}, {:.3}) mm; z down",
@@ -94,7 +94,7 @@ pub(super) fn show(profile: &str) -> Result<(), Error> {
         millimetres(start.y),
         millimetres(end.x),
         millimetres(end.y),
-    ));
+    ))?;
     for s in running.breakpoints() {
         let p = running.point(s);
         let before = running.curvature(s - 1e-9);
@@ -106,7 +106,7 @@ pub(super) fn show(profile: &str) -> Result<(), Error> {
             millimetres(p.y),
             radius(before),
             radius(running.curvature(s)),
-        ));
+        ))?;
     }
     if RAIL_NAMES.contains(&profile) {
         let p = rail_properties(&rail_section(profile)?)?;
@@ -122,7 +122,7 @@ pub(super) fn show(profile: &str) -> Result<(), Error> {
             ("shear coefficient", p.shear_coefficient_lateral, "lateral"),
         ];
         for (what, value, unit) in rows {
-            say(&format!("{what:18} {value:.4} {unit}"));
+            say(&format!("{what:18} {value:.4} {unit}"))?;
         }
     }
     Ok(())
@@ -190,8 +190,7 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
     let panels = [panel("height \u{2212}z (mm)", shapes), panel("curvature (1/mm)", curvatures)];
     let figure = stacked_with_notes(760, 320, &panels, &listed.notes);
     write(output, &figure)?;
-    say(&output.display().to_string());
-    Ok(())
+    say(&output.display().to_string())
 }
 
 /// Writes a file.

@@ -77,12 +77,13 @@ fn number(value: f64) -> String {
     if (1e-4..1e9).contains(&magnitude) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
-/// Reads a history back; `degrees_of_freedom` is not in the file.
+/// Reads a history back; the degrees of freedom and how the run ended are not in the file.
 ///
 /// # Errors
-/// [`InputError`] whose key is the path and whose value says the row, if the file has another content.
-pub fn read(path: &Path, text: &str, degrees_of_freedom: usize) -> Result<History> {
-    let broken = |row: usize, what: String| -> railspring_calibrate::error::Error {
+/// [`InputError`] whose key is the path with the line, if the file has another content: other columns, no row, a value
+/// that is not a finite number, a time that is not after that of the row before.
+pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) -> Result<History> {
+    let broken = |row: u64, what: String| -> railspring_calibrate::error::Error {
         InputError::new(
             format!("{}:{row}", path.display()),
             what,
@@ -95,22 +96,29 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize) -> Result<Histor
     let heading = reader.headers().map_err(|cause| broken(1, cause.to_string()))?.clone();
     let fits = heading.len() >= COMMON.len()
         && (heading.len() - COMMON.len()).is_multiple_of(OF_CONTACT.len())
-        && heading.iter().zip(COMMON).all(|(found, expected)| found == expected);
+        && heading.iter().zip(COMMON).all(|(found, expected)| found == expected)
+        && heading.iter().skip(COMMON.len()).enumerate().all(|(n, found)| {
+            *found == format!("contact_{}_{}", n / OF_CONTACT.len() + 1, OF_CONTACT[n % OF_CONTACT.len()])
+        });
     if !fits {
         return Err(broken(1, heading.iter().collect::<Vec<_>>().join(",")));
     }
-    let mut rows = Vec::new();
-    for (index, record) in reader.records().enumerate() {
-        let line = index + 2;
-        let record = record.map_err(|cause| broken(line, cause.to_string()))?;
+    let mut rows: Vec<HistoryRow> = Vec::new();
+    for record in reader.records() {
+        let record = record
+            .map_err(|cause| broken(cause.position().map_or(1, csv::Position::line), cause.to_string()))?;
+        let line = record.position().map_or(1, csv::Position::line);
         let cell = |column: usize| record.get(column).unwrap_or_default();
-        let value = |column: usize| -> Result<f64> {
-            cell(column)
-                .parse()
-                .map_err(|_| broken(line, format!("{:?} in column {}", cell(column), column + 1)))
+        // A number may be finite in the file and too large in SI units.
+        let value = |column: usize, unit: f64| -> Result<f64> {
+            let value: Option<f64> = cell(column).parse().ok();
+            value
+                .map(|value| value * unit)
+                .filter(|value| value.is_finite())
+                .ok_or_else(|| broken(line, format!("{:?} in column {}", cell(column), column + 1)))
         };
         let point = |column: usize| -> Result<Point2<f64>> {
-            Ok(Point2::new(value(column)? * MILLIMETRE, value(column + 1)? * MILLIMETRE))
+            Ok(Point2::new(value(column, MILLIMETRE)?, value(column + 1, MILLIMETRE)?))
         };
         let mut contacts = Vec::new();
         for start in (COMMON.len()..heading.len()).step_by(OF_CONTACT.len()) {
@@ -122,23 +130,31 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize) -> Result<Histor
             };
             contacts.push(ContactState {
                 mode,
-                normal_force: value(start + 1)? * KILONEWTON,
-                tangential_force: value(start + 2)? * KILONEWTON,
+                normal_force: value(start + 1, KILONEWTON)?,
+                tangential_force: value(start + 2, KILONEWTON)?,
                 rail: point(start + 3)?,
                 wheel: point(start + 5)?,
             });
         }
         rows.push(HistoryRow {
-            time: value(0)?,
-            vertical_force: value(1)? * KILONEWTON,
-            lateral_force: value(2)? * KILONEWTON,
-            wheel_y: value(4)? * MILLIMETRE,
-            wheel_z: value(5)? * MILLIMETRE,
-            load_y: value(6)? * MILLIMETRE,
+            time: value(0, 1.0)?,
+            vertical_force: value(1, KILONEWTON)?,
+            lateral_force: value(2, KILONEWTON)?,
+            wheel_y: value(4, MILLIMETRE)?,
+            wheel_z: value(5, MILLIMETRE)?,
+            load_y: value(6, MILLIMETRE)?,
             contacts,
         });
+        if let [.., before, last] = &rows[..]
+            && last.time <= before.time
+        {
+            return Err(broken(line, format!("{} s after {} s", last.time, before.time)));
+        }
     }
-    Ok(History { rows, degrees_of_freedom, ending: Ending::Completed })
+    if rows.is_empty() {
+        return Err(broken(2, "no row".into()));
+    }
+    Ok(History { rows, degrees_of_freedom, ending })
 }
 
 #[cfg(test)]
@@ -176,7 +192,7 @@ mod tests {
         let bytes = write(&history);
         let text = String::from_utf8(bytes.clone()).unwrap();
         assert!(text.starts_with("time_s,p_kn,q_kn,q_over_p,"), "{text}");
-        let back = read(Path::new("x.csv"), &text, 116).unwrap();
+        let back = read(Path::new("x.csv"), &text, 116, Ending::Completed).unwrap();
         assert_eq!(back.rows.len(), 4);
         for (a, b) in history.rows.iter().zip(&back.rows) {
             assert_eq!(a.contacts.len(), b.contacts.len());
@@ -191,15 +207,32 @@ mod tests {
         assert_eq!(write(&back), bytes, "writing what was read gives the same bytes");
     }
 
+    /// Goal: content that is no history is refused with file, line and what stands there.
     #[test]
-    fn a_broken_row_is_named() {
+    fn broken_rows_are_named() {
         let history = History {
             rows: vec![row(0.0, 1), row(0.0005, 1)],
             degrees_of_freedom: 1,
             ending: Ending::Completed,
         };
-        let text = String::from_utf8(write(&history)).unwrap().replace("0.0005,", "soon,");
-        let error = read(Path::new("x.csv"), &text, 1).unwrap_err().to_string();
-        assert!(error.starts_with("x.csv:3 = \"soon\" in column 1"), "{error}");
+        let good = String::from_utf8(write(&history)).unwrap();
+        let heading = good.lines().next().unwrap();
+        for (text, start) in [
+            (good.replace("0.0005,", "soon,"), "x.csv:3 = \"soon\" in column 1: expected a history"),
+            (good.replace("0.0005,", "NaN,"), "x.csv:3 = \"NaN\" in column 1"),
+            (good.replace("0.0005,", "inf,"), "x.csv:3 = \"inf\" in column 1"),
+            (good.replace("33.3333333333", "1e308"), "x.csv:2 = \"1e308\" in column 2"),
+            (good.replace("0.0005,", "0,"), "x.csv:3 = 0 s after 0 s"),
+            (good.replace("0.0005,", "-1,"), "x.csv:3 = -1 s after 0 s"),
+            (good.replace("slip,12", "glide,12"), "x.csv:2 = \"glide\" in column 9"),
+            (good.replace("contact_2_mode", "contact_3_mode"), "x.csv:1 = time_s,"),
+            (good.replacen(",", "", 1), "x.csv:1 = "),
+            (heading.into(), "x.csv:2 = no row"),
+            (format!("{good}1,2"), "x.csv:4 = CSV error: record 3 (line: 4"),
+            (String::new(), "x.csv:1 = "),
+        ] {
+            let error = read(Path::new("x.csv"), &text, 1, Ending::Completed).unwrap_err().to_string();
+            assert!(error.starts_with(start), "{start:?}: {error}");
+        }
     }
 }

@@ -207,7 +207,10 @@ pub fn modes(simple: &History, solid: Option<&History>) -> String {
         [Some(("simple", simple)), solid.map(|solid| ("solid", solid))].into_iter().flatten().collect();
     let top = legend_height(WIDTH, &entries);
     let body = models.len() as u32 * (2 * ROW + 8);
-    let end = simple.rows.last().map_or(1.0, |row| row.time);
+    let last = models.iter().filter_map(|(_, history)| history.rows.last()).map(|row| row.time);
+    let end = last.fold(0.0, f64::max);
+    // A run without a step still needs an axis of some length.
+    let end = if end > 0.0 { end } else { 1.0 };
     let step = nice_step(end / 8.0);
     svg(WIDTH, top + body + 46, |root| {
         let (legend, rest) = root.split_vertically(px(top));

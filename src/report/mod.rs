@@ -16,9 +16,7 @@ use railspring_calibrate::history::History;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::records::{
-    LoadCurveRow, Measured, ResolvedKey, ScenarioVerdict, StiffnessRecord, VerificationRecord,
-};
+use crate::records::{LoadCurveRow, Measured, ResolvedKey, StiffnessRecord, VerificationRecord};
 
 pub use positions::ProfilePair;
 
@@ -35,8 +33,6 @@ pub struct ScenarioRun<'a> {
     pub simple: &'a History,
     /// The solid model's run, if it ran.
     pub solid: Option<&'a History>,
-    /// How far apart they are.
-    pub verdict: Option<&'a ScenarioVerdict>,
 }
 
 /// Everything the report shows.
@@ -61,10 +57,10 @@ pub struct ReportData<'a> {
     /// Share of the solid's peak of P below which Q/P is undefined.
     pub ratio_floor: f64,
     /// The verdict.
-    pub verdict: Option<&'a VerificationRecord>,
+    pub verdict: &'a VerificationRecord,
     /// Time, memory, host.
     pub measured: &'a Measured,
-    /// What independent judges say.
+    /// What independent programs say.
     pub crosscheck: crosscheck::Crosscheck<'a>,
 }
 
@@ -127,7 +123,11 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "scenarios": scenarios,
             "crosscheck": chapter,
             "lines": tables::lines(data.verdict),
-            "holds": data.verdict.map(|verdict| verdict.holds),
+            "not_applicable": data.verdict.not_applicable().collect::<Vec<_>>(),
+            "notes": tables::notes(data.verdict),
+            "verdict": data.verdict,
+            "summary": data.verdict.summary(),
+            "models": tables::models(data.verdict),
             "measured": data.measured,
         }),
     );
@@ -163,6 +163,7 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
         "name": run.name,
         "description": run.description,
         "figures": figures,
+        "endings": tables::endings(run),
         "separations": tables::separations(run),
         "modes": tables::modes(run),
     })

@@ -199,9 +199,9 @@ pub fn nice_range(values: impl Iterator<Item = f64>, from_zero: bool) -> (f64, f
         low = low.min(0.0);
         high = high.max(0.0);
     }
-    if high - low <= 1e-12 * high.abs().max(low.abs()) {
+    if high - low <= (1e-12 * high.abs().max(low.abs())).max(f64::MIN_POSITIVE) {
         // A constant still needs an axis of some length.
-        let half = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
+        let half = if high.abs() < 1e-290 { 1.0 } else { 0.1 * high.abs() };
         (low, high) = (low - half, high + half);
     }
     let step = nice_step((high - low) / 7.0);
@@ -210,16 +210,23 @@ pub fn nice_range(values: impl Iterator<Item = f64>, from_zero: bool) -> (f64, f
     (begin, end, step)
 }
 
-/// The nearest of 1, 2 or 5 times a power of ten that is not smaller.
+/// The nearest of 1, 2 or 5 times a power of ten that is not smaller; 1 where there is no distance to divide.
 pub fn nice_step(raw: f64) -> f64 {
+    if !(raw.is_finite() && raw >= f64::MIN_POSITIVE) {
+        return 1.0;
+    }
     let power = 10f64.powf(raw.log10().floor());
     let lead = raw / power;
     let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|s| lead <= s * (1.0 + 1e-9)).unwrap_or(10.0);
     step * power
 }
 
-/// A tick's number with as many decimals as the distance of the ticks needs.
+/// A tick's number with as many decimals as the distance of the ticks needs; with an exponent where it would be long.
 pub fn tick(value: f64, step: f64) -> String {
+    const LONG: f64 = 1e9;
+    if !(value.abs() < LONG && step * LONG > 1.0) {
+        return format!("{value:.2e}").replace('-', "\u{2212}");
+    }
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let text = format!("{value:.decimals$}");
     let is_zero = text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.');
@@ -269,6 +276,22 @@ mod tests {
             assert!(begin <= low + ROUNDOFF && end >= high - ROUNDOFF, "{low} {high}: {begin} {end}");
             assert!(((end - begin) / step).fract().min(1.0 - ((end - begin) / step).fract()) < 1e-6);
             assert!((end - begin) / step <= 9.5);
+        }
+    }
+
+    /// Goal: ranges and ticks are finite for whatever stands in a history.
+    #[test]
+    fn any_values_have_an_axis() {
+        for values in [&[][..], &[0.0], &[f64::NAN], &[5e-324], &[1e300, -1e300], &[f64::INFINITY, 1.0]] {
+            let (begin, end, step) = nice_range(values.iter().copied(), true);
+            assert!(
+                begin.is_finite() && end.is_finite() && end > begin && step > 0.0,
+                "{values:?}: {begin} {end}"
+            );
+            assert!((end - begin) / step < 50.0 && tick(end, step).chars().count() < 14, "{values:?}");
+        }
+        for raw in [0.0, -1.0, f64::NAN, f64::INFINITY, 5e-324] {
+            assert_eq!(nice_step(raw), 1.0);
         }
     }
 

@@ -8,8 +8,8 @@ use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, 
 
 use crate::records::{
     BodyMeshRecord, ComplianceRecord, FindingRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
-    LoadCurveRow, Measured, PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey, StageMeasure,
-    StiffnessRecord, TangentRecord, TouchRecord,
+    LoadCurveRow, Measured, PairRecord, PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey,
+    StageMeasure, StiffnessRecord, TangentRecord, TouchRecord,
 };
 
 use crate::records::crosscheck::{
@@ -181,6 +181,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
             wheel_radius_mm: -330.0,
             rolling_radius_mm: 429.4,
         },
+        pair: PairRecord { name: "60E1 and S1002".into(), hash: "89abcdef".repeat(8) },
         input_hash: "0123456789abcdef".repeat(4),
         version: "0.1.0".into(),
     }
@@ -268,17 +269,13 @@ pub(crate) fn inputs() -> Vec<ResolvedKey> {
 
 /// Some measures.
 pub(crate) fn measured() -> Measured {
-    let stage = |name: &str, dof, seconds| StageMeasure {
-        stage: name.into(),
-        degrees_of_freedom: dof,
-        seconds,
-        peak_memory_mib: Some(812.0),
-    };
+    let stage =
+        |name: &str, seconds| StageMeasure { stage: name.into(), seconds, peak_memory_mib: Some(812.0) };
     Measured {
         begun_utc: "2016-01-31T12:00:00Z".into(),
         host: "host".into(),
         threads: 2,
-        stages: vec![stage("superelements", None, 41.2), stage("solid model, sample", Some(115_266), 102.7)],
+        stages: vec![stage("superelements", 41.2), stage("solid model, sample", 102.7)],
     }
 }
 

@@ -1,9 +1,9 @@
 //! The tables of the report.
 
-use railspring_calibrate::history::History;
+use railspring_calibrate::history::{Ending, History};
 use serde::Serialize;
 
-use crate::records::{ResolvedKey, StiffnessRecord, VerificationRecord};
+use crate::records::{ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord};
 use crate::verify::{self, Kind, Line};
 
 use super::ScenarioRun;
@@ -36,17 +36,46 @@ pub(super) struct LineText {
     value: String,
     limit: String,
     holds: bool,
+    note: Option<String>,
 }
 
 /// All lines of the verdict.
-pub(super) fn lines(verdict: Option<&VerificationRecord>) -> Vec<LineText> {
-    let Some(verdict) = verdict else { return Vec::new() };
-    let calibration = verdict.calibration.iter().map(|line| ("springs", line));
-    let scenarios = verdict
+pub(super) fn lines(verdict: &VerificationRecord) -> Vec<LineText> {
+    verdict.lines().map(|(subject, line)| line_text(subject, line)).collect()
+}
+
+/// What has to be known about the runs, each once with the scenarios that it concerns.
+pub(super) fn notes(verdict: &VerificationRecord) -> Vec<(String, String)> {
+    let mut notes: Vec<(String, String)> = Vec::new();
+    for (subject, note) in verdict.notes() {
+        match notes.iter_mut().find(|(_, known)| known == note) {
+            Some((subjects, _)) => *subjects = format!("{subjects}, {subject}"),
+            None => notes.push((subject.into(), note.into())),
+        }
+    }
+    notes
+}
+
+/// Degrees of freedom of the models, as rows of text: scenario, simple, solid.
+pub(super) fn models(verdict: &VerificationRecord) -> Vec<[String; 3]> {
+    let size = |run: Option<&RunRecord>| {
+        run.map_or_else(|| "not run".into(), |run| number(run.degrees_of_freedom as f64))
+    };
+    verdict
         .scenarios
         .iter()
-        .flat_map(|s| s.comparison.lines.iter().map(|line| (s.scenario.as_str(), line)));
-    calibration.chain(scenarios).map(|(subject, line)| line_text(subject, line)).collect()
+        .map(|s| [s.scenario.clone(), size(Some(&s.simple)), size(s.solid.as_ref())])
+        .collect()
+}
+
+/// How the runs ended, where one did not reach its end.
+pub(super) fn endings(run: &ScenarioRun<'_>) -> Vec<String> {
+    [("Simple model", Some(run.simple)), ("Solid model", run.solid)]
+        .into_iter()
+        .filter_map(|(name, history)| Some((name, history?.ending)))
+        .filter(|(_, ending)| *ending != Ending::Completed)
+        .map(|(name, ending)| format!("{name}: {ending}"))
+        .collect()
 }
 
 fn line_text(subject: &str, line: &Line) -> LineText {
@@ -63,9 +92,10 @@ fn line_text(subject: &str, line: &Line) -> LineText {
             Kind::Verification => "verification",
             Kind::CrossCode => "cross-code",
         },
-        value: line.value.map_or_else(|| "none".into(), with_unit),
+        value: line.value.map_or_else(|| "no value".into(), with_unit),
         limit: with_unit(line.limit),
         holds: line.holds,
+        note: line.note.clone(),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::crosscheck::Crosscheck;
 use super::samples;
 use super::*;
-use crate::records::ScenarioVerdict;
+use crate::records::{RunRecord, ScenarioVerdict};
 use crate::verify::{Limits, compare};
 
 fn build_sample() -> Report {
@@ -13,22 +13,8 @@ fn build_sample() -> Report {
 
 fn build_with(crosscheck: Crosscheck<'_>) -> Report {
     let (simple, solid) = (samples::history(0.001), samples::history(0.0));
-    let scenario_verdict = ScenarioVerdict {
-        scenario: "sample".into(),
-        simple_degrees_of_freedom: 116,
-        solid_degrees_of_freedom: 115_266,
-        comparison: compare(&simple, &solid, &Limits::default()).unwrap(),
-    };
     let stiffness = samples::stiffness();
-    let verdict = VerificationRecord {
-        study: "sample".into(),
-        holds: false,
-        calibration: Vec::new(),
-        scenarios: vec![scenario_verdict],
-        input_hash: stiffness.input_hash.clone(),
-        version: stiffness.version.clone(),
-        measured: samples::measured(),
-    };
+    let verdict = verdict(&simple, &solid);
     let (load_curve, profiles) = (samples::load_curve(), samples::profiles());
     let (inputs, measured) = (samples::inputs(), samples::measured());
     build(&ReportData {
@@ -44,14 +30,34 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
             snapshots: &[0.0, 0.01, 0.2],
             simple: &simple,
             solid: Some(&solid),
-            verdict: verdict.scenarios.first(),
         }],
         ratio_window: 0.024,
         ratio_floor: 0.02,
-        verdict: Some(&verdict),
+        verdict: &verdict,
         measured: &measured,
         crosscheck,
     })
+}
+
+fn verdict(simple: &History, solid: &History) -> VerificationRecord {
+    let comparison = compare(simple, solid, &Limits::default()).unwrap();
+    let scenario = ScenarioVerdict {
+        scenario: "sample".into(),
+        simple: RunRecord::new(simple, None, vec!["P leaves the range".into()]),
+        solid: Some(RunRecord::new(solid, None, Vec::new())),
+        lines: comparison.lines,
+        not_applicable: comparison.not_applicable,
+        compared: Some(comparison.compared),
+    };
+    VerificationRecord {
+        study: "sample".into(),
+        holds: scenario.lines.iter().all(|line| line.holds),
+        calibration: Vec::new(),
+        scenarios: vec![scenario],
+        inputs: [("history.csv".to_string(), "ab".repeat(32))].into(),
+        input_hash: "cd".repeat(32),
+        version: "0.1.0".into(),
+    }
 }
 
 #[test]
@@ -106,5 +112,45 @@ fn figures_have_finite_coordinates_only() {
     for (name, svg) in build_sample().figures {
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
         assert!(svg.starts_with("<svg width=\"860\""), "{name}: {}", &svg[..60]);
+    }
+}
+
+/// Goal: the first screen has the verdict in the box of a pass or of a failure, and what has to be known.
+#[test]
+fn the_first_screen_says_the_verdict() {
+    let page = build_sample().html;
+    let first = page.split("<h2>Springs</h2>").next().unwrap();
+    assert!(first.contains("<span class=\"verdict failing\">"), "{first}");
+    assert!(
+        first.contains(" lines fail; worst: sample: ") && first.contains("P leaves the range"),
+        "{first}"
+    );
+    let same = samples::history(0.0);
+    let verdict = verdict(&same, &same);
+    assert!(verdict.holds && verdict.summary().starts_with("all "), "{}", verdict.summary());
+}
+
+/// Goal: histories of one row, and such that end early, are drawn without panic and with finite coordinates, s.
+#[test]
+fn short_histories_are_drawn() {
+    let full = samples::history(0.0);
+    for rows in [1, 2, 3] {
+        let mut short = full.clone();
+        short.rows.truncate(rows);
+        for (simple, solid) in [(&short, Some(&full)), (&full, Some(&short)), (&short, None)] {
+            let figures = [
+                figures::forces(simple, solid),
+                figures::ratio(simple, solid, 0.024, 0.02),
+                figures::wheel(simple, solid),
+                figures::modes(simple, solid),
+                positions::positions(&samples::profiles(), &[0.0, 0.2], simple, solid),
+            ];
+            for svg in figures {
+                assert!(
+                    !svg.contains("NaN") && !svg.contains("inf") && !svg.contains("figure failed"),
+                    "{rows} rows"
+                );
+            }
+        }
     }
 }

@@ -132,7 +132,8 @@ pub fn calibrate(
         ],
         profiles: geometry.profiles.clone(),
         touch: touch_record(study, geometry),
-        input_hash: study.input_hash.clone(),
+        pair: study.pair(),
+        input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
     let load_curve = in_use.points.iter().map(|point| load_curve_row(point, &in_use.fit)).collect();

@@ -299,6 +299,9 @@ pub struct SimulationKeys {
     pub rail_node_spacing_mm: f64,
     /// Matrix of a sliding contact.
     pub sliding_matrix: SlidingMatrixKey,
+    /// In which respects the law may be another's and is used all the same; the terminal and the report say so. Without this, a law of another pair is refused, and one that was not measured against the beam model of the rail.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub law_accepted: Vec<LawAcceptedKey>,
     /// The scenario whose histories are `history.csv` and `solid_history.csv`; left out, the first that the solid model can run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<String>,
@@ -313,6 +316,7 @@ impl Default for SimulationKeys {
             contact_penalty_kn_per_m: 2e9,
             rail_node_spacing_mm: 0.25,
             sliding_matrix: SlidingMatrixKey::Unsymmetric,
+            law_accepted: Vec::new(),
             scenario: None,
         }
     }
@@ -326,6 +330,16 @@ pub enum LawKey {
     Calibrated,
     /// The published constants (30000 kN/m, 294000 kN/m, 0.241104).
     Published,
+}
+
+/// In which respect a law may be another's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LawAcceptedKey {
+    /// Calibrated for another pair of rail and wheel.
+    AnotherPair,
+    /// Measured against another reference than the beam model of the rail.
+    AnotherReference,
 }
 
 /// Matrix of a sliding contact.

@@ -5,6 +5,7 @@ pub mod document;
 
 mod check;
 mod fields;
+mod keys;
 mod measured;
 mod mesh_file;
 mod resolve;
@@ -20,14 +21,17 @@ use railspring_calibrate::profile::wheels::Flange;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::Material;
+use railspring_calibrate::units::MILLIMETRE;
 use toml::de::DeTable;
 
 pub use document::{
-    ElementKey, EnforcementKey, LawKey, ReferenceKey, SlidingMatrixKey, SpacingKey, StudyDocument,
+    ElementKey, EnforcementKey, LawAcceptedKey, LawKey, ReferenceKey, SlidingMatrixKey, SpacingKey,
+    StudyDocument,
 };
+pub use keys::Keys;
 pub use source::{LocatedError, Source};
 
-use crate::records::ResolvedKey;
+use crate::records::{PairRecord, ResolvedKey};
 use crate::verify::Limits;
 
 /// A checked study, in SI units.
@@ -61,10 +65,8 @@ pub struct Study {
     pub main_scenario: Option<String>,
     /// Limits of the verdict.
     pub limits: Limits,
-    /// Hash of everything that the numbers depend on: the resolved study without its
-    /// descriptions and limits, the content of its profile and mesh files, and the program's
-    /// version, which fixes the standard profiles.
-    pub input_hash: String,
+    /// Hashes of what the results depend on.
+    pub keys: Keys,
     /// All keys with their values, defaults filled in; the keys of each section by name.
     pub resolved: Vec<ResolvedKey>,
     /// The file the study came from.
@@ -185,6 +187,8 @@ pub struct SimulationSettings {
     pub rail_node_spacing: f64,
     /// Matrix of a sliding contact.
     pub sliding_matrix: SlidingMatrixKey,
+    /// In which respects a law may be another's.
+    pub law_accepted: Vec<LawAcceptedKey>,
 }
 
 /// One load case of the study.
@@ -263,6 +267,25 @@ impl Study {
         let source = Source::new(path, text, parsed.get_ref());
         let document: StudyDocument = toml::from_str(text).map_err(syntax)?;
         resolve::resolve(document, source.clone()).map_err(|error| source.locate(error))
+    }
+
+    /// The pair of rail and wheel that a law of this study belongs to.
+    pub fn pair(&self) -> PairRecord {
+        let surface = |standard: &str, measured: &Option<MeasuredSurface>| match measured {
+            Some(measured) => format!("{} on {standard}", measured.file),
+            None => standard.to_owned(),
+        };
+        PairRecord {
+            name: format!(
+                "rail {} inclined by {}, wheel {} of {} m, shift {} mm",
+                surface(&self.rail.profile, &self.rail.measured),
+                self.rail.inclination,
+                surface(&self.wheel.profile, &self.wheel.measured),
+                self.wheel.tape_diameter,
+                (self.track.lateral_shift / MILLIMETRE * 1e6).round() / 1e6
+            ),
+            hash: self.keys.pair.clone(),
+        }
     }
 
     /// Whether a dotted key belongs to the study file, so that a message can name its line.

@@ -18,11 +18,12 @@ use super::document::{
     SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
 };
 use super::fields::translate;
+use super::keys::Keys;
 use super::measured::SurfaceKeys;
 use super::mesh_file::MeshFileKeys;
 use super::{
-    CalibrationSettings, ContactSettings, MeasuredSurface, MeshFile, Rail, SECTIONS, SimulationSettings,
-    Source, Study, StudyScenario, Track, Wheel,
+    CalibrationSettings, ContactSettings, Rail, SECTIONS, SimulationSettings, Source, Study, StudyScenario,
+    Track, Wheel,
 };
 use crate::records::ResolvedKey;
 
@@ -34,7 +35,7 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
     let resolved = resolved_keys(&document, &source);
     let rail = rail(&document.rail, source.path())?;
     let wheel = wheel(&document.wheel, source.path())?;
-    let input_hash = input_hash(&document, &rail, &wheel);
+    let keys = Keys::new(&document, &rail, &wheel);
     let calibration = calibration(&document.calibration)?;
     let friction = document.contact.friction;
     let mut scenarios = std::collections::BTreeMap::new();
@@ -88,11 +89,12 @@ pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> 
             contact_penalty: document.simulation.contact_penalty_kn_per_m * KILONEWTON_PER_METRE,
             rail_node_spacing: document.simulation.rail_node_spacing_mm * MILLIMETRE,
             sliding_matrix: document.simulation.sliding_matrix,
+            law_accepted: document.simulation.law_accepted,
         },
         scenarios,
         main_scenario,
         limits: document.verification,
-        input_hash,
+        keys,
         resolved,
         source,
     })
@@ -338,27 +340,6 @@ fn main_scenario(document: &StudyDocument) -> Result<Option<String>> {
             Ok(solid.or_else(|| names.first().map(ToString::to_string)))
         }
     }
-}
-
-fn input_hash(document: &StudyDocument, rail: &Rail, wheel: &Wheel) -> String {
-    let mut numeric = document.clone();
-    // A file counts by its content, wherever it lies.
-    numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
-    numeric.wheel.profile_file = wheel.measured.as_ref().map(MeasuredSurface::fingerprint);
-    numeric.rail.mesh_file = rail.mesh.as_ref().map(MeshFile::fingerprint);
-    numeric.wheel.mesh_file = wheel.mesh.as_ref().map(MeshFile::fingerprint);
-    numeric.description.clear();
-    numeric.verification = Default::default();
-    for keys in numeric.scenario.values_mut() {
-        keys.description.clear();
-        keys.snapshots_s.clear();
-    }
-    let canonical = serde_json::to_string(&numeric).expect("a study is plain data");
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    hasher.update(b"\n");
-    hasher.update(canonical.as_bytes());
-    hasher.finalize().to_hex().to_string()
 }
 
 /// All keys with their values, flattened: the sections in their order, the keys of each by name.

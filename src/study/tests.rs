@@ -58,13 +58,64 @@ fn the_shipped_studies_are_the_published_load_cases() {
 
 #[test]
 fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
-    let hash = |more: &str| parse(&format!("{SHORT}{more}")).unwrap().input_hash;
+    let hash = |more: &str| parse(&format!("{SHORT}{more}")).unwrap().keys.study;
     let plain = hash("");
     assert_eq!(plain, hash("# a comment\n"));
     assert_eq!(plain, hash("[track]\ngauge_mm = 1435.0\n"), "a default that is written out");
     assert_eq!(plain, hash("[verification]\nvertical_rms = 0.5\n"));
     assert_ne!(plain, hash("[track]\ngauge_mm = 1436\n"));
     assert_ne!(plain, hash("[mesh]\nelement = \"full-integration\"\n"));
+}
+
+/// Goal: each result depends on its own inputs and on nothing else; a change makes exactly those stale that it concerns.
+#[test]
+fn every_result_has_a_key_of_its_own_inputs() {
+    const LOADS: &str = "vertical_force = {}\nlateral_force = {}\n";
+    let keys = |more: &str| {
+        let (one, rest) = more.split_once('|').unwrap_or(("", more));
+        let text = format!("{SHORT}{rest}\n[scenario.one]\n{LOADS}{one}\n[scenario.two]\n{LOADS}");
+        parse(&text).unwrap().keys
+    };
+    let names = ["calibration", "pair", "simple one", "solid one", "simple two", "verdict"];
+    let all = |more: &str| {
+        let k = keys(more);
+        let verdict = k.verdict(&Default::default());
+        [
+            k.calibration.clone(),
+            k.pair.clone(),
+            k.simple("one", &1),
+            k.solid("one"),
+            k.simple("two", &1),
+            verdict,
+        ]
+    };
+    let plain = all("");
+    for (more, changed) in [
+        ("# a comment\n", &[][..]),
+        ("description = \"other\"\nsnapshots_s = [0.1]\nsolid = false\n|", &[]),
+        ("[simulation]\nscenario = \"two\"\n", &[]),
+        ("[verification]\nvertical_rms = 0.5\n", &["verdict"]),
+        ("steps = 20\n|", &["simple one", "solid one"]),
+        ("[calibration]\nload_max_kn = 140\n", &["calibration"]),
+        ("[simulation]\nrail_elements = 10\n", &["calibration", "simple one", "simple two"]),
+        ("[simulation]\nlaw = \"published\"\n", &["simple one", "simple two"]),
+        ("[mesh]\ngrowth = 1.5\n", &["calibration", "solid one"]),
+        ("[material]\ndamping_ratio = 0\n", &["calibration", "simple one", "solid one", "simple two"]),
+        (
+            "[track]\nlateral_shift_mm = 1\n",
+            &["calibration", "pair", "simple one", "solid one", "simple two"],
+        ),
+    ] {
+        let found: Vec<&str> = names
+            .iter()
+            .zip(plain.iter().zip(all(more)))
+            .filter(|(_, (a, b))| *a != b)
+            .map(|(n, _)| *n)
+            .collect();
+        assert_eq!(found, changed, "{more}");
+    }
+    assert_ne!(keys("").simple("one", &1), keys("").simple("one", &2), "other springs");
+    assert_ne!(keys("").simple("one", &1), keys("").solid("one"));
 }
 
 #[test]
@@ -212,9 +263,9 @@ fn measured_profiles_are_named_by_file_and_body() {
 
     // The hash follows the content, not the place.
     std::fs::copy(&head, folder.path().join("other.csv")).unwrap();
-    assert_eq!(study(&given.replace("head", "other")).unwrap().input_hash, read.input_hash);
+    assert_eq!(study(&given.replace("head", "other")).unwrap().keys.study, read.keys.study);
     std::fs::write(&head, "0,1\n").unwrap();
-    assert_ne!(study(given).unwrap().input_hash, read.input_hash);
+    assert_ne!(study(given).unwrap().keys.study, read.keys.study);
 
     let refused = |rail: &str| study(rail).unwrap_err().to_string();
     let body = refused("profile_file = \"head.csv\"");

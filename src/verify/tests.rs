@@ -2,7 +2,7 @@
 //! by construction.
 
 use nalgebra::Point2;
-use railspring_calibrate::history::{ContactState, Ending};
+use railspring_calibrate::history::{ContactMode, ContactState, Ending};
 
 use super::*;
 
@@ -40,8 +40,19 @@ fn history(
     History { rows, degrees_of_freedom: 1, ending: Ending::Completed }
 }
 
+fn line<'a>(comparison: &'a Comparison, meaning: &str) -> &'a Line {
+    comparison.lines.iter().find(|line| line.meaning.starts_with(meaning)).unwrap()
+}
+
 fn value(comparison: &Comparison, meaning: &str) -> Option<f64> {
-    comparison.lines.iter().find(|line| line.meaning.starts_with(meaning)).unwrap().value
+    line(comparison, meaning).value
+}
+
+/// Reasons why a comparison was not made.
+fn reason<'a>(comparison: &'a Comparison, quantity: &str) -> Option<&'a str> {
+    let found = comparison.not_applicable.iter().find(|item| item.quantity == quantity);
+    assert!(found.is_none() || comparison.lines.iter().all(|line| line.quantity != quantity));
+    found.map(|item| item.reason.as_str())
 }
 
 const SLIP: fn(f64) -> Option<ContactMode> = |_| Some(ContactMode::Slip);
@@ -50,7 +61,11 @@ const SLIP: fn(f64) -> Option<ContactMode> = |_| Some(ContactMode::Slip);
 fn a_run_agrees_with_itself() {
     let run = history(551, |t| (1e5 * (1.0 + t), 2e4 * (30.0 * t).sin()), SLIP);
     let comparison = compare(&run, &run, &Limits::default()).unwrap();
-    assert!(comparison.lines.iter().all(|line| line.holds && line.value.is_none_or(|v| v == 0.0)));
+    assert!(comparison.lines.iter().all(|line| line.holds && line.value == Some(0.0)));
+    for quantity in ["separation_begin_s", "separation_end_s"] {
+        assert_eq!(reason(&comparison, quantity), Some("neither model separates"));
+    }
+    assert_eq!(reason(&comparison, "departure_s"), Some("neither model leaves the profile"));
 }
 
 #[test]
@@ -122,10 +137,10 @@ fn separations_are_paired_and_their_times_compared() {
     assert!((value(&comparison, "Separation begins").unwrap() - 0.003).abs() < ROUNDOFF);
     assert!((value(&comparison, "Separation ends").unwrap() - 0.001).abs() < ROUNDOFF);
     assert_eq!(value(&comparison, "Separations that only"), Some(0.0));
-    assert_eq!(comparison.separations.solid, [Separation { begin_s: 0.1, end_s: 0.15 }]);
+    assert_eq!(comparison.compared.separations.solid, [Separation { begin_s: 0.1, end_s: 0.15 }]);
 
     let far = compare(&with_gap(0.200, 0.220), &solid, &Limits::default()).unwrap();
-    assert_eq!(value(&far, "Separation begins"), None);
+    assert!(reason(&far, "separation_begin_s").unwrap().starts_with("no separation of one model"));
     assert_eq!(value(&far, "Separations that only"), Some(2.0));
     assert!(!far.lines.iter().find(|line| line.quantity == "separations_unmatched").unwrap().holds);
 
@@ -149,11 +164,93 @@ fn values_that_are_no_numbers_fail() {
     let solid = history(10, |_| (1e5, 1e3), SLIP);
     let broken = history(10, |t| (if t > 0.0 { f64::NAN } else { 1e5 }, 1e3), SLIP);
     let comparison = compare(&broken, &solid, &Limits::default()).unwrap();
-    let line = &comparison.lines[0];
-    assert!(!line.holds && line.value.is_none(), "{line:?}");
+    let rms = line(&comparison, "P, RMS");
+    assert!(!rms.holds && rms.value.is_none(), "{rms:?}");
     let nothing = history(10, |_| (0.0, 0.0), |_| None);
     let comparison = compare(&solid, &nothing, &Limits::default()).unwrap();
-    assert!(!comparison.lines[0].holds, "force without any in the solid");
+    assert!(!line(&comparison, "P, RMS").holds, "force without any in the solid");
+}
+
+/// Goal: a line holds with a finite value within its limit, and in no other case; lines without a value are the worst.
+#[test]
+fn a_line_without_a_value_does_not_hold() {
+    let check = |value| Line::check("q", "m", Kind::Verification, "1", value, 0.5);
+    for (value, holds, excess) in [
+        (Some(0.5), true, 1.0),
+        (Some(0.75), false, 1.5),
+        (None, false, f64::INFINITY),
+        (Some(f64::NAN), false, f64::INFINITY),
+        (Some(f64::NEG_INFINITY), false, f64::INFINITY),
+    ] {
+        let line = check(value);
+        assert_eq!((line.holds, line.excess()), (holds, excess), "{value:?}");
+    }
+    let exact = |value| Line::check("q", "m", Kind::Verification, "1", Some(value), 0.0).excess();
+    assert_eq!((exact(0.0), exact(1.0)), (0.0, f64::INFINITY));
+}
+
+/// Goal: a load case in which nothing touches fails, although both models agree that there is no force.
+#[test]
+fn a_load_case_without_contact_fails() {
+    let apart = history(100, |_| (0.0, 0.0), |_| None);
+    let comparison = compare(&apart, &apart, &Limits::default()).unwrap();
+    let touches = line(&comparison, "Models in which the wheel never touches");
+    assert_eq!((touches.value, touches.holds), (Some(2.0), false));
+    assert!(touches.note.as_ref().unwrap().contains("solid model: no contact at any step"));
+    assert!(!line(&comparison, "Averaged Q/P, RMS").holds, "no step at which Q/P is defined");
+    assert!(run_lines(&apart, None).iter().any(|line| !line.holds), "nor does one model alone pass");
+    let first_only = history(100, |_| (0.0, 0.0), |t| (t == 0.0).then_some(ContactMode::Stick));
+    assert!(!run_lines(&first_only, None)[1].holds, "the initial state does not count");
+}
+
+/// Goal: a run that left the profile fails, with its time said; the steps before that are compared, and the times where
+/// both leave to the same side, s.
+#[test]
+fn a_run_that_leaves_the_profile_fails() {
+    use railspring_calibrate::history::Departure;
+    let left = |rows: usize, departure| {
+        let mut run = history(rows, |t| (1e5 * (1.0 + t), 2e4), SLIP);
+        run.ending = Ending::Departed { time: rows as f64 * STEP, departure };
+        run
+    };
+    let whole = history(551, |t| (1e5 * (1.0 + t), 2e4), SLIP);
+    let one = compare(&left(100, Departure::FieldSide), &whole, &Limits::default()).unwrap();
+    let ends = line(&one, "Models whose run ends before");
+    assert_eq!((ends.value, ends.holds), (Some(1.0), false));
+    assert!(ends.note.as_ref().unwrap().starts_with("simple model: left the profile at 0.05 s"));
+    assert_eq!(reason(&one, "departure_s"), Some("only one model leaves the profile"));
+    assert_eq!(value(&one, "P, largest"), Some(0.0), "equal until then");
+    assert_eq!(one.lines.iter().filter(|line| !line.holds).count(), 1);
+
+    let (a, b) = (left(100, Departure::FieldSide), left(104, Departure::FieldSide));
+    let both = compare(&a, &b, &Limits::default()).unwrap();
+    assert!((value(&both, "Wheel leaves").unwrap() - 0.002).abs() < ROUNDOFF);
+    assert!(
+        line(&both, "Wheel leaves").holds && !line(&both, "Models whose run").holds,
+        "alike, but no pass"
+    );
+    let other = compare(&a, &left(104, Departure::GaugeSide), &Limits::default()).unwrap();
+    assert!(!line(&other, "Wheel leaves").holds, "to the other side");
+
+    let at_once = compare(&left(1, Departure::FieldSide), &whole, &Limits::default()).unwrap();
+    assert!(line(&at_once, "P, RMS").value.is_none() && !line(&at_once, "P, RMS").holds);
+}
+
+/// Goal: one row, equal times and values that are no numbers give no panic.
+#[test]
+fn odd_histories_do_not_panic() {
+    let single = history(1, |_| (1e5, 0.0), SLIP);
+    assert_eq!(averaged_ratio(&single, 0.024, 0.0), [Some(0.0)]);
+    let mut same = history(5, |_| (1e5, 2e4), SLIP);
+    same.rows.iter_mut().for_each(|row| row.time = 0.5);
+    assert_eq!(averaged_ratio(&same, 0.024, 0.0), [Some(0.2); 5]);
+    let broken = history(5, |_| (f64::NAN, f64::INFINITY), SLIP);
+    assert_eq!(averaged_ratio(&broken, 0.024, 0.0), [None; 5]);
+    for run in [single, same, broken] {
+        let comparison = compare(&run, &run, &Limits::default()).unwrap();
+        mode_fractions(&run);
+        assert!(comparison.lines.iter().any(|line| !line.holds) || run.rows.len() == 5);
+    }
 }
 
 #[test]

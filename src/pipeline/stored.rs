@@ -1,0 +1,225 @@
+//! Results of earlier commands: taken from the folder if they are those of the study as it is now.
+
+use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::history::{Ending, History};
+
+use super::{LOAD_CURVE, Pipeline, Run, Runs, STIFFNESS, VERIFICATION};
+use crate::output::parse_json;
+use crate::records::{
+    LoadCurveRow, RunRecord, SpringsSource, StiffnessRecord, VerificationRecord, history_csv,
+};
+use crate::results::Entry;
+use crate::springs;
+use crate::stages::Calibration;
+use crate::study::{Study, StudyScenario};
+
+/// A time further from that of the study than this share of a step belongs to another run. Twelve digits are written,
+/// so that a time after a million steps is right to a hundred-thousandth of a step.
+const OTHER_STEP: f64 = 1e-3;
+
+impl Pipeline<'_> {
+    /// The folder's springs, if they were calibrated from this study's inputs.
+    pub(super) fn stored_stiffness(&self) -> Result<StiffnessRecord> {
+        let text = self.results.text(STIFFNESS, "calibrate")?;
+        let stiffness = parse_json(&self.folder.file(STIFFNESS), &text, "calibrate")?;
+        self.results.check(STIFFNESS, &text, &self.study.keys.calibration, "calibrate")?;
+        Ok(stiffness)
+    }
+
+    fn stored_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
+        let text = self.results.text(LOAD_CURVE, "calibrate")?;
+        self.results.check(LOAD_CURVE, &text, &self.study.keys.calibration, "calibrate")?;
+        let rows =
+            csv::Reader::from_reader(text.as_bytes()).deserialize().collect::<std::result::Result<_, _>>();
+        rows.map_err(|cause| {
+            InputError::new(
+                self.folder.file(LOAD_CURVE).display().to_string(),
+                cause,
+                "a load curve as `railspring calibrate` writes it",
+                "write it again with that command",
+            )
+            .into()
+        })
+    }
+
+    /// The runs of the simple model, and the study's springs if one of them ran with them.
+    pub(super) fn stored_simple_runs(&self) -> Result<(Option<StiffnessRecord>, Vec<Run>)> {
+        let all_from_files = !self.study.scenarios.is_empty()
+            && self.study.scenarios.keys().all(|name| {
+                let run = self.results.entry(&self.file(name, "history")).and_then(|entry| entry.run);
+                run.is_some_and(|run| from_file(&run))
+            });
+        let stiffness = if all_from_files { None } else { Some(self.stored_stiffness()?) };
+        let runs = self
+            .study
+            .scenarios
+            .iter()
+            .map(|(name, scenario)| self.stored_simple_run(stiffness.as_ref(), name, scenario))
+            .collect::<Result<_>>()?;
+        Ok((stiffness, runs))
+    }
+
+    /// A run of the simple model with the springs that it should have: those of a law file, as `simulate --law` has
+    /// noted them, or else the study's own.
+    fn stored_simple_run(
+        &self,
+        stiffness: Option<&StiffnessRecord>,
+        name: &str,
+        scenario: &StudyScenario,
+    ) -> Result<Run> {
+        let file = self.file(name, "history");
+        let noted = self.results.entry(&file).and_then(|entry| entry.run).filter(from_file);
+        let springs = match (noted.and_then(|run| run.springs), stiffness) {
+            (Some(springs), _) => springs,
+            (None, Some(stiffness)) => springs::own(self.study, stiffness)?,
+            (None, None) => springs::own(self.study, &self.stored_stiffness()?)?,
+        };
+        let key = self.study.keys.simple(name, &springs);
+        self.stored_run(&file, scenario, &key, "simulate")
+    }
+
+    /// A run of the solid model.
+    pub(super) fn stored_solid_run(&self, name: &str, scenario: &StudyScenario) -> Result<Run> {
+        let file = self.file(name, "solid_history");
+        self.stored_run(&file, scenario, &self.study.keys.solid(name), "verify")
+    }
+
+    fn stored_run(&self, file: &str, scenario: &StudyScenario, key: &str, made_by: &str) -> Result<Run> {
+        let text = self.results.text(file, made_by)?;
+        let path = self.folder.file(file);
+        // First, because it names the line of what was edited.
+        let mut history = history_csv::read(&path, &text, 0, Ending::Completed)?;
+        let entry: Entry = self.results.check(file, &text, key, made_by)?;
+        let known = entry.run.and_then(|record| record.ending().map(|ending| (record, ending)));
+        let (record, ending) = known.ok_or_else(|| {
+            InputError::new(
+                path.display().to_string(),
+                "no known ending in results.json",
+                "a run that ended in a known way",
+                format!("make it again with `railspring {made_by}`"),
+            )
+        })?;
+        history.degrees_of_freedom = record.degrees_of_freedom;
+        history.ending = ending;
+        check_times(&path.display().to_string(), &history, scenario, made_by)?;
+        Ok(Run { history, record })
+    }
+
+    /// The verdict, if it is one on these very files and limits.
+    fn stored_verdict(&self, with_stiffness: bool) -> Result<VerificationRecord> {
+        let text = self.results.text(VERIFICATION, "verify")?;
+        let verdict = parse_json(&self.folder.file(VERIFICATION), &text, "verify")?;
+        let key = self.study.keys.verdict(&self.verdict_inputs(with_stiffness));
+        self.results.check(VERIFICATION, &text, &key, "verify")?;
+        Ok(verdict)
+    }
+
+    /// Everything that the report needs.
+    ///
+    /// # Errors
+    /// [`InputError`] that names every missing or stale file, and the commands that make them.
+    #[allow(clippy::type_complexity)]
+    pub(super) fn stored_results(&self) -> Result<(Calibration, Vec<(String, Runs)>, VerificationRecord)> {
+        let mut faults = Faults::default();
+        let stiffness = faults.note("calibrate", self.stored_stiffness());
+        let load_curve = faults.note("calibrate", self.stored_load_curve());
+        let mut runs = Vec::new();
+        let mut any_calibrated = self.study.scenarios.is_empty();
+        for (name, scenario) in &self.study.scenarios {
+            // Without springs every history would be stale for the same reason.
+            let simple = stiffness.as_ref().and_then(|stiffness| {
+                faults.note("simulate", self.stored_simple_run(Some(stiffness), name, scenario))
+            });
+            let solid = match scenario.solid {
+                true => faults.note("verify", self.stored_solid_run(name, scenario)).map(Some),
+                false => Some(None),
+            };
+            if let (Some(simple), Some(solid)) = (simple, solid) {
+                any_calibrated |= !from_file(&simple.record);
+                runs.push((name.clone(), Runs { simple, solid }));
+            }
+        }
+        let verdict = faults.note("verify", self.stored_verdict(any_calibrated));
+        match (stiffness, load_curve, verdict) {
+            (Some(stiffness), Some(load_curve), Some(verdict)) if faults.is_empty() => {
+                Ok((Calibration { stiffness, load_curve }, runs, verdict))
+            }
+            _ => Err(faults.error(self.study)),
+        }
+    }
+}
+
+fn from_file(run: &RunRecord) -> bool {
+    run.springs.as_ref().is_some_and(|springs| matches!(springs.source, SpringsSource::File { .. }))
+}
+
+/// What is missing or stale, and the commands that make it.
+#[derive(Default)]
+struct Faults {
+    found: Vec<InputError>,
+    other: Option<Error>,
+    commands: Vec<&'static str>,
+}
+
+impl Faults {
+    fn note<T>(&mut self, command: &'static str, result: Result<T>) -> Option<T> {
+        match result {
+            Ok(value) => return Some(value),
+            Err(Error::Input(cause)) => self.found.push(cause),
+            Err(other) => self.other = Some(other),
+        }
+        if !self.commands.contains(&command) {
+            self.commands.push(command);
+        }
+        None
+    }
+
+    fn is_empty(&self) -> bool {
+        self.found.is_empty() && self.other.is_none()
+    }
+
+    fn error(self, study: &Study) -> Error {
+        if let Some(other) = self.other {
+            return other;
+        }
+        let order = ["calibrate", "simulate", "verify"];
+        // What is made later depends on what is made earlier.
+        let first = order.iter().position(|command| self.commands.contains(command)).unwrap_or(0);
+        let commands: Vec<String> =
+            order[first..].iter().map(|command| format!("`railspring {command}`")).collect();
+        let listed: Vec<String> = self.found.iter().map(|e| format!("{} ({})", e.key, e.value)).collect();
+        InputError::new(
+            format!("results of {}", study.name),
+            listed.join(", "),
+            "results of this study as it is now: the study or the program has changed since, or a command was stopped",
+            format!("run {}, or `railspring run`", commands.join(", ")),
+        )
+        .into()
+    }
+}
+
+/// A complete run has all steps of the scenario, one that left the profile fewer; each at its time.
+fn check_times(path: &str, history: &History, scenario: &StudyScenario, made_by: &str) -> Result<()> {
+    let scenario = &scenario.scenario;
+    let (rows, all) = (history.rows.len(), scenario.steps + 1);
+    let refused = |value: String, expected: String| {
+        InputError::new(path, value, expected, format!("make it again with `railspring {made_by}`")).into()
+    };
+    let fits = if history.ending == Ending::Completed { rows == all } else { rows <= all };
+    if !fits {
+        return Err(refused(format!("{rows} rows"), format!("{all} rows, one for each time")));
+    }
+    let step = scenario.time_step;
+    let wrong = history
+        .rows
+        .iter()
+        .enumerate()
+        .find(|(n, row)| !((row.time - *n as f64 * step).abs() <= OTHER_STEP * step));
+    match wrong {
+        None => Ok(()),
+        Some((n, row)) => Err(refused(
+            format!("{} s in row {n}", row.time),
+            format!("{} s, a multiple of the time step", n as f64 * step),
+        )),
+    }
+}

@@ -1,0 +1,94 @@
+//! What belongs to a history besides its rows: the model's size, how the run ended, and the springs that it ran with.
+
+use railspring_calibrate::history::{Ending, History};
+use serde::{Deserialize, Serialize};
+
+/// A run of one of the models.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// Degrees of freedom of the model.
+    pub degrees_of_freedom: usize,
+    /// How the run ended: `completed`, or where the wheel went when it left the rail.
+    pub ending: String,
+    /// When the wheel left the rail, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_at_s: Option<f64>,
+    /// The springs of the simple model; none in a run of the solid model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub springs: Option<SpringsRecord>,
+    /// What has to be known about the run, for instance that it leaves the law's fitted range.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+}
+
+impl RunRecord {
+    /// The record of a run; `springs` are those of the simple model.
+    pub fn new(history: &History, springs: Option<&SpringsRecord>, notes: Vec<String>) -> Self {
+        Self {
+            degrees_of_freedom: history.degrees_of_freedom,
+            ending: history.ending.name().into(),
+            left_at_s: history.ending.time(),
+            springs: springs.cloned(),
+            notes,
+        }
+    }
+
+    /// How the run ended; `None` if the record names no known ending.
+    pub fn ending(&self) -> Option<Ending> {
+        Ending::from_parts(&self.ending, self.left_at_s)
+    }
+}
+
+/// The springs and the wheel mass of a simple model, and where they are from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SpringsRecord {
+    /// Where the normal law is from.
+    pub source: SpringsSource,
+    /// Constant part of the law `k(f) = a + b·(f/f0)^c`, kN/m.
+    pub a_kn_per_m: f64,
+    /// Factor of the power, kN/m.
+    pub b_kn_per_m: f64,
+    /// Exponent.
+    pub c: f64,
+    /// Reference force, kN.
+    pub f0_kn: f64,
+    /// Horizontal stiffness, kN/m.
+    pub horizontal_kn_per_m: f64,
+    /// Mass of the solid wheel, which scenarios without a wheel mass take, kg.
+    pub wheel_mass_kg: f64,
+    /// What the displacement of the law is measured against, if that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<String>,
+    /// Smallest and largest load of the fit, kN, if they are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range_kn: Option<[f64; 2]>,
+    /// In which respects the law is not that of the study's own pair and rail model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+}
+
+/// Where a normal law is from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpringsSource {
+    /// Calibrated by the study itself.
+    Calibrated,
+    /// The published constants.
+    Published,
+    /// A file that was named on the command line.
+    File {
+        /// The file as it was named.
+        name: String,
+        /// BLAKE3 hash of its content.
+        blake3: String,
+    },
+}
+
+/// The pair that a law was calibrated for. The rail's length is no part of it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PairRecord {
+    /// The pair in words.
+    pub name: String,
+    /// Hash of profiles, bodies, their places in the track and the material.
+    pub hash: String,
+}

@@ -1,0 +1,335 @@
+//! The springs of the simple model: the study's own, the published ones or those of a file, and in which respects they
+//! may not suit the study.
+//!
+//! A law is one spring in series with a rail. The simple model's rail is a
+//! beam, so the law has to be measured against that beam; a law of another
+//! reference is refused unless the study says that it knows. So is a law of
+//! another pair.
+
+use std::path::Path;
+
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::history::History;
+use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
+use railspring_calibrate::section::body_of_revolution;
+use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use crate::output::read_text;
+use crate::records::{PairRecord, SpringsRecord, SpringsSource, StiffnessRecord, with_unit};
+use crate::results::hash;
+use crate::stages::{Geometry, Springs};
+use crate::study::{LawAcceptedKey, LawKey, ReferenceKey, Study};
+
+/// Key that accepts what is refused otherwise.
+const ACCEPTED: &str = "simulation.law_accepted";
+
+/// A law as a person writes it: the constants and units of `stiffness.json`, and what is known about them.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenLaw {
+    a_kn_per_m: Option<f64>,
+    b_kn_per_m: Option<f64>,
+    c: Option<f64>,
+    f0_kn: Option<f64>,
+    horizontal_kn_per_m: Option<f64>,
+    wheel_mass_kg: Option<f64>,
+    reference: Option<String>,
+    range_kn: Option<[f64; 2]>,
+}
+
+/// What is taken of a `stiffness.json`; it has much more.
+#[derive(Debug, Deserialize)]
+struct CalibratedLaw {
+    law: CalibratedConstants,
+    horizontal_kn_per_m: Option<f64>,
+    reference: Option<String>,
+    pair: Option<PairRecord>,
+}
+
+#[derive(Debug, Deserialize)]
+struct CalibratedConstants {
+    a_kn_per_m: Option<f64>,
+    b_kn_per_m: Option<f64>,
+    c: Option<f64>,
+    f0_kn: Option<f64>,
+    range_kn: Option<[f64; 2]>,
+}
+
+/// Refuses a study whose own law does not suit its rail, before anything is computed; a study without load cases may
+/// have any.
+///
+/// # Errors
+/// [`InputError`] with key `calibration.reference`.
+pub fn check_reference(study: &Study) -> Result<()> {
+    if study.scenarios.is_empty() || study.simulation.law == LawKey::Published {
+        return Ok(());
+    }
+    let reference = study.calibration.reference.name();
+    accepted_reference(study, "calibration.reference", Some(reference)).map(drop)
+}
+
+/// The springs that a study has calibrated, or the published law if it says so.
+///
+/// # Errors
+/// As [`check_reference`].
+pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
+    let horizontal = study.simulation.horizontal.map(|k| k / KILONEWTON_PER_METRE);
+    let common = SpringsRecord {
+        source: SpringsSource::Calibrated,
+        a_kn_per_m: stiffness.law.a_kn_per_m,
+        b_kn_per_m: stiffness.law.b_kn_per_m,
+        c: stiffness.law.c,
+        f0_kn: stiffness.law.f0_kn,
+        horizontal_kn_per_m: horizontal.unwrap_or(stiffness.horizontal_kn_per_m),
+        wheel_mass_kg: stiffness.wheel_mass(),
+        reference: Some(stiffness.reference.clone()),
+        range_kn: Some(stiffness.law.range_kn),
+        notes: Vec::new(),
+    };
+    if study.simulation.law == LawKey::Published {
+        let law = StiffnessLaw::published();
+        return Ok(SpringsRecord {
+            source: SpringsSource::Published,
+            a_kn_per_m: law.a / KILONEWTON_PER_METRE,
+            b_kn_per_m: law.b / KILONEWTON_PER_METRE,
+            c: law.c,
+            f0_kn: REFERENCE_FORCE / KILONEWTON,
+            reference: None,
+            range_kn: None,
+            notes: vec!["the law is the published one, of UIC 60 and SKS-700, and not of this pair".into()],
+            ..common
+        });
+    }
+    let note = accepted_reference(study, "calibration.reference", Some(&stiffness.reference))?;
+    Ok(SpringsRecord { notes: note.into_iter().collect(), ..common })
+}
+
+/// The springs of a file: a `stiffness.json`, or a law written by hand.
+///
+/// # Errors
+/// [`InputError`] whose key is the file, with the key in it that is wrong: missing or impossible constants, another pair
+/// or another reference that the study does not accept.
+pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<SpringsRecord> {
+    let name = path.display().to_string();
+    if study.simulation.law == LawKey::Published {
+        return Err(InputError::new(
+            "simulation.law",
+            "\"published\"",
+            "\"calibrated\" beside --law, which names another law",
+            "remove simulation.law or the option --law",
+        )
+        .into());
+    }
+    let text = read_text(path, "calibrate")?;
+    let form: serde_json::Value = parsed(&name, &text)?;
+    let (law, pair) = if form.get("law").is_some() {
+        let file: CalibratedLaw = parsed(&name, &text)?;
+        let law = WrittenLaw {
+            a_kn_per_m: file.law.a_kn_per_m,
+            b_kn_per_m: file.law.b_kn_per_m,
+            c: file.law.c,
+            f0_kn: file.law.f0_kn,
+            range_kn: file.law.range_kn,
+            horizontal_kn_per_m: file.horizontal_kn_per_m,
+            wheel_mass_kg: None,
+            reference: file.reference,
+        };
+        (law, file.pair)
+    } else {
+        (parsed(&name, &text)?, None)
+    };
+    // The study's own calibration under another name is no other law.
+    if let Ok(stiffness) = serde_json::from_str::<StiffnessRecord>(&text)
+        && stiffness.input_hash == study.keys.calibration
+    {
+        return own(study, &stiffness);
+    }
+    let mut notes = Vec::new();
+    notes.extend(accepted_reference(study, &format!("{name}: reference"), law.reference.as_deref())?);
+    notes.extend(accepted_pair(study, &name, pair.as_ref())?);
+    if law.range_kn.is_none() {
+        notes.push(format!("{name} says no range_kn: whether the run leaves the law's range is unknown"));
+    }
+    let record = SpringsRecord {
+        source: SpringsSource::File { name: name.clone(), blake3: hash(text.as_bytes()) },
+        a_kn_per_m: given(&name, "a_kn_per_m", law.a_kn_per_m)?,
+        b_kn_per_m: given(&name, "b_kn_per_m", law.b_kn_per_m)?,
+        c: given(&name, "c", law.c)?,
+        f0_kn: given(&name, "f0_kn", law.f0_kn)?,
+        horizontal_kn_per_m: match study.simulation.horizontal {
+            Some(horizontal) => horizontal / KILONEWTON_PER_METRE,
+            None => given(&name, "horizontal_kn_per_m", law.horizontal_kn_per_m)?,
+        },
+        wheel_mass_kg: wheel_mass(study, geometry, &name, law.wheel_mass_kg)?,
+        reference: law.reference,
+        range_kn: law.range_kn,
+        notes,
+    };
+    check(&name, &record)?;
+    Ok(record)
+}
+
+/// The springs in SI units.
+///
+/// # Errors
+/// [`InputError`] with key `law` for constants that are no law.
+pub fn springs(record: &SpringsRecord) -> Result<Springs> {
+    let [a, b] = [record.a_kn_per_m, record.b_kn_per_m].map(|k| k * KILONEWTON_PER_METRE);
+    // b·(f/f0)^c = b·(r/f0)^c·(f/r)^c with the reference force r of `StiffnessLaw`.
+    let b = b * (REFERENCE_FORCE / (record.f0_kn * KILONEWTON)).powf(record.c);
+    Ok(Springs {
+        normal: StiffnessLaw::new(a, b, record.c)?,
+        horizontal: record.horizontal_kn_per_m * KILONEWTON_PER_METRE,
+        wheel_mass: record.wheel_mass_kg,
+    })
+}
+
+/// Says by how much a run leaves the fitted range of its law, if it does. Steps without contact do not count.
+pub fn range_note(springs: &SpringsRecord, history: &History) -> Option<String> {
+    let [low, high] = springs.range_kn?;
+    let loads: Vec<f64> = history
+        .rows
+        .iter()
+        .skip(1)
+        .filter(|row| !row.contacts.is_empty())
+        .map(|row| row.vertical_force / KILONEWTON)
+        .collect();
+    let below = loads.iter().filter(|load| **load < low).count();
+    let above = loads.iter().filter(|load| **load > high).count();
+    if below + above == 0 {
+        return None;
+    }
+    let smallest = loads.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = loads.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Some(format!(
+        "P runs from {} to {} and leaves the law's fitted range, {low} to {high} kN: of {} steps \
+         with contact {below} lie below it and {above} above",
+        with_unit(Some(smallest), "kN"),
+        with_unit(Some(largest), "kN"),
+        loads.len()
+    ))
+}
+
+fn parsed<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
+    serde_json::from_str(text).map_err(|cause| {
+        InputError::new(
+            name,
+            cause,
+            "a stiffness.json of `railspring calibrate`, or a law {\"a_kn_per_m\": …, \"b_kn_per_m\": …, \"c\": …, \
+             \"f0_kn\": …, \"horizontal_kn_per_m\": …}",
+            "correct the file; docs/laws.md describes it",
+        )
+        .into()
+    })
+}
+
+fn given(name: &str, key: &str, value: Option<f64>) -> Result<f64> {
+    value.ok_or_else(|| {
+        InputError::new(format!("{name}: {key}"), "(missing)", "a number", "add the key to the file").into()
+    })
+}
+
+/// Constants that are a law: k is positive and does not fall, and its displacement is finite.
+fn check(name: &str, record: &SpringsRecord) -> Result<()> {
+    let wrong = |key: &str, value: String, expected: &str| {
+        InputError::new(format!("{name}: {key}"), value, expected, "correct the file")
+    };
+    let positive = |key: &str, value: f64| {
+        if value > 0.0 { Ok(()) } else { Err(wrong(key, value.to_string(), "a number above 0")) }
+    };
+    for (key, value) in [("a_kn_per_m", record.a_kn_per_m), ("b_kn_per_m", record.b_kn_per_m)] {
+        if !(value >= 0.0) {
+            return Err(wrong(key, value.to_string(), "a number of at least 0").into());
+        }
+    }
+    if !(0.0..1.0).contains(&record.c) {
+        return Err(wrong("c", record.c.to_string(), "a number from 0 to below 1").into());
+    }
+    if record.a_kn_per_m + record.b_kn_per_m == 0.0 {
+        return Err(wrong("b_kn_per_m", "0".into(), "a number above 0, because a_kn_per_m is 0").into());
+    }
+    positive("f0_kn", record.f0_kn)?;
+    positive("horizontal_kn_per_m", record.horizontal_kn_per_m)?;
+    positive("wheel_mass_kg", record.wheel_mass_kg)?;
+    if let Some([low, high]) = record.range_kn
+        && !(low >= 0.0 && high > low)
+    {
+        return Err(wrong("range_kn", format!("[{low}, {high}]"), "two ascending loads").into());
+    }
+    springs(record).map(drop)
+}
+
+/// Mass of the wheel: from the file, or of the study's wheel as a body of revolution.
+fn wheel_mass(study: &Study, geometry: &Geometry, name: &str, written: Option<f64>) -> Result<f64> {
+    let all_have_one = study.scenarios.values().all(|s| s.scenario.wheel_mass.is_some());
+    match written {
+        Some(mass) => Ok(mass),
+        None if study.wheel.mesh.is_none() || all_have_one => {
+            Ok(body_of_revolution(&geometry.wheel, study.material.density).mass)
+        }
+        None => Err(InputError::new(
+            format!("{name}: wheel_mass_kg"),
+            "(missing)",
+            "a number, because the wheel of the study is a mesh from a file",
+            "add the key, or give every scenario a wheel_mass_t",
+        )
+        .into()),
+    }
+}
+
+/// What has to be said about the reference of a law, if the study accepts it.
+fn accepted_reference(study: &Study, key: &str, reference: Option<&str>) -> Result<Option<String>> {
+    const EXPECTED: &str = "\"beam\", because the rail of the simple model is a beam";
+    let fault = match reference {
+        None => return Ok(Some(format!("{key} is not given: taken as \"beam\""))),
+        Some("beam") => return Ok(None),
+        Some("foot") => {
+            "against the rail's foot it has the rail's bending, which the beam adds a second time"
+        }
+        Some("local") => "the approach of the surfaces alone leaves out what wheel and rail head give way",
+        Some(other) => {
+            return Err(InputError::new(
+                key,
+                format!("{other:?}"),
+                "\"foot\", \"beam\" or \"local\"",
+                "correct the file",
+            )
+            .into());
+        }
+    };
+    let reference = format!("{:?}", reference.unwrap_or_default());
+    if study.simulation.law_accepted.contains(&LawAcceptedKey::AnotherReference) {
+        return Ok(Some(format!("reference of the law {reference}, accepted by {ACCEPTED}: {fault}")));
+    }
+    let remedy = format!(
+        "{fault}; use {:?}, or say that you know with {ACCEPTED} = [\"another-reference\"]",
+        ReferenceKey::Beam.name()
+    );
+    Err(InputError::new(key, reference, EXPECTED, remedy).into())
+}
+
+/// What has to be said about the pair of a law, if the study accepts it.
+fn accepted_pair(study: &Study, name: &str, pair: Option<&PairRecord>) -> Result<Option<String>> {
+    let Some(pair) = pair else {
+        return Ok(Some(format!("{name} does not say for which pair its law is")));
+    };
+    if pair.hash == study.keys.pair {
+        return Ok(None);
+    }
+    let own = study.pair();
+    if study.simulation.law_accepted.contains(&LawAcceptedKey::AnotherPair) {
+        return Ok(Some(format!("the law is of another pair, accepted by {ACCEPTED}: {}", pair.name)));
+    }
+    Err(InputError::new(
+        format!("{name}: pair"),
+        &pair.name,
+        format!("the study's pair, {} ({})", own.name, "profiles, bodies, track and elastic material"),
+        format!("calibrate this study, or say that you know with {ACCEPTED} = [\"another-pair\"]"),
+    )
+    .into())
+}
+
+#[cfg(test)]
+mod tests;

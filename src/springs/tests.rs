@@ -1,0 +1,153 @@
+//! Laws from files against the study's own: units, range, pair and reference.
+
+use std::path::PathBuf;
+
+use railspring_calibrate::history::{ContactMode, ContactState, Ending, HistoryRow};
+
+use super::*;
+use crate::report::samples;
+use crate::stages;
+
+/// ROUNDOFF: a power and some products of numbers of order one.
+const ROUNDOFF: f64 = 1e-13;
+const STUDY: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n[scenario.s]\nvertical_force = {}\nlateral_force = {}\n";
+const LAW: &str = r#"{"a_kn_per_m": 30000, "b_kn_per_m": 294000, "c": 0.241104, "f0_kn": 1, "horizontal_kn_per_m": 4e5, "reference": "beam", "range_kn": [1, 150]}"#;
+
+fn study(more: &str) -> Study {
+    Study::parse(&PathBuf::from("x.toml"), &format!("{STUDY}{more}")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn read(study: &Study, text: &str) -> Result<SpringsRecord> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("law.json");
+    std::fs::write(&path, text).unwrap();
+    from_file(study, &stages::geometry(study).unwrap(), &path)
+}
+
+fn refusal(study: &Study, text: &str) -> String {
+    read(study, text).unwrap_err().to_string()
+}
+
+/// Source: `k = a + b·(f/f0)^c`. Goal: a law says the same whatever its f0, kN: with 10 kN for 1 kN, b grows by 10^c.
+#[test]
+fn the_reference_force_scales_the_power() {
+    let study = study("");
+    let own = springs(&read(&study, LAW).unwrap()).unwrap().normal;
+    let published = StiffnessLaw::published();
+    assert!((own.tangent(85e3) / published.tangent(85e3) - 1.0).abs() < ROUNDOFF);
+    let b = 294_000.0 * 10f64.powf(0.241104);
+    let other = LAW.replace("\"f0_kn\": 1", "\"f0_kn\": 10").replace("294000", &b.to_string());
+    let other = springs(&read(&study, &other).unwrap()).unwrap().normal;
+    for force in [1.0, 1e3, 85e3] {
+        assert!((other.tangent(force) / published.tangent(force) - 1.0).abs() < ROUNDOFF, "{force} N");
+    }
+    let unscaled = springs(&read(&study, &LAW.replace("\"f0_kn\": 1", "\"f0_kn\": 10")).unwrap()).unwrap();
+    let expected = 3e7 + 2.94e8 * 8.5f64.powf(0.241104);
+    assert!((unscaled.normal.tangent(85e3) / expected - 1.0).abs() < ROUNDOFF);
+}
+
+/// Goal: a law written by hand is taken with what is not known about it said; wrong ones name the key and what it needs.
+#[test]
+fn a_law_written_by_hand_is_checked() {
+    let study = study("");
+    let minimal = LAW.replace(", \"reference\": \"beam\", \"range_kn\": [1, 150]", "");
+    let record = read(&study, &minimal).unwrap();
+    assert_eq!(record.notes.len(), 3, "reference, pair and range are unknown: {:?}", record.notes);
+    assert!(matches!(&record.source, SpringsSource::File { name, .. } if name.ends_with("law.json")));
+    // Mass of the generic wheel, kg: that of its section, and the file's if it says one.
+    assert!((200.0..400.0).contains(&record.wheel_mass_kg), "{}", record.wheel_mass_kg);
+    let heavy = LAW.replace("{\"a", "{\"wheel_mass_kg\": 512, \"a");
+    assert_eq!(read(&study, &heavy).unwrap().wheel_mass_kg, 512.0);
+    for (from, to, part) in [
+        ("30000", "-30000", "a_kn_per_m = -30000: expected a number of at least 0"),
+        ("294000", "NaN", "law.json = expected value at line 1 column 37"),
+        ("294000", "1e999", "law.json = number out of range"),
+        ("294000", "\"294000\"", "invalid type: string"),
+        ("0.241104", "1", "c = 1: expected a number from 0 to below 1"),
+        ("\"c\": 0.241104, ", "", "c = (missing): expected a number"),
+        ("\"f0_kn\": 1", "\"f0_kn\": 0", "f0_kn = 0: expected a number above 0"),
+        ("\"horizontal_kn_per_m\": 4e5, ", "", "horizontal_kn_per_m = (missing)"),
+        ("4e5", "-4e5", "horizontal_kn_per_m = -400000"),
+        ("[1, 150]", "[150, 1]", "range_kn = [150, 1]: expected two ascending loads"),
+        ("\"c\":", "\"d\": 1, \"c\":", "unknown field `d`"),
+        ("\"c\":", "\"c\": 0.3, \"c\":", "duplicate field `c`"),
+        ("\"beam\"", "\"hub\"", "reference = \"hub\": expected \"foot\", \"beam\" or \"local\""),
+    ] {
+        let text = refusal(&study, &LAW.replace(from, to));
+        assert!(text.contains(part), "{part:?} in {text}");
+    }
+    let without = study_with_horizontal();
+    let law = LAW.replace("\"horizontal_kn_per_m\": 4e5, ", "");
+    assert_eq!(read(&without, &law).unwrap().horizontal_kn_per_m, 7e4);
+}
+
+fn study_with_horizontal() -> Study {
+    study("[simulation]\nhorizontal_kn_per_m = 70000\n")
+}
+
+/// Goal: a law of another reference or of another pair is refused with the reason, and taken and said where the study
+/// accepts it; so is the study's own law of another reference, before anything is computed.
+#[test]
+fn another_reference_and_another_pair_need_the_studys_word() {
+    let plain = study("");
+    let accepting = study("[simulation]\nlaw_accepted = [\"another-pair\", \"another-reference\"]\n");
+    for (reference, reason) in [("foot", "a second time"), ("local", "leaves out")] {
+        let law = LAW.replace("\"beam\"", &format!("{reference:?}"));
+        let text = refusal(&plain, &law);
+        assert!(text.contains(reason) && text.contains("law_accepted = [\"another-reference\"]"), "{text}");
+        assert!(read(&accepting, &law).unwrap().notes.iter().any(|note| note.contains(reason)));
+
+        let keys = format!("[calibration]\nreference = {reference:?}\n");
+        let own = check_reference(&study(&keys)).unwrap_err().to_string();
+        assert!(own.starts_with("calibration.reference = ") && own.contains(reason), "{own}");
+        let known = format!("{keys}[simulation]\nlaw_accepted = [\"another-reference\"]\n");
+        check_reference(&study(&known)).unwrap();
+        let published = format!("{keys}[simulation]\nlaw = \"published\"\n");
+        check_reference(&study(&published)).unwrap();
+    }
+    let mut record = samples::stiffness();
+    let json = |record: &StiffnessRecord| serde_json::to_string(record).unwrap();
+    let text = refusal(&plain, &json(&record));
+    assert!(text.contains("pair = 60E1 and S1002") && text.contains("[\"another-pair\"]"), "{text}");
+    assert!(read(&accepting, &json(&record)).unwrap().notes[0].contains("another pair"));
+    record.pair = plain.pair();
+    assert!(read(&plain, &json(&record)).unwrap().notes.is_empty());
+    // The study's own calibration under another name is no other law.
+    record.input_hash = plain.keys.calibration.clone();
+    assert_eq!(read(&plain, &json(&record)).unwrap(), own(&plain, &record).unwrap());
+    let published = study("[simulation]\nlaw = \"published\"\n");
+    assert!(refusal(&published, LAW).starts_with("simulation.law = "));
+}
+
+/// Goal: steps with contact outside the fitted range are counted, kN; steps without contact and the initial state are not.
+#[test]
+fn leaving_the_fitted_range_is_said() {
+    let row = |n: usize, load: f64| HistoryRow {
+        time: n as f64,
+        vertical_force: load * KILONEWTON,
+        lateral_force: 0.0,
+        wheel_y: 0.0,
+        wheel_z: 0.0,
+        contacts: (load > 0.0)
+            .then(|| ContactState {
+                mode: ContactMode::Stick,
+                rail: nalgebra::Point2::origin(),
+                wheel: nalgebra::Point2::origin(),
+                normal_force: load * KILONEWTON,
+                tangential_force: 0.0,
+            })
+            .into_iter()
+            .collect(),
+    };
+    let history = |loads: &[f64]| History {
+        rows: loads.iter().enumerate().map(|(n, load)| row(n, *load)).collect(),
+        degrees_of_freedom: 1,
+        ending: Ending::Completed,
+    };
+    let record = read(&study(""), LAW).unwrap();
+    assert_eq!(range_note(&record, &history(&[0.0, 1.0, 0.0, 150.0])), None);
+    let note = range_note(&record, &history(&[0.0, 0.5, 20.0, 0.0, 160.0, 151.0])).unwrap();
+    assert!(note.contains("from 0.5 kN to 160 kN"), "{note}");
+    assert!(note.contains("of 4 steps with contact 1 lie below it and 2 above"), "{note}");
+    assert_eq!(range_note(&SpringsRecord { range_kn: None, ..record }, &history(&[0.0, 1e3])), None);
+}

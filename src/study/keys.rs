@@ -1,0 +1,140 @@
+//! Hashes of what the results of a study depend on, each of its own inputs.
+//!
+//! A result stays valid when something else in the study changes. Sections are
+//! left out by name and everything else counts, so that a new section counts
+//! until somebody says that it need not. The program's version counts in all;
+//! it fixes the standard profiles. A file counts by its content.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::document::StudyDocument;
+use super::{MeasuredSurface, MeshFile, Rail, Wheel};
+
+/// The hashes of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Keys {
+    /// The whole study without its descriptions and limits.
+    pub study: String,
+    /// What the load curve, the laws and the horizontal stiffness depend on.
+    pub calibration: String,
+    /// The pair that a law belongs to: profiles, bodies, their places and the elastic material; not the rail's length.
+    pub pair: String,
+    /// What a run of the simple model depends on besides its springs, by scenario.
+    simple: BTreeMap<String, String>,
+    /// What a run of the solid model depends on, by scenario.
+    solid: BTreeMap<String, String>,
+    /// The limits of the verdict.
+    limits: String,
+}
+
+impl Keys {
+    pub(super) fn new(document: &StudyDocument, rail: &Rail, wheel: &Wheel) -> Self {
+        let mut numeric = document.clone();
+        // A file counts by its content, wherever it lies.
+        numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
+        numeric.wheel.profile_file = wheel.measured.as_ref().map(MeasuredSurface::fingerprint);
+        numeric.rail.mesh_file = rail.mesh.as_ref().map(MeshFile::fingerprint);
+        numeric.wheel.mesh_file = wheel.mesh.as_ref().map(MeshFile::fingerprint);
+        numeric.description.clear();
+        for keys in numeric.scenario.values_mut() {
+            keys.description.clear();
+            keys.snapshots_s.clear();
+        }
+        let limits = hash(&numeric.verification);
+        numeric.verification = Default::default();
+        let whole = serde_json::to_value(&numeric).expect("a study is plain data");
+
+        let calibration = without(&whole, &["scenario", "simulation", "verification"]);
+        // The deflection of the beam is part of the calibration, and the beam is that of the simulation.
+        let calibration = hash(&(calibration, numeric.simulation.rail_elements));
+        let mut pair = without(
+            &whole,
+            &[
+                "name",
+                "description",
+                "mesh",
+                "contact",
+                "calibration",
+                "simulation",
+                "scenario",
+                "verification",
+            ],
+        );
+        for (section, key) in [
+            ("rail", "length_m"),
+            ("material", "density_kg_per_m3"),
+            ("material", "damping_ratio"),
+            ("material", "damping_frequency_hz"),
+        ] {
+            remove(&mut pair, section, key);
+        }
+
+        // The springs carry what the simple model has of the meshes and of the calibration.
+        let mut simple = without(&whole, &["name", "mesh", "calibration", "scenario", "verification"]);
+        // Which scenario is the main one decides on names of files alone.
+        remove(&mut simple, "simulation", "scenario");
+        let solid = without(&whole, &["name", "calibration", "simulation", "scenario", "verification"]);
+        // The sections that all scenarios share are hashed once.
+        let (simple, solid) = (hash(&simple), hash(&solid));
+        let each = |shared: &str| {
+            let with = |keys: &super::document::ScenarioKeys| {
+                let mut keys = keys.clone();
+                // Whether the other model runs changes nothing.
+                keys.solid = true;
+                hash(&(shared, keys))
+            };
+            numeric.scenario.iter().map(|(name, keys)| (name.clone(), with(keys))).collect()
+        };
+        Self {
+            study: hash(&whole),
+            calibration,
+            pair: hash(&pair),
+            simple: each(&simple),
+            solid: each(&solid),
+            limits,
+        }
+    }
+
+    /// Key of a run of the simple model with some springs.
+    pub fn simple(&self, scenario: &str, springs: &impl Serialize) -> String {
+        hash(&("simple", self.simple.get(scenario), springs))
+    }
+
+    /// Key of a run of the solid model.
+    pub fn solid(&self, scenario: &str) -> String {
+        hash(&("solid", self.solid.get(scenario)))
+    }
+
+    /// Key of the verdict on some files, given by their names and the hashes of their contents.
+    pub fn verdict(&self, inputs: &BTreeMap<String, String>) -> String {
+        hash(&("verdict", &self.limits, inputs))
+    }
+}
+
+/// An object without some of its keys.
+fn without(object: &Value, keys: &[&str]) -> Value {
+    let mut rest = object.clone();
+    if let Some(rest) = rest.as_object_mut() {
+        rest.retain(|key, _| !keys.contains(&key.as_str()));
+    }
+    rest
+}
+
+fn remove(object: &mut Value, section: &str, key: &str) {
+    if let Some(section) = object.get_mut(section).and_then(Value::as_object_mut) {
+        section.remove(key);
+    }
+}
+
+/// Hash of a value and of the program's version. Keys of objects are sorted, so that the text is canonical.
+fn hash(value: &impl Serialize) -> String {
+    let canonical = serde_json::to_value(value).expect("a study is plain data").to_string();
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    hasher.update(b"\n");
+    hasher.update(canonical.as_bytes());
+    hasher.finalize().to_hex().to_string()
+}

@@ -1,0 +1,134 @@
+//! What is compared of a run besides its forces: averaged ratios, separations, contact modes.
+
+use railspring_calibrate::history::{ContactMode, History, HistoryRow};
+use serde::{Deserialize, Serialize};
+
+/// A time without contact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Separation {
+    /// First time without contact, s.
+    pub begin_s: f64,
+    /// First time with contact again, s; the end of the run if there is none.
+    pub end_s: f64,
+}
+
+/// Fractions of time in each contact mode; together 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ModeFractions {
+    /// Some contact sticks.
+    pub stick: f64,
+    /// All contacts slide.
+    pub slip: f64,
+    /// No contact.
+    pub separated: f64,
+}
+
+/// A value of each model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Both<T> {
+    /// Of the simple model.
+    pub simple: T,
+    /// Of the solid model.
+    pub solid: T,
+}
+
+/// Q averaged over a window of time, divided by P averaged over the same window
+/// (publication, equation 16); the window ends at the time of the value.
+///
+/// Before a whole window has passed, the average is over the time since the start. Where the
+/// averaged P is not above `floor` (N), the ratio is undefined. The averages are integrals of the
+/// piecewise linear forces.
+pub fn averaged_ratio(history: &History, window: f64, floor: f64) -> Vec<Option<f64>> {
+    let p = window_averages(history, window, |row| row.vertical_force);
+    let q = window_averages(history, window, |row| row.lateral_force);
+    p.iter().zip(&q).map(|(p, q)| (*p > floor && *p > 0.0).then(|| q / p)).collect()
+}
+
+fn window_averages(history: &History, window: f64, value: impl Fn(&HistoryRow) -> f64) -> Vec<f64> {
+    let rows = &history.rows;
+    // Integral from the first row, by the trapezoidal rule.
+    let mut integral = vec![0.0; rows.len()];
+    for i in 1..rows.len() {
+        let mean = 0.5 * (value(&rows[i - 1]) + value(&rows[i]));
+        integral[i] = integral[i - 1] + mean * (rows[i].time - rows[i - 1].time);
+    }
+    let mut first = 0;
+    rows.iter()
+        .enumerate()
+        .map(|(i, row)| {
+            if i == 0 {
+                return value(row);
+            }
+            let begin = (row.time - window).max(rows[0].time);
+            // Times that do not grow leave nothing to average over.
+            if !(row.time > begin) {
+                return value(row);
+            }
+            while first + 1 < i && rows[first + 1].time <= begin {
+                first += 1;
+            }
+            let (a, b) = (&rows[first], &rows[first + 1]);
+            let t = if b.time > a.time { (begin - a.time) / (b.time - a.time) } else { 0.0 };
+            let at_begin = value(a) + t * (value(b) - value(a));
+            let before = integral[first] + 0.5 * (value(a) + at_begin) * (begin - a.time);
+            (integral[i] - before) / (row.time - begin)
+        })
+        .collect()
+}
+
+/// Times without contact that last at least `shortest` seconds.
+pub fn separations(history: &History, shortest: f64) -> Vec<Separation> {
+    let mut found = Vec::new();
+    let mut begin = None;
+    for row in &history.rows {
+        match (row.mode() == ContactMode::Separated, begin) {
+            (true, None) => begin = Some(row.time),
+            (false, Some(start)) => {
+                found.push(Separation { begin_s: start, end_s: row.time });
+                begin = None;
+            }
+            _ => {}
+        }
+    }
+    if let (Some(begin_s), Some(last)) = (begin, history.rows.last()) {
+        found.push(Separation { begin_s, end_s: last.time });
+    }
+    found.retain(|s| s.end_s - s.begin_s >= shortest);
+    found
+}
+
+/// Fractions of the time steps in each mode; the initial state does not count.
+pub fn mode_fractions(history: &History) -> ModeFractions {
+    let rows = history.rows.get(1..).unwrap_or_default();
+    let share = |mode: ContactMode| {
+        rows.iter().filter(|row| row.mode() == mode).count() as f64 / rows.len().max(1) as f64
+    };
+    ModeFractions {
+        stick: share(ContactMode::Stick),
+        slip: share(ContactMode::Slip),
+        separated: share(ContactMode::Separated),
+    }
+}
+
+/// Pairs separations of the two models that overlap, or lie no more than `reach` apart; in order,
+/// each used once. Also the number of those left over.
+pub(super) fn pair_separations(
+    both: &Both<Vec<Separation>>,
+    reach: f64,
+) -> (Vec<(Separation, Separation)>, usize) {
+    let mut pairs = Vec::new();
+    let (mut i, mut j) = (0, 0);
+    while let (Some(a), Some(b)) = (both.simple.get(i), both.solid.get(j)) {
+        if a.end_s + reach < b.begin_s {
+            i += 1;
+        } else if b.end_s + reach < a.begin_s {
+            j += 1;
+        } else {
+            pairs.push((*a, *b));
+            i += 1;
+            j += 1;
+        }
+    }
+    let unmatched = both.simple.len() + both.solid.len() - 2 * pairs.len();
+    (pairs, unmatched)
+}
