@@ -9,6 +9,9 @@ use railspring_calibrate::error::{InputError, Result};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+/// Begin of the temporary names.
+const TEMPORARY: &str = ".railspring-";
+
 /// A folder that files are written to, each under a temporary name first.
 #[derive(Debug)]
 pub struct OutputFolder {
@@ -71,7 +74,10 @@ impl OutputFolder {
     pub fn claim(&self) -> Result<Option<File>> {
         let Ok(folder) = File::open(&self.path) else { return Ok(None) };
         match folder.try_lock() {
-            Ok(()) => Ok(Some(folder)),
+            Ok(()) => {
+                self.remove_leftovers();
+                Ok(Some(folder))
+            }
             Err(TryLockError::Error(_)) => Ok(None),
             Err(TryLockError::WouldBlock) => Err(InputError::new(
                 "output folder",
@@ -80,6 +86,17 @@ impl OutputFolder {
                 "wait for the other one to end, or choose another folder with -o",
             )
             .into()),
+        }
+    }
+
+    /// Removes what processes that were killed while they wrote have left under temporary names.
+    fn remove_leftovers(&self) {
+        for folder in [self.path.clone(), self.path.join("figures")] {
+            for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+                if entry.file_name().to_string_lossy().starts_with(TEMPORARY) {
+                    let _ = std::fs::remove_file(entry.path());
+                }
+            }
         }
     }
 
@@ -112,7 +129,7 @@ impl OutputFolder {
         let parent = target.parent().unwrap_or(&self.path);
         let write = || -> std::io::Result<()> {
             std::fs::create_dir_all(parent)?;
-            let temporary = tempfile::Builder::new().prefix(".railspring-").tempfile_in(parent)?;
+            let temporary = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(parent)?;
             let temporary = temporary.into_temp_path();
             fill(&temporary)?;
             readable_by_all(&temporary)?;
@@ -254,6 +271,23 @@ mod tests {
         folder.write("x.txt", b"x").unwrap();
         drop(folder);
         assert!(root.path().join("a/b/x.txt").exists());
+    }
+
+    /// Goal: one process writes into a folder at a time, and what killed ones have left is removed.
+    #[test]
+    fn a_folder_is_claimed_once() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::create(&root.path().join("out")).unwrap();
+        folder.write(".railspring-x1", b"half").unwrap();
+        folder.write("kept.txt", b"x").unwrap();
+        let claim = folder.claim().unwrap();
+        assert!(
+            claim.is_some() && !folder.file(".railspring-x1").exists() && folder.file("kept.txt").exists()
+        );
+        let error = OutputFolder::open(folder.path()).unwrap().claim().unwrap_err().to_string();
+        assert!(error.contains("no other railspring is writing to"), "{error}");
+        drop(claim);
+        assert!(folder.claim().unwrap().is_some());
     }
 
     #[test]

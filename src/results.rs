@@ -128,15 +128,19 @@ impl<'a> Results<'a> {
         let entry = self.entry(name).ok_or_else(|| {
             self.refused(name, format!("not listed in {RESULTS}"), "a result that is listed there", made_by)
         })?;
-        if entry.version != env!("CARGO_PKG_VERSION") {
+        let changed = |found: String, expected: String| {
+            let mut error = self.refused(name, found, &expected, made_by);
+            error.remedy = format!("the study or the program has changed since; {}", error.remedy);
+            Err(error.into())
+        };
+        let version = env!("CARGO_PKG_VERSION");
+        if entry.version != version {
             let found = format!("made by railspring {}", entry.version);
-            let expected = format!("a result of railspring {}", env!("CARGO_PKG_VERSION"));
-            return Err(self.refused(name, found, &expected, made_by).into());
+            return changed(found, format!("a result of railspring {version}"));
         }
         if entry.key != key {
             let found = format!("made from input {}", short(&entry.key));
-            let expected = format!("a result of this study ({})", short(key));
-            return Err(self.refused(name, found, &expected, made_by).into());
+            return changed(found, format!("a result of this study ({})", short(key)));
         }
         if entry.blake3.as_deref() != Some(&hash(content.as_bytes())) {
             let found = format!("another content than is listed in {RESULTS}");

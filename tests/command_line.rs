@@ -137,7 +137,7 @@ fn later_stages_need_the_earlier_ones() {
         let empty = place.run(&[command, "study.toml", "-o", "empty"]);
         assert_eq!(empty.status.code(), Some(2));
         assert!(message(&empty).contains("empty/stiffness.json"), "{}", message(&empty));
-        assert!(message(&empty).contains("run `railspring calibrate` first"), "{}", message(&empty));
+        assert!(message(&empty).contains("run `railspring calibrate`"), "{}", message(&empty));
     }
     let output = place.run(&["simulate", "study.toml", "--law", "study.toml", "-o", "new"]);
     assert_eq!(output.status.code(), Some(2));

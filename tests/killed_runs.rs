@@ -1,0 +1,161 @@
+//! Runs that are killed over an older result of another study in the same folder.
+//!
+//! Goal: whenever a run is killed, no later command uses a mixture: `verify` and `report` of either study refuse, or
+//! come to the very bytes of a clean run of that study. Half of the kills come at a random time, half right after a
+//! random change in the folder, where a result stands between two files. `RAILSPRING_KILLS` says how many
+//! (`cargo kills` runs 100).
+#![cfg(unix)]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant, SystemTime};
+
+/// Two studies that share the load case's name and differ in springs, histories and verdict.
+fn study(which: usize) -> String {
+    let (largest, force) = [(85, 50), (80, 60)][which];
+    format!(
+        "{}[scenario.one]\nsteps = 4\nvertical_force = {{ mean_kn = {force} }}\nlateral_force = {{ mean_kn = 5 }}\n",
+        include_str!("studies/coarse.toml").replace("load_max_kn = 85", &format!("load_max_kn = {largest}"))
+    )
+}
+
+fn command(root: &Path, name: &str, which: usize, out: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_railspring"));
+    command.arg(name).arg(root.join(format!("{which}.toml"))).arg("-o").arg(out).arg("--quiet");
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+}
+
+fn done(output: &Output) -> bool {
+    let code = output.status.code();
+    assert!(matches!(code, Some(0..=2)), "{code:?}: {}", String::from_utf8_lossy(&output.stderr));
+    code != Some(2)
+}
+
+/// The results that follow from the study alone.
+fn results(out: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut names: Vec<String> =
+        ["stiffness.json", "load_curve.csv", "history.csv", "solid_history.csv", "verification.json"]
+            .map(String::from)
+            .into();
+    for entry in std::fs::read_dir(out.join("figures")).into_iter().flatten().flatten() {
+        names.push(format!("figures/{}", entry.file_name().to_string_lossy()));
+    }
+    for name in names {
+        found.insert(name.clone(), std::fs::read(out.join(&name)).unwrap_or_else(|e| panic!("{name}: {e}")));
+    }
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let part = page.split("<section id=\"measured\">").next().unwrap();
+    found.insert("report.html".into(), part.into());
+    found
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() { copy(&path, &target) } else { std::fs::copy(&path, &target).map(drop).unwrap() }
+    }
+}
+
+/// Names and times of change of the files of a folder.
+fn state(out: &Path) -> Vec<(String, Option<SystemTime>)> {
+    let mut files: Vec<_> = [out.to_path_buf(), out.join("figures")]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(folder).into_iter().flatten().flatten())
+        .map(|entry| {
+            let changed = entry.metadata().and_then(|m| m.modified()).ok();
+            (entry.file_name().to_string_lossy().into_owned(), changed)
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+/// Waits until the folder has changed `changes` times, or the process has ended.
+fn await_changes(out: &Path, child: &mut Child, changes: usize) {
+    let (mut last, mut seen) = (state(out), 0);
+    while seen < changes && child.try_wait().unwrap().is_none() {
+        let now = state(out);
+        seen += usize::from(now != last);
+        last = now;
+        std::thread::sleep(Duration::from_micros(200));
+    }
+}
+
+/// Numbers that look random and are the same every time (splitmix64).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) % bound
+    }
+}
+
+#[test]
+fn a_killed_run_leaves_no_mixture() {
+    let kills: usize = std::env::var("RAILSPRING_KILLS").map_or(3, |text| text.parse().unwrap());
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let mut clean = Vec::new();
+    let mut duration = Duration::ZERO;
+    for which in 0..2 {
+        std::fs::write(root.join(format!("{which}.toml")), study(which)).unwrap();
+        let out = root.join(format!("clean-{which}"));
+        let begun = Instant::now();
+        assert!(done(&command(root, "run", which, &out).output().unwrap()));
+        duration = begun.elapsed();
+        clean.push(results(&out));
+    }
+    assert!(clean[0].iter().all(|(name, content)| name.contains("figures") || *content != clean[1][name]));
+
+    let mut random = Random(kills as u64);
+    let mut used = BTreeMap::new();
+    for kill in 0..kills {
+        let out = root.join("out");
+        let _ = std::fs::remove_dir_all(&out);
+        copy(&root.join("clean-0"), &out);
+        let mut child = command(root, "run", 1, &out).spawn().unwrap();
+        if kill % 2 == 0 {
+            std::thread::sleep(duration * random.below(1000) as u32 / 1000);
+        } else {
+            // Every file is written under a temporary name and renamed: two changes a file, some forty files.
+            await_changes(&out, &mut child, 1 + random.below(80) as usize);
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        for which in 0..2 {
+            for name in ["report", "verify"] {
+                let judged = root.join("copy");
+                let _ = std::fs::remove_dir_all(&judged);
+                copy(&out, &judged);
+                let took = done(&command(root, name, which, &judged).output().unwrap());
+                *used.entry((name, which, took)).or_insert(0) += 1;
+                if took {
+                    if name == "verify" {
+                        assert!(done(&command(root, "report", which, &judged).output().unwrap()));
+                    }
+                    for (file, content) in results(&judged) {
+                        assert!(
+                            content == clean[which][&file],
+                            "kill {kill}: {name} of study {which} uses another {file}"
+                        );
+                    }
+                }
+            }
+        }
+        assert!(done(&command(root, "run", 1, &out).output().unwrap()), "kill {kill}: a run after it");
+        assert!(results(&out) == clean[1], "kill {kill}: a run after it differs from a clean one");
+        let left: Vec<_> =
+            state(&out).into_iter().filter(|(name, _)| name.starts_with(".railspring-")).collect();
+        assert!(left.is_empty(), "kill {kill}: {left:?}");
+    }
+    println!("{kills} kills; (command, study, took results): {used:?}");
+}
