@@ -278,10 +278,7 @@ fn nothing_touches_is_no_pass() {
     let text = printed(&again);
     let last = text.lines().last().unwrap();
     assert!(last.starts_with("verdict: ") && last.contains(" lines fail; worst: one: "), "{text}");
-    assert!(
-        text.contains("FAILS  one: Models in which the wheel never touches the rail"),
-        "{text}"
-    );
+    assert!(text.contains("FAILS  one: Models in which the wheel never touches the rail"), "{text}");
 }
 
 /// Goal: a folder that another process writes to is refused, and its files stay.
@@ -295,4 +292,29 @@ fn one_process_writes_at_a_time() {
     assert!(message(&refused).contains("no other railspring is writing to"), "{}", message(&refused));
     drop(claim);
     assert_eq!(place.run(&study(50.0, ""), &["report", "--quiet"]).status.code(), Some(0));
+}
+
+/// Goal: a wheel that leaves the rail is a result: exit code 1, its history kept and read again, its time in terminal,
+/// verdict and report, and no pass. Lateral force 500 kN into the track.
+#[test]
+fn a_wheel_that_leaves_the_rail_is_a_result() {
+    let derails = study(50.0, "")
+        .replace("steps = 6", "steps = 60\nsolid = false")
+        .replace("lateral_force = { mean_kn = 5 }", "lateral_force = { mean_kn = -500 }");
+    let place = Place::with_results();
+    let output = place.run(&derails, &["simulate"]);
+    assert_eq!(output.status.code(), Some(1), "{}", message(&output));
+    assert!(printed(&output).contains("one: left the profile at 0.0"), "{}", printed(&output));
+    let rows = place.read("history.csv").lines().count() - 1;
+    assert!((2..61).contains(&rows), "{rows} rows");
+    let output = place.run(&derails, &["verify"]);
+    assert_eq!(output.status.code(), Some(1), "{}", message(&output));
+    let line = "FAILS  one: Models whose run ends before the last step 1 (limit 0); simple model: left the profile at";
+    assert!(printed(&output).contains(line), "{}", printed(&output));
+    let run = &place.json("results.json")["files"]["history.csv"]["run"];
+    assert_eq!(run["ending"], "gauge-side");
+    let left = run["left_at_s"].as_f64().unwrap();
+    assert!((left - rows as f64 * 0.0005).abs() < 1e-9, "{left} s after {rows} rows");
+    assert_eq!(place.run(&derails, &["report"]).status.code(), Some(0));
+    assert!(place.read("report.html").contains("Simple model: left the profile at"));
 }
