@@ -3,6 +3,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::beam::BeamCorrection;
+
 pub mod crosscheck;
 pub mod history_csv;
 mod run;
@@ -33,10 +35,15 @@ pub struct StiffnessRecord {
     pub reference: String,
     /// The normal law in use.
     pub law: LawRecord,
-    /// Horizontal stiffness, kN/m.
-    pub horizontal_kn_per_m: f64,
+    /// Horizontal stiffness, kN/m; none where its calibration did not reach an answer.
+    pub horizontal_kn_per_m: Option<f64>,
     /// How constant the horizontal stiffness is.
-    pub horizontal: HorizontalRecord,
+    pub horizontal: Option<HorizontalRecord>,
+    /// Why there is no horizontal stiffness.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub horizontal_missing: Option<String>,
+    /// The rail as a beam, which stands in series with a law against `beam`.
+    pub beam: BeamRecord,
     /// The laws with each reference, the one in use included.
     pub references: Vec<ReferenceRecord>,
     /// Where the compliance sits, at some loads.
@@ -82,12 +89,25 @@ pub struct LawRecord {
     pub rms_rel_error: f64,
     /// Largest relative deviation of the law from the solid.
     pub max_rel_error: f64,
+    /// Which parameters lie on a bound of the fit; their standard error is 0, and those of the others hold given
+    /// that bound.
+    #[serde(default)]
+    pub at_bound: BoundRecord,
     /// Standard error of a, kN/m.
     pub a_standard_error_kn_per_m: f64,
     /// Standard error of b, kN/m.
     pub b_standard_error_kn_per_m: f64,
     /// Standard error of c.
     pub c_standard_error: f64,
+}
+
+/// Parameters of a law on a bound of their range.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BoundRecord {
+    /// The constant part, at 0.
+    pub a: bool,
+    /// The exponent, at the largest that is searched.
+    pub c: bool,
 }
 
 impl LawRecord {
@@ -104,8 +124,72 @@ pub struct ReferenceRecord {
     pub reference: String,
     /// The law.
     pub law: LawRecord,
+    /// The law, integrated, against the displacement of the solid.
+    pub displacement: DisplacementRecord,
     /// The solid's own values, load by load.
     pub points: Vec<TangentRecord>,
+}
+
+/// Where the integrated law is farthest from the displacement of the solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DisplacementRecord {
+    /// Largest deviation over the displacement of the solid under the largest load.
+    pub max_rel_error: f64,
+    /// Load of that deviation, kN.
+    pub force_kn: f64,
+}
+
+/// The rail as the beam of the moving solver, at midspan at the point of the first touch; flexibilities in µm/kN.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BeamRecord {
+    /// Length between the held ends, m.
+    pub length_m: f64,
+    /// What makes the beam as flexible as the solid rail.
+    #[serde(flatten)]
+    pub factors: BeamFactors,
+    /// Lateral and vertical flexibility of the solid rail, other than that against its own section.
+    pub solid_um_per_kn: [f64; 2],
+    /// The same of the beam before the correction.
+    pub uncorrected_um_per_kn: [f64; 2],
+    /// The same of the corrected beam.
+    pub corrected_um_per_kn: [f64; 2],
+    /// What the corrected beam misses, over the flexibility of the solid from hub to held ends; the larger of
+    /// the lateral and the vertical.
+    pub missing: f64,
+}
+
+/// Factors on the stiffness of the rail beam.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BeamFactors {
+    /// On the lateral shear stiffness.
+    pub shear_lateral_factor: f64,
+    /// On the vertical shear stiffness.
+    pub shear_vertical_factor: f64,
+    /// On the torsion stiffness.
+    pub torsion_factor: f64,
+}
+
+impl Default for BeamFactors {
+    /// No correction.
+    fn default() -> Self {
+        BeamCorrection::NONE.into()
+    }
+}
+
+impl From<BeamCorrection> for BeamFactors {
+    fn from(BeamCorrection { shear_y, shear_z, torsion }: BeamCorrection) -> Self {
+        Self { shear_lateral_factor: shear_y, shear_vertical_factor: shear_z, torsion_factor: torsion }
+    }
+}
+
+impl From<BeamFactors> for BeamCorrection {
+    fn from(factors: BeamFactors) -> Self {
+        Self {
+            shear_y: factors.shear_lateral_factor,
+            shear_z: factors.shear_vertical_factor,
+            torsion: factors.torsion_factor,
+        }
+    }
 }
 
 /// The solid at one load, with one reference.
@@ -139,7 +223,8 @@ pub struct HorizontalPointRecord {
     pub deviation: f64,
 }
 
-/// Parts of the tangent compliance at one load, µm/kN. They add up to the compliance of the solid.
+/// Parts of the tangent compliance at one load, µm/kN. They add up to the compliance of the solid between the hub and
+/// what holds the rail; `local`, `wheel` and `rail` together are that of the law.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ComplianceRecord {
     /// Load, kN.
@@ -148,10 +233,12 @@ pub struct ComplianceRecord {
     pub local_um_per_kn: f64,
     /// Wheel body.
     pub wheel_um_per_kn: f64,
-    /// Rail body less the beam.
+    /// Rail body: against its own section where the reference is `beam`, else against the held foot.
     pub rail_um_per_kn: f64,
-    /// Rail as a beam.
+    /// Rail as the corrected beam; 0 with the foot held.
     pub beam_um_per_kn: f64,
+    /// What the beam misses of the solid rail.
+    pub beam_missing_um_per_kn: f64,
 }
 
 /// The published penalty criterion: the penetration below 1/1000 of the displacement at the wheel centre.
@@ -259,12 +346,16 @@ fn null_as_infinite<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result
 }
 
 /// One row of `load_curve.csv`: one load, with the reference in use.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LoadCurveRow {
+    /// What the displacement is measured against: `foot`, `beam` or `local`.
+    pub reference: String,
     /// Load, kN.
     pub force_kn: f64,
     /// Displacement, mm.
     pub displacement_mm: f64,
+    /// Displacement of the law, integrated from no load, mm.
+    pub law_displacement_mm: f64,
     /// Tangent stiffness of the solid, kN/m.
     pub solid_tangent_kn_per_m: f64,
     /// Tangent stiffness of the law, kN/m.

@@ -17,7 +17,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::output::read_text;
-use crate::records::{PairRecord, SpringsRecord, SpringsSource, StiffnessRecord, with_unit};
+use crate::records::{BeamFactors, PairRecord, SpringsRecord, SpringsSource, StiffnessRecord, with_unit};
 use crate::results::hash;
 use crate::stages::{Geometry, Springs};
 use crate::study::{LawAcceptedKey, LawKey, ReferenceKey, Study};
@@ -82,10 +82,21 @@ pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> 
         b_kn_per_m: stiffness.law.b_kn_per_m,
         c: stiffness.law.c,
         f0_kn: stiffness.law.f0_kn,
-        horizontal_kn_per_m: horizontal.unwrap_or(stiffness.horizontal_kn_per_m),
+        horizontal_kn_per_m: horizontal.or(stiffness.horizontal_kn_per_m).ok_or_else(|| {
+            InputError::new(
+                "simulation.horizontal_kn_per_m",
+                "(missing)",
+                "a horizontal stiffness, because the calibration has none",
+                format!(
+                    "give it; {}",
+                    stiffness.horizontal_missing.as_deref().unwrap_or("or calibrate again")
+                ),
+            )
+        })?,
         wheel_mass_kg: stiffness.wheel_mass(),
         reference: Some(stiffness.reference.clone()),
         range_kn: Some(stiffness.law.range_kn),
+        beam: stiffness.beam.factors,
         notes: Vec::new(),
     };
     if study.simulation.law == LawKey::Published {
@@ -152,6 +163,9 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     if law.range_kn.is_none() {
         notes.push(format!("{name} says no range_kn: whether the run leaves the law's range is unknown"));
     }
+    notes.push(format!(
+        "{name}: the rail beam is not corrected to the solid rail, as `calibrate` does for its own law"
+    ));
     let record = SpringsRecord {
         source: SpringsSource::File { name: name.clone(), blake3: hash(text.as_bytes()) },
         a_kn_per_m: given(&name, "a_kn_per_m", law.a_kn_per_m)?,
@@ -165,6 +179,7 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
         wheel_mass_kg: wheel_mass(study, geometry, &name, law.wheel_mass_kg)?,
         reference: law.reference,
         range_kn: law.range_kn,
+        beam: BeamFactors::default(),
         notes,
     };
     check(&name, &record)?;
@@ -183,6 +198,7 @@ pub fn springs(record: &SpringsRecord) -> Result<Springs> {
         normal: StiffnessLaw::new(a, b, record.c)?,
         horizontal: record.horizontal_kn_per_m * KILONEWTON_PER_METRE,
         wheel_mass: record.wheel_mass_kg,
+        beam: record.beam.into(),
     })
 }
 

@@ -18,6 +18,9 @@ pub const REFERENCE_FORCE: f64 = 1e3;
 /// at c = 1 a law without a constant part has no finite displacement.
 const EXPONENT_RANGE: (f64, f64) = (0.0, 0.95);
 
+/// The search comes as close to a bound of the exponent.
+const BOUND_TOLERANCE: f64 = 1e-6;
+
 /// Relative accuracy of the inverse [`StiffnessLaw::force`].
 const INVERSE_TOLERANCE: f64 = 1e-13;
 
@@ -195,9 +198,11 @@ fn gauss_abscissa(i: usize) -> f64 {
 pub struct LawFit {
     /// The law.
     pub law: StiffnessLaw,
-    /// Standard errors of a (N/m), b (N/m) and c, from the scatter of the
-    /// points about the law; 0 for a when it lies on its bound 0.
+    /// Standard errors of a (N/m), b (N/m) and c, from the scatter of the points about the law; 0 for a parameter on
+    /// its bound, given which those of the others hold.
     pub standard_error: [f64; 3],
+    /// Which of a, b and c lie on a bound of the fit: a at 0, c at the largest exponent.
+    pub at_bound: [bool; 3],
     /// Root mean square of the relative residuals.
     pub rms_relative_error: f64,
     /// Largest relative residual.
@@ -236,11 +241,13 @@ pub fn fit_law(forces: &[f64], tangent_stiffness: &[f64]) -> Result<LawFit> {
         )
         .into());
     }
+    let at_bound = [law.a == 0.0, false, c >= EXPONENT_RANGE.1 - BOUND_TOLERANCE];
     let residuals = points.residuals(&law);
     let squares: f64 = residuals.iter().map(|r| r * r).sum();
     Ok(LawFit {
         law,
-        standard_error: points.standard_errors(&law, squares),
+        standard_error: points.standard_errors(&law, at_bound, squares),
+        at_bound,
         rms_relative_error: (squares / forces.len() as f64).sqrt(),
         max_relative_error: residuals.iter().fold(0.0, |m, r| m.max(r.abs())),
         range: forces.iter().fold((f64::INFINITY, 0.0), |(low, high), &f| (f.min(low), f.max(high))),
@@ -359,8 +366,8 @@ impl Points<'_> {
     }
 
     /// Roots of the diagonal of `s²·(JᵀJ)⁻¹` with the Jacobian of the relative residuals.
-    fn standard_errors(&self, law: &StiffnessLaw, squares: f64) -> [f64; 3] {
-        let free: &[usize] = if law.a > 0.0 { &[0, 1, 2] } else { &[1, 2] };
+    fn standard_errors(&self, law: &StiffnessLaw, at_bound: [bool; 3], squares: f64) -> [f64; 3] {
+        let free: Vec<usize> = (0..3).filter(|&i| !at_bound[i]).collect();
         // Columns relative to the parameters keep the matrix well scaled.
         let scale = [law.a, law.b, 1.0];
         let jacobian = DMatrix::from_fn(self.forces.len(), free.len(), |i, j| {

@@ -77,8 +77,8 @@ fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadP
         },
     );
     let pair = WheelOnRail {
-        rail: &rail_element,
-        wheel: &wheel_element,
+        rail: &rail_element.compliance,
+        wheel: &wheel_element.compliance,
         rail_surface: bodies.rail_surface(),
         wheel_surface: bodies.wheel_surface(),
         friction: 0.5,
@@ -87,9 +87,9 @@ fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadP
     let states = press_loads(&pair, loads, "press", &Silent).unwrap();
     let points = references
         .iter()
-        .map(|&reference| calibrate_normal(&pair, &states, reference, None, &case.material).unwrap().points)
+        .map(|&reference| calibrate_normal(&pair, &states, reference, &case.material).unwrap().points)
         .collect();
-    let horizontal = calibrate_horizontal(&pair, &loads[..1], None, &Silent).unwrap();
+    let horizontal = calibrate_horizontal(&pair, &loads[..1], &Silent).unwrap();
     (points, horizontal.stiffness)
 }
 
@@ -128,15 +128,19 @@ impl HalfSpaceTable {
 }
 
 /// Source: CONTACT 25.2 (Vollebregt and Kalker), S1002 on UIC60 at 1:40, rolling radius 460 mm, half-spaces of G = 82 GPa
-/// and ν = 0.28, cells of 0.1 mm, from 60 to 150 kN, centred and 3 mm away from the flange. Two goals.
-/// With our pairing on half-spaces too, tangent within 5 %, area 15 % (points count whole), largest pressure 10 %,
-/// centred, where it peaks at the jumps of curvature, 20 %: DISCRETISATION of contact points 2 by 1.5 mm apart.
-/// With the finite elements, all within 20 %: MODEL. Rail head and rim tilt under the eccentric load, which
-/// moves the patch to sharper curvature; a mesh finer by half changes the local stiffness by less than 2 %. The largest
-/// pressure is not compared where the patch lies over the jumps of curvature (centred).
+/// and ν = 0.28, cells of 0.1 mm, from 60 to 150 kN, centred and 3 mm away from the flange, where one region carries the
+/// load, and 3 mm towards it. Tangent (N/m), area (m²), largest pressure (Pa).
+///
+/// DISCRETISATION of contact points 2 by 1.5 mm apart: one row of points more or less along the rim of a patch of 15 by
+/// 8 mm is 10 to 15 % of its area, and what one point carries is 3 % of the slope at most, which with the program's own
+/// 0.2 % and the mesh's 2 % (against elements of half the size) leaves 5 % of the tangent. The largest pressure is a nodal
+/// value, 10 % on half-spaces and twice that with the mesh's own error; it is not compared where the patch lies over the
+/// jumps of curvature of the profiles, at which the pressure peaks within a millimetre.
 #[test]
 fn the_local_stiffness_is_that_of_a_half_space_program() {
-    for (set, lateral_shift, peak) in [(",LEFT,3,", -3e-3, 0.10), (",RIGHT,0,", 0.0, 0.20)] {
+    for (set, lateral_shift, compared) in
+        [(",LEFT,3,", -3e-3, 3), (",RIGHT,0,", 0.0, 2), (",RIGHT,3,", 3e-3, 2)]
+    {
         let Some(table) = HalfSpaceTable::read(set) else { return };
         let case = Case {
             rail: "UIC60",
@@ -152,7 +156,7 @@ fn the_local_stiffness_is_that_of_a_half_space_program() {
                 "{set} {:.0} kN, half-spaces: tangent, area, largest pressure {ratios:.3?}",
                 load * 1e-3
             );
-            for (ratio, limit) in ratios.iter().zip([0.05, 0.15, peak]) {
+            for (ratio, limit) in ratios.iter().zip([0.05, 0.15, 0.10]).take(compared) {
                 assert!((ratio - 1.0).abs() < limit, "half-spaces, {set} {load} N: {ratios:?}");
             }
         }
@@ -160,12 +164,9 @@ fn the_local_stiffness_is_that_of_a_half_space_program() {
         for p in &points[0] {
             let ratios = table.ratios(p.force, [p.solid_tangent, p.contact_area, p.max_pressure]);
             println!("{set} {:.0} kN, solids: tangent, area, largest pressure {ratios:.3?}", p.force * 1e-3);
-            let compared = if lateral_shift == 0.0 { &ratios[..2] } else { &ratios };
-            assert!(
-                compared.iter().all(|r| (r - 1.0).abs() < 0.20),
-                "solids, {set} {} N: {ratios:?}",
-                p.force
-            );
+            for (ratio, limit) in ratios.iter().zip([0.05, 0.15, 0.20]).take(compared) {
+                assert!((ratio - 1.0).abs() < limit, "solids, {set} {} N: {ratios:?}", p.force);
+            }
         }
     }
 }

@@ -1,10 +1,12 @@
 //! The rail as a straight beam: 3D Timoshenko elements, their statics and
 //! their vibration modes.
 
+mod correction;
 mod element;
 mod rail;
 mod section;
 
+pub use correction::BeamCorrection;
 pub use element::{BeamElement, deflection_functions, rotation_functions};
 pub use rail::{End, RailBeam, RailModes};
 pub use section::{BeamSection, Torsion};

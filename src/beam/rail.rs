@@ -1,13 +1,15 @@
 //! A straight beam of equal elements: supports, statics and modes.
 
 use nalgebra::{
-    Cholesky, DMatrix, DVector, Dyn, Matrix2, Matrix3, SMatrix, SVector, SymmetricEigen, Vector2,
+    Cholesky, DMatrix, DVector, Dyn, Matrix2, Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, Vector2,
+    Vector3,
 };
 
 use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::section_analysis::SectionProperties;
 
+use super::correction::BeamCorrection;
 use super::element::BeamElement;
 use super::section::{BeamSection, Torsion};
 use railspring_calibrate::solid::Material;
@@ -39,6 +41,7 @@ pub struct RailBeam {
     section: BeamSection,
     length: f64,
     angle: f64,
+    ends: [End; 2],
     hermite: bool,
     /// Unknown of each of the 6 degrees of freedom of each node; `None` where held.
     unknowns: Vec<[Option<usize>; 6]>,
@@ -121,7 +124,7 @@ impl RailBeam {
         let stiffness = assemble(&unknowns, count, &element.stiffness());
         let mass = assemble(&unknowns, count, &element.mass());
         let factor = Cholesky::new(stiffness.clone()).ok_or_else(|| singular(count))?;
-        Ok(Self { section, length, angle, hermite: false, unknowns, stiffness, mass, factor })
+        Ok(Self { section, length, angle, ends, hermite: false, unknowns, stiffness, mass, factor })
     }
 
     /// Interpolates inside the elements with the cubic Hermite functions of eq. 9 instead of the
@@ -146,6 +149,26 @@ impl RailBeam {
     /// Number of unknowns.
     pub fn unknowns(&self) -> usize {
         self.stiffness.nrows()
+    }
+
+    /// Angle of the section, rad, y to z.
+    pub fn angle(&self) -> f64 {
+        self.angle
+    }
+
+    /// The same beam with the stiffness of its section corrected.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn corrected(&self, correction: &BeamCorrection) -> Result<Self> {
+        let section = BeamSection {
+            shear_y: self.section.shear_y * correction.shear_y,
+            shear_z: self.section.shear_z * correction.shear_z,
+            torsion: self.section.torsion * correction.torsion,
+            ..self.section
+        };
+        let corrected = Self::new(section, self.length, self.elements(), self.angle, self.ends)?;
+        Ok(Self { hermite: self.hermite, ..corrected })
     }
 
     /// The section.
@@ -179,6 +202,12 @@ impl RailBeam {
         let rows = self.section_motion(x);
         let columns = rows.clone().map(|row| self.factor.solve(&dense(&row, self.unknowns())));
         Matrix3::from_fn(|i, j| rows[i].iter().map(|&(unknown, factor)| factor * columns[j][unknown]).sum())
+    }
+
+    /// As [`Self::section_flexibility`], with y and z along the axes of the section.
+    pub fn in_section_axes(&self, x: f64) -> Matrix3<f64> {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), -self.angle);
+        turn * self.section_flexibility(x) * turn.inverse()
     }
 
     /// Static flexibility (y, z; m/N, world axes) at midspan of a point that is rigidly attached to the

@@ -142,7 +142,7 @@ impl Pipeline<'_> {
         let verdict = faults.note("verify", self.stored_verdict(any_calibrated));
         match (stiffness, load_curve, verdict) {
             (Some(stiffness), Some(load_curve), Some(verdict)) if faults.is_empty() => {
-                Ok((Calibration { stiffness, load_curve }, runs, verdict))
+                Ok((Calibration { stiffness, load_curve, horizontal_failure: None }, runs, verdict))
             }
             _ => Err(faults.error(self.study)),
         }

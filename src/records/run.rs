@@ -3,6 +3,8 @@
 use railspring_calibrate::history::{Ending, History};
 use serde::{Deserialize, Serialize};
 
+use super::BeamFactors;
+
 /// A run of one of the models.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -62,6 +64,9 @@ pub struct SpringsRecord {
     /// Smallest and largest load of the fit, kN, if they are known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range_kn: Option<[f64; 2]>,
+    /// What makes the rail beam as flexible as the solid rail that the law was calibrated on.
+    #[serde(default)]
+    pub beam: BeamFactors,
     /// In which respects the law is not that of the study's own pair and rail model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,

@@ -6,7 +6,7 @@ use railspring_calibrate::history::{ContactMode, History};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
-use crate::records::{ComplianceRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord};
+use crate::records::{ComplianceRecord, HorizontalRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord};
 use crate::verify::averaged_ratio;
 
 use super::legend::{Entry, draw_legend, legend_height};
@@ -279,11 +279,12 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
     const ROW: u32 = 34;
     const LEFT: u32 = 84;
     type Part = (&'static str, RGBColor, fn(&ComplianceRecord) -> f64);
-    let parts: [Part; 4] = [
+    let parts: [Part; 5] = [
         ("local contact", DARK, |r| r.local_um_per_kn),
         ("wheel body", BLUE, |r| r.wheel_um_per_kn),
         ("rail body", ORANGE, |r| r.rail_um_per_kn),
         ("rail as a beam", LIGHT, |r| r.beam_um_per_kn),
+        ("missed by the beam", RED, |r| r.beam_missing_um_per_kn),
     ];
     let entries: Vec<Entry> = parts.iter().map(|(name, color, _)| Entry::patch(name, *color)).collect();
     let top = legend_height(WIDTH, &entries);
@@ -354,12 +355,12 @@ fn some_loads(rows: &[ComplianceRecord]) -> Vec<ComplianceRecord> {
     chosen
 }
 
-/// The horizontal stiffness over the preload.
-pub fn horizontal(stiffness: &StiffnessRecord) -> String {
+/// The horizontal stiffness over the preload; `constant_kn_per_m` is the one in use.
+pub fn horizontal(horizontal: &HorizontalRecord, constant_kn_per_m: f64) -> String {
     let points: Vec<(f64, f64)> =
-        stiffness.horizontal.points.iter().map(|p| (p.preload_kn, p.stiffness_kn_per_m * 1e-6)).collect();
+        horizontal.points.iter().map(|p| (p.preload_kn, p.stiffness_kn_per_m * 1e-6)).collect();
     let ends = points.iter().fold((f64::INFINITY, 0.0f64), |(a, b), (x, _)| (a.min(*x), b.max(*x)));
-    let constant = stiffness.horizontal_kn_per_m * 1e-6;
+    let constant = constant_kn_per_m * 1e-6;
     stacked(
         WIDTH,
         240,
@@ -407,7 +408,7 @@ fn reference_style(reference: &str) -> (Marker, RGBColor) {
 fn reference_name(reference: &str) -> &str {
     match reference {
         "foot" => "hub against rail foot",
-        "beam" => "hub against rail beam",
+        "beam" => "hub against rail section",
         "local" => "approach of the surfaces",
         other => other,
     }

@@ -86,7 +86,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
     let mut stiffness = data.stiffness.clone();
     figures::in_order(&mut stiffness.references);
     let mut collected = Collector::default();
-    let springs = vec![
+    let mut springs = vec![
         collected.add("law", figures::law(&stiffness), tables::law_caption(&stiffness)),
         collected.add(
             "displacement",
@@ -96,19 +96,21 @@ pub fn build(data: &ReportData<'_>) -> Report {
         collected.add(
             "compliance",
             figures::compliance(&stiffness.compliance_split),
-            "Where the tangent compliance sits.".into(),
+            "Where the tangent compliance sits. Local contact, wheel body and rail body together are the law in use; all parts together are the solid between the hub and what holds the rail.".into(),
         ),
         collected.add(
             "patch",
             figures::patch(data.load_curve),
             "Semi-axes of the contact patch and largest pressure in the solid.".into(),
         ),
-        collected.add(
-            "horizontal",
-            figures::horizontal(&stiffness),
-            "Horizontal stiffness under sticking at several preloads, and the constant in use.".into(),
-        ),
     ];
+    if let (Some(horizontal), Some(constant)) = (&stiffness.horizontal, stiffness.horizontal_kn_per_m) {
+        springs.push(collected.add(
+            "horizontal",
+            figures::horizontal(horizontal, constant),
+            "Horizontal stiffness under sticking at several preloads, and the constant in use.".into(),
+        ));
+    }
     let scenarios: Vec<Value> =
         data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();
     let chapter = crosscheck::chapter(&data.crosscheck, &mut collected);

@@ -7,9 +7,10 @@ use nalgebra::Point2;
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 use crate::records::{
-    BodyMeshRecord, ComplianceRecord, FindingRecord, HorizontalPointRecord, HorizontalRecord, LawRecord,
-    LoadCurveRow, Measured, PairRecord, PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey,
-    StageMeasure, StiffnessRecord, TangentRecord, TouchRecord,
+    BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord,
+    FindingRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow, Measured, PairRecord,
+    PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey, StageMeasure, StiffnessRecord, TangentRecord,
+    TouchRecord,
 };
 
 use crate::records::crosscheck::{
@@ -78,7 +79,8 @@ fn law(a: f64, b: f64, c: f64) -> LawRecord {
         range_kn: [1.0, 150.0],
         rms_rel_error: 0.0031,
         max_rel_error: 0.0084,
-        a_standard_error_kn_per_m: 1.2e4,
+        at_bound: BoundRecord { a: a == 0.0, c: false },
+        a_standard_error_kn_per_m: if a == 0.0 { 0.0 } else { 1.2e4 },
         b_standard_error_kn_per_m: 0.9e4,
         c_standard_error: 0.0042,
     }
@@ -101,7 +103,8 @@ fn reference(name: &str, law: LawRecord) -> ReferenceRecord {
             TangentRecord { force_kn, displacement_mm: displacement, tangent_kn_per_m }
         })
         .collect();
-    ReferenceRecord { reference: name.into(), law, points }
+    let displacement = DisplacementRecord { max_rel_error: 0.012, force_kn: 20.0 };
+    ReferenceRecord { reference: name.into(), law, displacement, points }
 }
 
 /// Springs of about the published size.
@@ -110,8 +113,8 @@ pub(crate) fn stiffness() -> StiffnessRecord {
         study: "sample".into(),
         reference: "beam".into(),
         law: law(2.0e4, 3.9e5, 0.245),
-        horizontal_kn_per_m: 4.2e5,
-        horizontal: HorizontalRecord {
+        horizontal_kn_per_m: Some(4.2e5),
+        horizontal: Some(HorizontalRecord {
             relative_spread: 0.031,
             points: [20.0, 50.0, 85.0, 120.0]
                 .map(|p| HorizontalPointRecord {
@@ -120,6 +123,19 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                     deviation: p * 1e-4,
                 })
                 .to_vec(),
+        }),
+        horizontal_missing: None,
+        beam: BeamRecord {
+            length_m: 0.555,
+            factors: BeamFactors {
+                shear_lateral_factor: 1.12,
+                shear_vertical_factor: 1.11,
+                torsion_factor: 0.83,
+            },
+            solid_um_per_kn: [3.9, 0.66],
+            uncorrected_um_per_kn: [3.4, 0.72],
+            corrected_um_per_kn: [3.9, 0.66],
+            missing: 0.0,
         },
         references: vec![
             reference("foot", law(3.0e4, 2.94e5, 0.241104)),
@@ -133,6 +149,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                 wheel_um_per_kn: 0.21,
                 rail_um_per_kn: 0.16,
                 beam_um_per_kn: 0.14,
+                beam_missing_um_per_kn: 0.01,
             })
             .to_vec(),
         penalty: PenaltyRecord {
@@ -195,8 +212,10 @@ pub(crate) fn load_curve() -> Vec<LoadCurveRow> {
         .points
         .iter()
         .map(|p| LoadCurveRow {
+            reference: "beam".into(),
             force_kn: p.force_kn,
             displacement_mm: p.displacement_mm,
+            law_displacement_mm: 1.01 * p.displacement_mm,
             solid_tangent_kn_per_m: p.tangent_kn_per_m,
             law_tangent_kn_per_m: in_use.law.tangent(p.force_kn),
             contact_area_mm2: 6.0 * p.force_kn.powf(2.0 / 3.0),

@@ -1,10 +1,12 @@
 //! The calibration: superelements, load curve, laws, horizontal stiffness.
 
+use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{
-    LoadPoint, NormalCalibration, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
+    HorizontalCalibration, LoadPoint, NormalCalibration, Reference, SectionMotion, WheelOnRail,
+    calibrate_horizontal, calibrate_normal, press_loads,
 };
-use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, REFERENCE_FORCE};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
@@ -15,9 +17,11 @@ use railspring_calibrate::units::{
 };
 
 use super::{Geometry, Meshes, PressedFields, enforcement, formulation};
+use crate::beam::BeamCorrection;
 use crate::records::{
-    BodyMeshRecord, ComplianceRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow,
-    PenaltyRecord, ReferenceRecord, StiffnessRecord, TangentRecord, TouchRecord,
+    BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
+    HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord,
+    TangentRecord, TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, ReferenceKey, Study};
 
@@ -30,12 +34,16 @@ pub struct Calibration {
     pub stiffness: StiffnessRecord,
     /// `load_curve.csv`.
     pub load_curve: Vec<LoadCurveRow>,
+    /// Why the horizontal stiffness is missing, if it is.
+    pub horizontal_failure: Option<Error>,
 }
 
 /// The load curve, the laws and the horizontal stiffness, and the fields of the solids under the largest load.
 ///
+/// A horizontal stiffness without an answer is no error here: the normal laws are finished and worth keeping.
+///
 /// # Errors
-/// A load that cannot be carried, and numerics without an answer.
+/// A load that cannot be carried, a rail too short to be a beam, and numerics without an answer.
 pub fn calibrate(
     study: &Study,
     geometry: &Geometry,
@@ -68,54 +76,61 @@ pub fn calibrate(
     let [rail_on_foot, rail_on_ends] = rails;
     let (rail_on_foot, rail_on_ends) = (rail_on_foot?, rail_on_ends?);
     monitor.progress("superelements", 3, 3)?;
+
+    let section = SectionMotion::new(
+        &rail_on_ends,
+        &geometry.shear_stresses,
+        &geometry.placed,
+        geometry.node_line(),
+        0.0,
+    )?;
+    let against_section = section.relative(&rail_on_ends.compliance);
+    let beam = SeriesBeam::new(geometry, &section, &meshes.rail)?;
     let wheel_on = |rail| WheelOnRail {
         rail,
-        wheel: &wheel,
+        wheel: &wheel.compliance,
         rail_surface: geometry.rail_surface(&meshes.rail),
         wheel_surface: geometry.wheel_surface(&meshes.wheel),
         friction: study.contact.friction,
         enforcement: enforcement(study),
     };
-    let (on_foot, on_ends) = (wheel_on(&rail_on_foot), wheel_on(&rail_on_ends));
-    let beam = geometry.beam.static_flexibility(geometry.touch.point - geometry.node_line());
+    let (on_foot, on_section) = (wheel_on(&rail_on_foot.compliance), wheel_on(&against_section));
     let loads = &study.calibration.loads;
     let foot_states = press_loads(&on_foot, loads, "calibration, foot held", monitor)?;
-    let beam_states = press_loads(&on_ends, loads, "calibration, ends held", monitor)?;
-    let foot = calibrate_normal(&on_foot, &foot_states, Reference::Foot, None, &study.material)?;
-    let beam_law = calibrate_normal(&on_ends, &beam_states, Reference::Beam, Some(&beam), &study.material)?;
-    let local = calibrate_normal(&on_foot, &foot_states, Reference::Local, None, &study.material)?;
-    let (in_use, states, pair, subtracted) = match study.calibration.reference {
-        ReferenceKey::Beam => (&beam_law, &beam_states, &on_ends, Some(&beam)),
-        ReferenceKey::Foot => (&foot, &foot_states, &on_foot, None),
-        ReferenceKey::Local => (&local, &foot_states, &on_foot, None),
+    let section_states = press_loads(&on_section, loads, "calibration, section held", monitor)?;
+    let foot = calibrate_normal(&on_foot, &foot_states, Reference::Foot, &study.material)?;
+    let beam_law = calibrate_normal(&on_section, &section_states, Reference::Beam, &study.material)?;
+    let local = calibrate_normal(&on_foot, &foot_states, Reference::Local, &study.material)?;
+    let (in_use, states, pair, rail) = match study.calibration.reference {
+        ReferenceKey::Beam => (&beam_law, &section_states, &on_section, &rail_on_ends),
+        ReferenceKey::Foot => (&foot, &foot_states, &on_foot, &rail_on_foot),
+        ReferenceKey::Local => (&local, &foot_states, &on_foot, &rail_on_foot),
     };
-    let horizontal = calibrate_horizontal(pair, &study.calibration.horizontal_preloads, subtracted, monitor)?;
+    let in_series = (study.calibration.reference == ReferenceKey::Beam).then_some(&beam);
     let largest = states.last().expect("a study has loads");
-    let fields = PressedFields::new(largest, pair, geometry, meshes);
-    let stiffnesses = horizontal.points.iter().map(|p| p.stiffness);
+    let on_wheel = largest.points.resultant(&largest.solution.forces);
+    let along = in_series.map_or_else(Default::default, |beam| beam.solid * -on_wheel.yz());
+    let fields = PressedFields::new(largest, [rail, &wheel], along, geometry, meshes);
+
+    let (horizontal, horizontal_failure) =
+        match calibrate_horizontal(pair, &study.calibration.horizontal_preloads, monitor) {
+            Ok(horizontal) => (Some(horizontal), None),
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            Err(failure) => (None, Some(failure)),
+        };
+    let stiffness = horizontal.as_ref().map(|h| h.stiffness);
     let record = StiffnessRecord {
         study: study.name.clone(),
         reference: study.calibration.reference.name().into(),
         law: law_record(&in_use.fit),
-        horizontal_kn_per_m: horizontal.stiffness / KILONEWTON_PER_METRE,
-        horizontal: HorizontalRecord {
-            relative_spread: (stiffnesses.clone().fold(f64::NEG_INFINITY, f64::max)
-                - stiffnesses.fold(f64::INFINITY, f64::min))
-                / horizontal.stiffness,
-            points: horizontal
-                .points
-                .iter()
-                .map(|p| HorizontalPointRecord {
-                    preload_kn: p.preload / KILONEWTON,
-                    stiffness_kn_per_m: p.stiffness / KILONEWTON_PER_METRE,
-                    deviation: p.stiffness / horizontal.stiffness - 1.0,
-                })
-                .collect(),
-        },
+        horizontal_kn_per_m: stiffness.map(|k| k / KILONEWTON_PER_METRE),
+        horizontal: horizontal.as_ref().map(horizontal_record),
+        horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
+        beam: beam.record(geometry, &beam_law, stiffness.filter(|_| in_series.is_some())),
         references: [("foot", &foot), ("beam", &beam_law), ("local", &local)]
             .map(|(name, calibration)| reference_record(name, calibration))
             .into(),
-        compliance_split: in_use.points.iter().map(compliance_record).collect(),
+        compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
         penalty: PenaltyRecord {
             enforcement: match study.contact.enforcement {
                 EnforcementKey::Exact => "exact",
@@ -136,8 +151,69 @@ pub fn calibrate(
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    let load_curve = in_use.points.iter().map(|point| load_curve_row(point, &in_use.fit)).collect();
-    Ok((Calibration { stiffness: record, load_curve }, fields))
+    let row = |point| load_curve_row(study.calibration.reference, point, &in_use.fit);
+    let load_curve = in_use.points.iter().map(row).collect();
+    Ok((Calibration { stiffness: record, load_curve, horizontal_failure }, fields))
+}
+
+/// The rail beam in series with the law, and the solid rail that it stands for, at midspan at the first touch
+/// (y, z; m/N).
+struct SeriesBeam {
+    correction: BeamCorrection,
+    solid: Matrix2<f64>,
+    uncorrected: Matrix2<f64>,
+    corrected: Matrix2<f64>,
+}
+
+impl SeriesBeam {
+    fn new(geometry: &Geometry, section: &SectionMotion, rail: &HexMesh) -> Result<Self> {
+        let solid = section.carried(&geometry.touch_weights(rail));
+        let offset = geometry.touch.point - geometry.node_line();
+        let beam = &geometry.beam;
+        let correction = BeamCorrection::fit(beam, offset, &solid, &section.flexibility)?;
+        Ok(Self {
+            correction,
+            solid,
+            uncorrected: beam.static_flexibility(offset),
+            corrected: beam.corrected(&correction)?.static_flexibility(offset),
+        })
+    }
+
+    /// `horizontal` is the stiffness in series with the beam, N/m.
+    fn record(&self, geometry: &Geometry, law: &NormalCalibration, horizontal: Option<f64>) -> BeamRecord {
+        let missing = self.solid - self.corrected;
+        let stiffest = law.points.iter().map(|p| p.solid_tangent).fold(0.0, f64::max);
+        let share = |axis: usize, spring: f64| {
+            (missing[(axis, axis)] / (self.solid[(axis, axis)] + 1.0 / spring)).abs()
+        };
+        let diagonal = |m: &Matrix2<f64>| [m[(0, 0)], m[(1, 1)]].map(|v| v / MICROMETRE_PER_KILONEWTON);
+        BeamRecord {
+            length_m: geometry.beam.length(),
+            factors: self.correction.into(),
+            solid_um_per_kn: diagonal(&self.solid),
+            uncorrected_um_per_kn: diagonal(&self.uncorrected),
+            corrected_um_per_kn: diagonal(&self.corrected),
+            missing: share(1, stiffest).max(horizontal.map_or(0.0, |k| share(0, k))),
+        }
+    }
+}
+
+fn horizontal_record(horizontal: &HorizontalCalibration) -> HorizontalRecord {
+    let stiffnesses = horizontal.points.iter().map(|p| p.stiffness);
+    HorizontalRecord {
+        relative_spread: (stiffnesses.clone().fold(f64::NEG_INFINITY, f64::max)
+            - stiffnesses.fold(f64::INFINITY, f64::min))
+            / horizontal.stiffness,
+        points: horizontal
+            .points
+            .iter()
+            .map(|p| HorizontalPointRecord {
+                preload_kn: p.preload / KILONEWTON,
+                stiffness_kn_per_m: p.stiffness / KILONEWTON_PER_METRE,
+                deviation: p.stiffness / horizontal.stiffness - 1.0,
+            })
+            .collect(),
+    }
 }
 
 fn law_record(fit: &LawFit) -> LawRecord {
@@ -150,6 +226,7 @@ fn law_record(fit: &LawFit) -> LawRecord {
         range_kn: [fit.range.0 / KILONEWTON, fit.range.1 / KILONEWTON],
         rms_rel_error: fit.rms_relative_error,
         max_rel_error: fit.max_relative_error,
+        at_bound: BoundRecord { a: fit.at_bound[0], c: fit.at_bound[2] },
         a_standard_error_kn_per_m: a / KILONEWTON_PER_METRE,
         b_standard_error_kn_per_m: b / KILONEWTON_PER_METRE,
         c_standard_error: c,
@@ -157,9 +234,11 @@ fn law_record(fit: &LawFit) -> LawRecord {
 }
 
 fn reference_record(name: &str, calibration: &NormalCalibration) -> ReferenceRecord {
+    let (force, deviation) = calibration.displacement_deviation();
     ReferenceRecord {
         reference: name.into(),
         law: law_record(&calibration.fit),
+        displacement: DisplacementRecord { max_rel_error: deviation, force_kn: force / KILONEWTON },
         points: calibration
             .points
             .iter()
@@ -172,20 +251,25 @@ fn reference_record(name: &str, calibration: &NormalCalibration) -> ReferenceRec
     }
 }
 
-fn compliance_record(p: &LoadPoint) -> ComplianceRecord {
+fn compliance_record(p: &LoadPoint, beam: Option<&SeriesBeam>) -> ComplianceRecord {
+    let vertical =
+        |m: fn(&SeriesBeam) -> Matrix2<f64>| beam.map_or(0.0, |b| m(b)[(1, 1)] / MICROMETRE_PER_KILONEWTON);
     ComplianceRecord {
         force_kn: p.force / KILONEWTON,
         local_um_per_kn: p.local_compliance / MICROMETRE_PER_KILONEWTON,
         wheel_um_per_kn: p.wheel_compliance / MICROMETRE_PER_KILONEWTON,
         rail_um_per_kn: p.rail_compliance / MICROMETRE_PER_KILONEWTON,
-        beam_um_per_kn: p.beam_compliance / MICROMETRE_PER_KILONEWTON,
+        beam_um_per_kn: vertical(|b| b.corrected),
+        beam_missing_um_per_kn: vertical(|b| b.solid - b.corrected),
     }
 }
 
-fn load_curve_row(p: &LoadPoint, fit: &LawFit) -> LoadCurveRow {
+fn load_curve_row(reference: ReferenceKey, p: &LoadPoint, fit: &LawFit) -> LoadCurveRow {
     LoadCurveRow {
+        reference: reference.name().into(),
         force_kn: p.force / KILONEWTON,
         displacement_mm: p.displacement / MILLIMETRE,
+        law_displacement_mm: fit.law.displacement(p.force) / MILLIMETRE,
         solid_tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
         law_tangent_kn_per_m: fit.law.tangent(p.force) / KILONEWTON_PER_METRE,
         contact_area_mm2: p.contact_area / SQUARE_MILLIMETRE,

@@ -210,8 +210,8 @@ impl<'a> Asked<'a> {
     ) -> Result<(AnsweredCurve, Vec<Pressed>)> {
         let clock = Instant::now();
         let pair = WheelOnRail {
-            rail: &bodies.rail,
-            wheel: &bodies.wheel,
+            rail: &bodies.rail.compliance,
+            wheel: &bodies.wheel.compliance,
             rail_surface: Surface { between_nodes, ..self.geometry.rail_surface(&self.meshes.rail) },
             wheel_surface: Surface { between_nodes, ..self.geometry.wheel_surface(&self.meshes.wheel) },
             friction,
@@ -219,7 +219,7 @@ impl<'a> Asked<'a> {
         };
         // hub against support: what the calibration calls the foot's reference, whatever is held
         let states = press_loads(&pair, &self.loads, "calibration, foot held", self.monitor)?;
-        let points = load_points(&pair, &states, Reference::Foot, None, &self.study.material)?;
+        let points = load_points(&pair, &states, Reference::Foot, &self.study.material)?;
         Ok((AnsweredCurve { points, seconds: clock.elapsed().as_secs_f64() }, states))
     }
 

@@ -1,7 +1,7 @@
 //! The solids as VTU files: meshes, displacements, stresses, contact surface.
 
-use nalgebra::{Point3, Vector3};
-use railspring_calibrate::calibration::{Pressed, WheelOnRail};
+use nalgebra::{Point3, Vector2, Vector3};
+use railspring_calibrate::calibration::Pressed;
 use railspring_calibrate::contact::Side;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
@@ -43,20 +43,20 @@ struct ContactFields {
 }
 
 impl PressedFields {
-    /// Displacements and stresses of both bodies, gap and pressure on the rail's contact nodes.
-    pub(super) fn new(state: &Pressed, pair: &WheelOnRail, geometry: &Geometry, meshes: &Meshes) -> Self {
-        let hub = Vector3::new(0.0, state.hub.x, state.hub.y);
+    /// Displacements and stresses of both bodies, gap and pressure on the rail's contact nodes. `carried` (y, z; m) is what
+    /// the wheel moves along with the rail's section, beside the hub's motion against it.
+    pub(super) fn new(
+        state: &Pressed,
+        [rail, wheel]: [&Superelement; 2],
+        carried: Vector2<f64>,
+        geometry: &Geometry,
+        meshes: &Meshes,
+    ) -> Self {
+        let hub = Vector3::new(0.0, state.hub.x + carried.x, state.hub.y + carried.y);
         let axle = Vector3::new(0.0, geometry.tape_y, geometry.touch.tape_z - geometry.wheel.radius);
         Self {
-            rail: BodyFields::new(
-                &meshes.rail,
-                pair.rail,
-                state,
-                Side::Base,
-                Vector3::zeros(),
-                Vector3::zeros(),
-            ),
-            wheel: BodyFields::new(&meshes.wheel, pair.wheel, state, Side::Opposing, axle, hub),
+            rail: BodyFields::new(&meshes.rail, rail, state, Side::Base, Vector3::zeros(), Vector3::zeros()),
+            wheel: BodyFields::new(&meshes.wheel, wheel, state, Side::Opposing, axle, hub),
             contact: ContactFields::new(state, &meshes.rail),
         }
     }

@@ -27,7 +27,7 @@ use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
 use railspring_calibrate::section::{RailSection, WheelSection};
-use railspring_calibrate::section_analysis::{SectionProperties, rail_properties};
+use railspring_calibrate::section_analysis::{RailAnalysis, SectionProperties, StressSample, rail_analysis};
 use railspring_calibrate::solid::Formulation;
 
 use crate::beam::{RailBeam, Torsion};
@@ -41,6 +41,8 @@ pub struct Geometry {
     pub rail: RailSection,
     /// The rail as a beam.
     pub properties: SectionProperties,
+    /// Shear stresses of the beam's forces on that section, in the profile frame.
+    pub shear_stresses: Vec<StressSample>,
     /// Section of the wheel, in its profile frame.
     pub wheel: WheelSection,
     /// The rail in the track.
@@ -86,6 +88,24 @@ impl Geometry {
         [rolling_radius / self.touch.contact_angle.cos(), 1.0 / (rail + wheel)]
     }
 
+    /// Weights of the rail's contact nodes whose mean is the point of the first touch, at x = 0.
+    fn touch_weights(&self, rail: &HexMesh) -> Vec<f64> {
+        let grid = &rail.contact;
+        // the two grid lines around a coordinate and their weights; the nearest line beside the grid
+        let around = |lines: &[f64], at: f64| {
+            let upper = lines.partition_point(|line| *line < at).clamp(1, lines.len() - 1);
+            let t = ((at - lines[upper - 1]) / (lines[upper] - lines[upper - 1])).clamp(0.0, 1.0);
+            [(upper - 1, 1.0 - t), (upper, t)]
+        };
+        let mut weights = vec![0.0; grid.nodes.len()];
+        for (i, u) in around(&grid.along_profile, self.touch.rail_s) {
+            for (k, v) in around(&grid.along_track, 0.0) {
+                weights[i * grid.along_track.len() + k] += u * v;
+            }
+        }
+        weights
+    }
+
     fn rail_surface<'a>(&'a self, mesh: &'a HexMesh) -> Surface<'a> {
         Surface::extruded(&self.placed.curve, &mesh.contact)
     }
@@ -111,7 +131,7 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
     };
     let placed = place_rail(&rail, &track)?;
     let touch = touch(&placed, &wheel.running, track.tape_y())?;
-    let properties = rail_properties(&rail)?;
+    let RailAnalysis { properties, stresses: shear_stresses } = rail_analysis(&rail)?;
     let beam = RailBeam::rail(
         &properties,
         &study.material,
@@ -121,7 +141,17 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
         Torsion::RestrainedWarping,
     )?;
     let profiles = rail_profile.into_iter().chain(wheel_profile).collect();
-    Ok(Geometry { rail, properties, wheel, placed, tape_y: track.tape_y(), touch, beam, profiles })
+    Ok(Geometry {
+        rail,
+        properties,
+        shear_stresses,
+        wheel,
+        placed,
+        tape_y: track.tape_y(),
+        touch,
+        beam,
+        profiles,
+    })
 }
 
 /// Meshes of both bodies: the tool's own, or those of the study's mesh files, which `interpreter` reads (`None`: the

@@ -8,6 +8,7 @@ use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::transient::TransientModel;
 
 use super::{Geometry, Meshes, enforcement, formulation};
+use crate::beam::BeamCorrection;
 use crate::moving::{MovingModel, RailSupport, SlidingMatrix, WheelSprings};
 use crate::study::{SlidingMatrixKey, Study, StudyScenario};
 
@@ -20,6 +21,8 @@ pub struct Springs {
     pub horizontal: f64,
     /// Mass of the solid wheel, kg, which scenarios without a mass of their own take.
     pub wheel_mass: f64,
+    /// What makes the rail beam as flexible as the solid that the law was calibrated on.
+    pub beam: BeamCorrection,
 }
 
 /// The simple model under a load case.
@@ -34,7 +37,7 @@ pub fn simulate(
     monitor: &dyn Monitor,
 ) -> Result<History> {
     let support = RailSupport::Beam {
-        beam: geometry.beam.clone(),
+        beam: geometry.beam.corrected(&springs.beam)?,
         node_line: geometry.node_line(),
         damping: study.material.damping,
     };

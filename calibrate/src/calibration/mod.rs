@@ -2,9 +2,11 @@
 //! tangent of the solid model, and the constant horizontal stiffness.
 
 mod press;
+mod section_motion;
 
 pub(crate) use press::carry_over;
 pub use press::{Enforcement, Pressed, WheelOnRail};
+pub use section_motion::SectionMotion;
 
 use crate::contact::{
     BodyCompliance, Compliance, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total,
@@ -15,15 +17,15 @@ use crate::law::{LawFit, fit_law};
 use crate::monitor::Monitor;
 use crate::solid::Material;
 use faer::Mat;
-use nalgebra::{DVector, Matrix2};
+use nalgebra::DVector;
 
 /// What the displacement of the law is measured against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reference {
     /// The rail's foot is held; hub against foot, nothing subtracted.
     Foot,
-    /// The rail is held at its ends, and the displacement of the beam model that the moving solver
-    /// uses is subtracted, so that beam and law in series are the solid.
+    /// Hub against the rail's cross-section at the contact, moved as that of a beam ([`SectionMotion`]): what
+    /// stands in series with a rail beam, whatever the rail's length.
     #[default]
     Beam,
     /// The approach of the two surfaces alone, as half-space programs give it.
@@ -51,10 +53,8 @@ pub struct LoadPoint {
     pub local_compliance: f64,
     /// Share of the wheel beyond its half-space, m/N.
     pub wheel_compliance: f64,
-    /// Share of the rail beyond its half-space and beam, m/N.
+    /// Share of the rail beyond its half-space, m/N: down to what the displacement is measured against.
     pub rail_compliance: f64,
-    /// Share of the rail beam, m/N; zero when the foot is held.
-    pub beam_compliance: f64,
     /// Largest penetration over the displacement of the wheel centre (the published criterion asks for less than 1/1000).
     pub penalty_error: f64,
     /// Load-carrying contact points.
@@ -72,6 +72,19 @@ pub struct NormalCalibration {
     pub fit: LawFit,
 }
 
+impl NormalCalibration {
+    /// Where the law, integrated from no load, is farthest from the displacement of the solid: the force, N, and the
+    /// deviation over the displacement of the solid under the largest load.
+    pub fn displacement_deviation(&self) -> (f64, f64) {
+        let whole = self.points.last().map_or(f64::NAN, |p| p.displacement);
+        let deviation = |p: &LoadPoint| (self.fit.law.displacement(p.force) - p.displacement).abs() / whole;
+        self.points
+            .iter()
+            .map(|p| (p.force, deviation(p)))
+            .fold((f64::NAN, 0.0), |worst, found| if found.1 <= worst.1 { worst } else { found })
+    }
+}
+
 /// Horizontal stiffness at one preload.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HorizontalPoint {
@@ -79,8 +92,6 @@ pub struct HorizontalPoint {
     pub preload: f64,
     /// Slope of lateral force against lateral hub displacement, all points sticking, the vertical load constant, N/m.
     pub stiffness: f64,
-    /// The same before the rail beam is subtracted, N/m.
-    pub total_stiffness: f64,
     /// Fraction of the load-carrying points that slip under the preload alone.
     pub slipping: f64,
 }
@@ -124,10 +135,8 @@ pub fn press_loads(
     Ok(states)
 }
 
-/// Displacement, tangent stiffness and patch of the states of [`press_loads`].
-///
-/// `beam` is the static flexibility (y, z), m/N, of the moving solver's rail beam at the contact; it is
-/// needed for the reference `beam` and only split off for the others.
+/// Displacement, tangent stiffness and patch of the states of [`press_loads`]. With the reference `beam` the rail's
+/// compliance must be that against its section.
 ///
 /// # Errors
 /// Numerical errors of the tangent.
@@ -135,13 +144,12 @@ pub fn load_points(
     wheel_on_rail: &WheelOnRail,
     states: &[Pressed],
     reference: Reference,
-    beam: Option<&Matrix2<f64>>,
     material: &Material,
 ) -> Result<Vec<LoadPoint>> {
-    states.iter().map(|state| load_point(wheel_on_rail, state, reference, beam, material)).collect()
+    states.iter().map(|state| load_point(wheel_on_rail, state, reference, material)).collect()
 }
 
-/// Fits the normal law with `reference` to the states of [`press_loads`]; `beam` as for [`load_points`].
+/// Fits the normal law with `reference` to the states of [`press_loads`], as [`load_points`].
 ///
 /// # Errors
 /// Numerical errors of tangent and fit.
@@ -149,10 +157,9 @@ pub fn calibrate_normal(
     wheel_on_rail: &WheelOnRail,
     states: &[Pressed],
     reference: Reference,
-    beam: Option<&Matrix2<f64>>,
     material: &Material,
 ) -> Result<NormalCalibration> {
-    let points = load_points(wheel_on_rail, states, reference, beam, material)?;
+    let points = load_points(wheel_on_rail, states, reference, material)?;
     let loads: Vec<f64> = points.iter().map(|p| p.force).collect();
     let tangents: Vec<f64> = points.iter().map(|p| p.solid_tangent).collect();
     let fit = fit_law(&loads, &tangents)?;
@@ -175,7 +182,6 @@ fn load_point(
     wheel_on_rail: &WheelOnRail,
     state: &Pressed,
     reference: Reference,
-    beam: Option<&Matrix2<f64>>,
     material: &Material,
 ) -> Result<LoadPoint> {
     let problem = state.problem(wheel_on_rail.friction);
@@ -186,7 +192,6 @@ fn load_point(
     let change: Vec<f64> = response.forces.column(0).iter().map(|f| f / tangent).collect();
     let directions = wheel_on_rail.directions();
     let share = |part: &dyn Compliance| quadratic(&total(&[part], &state.points, directions), &change);
-    let beam_flexibility = beam.map_or(0.0, |b| b[(1, 1)]);
     let half_space = HalfSpace { contact_modulus: material.contact_modulus() };
     let normal_change = &change[..state.points.len()];
     let half_space_compliance = total(&[&half_space], &state.points, 1);
@@ -196,26 +201,31 @@ fn load_point(
         Enforcement::Penalty(stiffness) => share(&PenaltySprings { stiffness }),
     };
     let local = half_spaces + penalty;
-    let wheel = share(&BodyCompliance { compliance: &wheel_on_rail.wheel.compliance, side: Side::Opposing })
-        - 0.5 * half_spaces;
-    let rail = share(&BodyCompliance { compliance: &wheel_on_rail.rail.compliance, side: Side::Base })
-        - 0.5 * half_spaces
-        - beam_flexibility;
+    let wheel =
+        share(&BodyCompliance { compliance: wheel_on_rail.wheel, side: Side::Opposing }) - 0.5 * half_spaces;
+    let rail =
+        share(&BodyCompliance { compliance: wheel_on_rail.rail, side: Side::Base }) - 0.5 * half_spaces;
     let forces = &state.solution.forces[..state.points.len()];
     let sum: f64 = forces.iter().sum();
     let (displacement, compliance) = match reference {
-        Reference::Foot => (state.hub.y, 1.0 / tangent),
-        Reference::Beam => (state.hub.y - state.load * beam_flexibility, 1.0 / tangent - beam_flexibility),
+        Reference::Foot | Reference::Beam => (state.hub.y, 1.0 / tangent),
         Reference::Local => {
+            // the approach is the mean of pressed half-spaces and undeformed gaps, weighted by the pressure; with the
+            // change of the pressure known, so is its slope
+            let spring = match wheel_on_rail.enforcement {
+                Enforcement::Exact => 0.0,
+                Enforcement::Penalty(stiffness) => 1.0 / stiffness,
+            };
             let under_pressure = crate::superelement::times(&half_space_compliance, forces);
-            let approach = forces
-                .iter()
-                .zip(&under_pressure)
-                .zip(&state.points.normal)
-                .enumerate()
-                .map(|(j, ((f, u), n))| f * (u + state.points.gap[j] - n.y * state.hub.y) / sum)
-                .sum::<f64>();
-            (approach, local)
+            let (mut approach, mut slope, mut growth) = (0.0, 0.0, 0.0);
+            for (j, (force, change)) in forces.iter().zip(normal_change).enumerate() {
+                let pressed = under_pressure[j] + spring * force;
+                let gap = state.points.gap[j] - state.points.normal[j].y * state.hub.y;
+                approach += force * (pressed + gap) / sum;
+                slope += change * (2.0 * pressed + gap) / sum;
+                growth += change / sum;
+            }
+            (approach, slope - approach * growth)
         }
     };
     let patch = patch(state);
@@ -234,7 +244,6 @@ fn load_point(
         local_compliance: local,
         wheel_compliance: wheel,
         rail_compliance: rail,
-        beam_compliance: beam_flexibility,
         penalty_error: penetration / state.hub.y,
         active_points: state.solution.active(),
     })
@@ -283,16 +292,14 @@ fn quadratic(matrix: &Mat<f64>, vector: &[f64]) -> f64 {
     product.iter().zip(vector).map(|(p, v)| p * v).sum()
 }
 
-/// Horizontal stiffness at every preload, all points sticking, and its mean. `beam` is the static
-/// flexibility (y, z), m/N, of the moving solver's rail beam, which is subtracted.
+/// Horizontal stiffness at every preload, all points sticking, and its mean, against what the rail's compliance
+/// is measured against.
 ///
 /// # Errors
-/// [`InputError`] if the beam is softer than the solid, so that no spring is left in series with it;
-/// errors of [`WheelOnRail::press`].
+/// Errors of [`WheelOnRail::press`].
 pub fn calibrate_horizontal(
     wheel_on_rail: &WheelOnRail,
     preloads: &[f64],
-    beam: Option<&Matrix2<f64>>,
     monitor: &dyn Monitor,
 ) -> Result<HorizontalCalibration> {
     let mut points = Vec::new();
@@ -304,21 +311,10 @@ pub fn calibrate_horizontal(
         let flexibility = hub_response(&problem, &state.solution, &[1, 2], true)
             .and_then(|r| r.stiffness.try_inverse())
             .ok_or_else(|| singular("horizontal stiffness", &state))?;
-        let spring = flexibility[(0, 0)] - beam.map_or(0.0, |b| b[(0, 0)]);
-        if !(spring > 0.0) {
-            return Err(InputError::new(
-                InputField::RailLength,
-                format!("{:.4e} m/N lateral flexibility", beam.map_or(0.0, |b| b[(0, 0)])),
-                format!("a rail beam stiffer than the solid, which has {:.4e} m/N", flexibility[(0, 0)]),
-                "use the beam with restrained warping, or check the section properties",
-            )
-            .into());
-        }
         let modes = &state.solution.modes;
         points.push(HorizontalPoint {
             preload,
-            stiffness: 1.0 / spring,
-            total_stiffness: 1.0 / flexibility[(0, 0)],
+            stiffness: 1.0 / flexibility[(0, 0)],
             slipping: modes.iter().filter(|m| **m == PointMode::Slip).count() as f64
                 / state.solution.active() as f64,
         });

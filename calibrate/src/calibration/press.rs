@@ -41,10 +41,11 @@ impl Enforcement {
 
 /// A wheel above a rail, both condensed.
 pub struct WheelOnRail<'a> {
-    /// The rail.
-    pub rail: &'a Superelement<'a>,
-    /// The wheel, its master node held.
-    pub wheel: &'a Superelement<'a>,
+    /// Compliance of the rail's contact nodes (`3·node + axis`), m/N: against its supports, or against its own section
+    /// ([`super::SectionMotion::relative`]).
+    pub rail: &'a Mat<f64>,
+    /// Compliance of the wheel's contact nodes against its hub, m/N.
+    pub wheel: &'a Mat<f64>,
     /// Contact surface of the rail, at rest.
     pub rail_surface: Surface<'a>,
     /// Contact surface of the wheel; its origin is the just-touching position.
@@ -89,7 +90,7 @@ impl WheelOnRail<'_> {
 
     /// Compliance of both bodies and the penalty springs at `points`.
     pub fn compliance(&self, points: &ContactPoints, directions: usize) -> Mat<f64> {
-        self.enforcement.compliance(&self.rail.compliance, &self.wheel.compliance, points, directions)
+        self.enforcement.compliance(self.rail, self.wheel, points, directions)
     }
 
     /// Contact points with the hub displaced by `hub` from just touching.
@@ -152,9 +153,8 @@ impl WheelOnRail<'_> {
                     )
                     .into());
                 }
-                let nodes = |body: &Superelement| body.compliance.nrows();
-                let of = |body: &Superelement, side| {
-                    times(&body.compliance, &points.nodal_forces(side, &solution.forces, nodes(body)))
+                let of = |body: &Mat<f64>, side| {
+                    times(body, &points.nodal_forces(side, &solution.forces, body.nrows()))
                 };
                 let rail_displacement = of(self.rail, Side::Base);
                 let wheel_displacement = of(self.wheel, Side::Opposing);

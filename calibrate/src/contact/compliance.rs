@@ -2,7 +2,6 @@
 
 use super::pairing::ContactPoints;
 use faer::Mat;
-use std::f64::consts::PI;
 
 /// Which of the two bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,35 +68,6 @@ impl Compliance for BodyCompliance<'_> {
                 if other != column {
                     matrix[(column, other)] += value;
                 }
-            }
-        }
-    }
-}
-
-/// Two elastic half-spaces in normal contact: A.E.H. Love, "The stress produced in a semi-infinite
-/// solid by pressure on part of the boundary", Phil. Trans. A 228 (1929), uniform pressure on each
-/// point's rectangle, displacement at the centres.
-pub struct HalfSpace {
-    /// Contact modulus E*, Pa: 1/E* = (1-ν₁²)/E₁ + (1-ν₂²)/E₂.
-    pub contact_modulus: f64,
-}
-
-impl Compliance for HalfSpace {
-    fn add_to(&self, points: &ContactPoints, matrix: &mut Mat<f64>) {
-        for j in 0..points.len() {
-            let half = points.widths[j] * 0.5;
-            let area = 4.0 * half.x * half.y;
-            for i in 0..points.len() {
-                let d = points.position[i] - points.position[j];
-                let (a, b, c, e) = (d.x - half.x, d.x + half.x, d.y - half.y, d.y + half.y);
-                let term = |u: f64, v: f64| {
-                    let r = u.hypot(v);
-                    let log = |p: f64, q: f64| if p == 0.0 { 0.0 } else { p * (q / p.abs()).asinh() };
-                    if r == 0.0 { 0.0 } else { log(u, v) + log(v, u) }
-                };
-                // ∫∫ dA/r over the rectangle from its corner function u·asinh(v/u) + v·asinh(u/v)
-                let integral = term(b, e) - term(a, e) - term(b, c) + term(a, c);
-                matrix[(i, j)] += integral / (PI * self.contact_modulus * area);
             }
         }
     }

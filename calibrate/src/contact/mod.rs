@@ -12,6 +12,7 @@
 //! non-matching meshes exactly (patch test).
 
 mod compliance;
+mod half_space;
 mod newton;
 mod pairing;
 mod solver;
@@ -19,7 +20,8 @@ mod state;
 mod surface;
 mod sweeps;
 
-pub use compliance::{BodyCompliance, Compliance, HalfSpace, PenaltySprings, Side, total};
+pub use compliance::{BodyCompliance, Compliance, PenaltySprings, Side, total};
+pub use half_space::HalfSpace;
 pub use pairing::{ContactPoints, PairingLimits, pair};
 pub use solver::{HubResponse, PointMode, Problem, Solution, hub_response, solve};
 pub use surface::{BetweenNodes, Shape, Surface};

@@ -155,9 +155,22 @@ fn points_without_constant_part_are_refitted_on_the_bound() {
     // A law with a < 0 cannot be reached: a stays on its bound, and its error is 0.
     let stiffness: Vec<f64> = loads().iter().map(|&f| 3e8 * (f / REFERENCE_FORCE).powf(0.3) - 5e7).collect();
     let fit = fit_law(&loads(), &stiffness).unwrap();
-    assert_eq!(fit.law.a, 0.0);
+    assert_eq!((fit.law.a, fit.at_bound), (0.0, [true, false, false]));
     assert_eq!(fit.standard_error[0], 0.0);
     assert!(fit.standard_error[1] > 0.0 && fit.standard_error[2] > 0.0);
+}
+
+/// Goal: stiffness that grows with almost the force itself lies beyond the largest exponent; that is said, and the
+/// errors of the others are finite.
+#[test]
+fn an_exponent_on_its_bound_is_said() {
+    let stiffness: Vec<f64> = loads().iter().map(|&f| 1e8 + 3e8 * (f / REFERENCE_FORCE).powf(1.3)).collect();
+    let fit = fit_law(&loads(), &stiffness).unwrap();
+    assert!(fit.at_bound[2] && fit.standard_error[2] == 0.0, "{fit:?}");
+    assert!(fit.standard_error.iter().all(|e| e.is_finite()));
+    let inside =
+        fit_law(&loads(), &loads().iter().map(|&f| 1e8 + 3e8 * (f / 1e3).sqrt()).collect::<Vec<_>>());
+    assert_eq!(inside.unwrap().at_bound, [false; 3]);
 }
 
 #[test]

@@ -102,6 +102,23 @@ impl Laplace {
         energy
     }
 
+    /// `f` of every Gauss point, its share of the area and the gradients of the three solutions there.
+    pub fn samples<T>(
+        &self,
+        solutions: [&Vec<f64>; 3],
+        f: impl Fn(Point2<f64>, f64, [Vector2<f64>; 3]) -> T,
+    ) -> Vec<T> {
+        let of_element = |element: &Element| {
+            let nodes = element.nodes;
+            element.samples.each_ref().map(|sample| {
+                let gradients =
+                    solutions.map(|u| (0..9).map(|i| sample.gradient[i] * u[nodes[i]]).sum::<Vector2<f64>>());
+                f(sample.point, sample.weight, gradients)
+            })
+        };
+        self.elements.iter().flat_map(of_element).collect()
+    }
+
     fn sum<const N: usize>(&self, f: impl Fn(&Sample, &[usize; 9]) -> [f64; N]) -> [f64; N] {
         let mut total = [0.0; N];
         for element in &self.elements {
@@ -114,14 +131,20 @@ impl Laplace {
         total
     }
 
-    /// Nodal values of the three solutions, each fixed to zero at the first node.
-    pub fn solve(&self, source: impl Fn(&Point2<f64>) -> Source) -> Result<[Vec<f64>; 3]> {
+    /// Nodal values of the three solutions, each fixed to zero at the first node. The sources are functions of the
+    /// point and of the value there of `known` nodal values (0 without).
+    pub fn solve(
+        &self,
+        known: Option<&[f64]>,
+        source: impl Fn(&Point2<f64>, f64) -> Source,
+    ) -> Result<[Vec<f64>; 3]> {
         let mut triplets = Vec::with_capacity(45 * self.elements.len());
         let mut right = Mat::<f64>::zeros(self.size, 3);
         for Element { nodes, samples } in &self.elements {
             let mut stiffness = [[0.0; 9]; 9];
             for sample in samples {
-                let Source { flow, supply } = source(&sample.point);
+                let value = known.map_or(0.0, |u| (0..9).map(|i| sample.shape[i] * u[nodes[i]]).sum());
+                let Source { flow, supply } = source(&sample.point, value);
                 for i in 0..9 {
                     let gradient = sample.weight * sample.gradient[i];
                     right[(nodes[i], 0)] += gradient.dot(&flow);

@@ -17,6 +17,19 @@ use crate::section::RailSection;
 
 use laplace::Laplace;
 
+/// Shear stresses at one point of the quadrature over a section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StressSample {
+    /// The point (y, z), m.
+    pub point: Point2<f64>,
+    /// Its share of the area, m².
+    pub area: f64,
+    /// Shear stress (xy, xz), Pa, of a unit force along y and along z through the shear centre, N, and of a unit
+    /// torque about x, N·m, carried by restrained warping, as under a load halfway between two held ends, where the
+    /// rate of twist is zero (V.Z. Vlasov, Thin-Walled Elastic Beams, 1961).
+    pub stress: [Vector2<f64>; 3],
+}
+
 /// Torsion and shear of a section; points in the frame of the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionAnalysis {
@@ -32,6 +45,15 @@ pub struct SectionAnalysis {
     pub shear_centre: Point2<f64>,
     /// Effective shear area over area for a force along y and along z.
     pub shear_coefficients: [f64; 2],
+}
+
+/// A rail as a beam, and its shear stresses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RailAnalysis {
+    /// Stiffness and inertia.
+    pub properties: SectionProperties,
+    /// Shear stresses of the beam's forces; points and directions in the profile frame.
+    pub stresses: Vec<StressSample>,
 }
 
 /// Properties of a rail as a beam; vertical bending turns about the lateral axis.
@@ -77,6 +99,14 @@ const SURFACE_ELEMENT: f64 = 4e-3;
 /// # Ok::<(), railspring_calibrate::error::Error>(())
 /// ```
 pub fn rail_properties(section: &RailSection) -> Result<SectionProperties> {
+    rail_analysis(section).map(|analysis| analysis.properties)
+}
+
+/// As [`rail_properties`], with the shear stresses.
+///
+/// # Errors
+/// A section that cannot be meshed.
+pub fn rail_analysis(section: &RailSection) -> Result<RailAnalysis> {
     let options = MeshOptions {
         contact_element: SURFACE_ELEMENT,
         first_layer: SURFACE_ELEMENT,
@@ -84,9 +114,10 @@ pub fn rail_properties(section: &RailSection) -> Result<SectionProperties> {
         ..MeshOptions::default()
     };
     let mesh = mesh_section(&rail_outline(section, &options)?, &options.sizes(options.rail_section_element))?;
-    let found = analyse(&mesh, |p| nearest_on_outline(section, p))?;
+    let solved = Solved::new(&mesh, |p| nearest_on_outline(section, p))?;
+    let found = &solved.analysis;
     let exact = &section.area;
-    Ok(SectionProperties {
+    let properties = SectionProperties {
         area: exact.area,
         centroid_height: exact.centroid_height,
         ixx: exact.ixx,
@@ -96,7 +127,8 @@ pub fn rail_properties(section: &RailSection) -> Result<SectionProperties> {
         shear_centre_height: section.height - found.shear_centre.y,
         shear_coefficient_vertical: found.shear_coefficients[1],
         shear_coefficient_lateral: found.shear_coefficients[0],
-    })
+    };
+    Ok(RailAnalysis { properties, stresses: solved.shear_stresses()? })
 }
 
 /// The point of the exact outline nearest to `p`.
@@ -123,44 +155,75 @@ pub fn analyse(
     mesh: &SectionMesh,
     on_outline: impl Fn(&Point2<f64>) -> Point2<f64>,
 ) -> Result<SectionAnalysis> {
-    let laplace = Laplace::new(mesh, on_outline);
-    let [area, y, z] = laplace.integrate(|p| [1.0, p.x, p.y]);
-    let centroid = Point2::new(y / area, z / area);
-    let [yy, yz, zz] = laplace.integrate(|p| {
-        let r = p - centroid;
-        [r.x * r.x, r.x * r.y, r.y * r.y]
-    });
-    let inertia = Matrix2::new(yy, yz, yz, zz);
-    let inverse = inertia.try_inverse().unwrap_or_else(Matrix2::zeros);
+    Ok(Solved::new(mesh, on_outline)?.analysis)
+}
 
-    // Warping: ∫ ∇v·∇ω = ∫ ∇v·(z, -y). Shear by a unit force along e: ∫ ∇v·∇φ = ∫ v (I⁻¹ e)·r.
-    let sources = laplace.solve(|p| {
-        let r = p - centroid;
-        let bending = inverse * r;
-        laplace::Source { flow: Vector2::new(r.y, -r.x), supply: [bending.x, bending.y] }
-    })?;
-    let [warping, shear_y, shear_z] = &sources;
+/// A section with its warping function (about the centroid) and its two shear stress functions.
+struct Solved {
+    laplace: Laplace,
+    functions: [Vec<f64>; 3],
+    analysis: SectionAnalysis,
+    /// Mean of the warping function, and its slopes along y and z: the rest is warping about the shear centre.
+    plane: (f64, Vector2<f64>),
+}
 
-    // A unit rate of twist stores the energy of rigid rotation less what warping releases.
-    let torsion_constant = yy + zz - laplace.energy(warping);
-    // Twist about (a, b) from the centroid warps by ω - b y + a z, free of work on the bending moments.
-    let [mean, wy, wz, ww] = laplace.integrate_with(warping, |p, w| {
-        let r = p - centroid;
-        [w, w * r.x, w * r.y, w * w]
-    });
-    let moments = inverse * Vector2::new(wy, wz);
-    let shear_centre = centroid + Vector2::new(-moments.y, moments.x);
-    // What the shift removes from ∫ ω² by orthogonality, and the mean.
-    let warping_constant = ww - mean * mean / area - moments.dot(&Vector2::new(wy, wz));
-    let shear_coefficients = [shear_y, shear_z].map(|phi| 1.0 / (area * laplace.energy(phi)));
-    Ok(SectionAnalysis {
-        area,
-        centroid,
-        torsion_constant,
-        warping_constant,
-        shear_centre,
-        shear_coefficients,
-    })
+impl Solved {
+    fn new(mesh: &SectionMesh, on_outline: impl Fn(&Point2<f64>) -> Point2<f64>) -> Result<Self> {
+        let laplace = Laplace::new(mesh, on_outline);
+        let [area, y, z] = laplace.integrate(|p| [1.0, p.x, p.y]);
+        let centroid = Point2::new(y / area, z / area);
+        let [yy, yz, zz] = laplace.integrate(|p| {
+            let r = p - centroid;
+            [r.x * r.x, r.x * r.y, r.y * r.y]
+        });
+        let inertia = Matrix2::new(yy, yz, yz, zz);
+        let inverse = inertia.try_inverse().unwrap_or_else(Matrix2::zeros);
+
+        // Warping: ∫ ∇v·∇ω = ∫ ∇v·(z, -y). Shear by a unit force along e: ∫ ∇v·∇φ = ∫ v (I⁻¹ e)·r.
+        let functions = laplace.solve(None, |p, _| {
+            let r = p - centroid;
+            let bending = inverse * r;
+            laplace::Source { flow: Vector2::new(r.y, -r.x), supply: [bending.x, bending.y] }
+        })?;
+        let [warping, shear_y, shear_z] = &functions;
+
+        // A unit rate of twist stores the energy of rigid rotation less what warping releases.
+        let torsion_constant = yy + zz - laplace.energy(warping);
+        // Twist about (a, b) from the centroid warps by ω - b y + a z, free of work on the bending moments.
+        let [mean, wy, wz, ww] = laplace.integrate_with(warping, |p, w| {
+            let r = p - centroid;
+            [w, w * r.x, w * r.y, w * w]
+        });
+        let moments = inverse * Vector2::new(wy, wz);
+        let shear_centre = centroid + Vector2::new(-moments.y, moments.x);
+        // What the shift removes from ∫ ω² by orthogonality, and the mean.
+        let warping_constant = ww - mean * mean / area - moments.dot(&Vector2::new(wy, wz));
+        let shear_coefficients = [shear_y, shear_z].map(|phi| 1.0 / (area * laplace.energy(phi)));
+        let analysis = SectionAnalysis {
+            area,
+            centroid,
+            torsion_constant,
+            warping_constant,
+            shear_centre,
+            shear_coefficients,
+        };
+        let plane = (mean / area, moments);
+        Ok(Self { laplace, functions, analysis, plane })
+    }
+
+    /// The shear stresses of unit beam forces. Those of the torque balance the bending of the flanges: ∫ ∇v·∇ψ =
+    /// -∫ v ω/I_ω with the warping function ω about the shear centre.
+    fn shear_stresses(&self) -> Result<Vec<StressSample>> {
+        let SectionAnalysis { centroid, warping_constant, .. } = self.analysis;
+        let [warping, shear_y, shear_z] = &self.functions;
+        let (mean, slope) = self.plane;
+        let [_, balance, _] = self.laplace.solve(Some(warping), |p, about_centroid| {
+            let about_shear_centre = about_centroid - mean - slope.dot(&(p - centroid));
+            laplace::Source { flow: Vector2::zeros(), supply: [-about_shear_centre / warping_constant, 0.0] }
+        })?;
+        let functions = [shear_y, shear_z, &balance];
+        Ok(self.laplace.samples(functions, |point, area, stress| StressSample { point, area, stress }))
+    }
 }
 
 #[cfg(test)]

@@ -33,12 +33,12 @@ fn gauss_points() -> impl Iterator<Item = Vector3<f64>> {
 }
 
 /// Shape functions at a reference point.
-fn shape(at: &Vector3<f64>) -> SVector<f64, 8> {
+pub(super) fn shape(at: &Vector3<f64>) -> SVector<f64, 8> {
     SVector::from_fn(|n, _| (0..3).map(|d| 0.5 * (1.0 + CORNERS[n][d] * at[d])).product())
 }
 
 /// Derivatives of the shape functions by the reference coordinates, 3×8.
-fn shape_gradient(at: &Vector3<f64>) -> SMatrix<f64, 3, 8> {
+pub(super) fn shape_gradient(at: &Vector3<f64>) -> SMatrix<f64, 3, 8> {
     SMatrix::from_fn(|d, n| {
         (0..3)
             .map(|e| if e == d { 0.5 * CORNERS[n][e] } else { 0.5 * (1.0 + CORNERS[n][e] * at[e]) })
@@ -47,7 +47,7 @@ fn shape_gradient(at: &Vector3<f64>) -> SMatrix<f64, 3, 8> {
 }
 
 /// Jacobian dx/dξ with rows by reference direction.
-fn jacobian(nodes: &[Point3<f64>; 8], gradient: &SMatrix<f64, 3, 8>) -> Matrix3<f64> {
+pub(super) fn jacobian(nodes: &[Point3<f64>; 8], gradient: &SMatrix<f64, 3, 8>) -> Matrix3<f64> {
     Matrix3::from_fn(|d, e| (0..8).map(|n| gradient[(d, n)] * nodes[n][e]).sum())
 }
 

@@ -6,11 +6,13 @@
 
 mod assembly;
 pub mod brick;
+mod locate;
 mod numbering;
 mod stress;
 
 pub use assembly::{NodalMass, System};
 pub use brick::Formulation;
+pub use locate::Cut;
 pub use numbering::{Numbering, Supports};
 pub use stress::nodal_stress;
 
