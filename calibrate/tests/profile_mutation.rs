@@ -1,6 +1,6 @@
 //! Readers, checks and repair on mutated files: no panic, no hang, and errors that name file, line and column.
 //!
-//! A few hundred cases run by default; RAILSPRING_MUTATION_SECONDS=600 goes on for ten minutes with new ones.
+//! A few hundred cases run by default, and 10,000 with `cargo mutate`.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -217,21 +217,19 @@ fn survives(name: &str, bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-#[test]
-fn mutated_files_are_read_or_refused() {
-    let seconds = std::env::var("RAILSPRING_MUTATION_SECONDS").ok().and_then(|text| text.parse().ok());
+/// Cases of a round; each round has its own seed.
+const CASES: u32 = 300;
+
+fn try_rounds(rounds: u64) {
     let seeds = seeds();
     let cases = (0..seeds.len(), prop::collection::vec(mutation(), 1..12));
     let begin = Instant::now();
-    let mut rounds = 0u64;
-    let tried = std::cell::Cell::new(0usize);
-    loop {
-        // A runner counts its cases over all its runs, so each round has its own, with the round as seed.
-        let config = Config { cases: 300, failure_persistence: None, ..Config::default() };
-        let seed: Vec<u8> = rounds.to_le_bytes().repeat(4);
+    for round in 0..rounds {
+        // A runner counts its cases over all its runs, so each round has its own.
+        let config = Config { cases: CASES, failure_persistence: None, ..Config::default() };
+        let seed: Vec<u8> = round.to_le_bytes().repeat(4);
         let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &seed));
         let outcome = runner.run(&cases, |(seed, mutations)| {
-            tried.set(tried.get() + 1);
             let (name, bytes) = &seeds[seed];
             let bytes = mutated(bytes.clone(), &mutations);
             survives(name, &bytes).map_err(|why| TestCaseError::fail(format!("{name}: {why}")))
@@ -239,12 +237,19 @@ fn mutated_files_are_read_or_refused() {
         if let Err(failure) = outcome {
             panic!("{failure}");
         }
-        rounds += 1;
-        if begin.elapsed() >= Duration::from_secs(seconds.unwrap_or(0)) {
-            break;
-        }
     }
-    println!("{} cases in {:.0} s", tried.get(), begin.elapsed().as_secs_f64());
+    println!("{} cases in {:.0} s", rounds * u64::from(CASES), begin.elapsed().as_secs_f64());
+}
+
+#[test]
+fn mutated_files_are_read_or_refused() {
+    try_rounds(1);
+}
+
+#[test]
+#[ignore = "minutes: cargo mutate"]
+fn ten_thousand_mutated_files_are_read_or_refused() {
+    try_rounds(10_000_u64.div_ceil(CASES.into()));
 }
 
 /// The files as they are have to be read, or the mutations would test nothing.

@@ -1,0 +1,134 @@
+//! Mutated laws of `simulate --law`: a `stiffness.json`, or a law written by hand. What is accepted has the constants of
+//! the file, and they are a law.
+
+use std::path::Path;
+
+use railspring::records::SpringsRecord;
+use railspring::springs;
+use railspring::stages::{Geometry, geometry};
+use railspring::study::Study;
+use serde_json::Value;
+
+use crate::mutate::{Dice, mistakes};
+use crate::{Fate, tried};
+
+const STUDY: &str = r#"
+name = "law"
+[rail]
+profile = "60E1"
+[wheel]
+profile = "S1002"
+[simulation]
+law_accepted = ["another-pair"]
+[scenario.push]
+vertical_force = { mean_kn = 10 }
+lateral_force = {}
+"#;
+
+const BY_HAND: &str = r#"{
+  "a_kn_per_m": 30000,
+  "b_kn_per_m": 294000.5,
+  "c": 0.241,
+  "f0_kn": 10,
+  "horizontal_kn_per_m": 80e3,
+  "wheel_mass_kg": 350,
+  "reference": "beam",
+  "range_kn": [5, 150]
+}
+"#;
+
+const CALIBRATED: &str = r#"{
+  "study": "other",
+  "reference": "beam",
+  "law": {
+    "a_kn_per_m": 30000,
+    "b_kn_per_m": 294000.5,
+    "c": 0.241,
+    "f0_kn": 1,
+    "range_kn": [5, 150],
+    "rms_rel_error": 0.01
+  },
+  "horizontal_kn_per_m": 80e3,
+  "horizontal": { "relative_spread": 0.01, "points": [] },
+  "version": "0.1.0"
+}
+"#;
+
+pub fn try_mutations(count: u64) {
+    let study = Study::parse(Path::new("law.toml"), STUDY).unwrap();
+    let geometry = geometry(&study).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("law.json");
+    for seed in [BY_HAND, CALIBRATED] {
+        assert!(matches!(fate(&study, &geometry, &path, seed), Fate::Read), "the law as it is");
+    }
+    tried("laws", count, |dice: &mut Dice| {
+        let seed = [BY_HAND, CALIBRATED][dice.below(2)];
+        let (text, changes) = mistakes(seed, dice);
+        (changes, fate(&study, &geometry, &path, &text))
+    });
+}
+
+fn fate(study: &Study, geometry: &Geometry, path: &Path, text: &str) -> Fate {
+    std::fs::write(path, text).unwrap();
+    match springs::from_file(study, geometry, path) {
+        Err(error) => Fate::Refused(error.to_string()),
+        Ok(record) => match misread(&record, text) {
+            Some(what) => Fate::Silent(what),
+            None => Fate::Read,
+        },
+    }
+}
+
+/// What a record has otherwise than the file.
+fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
+    let file: Value = match serde_json::from_str(text) {
+        Ok(file) => file,
+        Err(cause) => return Some(format!("no JSON, {cause}")),
+    };
+    // serde_json keeps the last of doubled keys: every key that is read may stand once.
+    let keys = [
+        "a_kn_per_m",
+        "b_kn_per_m",
+        "c",
+        "f0_kn",
+        "horizontal_kn_per_m",
+        "wheel_mass_kg",
+        "reference",
+        "range_kn",
+    ];
+    if let Some(key) = keys.iter().find(|key| text.matches(&format!("\"{key}\":")).count() > 1) {
+        return Some(format!("{key} stands twice"));
+    }
+    let constants = file.get("law").unwrap_or(&file);
+    let read = [
+        (constants, "a_kn_per_m", record.a_kn_per_m),
+        (constants, "b_kn_per_m", record.b_kn_per_m),
+        (constants, "c", record.c),
+        (constants, "f0_kn", record.f0_kn),
+        (&file, "horizontal_kn_per_m", record.horizontal_kn_per_m),
+    ];
+    for (place, key, value) in read {
+        if place.get(key).and_then(Value::as_f64) != Some(value) || !value.is_finite() {
+            return Some(format!("{key} = {:?} was read as {value}", place.get(key)));
+        }
+    }
+    let is_law = record.a_kn_per_m >= 0.0
+        && record.b_kn_per_m >= 0.0
+        && record.a_kn_per_m + record.b_kn_per_m > 0.0
+        && (0.0..1.0).contains(&record.c)
+        && record.f0_kn > 0.0
+        && record.horizontal_kn_per_m > 0.0
+        && record.wheel_mass_kg > 0.0;
+    if !is_law {
+        return Some(format!("no law: {record:?}"));
+    }
+    let si = springs::springs(record).ok()?;
+    // the same tangent from the file's own constants and from what the simple model runs with, at 85 kN
+    const ROUNDOFF: f64 = 1e-12;
+    let force = 85.0;
+    let tangent = record.a_kn_per_m + record.b_kn_per_m * (force / record.f0_kn).powf(record.c);
+    let run = si.normal.tangent(force * 1e3) * 1e-3;
+    ((run / tangent - 1.0).abs() > ROUNDOFF || !run.is_finite())
+        .then(|| format!("k(85 kN) {run} for {tangent} kN/m"))
+}
