@@ -31,40 +31,41 @@ pub fn write(history: &History) -> Vec<u8> {
     }
     writer.write_record(&heading).expect("a vector grows");
     for row in &history.rows {
-        let mut cells = vec![
-            number(row.time),
-            number(row.vertical_force / KILONEWTON),
-            number(row.lateral_force / KILONEWTON),
-            if row.vertical_force > 0.0 {
-                number(row.lateral_force / row.vertical_force)
-            } else {
-                String::new()
-            },
-            number(row.wheel_y / MILLIMETRE),
-            number(row.wheel_z / MILLIMETRE),
-            number(row.load_y / MILLIMETRE),
-            row.mode().name().to_string(),
-        ];
-        for index in 0..contacts {
-            match row.contacts.get(index) {
-                Some(contact) => {
-                    cells.push(contact.mode.name().to_string());
-                    cells.push(number(contact.normal_force / KILONEWTON));
-                    cells.push(number(contact.tangential_force / KILONEWTON));
-                    for point in [contact.rail, contact.wheel] {
-                        cells.push(number(point.x / MILLIMETRE));
-                        cells.push(number(point.y / MILLIMETRE));
-                    }
-                }
-                None => {
-                    cells.push(ContactMode::Separated.name().to_string());
-                    cells.extend(std::iter::repeat_n(String::new(), OF_CONTACT.len() - 1));
-                }
-            }
-        }
-        writer.write_record(&cells).expect("a vector grows");
+        writer.write_record(cells(row, contacts)).expect("a vector grows");
     }
     writer.into_inner().expect("a vector grows")
+}
+
+/// One line of the file, with room for `contacts`.
+fn cells(row: &HistoryRow, contacts: usize) -> Vec<String> {
+    let mut cells = vec![
+        number(row.time),
+        number(row.vertical_force / KILONEWTON),
+        number(row.lateral_force / KILONEWTON),
+        if row.vertical_force > 0.0 { number(row.lateral_force / row.vertical_force) } else { String::new() },
+        number(row.wheel_y / MILLIMETRE),
+        number(row.wheel_z / MILLIMETRE),
+        number(row.load_y / MILLIMETRE),
+        row.mode().name().to_string(),
+    ];
+    for index in 0..contacts {
+        match row.contacts.get(index) {
+            Some(contact) => {
+                cells.push(contact.mode.name().to_string());
+                cells.push(number(contact.normal_force / KILONEWTON));
+                cells.push(number(contact.tangential_force / KILONEWTON));
+                for point in [contact.rail, contact.wheel] {
+                    cells.push(number(point.x / MILLIMETRE));
+                    cells.push(number(point.y / MILLIMETRE));
+                }
+            }
+            None => {
+                cells.push(ContactMode::Separated.name().to_string());
+                cells.extend(std::iter::repeat_n(String::new(), OF_CONTACT.len() - 1));
+            }
+        }
+    }
+    cells
 }
 
 /// Twelve significant digits, in the shortest form.
@@ -81,7 +82,7 @@ fn number(value: f64) -> String {
 ///
 /// # Errors
 /// [`InputError`] whose key is the path with the line, if the file has another content: other columns, no row, a value
-/// that is not a finite number, a time that is not after that of the row before.
+/// that is not a finite number, a time that is not after that of the row before, cells of a row that contradict each other.
 pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) -> Result<History> {
     let broken = |row: u64, what: String| -> railspring_calibrate::error::Error {
         InputError::new(
@@ -103,6 +104,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
     if !fits {
         return Err(broken(1, heading.iter().collect::<Vec<_>>().join(",")));
     }
+    let room = (heading.len() - COMMON.len()) / OF_CONTACT.len();
     let mut rows: Vec<HistoryRow> = Vec::new();
     for record in reader.records() {
         let record = record
@@ -136,7 +138,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
                 wheel: point(start + 5)?,
             });
         }
-        rows.push(HistoryRow {
+        let row = HistoryRow {
             time: value(0, 1.0)?,
             vertical_force: value(1, KILONEWTON)?,
             lateral_force: value(2, KILONEWTON)?,
@@ -144,7 +146,17 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
             wheel_z: value(5, MILLIMETRE)?,
             load_y: value(6, MILLIMETRE)?,
             contacts,
-        });
+        };
+        // What follows from other cells, or is empty because there is no contact, must say the same.
+        let written = cells(&row, room);
+        let differs = record.iter().zip(&written).position(|(found, expected)| !same(found, expected));
+        if let Some(column) = differs {
+            let (found, expected) = (cell(column), &written[column]);
+            let what =
+                format!("{found:?} in column {} where the rest of the row has {expected:?}", column + 1);
+            return Err(broken(line, what));
+        }
+        rows.push(row);
         if let [.., before, last] = &rows[..]
             && last.time <= before.time
         {
@@ -155,6 +167,16 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
         return Err(broken(2, "no row".into()));
     }
     Ok(History { rows, degrees_of_freedom, ending })
+}
+
+/// Whether two cells say the same: the same text, or numbers that differ by the rounding to twelve digits alone.
+fn same(a: &str, b: &str) -> bool {
+    const ROUNDOFF: f64 = 2e-11;
+    let number = |text: &str| text.parse::<f64>().ok();
+    a == b
+        || number(a)
+            .zip(number(b))
+            .is_some_and(|(a, b)| (a - b).abs() <= ROUNDOFF * a.abs().max(b.abs()) + f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -225,6 +247,10 @@ mod tests {
             (good.replace("0.0005,", "0,"), "x.csv:3 = 0 s after 0 s"),
             (good.replace("0.0005,", "-1,"), "x.csv:3 = -1 s after 0 s"),
             (good.replace("slip,12", "glide,12"), "x.csv:2 = \"glide\" in column 9"),
+            (
+                good.replace("slip,slip,12", "stick,slip,12"),
+                "x.csv:2 = \"stick\" in column 8 where the rest of",
+            ),
             (good.replace("contact_2_mode", "contact_3_mode"), "x.csv:1 = time_s,"),
             (good.replacen(",", "", 1), "x.csv:1 = "),
             (heading.into(), "x.csv:2 = no row"),

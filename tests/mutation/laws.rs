@@ -7,6 +7,7 @@ use railspring::records::SpringsRecord;
 use railspring::springs;
 use railspring::stages::{Geometry, geometry};
 use railspring::study::Study;
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
 
 use crate::mutate::{Dice, mistakes};
@@ -82,24 +83,10 @@ fn fate(study: &Study, geometry: &Geometry, path: &Path, text: &str) -> Fate {
 
 /// What a record has otherwise than the file.
 fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
-    let file: Value = match serde_json::from_str(text) {
-        Ok(file) => file,
-        Err(cause) => return Some(format!("no JSON, {cause}")),
+    let file = match serde_json::from_str::<Strict>(text) {
+        Ok(Strict(file)) => file,
+        Err(cause) => return Some(format!("no JSON without doubled keys, {cause}")),
     };
-    // serde_json keeps the last of doubled keys: every key that is read may stand once.
-    let keys = [
-        "a_kn_per_m",
-        "b_kn_per_m",
-        "c",
-        "f0_kn",
-        "horizontal_kn_per_m",
-        "wheel_mass_kg",
-        "reference",
-        "range_kn",
-    ];
-    if let Some(key) = keys.iter().find(|key| text.matches(&format!("\"{key}\":")).count() > 1) {
-        return Some(format!("{key} stands twice"));
-    }
     let constants = file.get("law").unwrap_or(&file);
     let read = [
         (constants, "a_kn_per_m", record.a_kn_per_m),
@@ -131,4 +118,81 @@ fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
     let run = si.normal.tangent(force * 1e3) * 1e-3;
     ((run / tangent - 1.0).abs() > ROUNDOFF || !run.is_finite())
         .then(|| format!("k(85 kN) {run} for {tangent} kN/m"))
+}
+
+/// The keys that the springs are made of.
+const READ: [&str; 12] = [
+    "a_kn_per_m",
+    "b_kn_per_m",
+    "c",
+    "f0_kn",
+    "horizontal_kn_per_m",
+    "wheel_mass_kg",
+    "reference",
+    "range_kn",
+    "law",
+    "pair",
+    "hash",
+    "name",
+];
+
+/// JSON in which no object has such a key twice; `Value` alone keeps the last of them.
+struct Strict(Value);
+
+impl<'de> Deserialize<'de> for Strict {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(StrictVisitor).map(Strict)
+    }
+}
+
+struct StrictVisitor;
+
+impl<'de> Visitor<'de> for StrictVisitor {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("JSON")
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+        let mut list = Vec::new();
+        while let Some(Strict(item)) = items.next_element()? {
+            list.push(item);
+        }
+        Ok(list.into())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
+        let mut map = serde_json::Map::new();
+        while let Some((key, Strict(value))) = entries.next_entry::<String, Strict>()? {
+            if map.insert(key.clone(), value).is_some() && READ.contains(&key.as_str()) {
+                return Err(A::Error::custom(format!("{key} stands twice")));
+            }
+        }
+        Ok(map.into())
+    }
 }
