@@ -15,7 +15,7 @@ use super::model::{MovingModel, MovingRun, RunStatistics, SectionMotion};
 use super::newmark::{Motion, Newmark};
 use super::solve::{Solution, StepSystem, Surroundings};
 use super::support::{RailDynamics, RailState, RailStep, RailSupport};
-use super::surface::{ActiveNode, ContactLaw, ContactSurface, Pose};
+use super::surface::{ActiveNode, ContactLaw, ContactSurface, Pose, SlidingMatrix};
 use super::wheel::{WheelDynamics, WheelState};
 
 /// Nodes further apart than this on the rail belong to different contacts, m.
@@ -102,7 +102,7 @@ pub(super) fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monito
         };
         rows.push(run.row((step + 1) as f64 * scenario.time_step, &solution));
         rail.push(section_motion(&solution));
-        penalty_errors.push(run.penalty_error(&state, &solution));
+        penalty_errors.push(run.penalty_error(&solution));
     }
     let largest = penalty_errors.iter().fold(0.0, |m: f64, e| m.max(e.0));
     let counted = penalty_errors.iter().filter(|e| e.0 >= 0.1 * largest);
@@ -234,6 +234,9 @@ impl<'a> Run<'a> {
                 surface.commit(&solution.pose, &solution.active);
                 *state = next;
                 statistics.iterations += solution.iterations;
+                let turned_to_consistent = self.law.sliding == SlidingMatrix::Symmetric
+                    && solution.sliding == SlidingMatrix::Consistent;
+                statistics.consistent_steps += usize::from(turned_to_consistent);
                 statistics.most_iterations = statistics.most_iterations.max(solution.iterations);
                 Ok(Advanced::OnRail(Box::new(solution)))
             }
@@ -322,14 +325,12 @@ impl<'a> Run<'a> {
             + usize::from(self.scenario.suspended_mass > 0.0)
     }
 
-    /// Contact force, N, and the penetration over the elastic deformation at the wheel centre.
-    fn penalty_error(&self, state: &State, solution: &Solution) -> (f64, f64) {
-        let springs = solution.pose.fixed_rows::<2>(0) - solution.centre;
-        let arm = to_plane(self.model.tape - master(self.model));
-        let rail = state.pose.fixed_rows::<2>(2) + Vector2::new(-arm.y, arm.x) * state.pose[4];
+    /// Contact force, N, and the penetration over the deformation of the springs.
+    fn penalty_error(&self, solution: &Solution) -> (f64, f64) {
+        let springs = (solution.pose.fixed_rows::<2>(0) - solution.centre).norm();
         let force = solution.active.iter().map(|a| a.normal_force).sum();
         let penetration = solution.active.iter().map(|a| a.penetration).fold(0.0, f64::max);
-        (force, if penetration > 0.0 { penetration / (springs - rail).norm() } else { 0.0 })
+        (force, if penetration > 0.0 { penetration / springs } else { 0.0 })
     }
 
     fn row(&self, time: f64, solution: &Solution) -> HistoryRow {

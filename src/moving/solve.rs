@@ -19,7 +19,8 @@ type Matrix8 = SMatrix<f64, 8, 8>;
 /// Newton iterations from the last state, and after each update of the friction limits.
 const DIRECT_ITERATIONS: usize = 15;
 const RETRY_ITERATIONS: usize = 10;
-const SYMMETRIC_PATIENCE: usize = 6;
+/// Iterations with the symmetric matrix of equation (4), which converges linearly.
+const SYMMETRIC_ITERATIONS: usize = 30;
 
 /// Updates of the friction limits, and damped iterations with each, when Newton alone does not settle.
 const LIMIT_UPDATES: usize = 20;
@@ -59,6 +60,8 @@ pub(super) struct Solution {
     pub spring_force: Vector2<f64>,
     pub active: Vec<ActiveNode>,
     pub iterations: usize,
+    /// Matrix with which it converged.
+    pub sliding: SlidingMatrix,
 }
 
 /// The nonlinear system of one step.
@@ -98,10 +101,14 @@ impl StepSystem<'_> {
         let mut x = Vector8::zeros();
         x.fixed_rows_mut::<6>(0).copy_from(&self.start.0);
         x.fixed_rows_mut::<2>(6).copy_from(&self.start.1);
-        // The symmetric matrix of eq. 4 makes the iteration linear instead of quadratic.
-        let patience = if self.law.sliding == SlidingMatrix::Symmetric { SYMMETRIC_PATIENCE } else { 1 };
-        let (direct, retry) = (patience * DIRECT_ITERATIONS, patience * RETRY_ITERATIONS);
-        let mut outcome = self.iterate(surface, &x, direct);
+        let (direct, retry) = (DIRECT_ITERATIONS, RETRY_ITERATIONS);
+        if self.law.sliding == SlidingMatrix::Symmetric {
+            let outcome = self.iterate(surface, &x, SYMMETRIC_ITERATIONS, SlidingMatrix::Symmetric);
+            if outcome.is_ok() {
+                return outcome;
+            }
+        }
+        let mut outcome = self.iterate(surface, &x, direct, SlidingMatrix::Consistent);
         let mut spent = direct;
         let mut limits = self.start_limits.clone();
         for _ in 0..LIMIT_UPDATES {
@@ -117,7 +124,7 @@ impl StepSystem<'_> {
             for node in &balance.active {
                 limits[node.node] = self.law.friction * node.normal_force;
             }
-            outcome = self.iterate(surface, &x, retry);
+            outcome = self.iterate(surface, &x, retry, SlidingMatrix::Consistent);
             spent += iterations + retry;
         }
         outcome
@@ -132,7 +139,8 @@ impl StepSystem<'_> {
     ) -> Result<(Vector8, Balance, usize)> {
         let limit = FrictionLimit::Given(limits);
         let mut x = *x;
-        let mut balance = self.balance(surface, &x, self.start_force, limit);
+        let consistent = SlidingMatrix::Consistent;
+        let mut balance = self.balance(surface, &x, self.start_force, limit, consistent);
         for iteration in 0..DESCENT_ITERATIONS {
             if balance.error <= DESCENT_TOLERANCE {
                 return Ok((x, balance, iteration));
@@ -145,7 +153,7 @@ impl StepSystem<'_> {
             let (mut low, mut high, mut length) = (0.0, f64::INFINITY, 1.0);
             let guess = balance.spring_force.y;
             for _ in 0..LINE_SEARCH {
-                balance = self.balance(surface, &(x + step * length), guess, limit);
+                balance = self.balance(surface, &(x + step * length), guess, limit, consistent);
                 let now = slope(&balance);
                 if now.abs() <= 0.5 * before.abs() {
                     break;
@@ -162,15 +170,24 @@ impl StepSystem<'_> {
                 }
             }
             x += step * length;
-            balance = self.balance(surface, &x, guess, limit);
+            balance = self.balance(surface, &x, guess, limit, consistent);
         }
         Ok((x, balance, DESCENT_ITERATIONS))
     }
 
-    /// Newton's method from `x`.
-    fn iterate(&self, surface: &mut ContactSurface, x: &Vector8, most: usize) -> Result<Solution> {
+    /// Newton's method from `x`, with the symmetric matrix an approximation of it.
+    fn iterate(
+        &self,
+        surface: &mut ContactSurface,
+        x: &Vector8,
+        most: usize,
+        sliding: SlidingMatrix,
+    ) -> Result<Solution> {
         let mut x = *x;
-        let mut balance = self.balance(surface, &x, self.start_force, FrictionLimit::Coulomb(&[]));
+        let balance_at = |surface: &mut ContactSurface, x: &Vector8, guess: f64, last: &[ActiveNode]| {
+            self.balance(surface, x, guess, FrictionLimit::Coulomb(last), sliding)
+        };
+        let mut balance = balance_at(surface, &x, self.start_force, &[]);
         for iteration in 0..most {
             if balance.error <= TOLERANCE && !balance.provisional {
                 return Ok(Solution {
@@ -180,6 +197,7 @@ impl StepSystem<'_> {
                     spring_force: balance.spring_force,
                     active: balance.active,
                     iterations: iteration,
+                    sliding,
                 });
             }
             if !balance.error.is_finite() {
@@ -188,7 +206,7 @@ impl StepSystem<'_> {
             self.check_work(iteration, &balance)?;
             x -= newton_step(iteration, &balance)?;
             let last = std::mem::take(&mut balance.active);
-            balance = self.balance(surface, &x, balance.spring_force.y, FrictionLimit::Coulomb(&last));
+            balance = balance_at(surface, &x, balance.spring_force.y, &last);
         }
         Err(failure(most, &balance, StopReason::IterationLimit))
     }
@@ -206,6 +224,7 @@ impl StepSystem<'_> {
         x: &Vector8,
         guess: f64,
         limit: FrictionLimit,
+        sliding: SlidingMatrix,
     ) -> Balance {
         self.evaluations_left.set(self.evaluations_left.get().saturating_sub(1));
         let pose: Pose = x.fixed_rows::<6>(0).into_owned();
@@ -213,7 +232,7 @@ impl StepSystem<'_> {
         if let Some(motion) = surface.beyond_reach(&pose).filter(|m| m.is_finite()) {
             surface.list(&self.start.0, 2.0 * motion);
         }
-        let contact = surface.evaluate(self.law, &pose, limit);
+        let contact = surface.evaluate(&ContactLaw { sliding, ..*self.law }, &pose, limit);
         let (force, stiffness) = self.springs.forces(pose.fixed_rows::<2>(0) - centre, guess);
         let mut residual = Vector8::zeros();
         let mut matrix = Matrix8::zeros();

@@ -348,7 +348,8 @@ pub enum LawAcceptedKey {
 pub enum SlidingMatrixKey {
     /// Equation (3): consistent, not symmetric.
     Unsymmetric,
-    /// Equation (4): approximate, symmetric.
+    /// Equation (4): approximate, symmetric, with the same forces. It converges only while a step slides by less than the
+    /// penetration, and steps that it does not end are done with equation (3).
     Symmetric,
 }
 

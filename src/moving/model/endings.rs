@@ -2,6 +2,7 @@
 
 use super::tests::{NO_FORCE, flat, published, published_scenario, quiet, relative};
 use super::*;
+use crate::beam::{BeamSection, End, RailBeam};
 use railspring_calibrate::history::{Departure, Ending};
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
@@ -171,4 +172,71 @@ fn lateral_suspension_moves_the_loading_point_only() {
         assert!((a.load_y - a.wheel_y - lengthening).abs() < ROUNDOFF, "{} s", a.time);
     }
     assert!(soft.rows[40].load_y - soft.rows[40].wheel_y > 7e-3);
+}
+
+/// Source: statics of the contact: one node carries F/penalty where the spring has δ(F). Goal: the penalty's error on a bridge of 25 m that
+/// swings under a force at its first natural frequency is that of the springs, whatever the bridge does; at most two nodes share
+/// the load.
+/// DISCRETISATION: half of it less a tenth, since no step need fall on the peak of the force.
+#[test]
+fn penalty_error_does_not_depend_on_the_beam() {
+    const DISCRETISATION: f64 = 1e-3;
+    let (young, inertia, density, length): (f64, f64, f64, f64) = (3.5e10, 1.3901, 18358.0, 25.0);
+    let section = BeamSection {
+        axial: 1e12,
+        bending_y: young * inertia,
+        bending_z: young * inertia,
+        shear_y: f64::INFINITY,
+        shear_z: f64::INFINITY,
+        torsion: 1e12,
+        mass: density,
+        rotary_y: 0.0,
+        rotary_z: 0.0,
+        polar: density,
+        centroid: [0.0, 0.0],
+    };
+    let beam = RailBeam::new(section, length, 10, 0.0, [End::Pinned; 2]).unwrap();
+    let frequency = std::f64::consts::PI / 2.0 * (young * inertia / density).sqrt() / (length * length);
+    let mut model = flat(StiffnessLaw::published(), 1000.0);
+    model.support = RailSupport::Beam { beam, node_line: nalgebra::Point2::origin(), damping: 0.0 };
+    let mut scenario = quiet(1000, 1e-3);
+    scenario.vertical_force = HarmonicForce { constant: 60e3, amplitude: 40e3, frequency, phase: 0.0 };
+    let run = model.run(&scenario, &Silent).unwrap();
+    let highest = run.rail.iter().map(|section| -section.displacement[1]).fold(0.0, f64::max);
+    assert!(highest > 1e-4, "the bridge does not swing up: {highest}");
+    let most = run.history.rows.iter().map(|row| row.vertical_force).fold(0.0, f64::max);
+    let error = most / model.penalty / model.springs.normal.displacement(most);
+    let found = run.statistics.penalty_error;
+    assert!((0.45 * error..(1.0 + DISCRETISATION) * error).contains(&found), "{found} of {error}");
+}
+
+/// Source: equations (3) and (4) of the publication, which have the same forces. Goal: the published cases 4.1 and 4.2 run to their end with
+/// the symmetric matrix, and their forces (N) are those of the consistent one.
+/// SOLVER: a balance of 1e-8 of the forces at work in each step, kept or amplified a hundred times over the steps.
+#[test]
+fn the_symmetric_matrix_runs_the_published_cases() {
+    const SOLVER: f64 = 1e-6;
+    let lateral = [constant(20e3), HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..NO_FORCE }];
+    for lateral in lateral {
+        let scenario = published_scenario(lateral);
+        let consistent = published().run(&scenario, &Silent).unwrap();
+        let mut model = published();
+        model.sliding = SlidingMatrix::Symmetric;
+        let symmetric = model.run(&scenario, &Silent).unwrap();
+        assert_eq!(symmetric.history.ending, Ending::Completed);
+        let largest = consistent.history.rows.iter().map(|row| row.vertical_force).fold(0.0, f64::max);
+        for (a, b) in consistent.history.rows.iter().zip(&symmetric.history.rows) {
+            assert!((a.vertical_force - b.vertical_force).abs() < SOLVER * largest, "{} s", a.time);
+            assert!((a.lateral_force - b.lateral_force).abs() < SOLVER * largest, "{} s", a.time);
+        }
+        // It does end steps; the others are handed over.
+        let by_symmetric = 550 - symmetric.statistics.consistent_steps;
+        assert!((50..550).contains(&by_symmetric), "{:?}", symmetric.statistics);
+        assert!(symmetric.statistics.iterations > consistent.statistics.iterations, "another matrix");
+        assert_eq!(consistent.statistics.consistent_steps, 0);
+        // With the publication's penalty it ends nearly all.
+        model.penalty = 1e9;
+        let soft = model.run(&scenario, &Silent).unwrap().statistics;
+        assert!(soft.consistent_steps < 40 && soft.penalty_error > 0.1, "{soft:?}");
+    }
 }

@@ -1,0 +1,102 @@
+//! The transient solid model without a suspended mass, and wheels that leave the rail. Coarse meshes: the oracles are
+//! rigid-body motions.
+
+use nalgebra::Vector2;
+use railspring_calibrate::calibration::Enforcement;
+use railspring_calibrate::contact::Surface;
+use railspring_calibrate::history::{Departure, Ending, History};
+use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
+use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::transient::TransientModel;
+
+const NO_FORCE: HarmonicForce = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
+
+/// A wheel at rest, just touching, without a suspended mass, under constant forces (N; to the field side, and down).
+fn scenario(lateral: f64, vertical: f64, steps: usize, time_step: f64) -> Scenario {
+    Scenario {
+        steps,
+        time_step,
+        friction: 0.0,
+        gravity: 0.0,
+        suspended_mass: 0.0,
+        vertical_suspension: Kelvin { stiffness: 0.0, damping: 0.0 },
+        vertical_force: HarmonicForce { constant: vertical, ..NO_FORCE },
+        lateral_suspension: Kelvin { stiffness: 1.2e6, damping: 4e4 },
+        lateral_force: HarmonicForce { constant: lateral, ..NO_FORCE },
+        rail_torsion: None,
+        wheel_mass: None,
+        start_x: None,
+        speed: 0.0,
+        rotations_held: true,
+    }
+}
+
+/// Histories of 60E1 and S1002 on elements of 6 mm, and the mass of the meshed wheel, kg.
+fn run(scenarios: &[Scenario]) -> (Vec<History>, f64) {
+    let track = TrackGeometry::standard();
+    let rail = rail_section("60E1").unwrap();
+    let wheel = wheel_section("S1002", 0.858).unwrap();
+    let placed = place_rail(&rail, &track).unwrap();
+    let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
+    let options =
+        MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() };
+    let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
+    let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
+    let tape = Vector2::new(track.tape_y(), touching.tape_z);
+    let model = TransientModel {
+        rail_mesh: &rail_mesh,
+        wheel_mesh: &wheel_mesh,
+        material: Material::STEEL,
+        formulation: Formulation::FullIntegration,
+        placed_rail: &placed,
+        rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
+        wheel_surface: Surface::revolved(&wheel.running, &wheel_mesh.contact, wheel.radius, tape),
+        enforcement: Enforcement::Exact,
+    };
+    let runs: Vec<_> = scenarios.iter().map(|scenario| model.run(scenario, &Silent).unwrap()).collect();
+    let mass = runs[0].wheel_mass;
+    (runs.into_iter().map(|run| run.history).collect(), mass)
+}
+
+/// Source: Newton's second law for a rigid wheel. Goal: without a suspended mass a vertical force reaches the wheel from the first
+/// moment: lifted by 50 kN it rises by F·t²/2m (m); pressed by 50 kN, with or without spring and damper, it loads the rail alike.
+/// MODEL: the hub leads the centre of mass by the wheel's own deflection, 50 kN over 1 GN/m, 0.05 mm of 14 mm; twice for its swing.
+/// SOLVER: the same forces by two sums.
+#[test]
+fn a_force_without_suspended_mass_reaches_the_wheel() {
+    const MODEL: f64 = 0.01;
+    const SOLVER: f64 = 1e-9;
+    let lifted = scenario(0.0, -50e3, 40, 3e-4);
+    let pressed = scenario(0.0, 50e3, 8, 1e-4);
+    let chained =
+        Scenario { vertical_suspension: Kelvin { stiffness: 1.2e6, damping: 4e4 }, ..pressed.clone() };
+    let (runs, mass) = run(&[lifted, pressed, chained]);
+    let last = runs[0].rows.last().unwrap();
+    let rise = 50e3 * last.time.powi(2) / (2.0 * mass);
+    assert!((-last.wheel_z / rise - 1.0).abs() < MODEL, "{} of {rise}", last.wheel_z);
+    assert!(runs[0].rows.iter().all(|row| row.vertical_force == 0.0 && row.wheel_z.is_finite()));
+    let peak = runs[1].rows.iter().map(|row| row.vertical_force).fold(0.0, f64::max);
+    assert!((5e3..150e3).contains(&peak), "{peak}");
+    for (bare, chained) in runs[1].rows.iter().zip(&runs[2].rows) {
+        assert!((bare.vertical_force - chained.vertical_force).abs() <= SOLVER * peak, "{} s", bare.time);
+        assert!((bare.wheel_z - chained.wheel_z).abs() <= SOLVER * 1e-3, "{} s", bare.time);
+    }
+}
+
+/// Source: free fall to the side, y = Q·t²/(2m). Goal: pulled into the track by 500 kN the wheel leaves the rail when the end of its tread,
+/// 60 mm from the tape circle at 750 mm, has passed the gauge face at 717.5 mm or what lies below it: 92.5 mm at most, 85 mm at least.
+#[test]
+fn a_wheel_pulled_into_the_track_leaves_the_solid_rail() {
+    const MODEL: f64 = 0.02;
+    let step = 5e-4;
+    let (runs, mass) = run(&[scenario(-500e3, -10e3, 100, step)]);
+    let Ending::Departed { time, departure } = runs[0].ending else { panic!("{}", runs[0].ending) };
+    assert_eq!(departure, Departure::GaugeSide);
+    let fall = |y: f64| (2.0 * y * mass / 500e3).sqrt();
+    assert!(((1.0 - MODEL) * fall(85e-3)..(1.0 + MODEL) * fall(92.5e-3) + step).contains(&time), "{time}");
+    assert!((runs[0].rows.last().unwrap().time - (time - step)).abs() < 1e-12);
+}
