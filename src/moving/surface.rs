@@ -28,7 +28,7 @@ pub enum SlidingMatrix {
     /// there: it takes a tangential correction t for a normal force µ·penalty·t, so that the real normal displacement is
     /// missed by µ·t. Once that exceeds the penetration, force/penalty, the contact opens or several nodes dig in, and the
     /// iteration goes round in a circle. With 1e12 N/m and 50 kN that is 0.1 µm of sliding an iteration, where a step of 0.5 ms at
-    /// 0.1 m/s slides 50 µm: of the 550 steps of the published cases 4.1 and 4.2 it ends 425 and 99. With the publication's
+    /// 0.1 m/s slides 50 µm: of the 550 steps of the published cases 4.1 and 4.2 it ends some 430 and 100. With the publication's
     /// 1e9 N/m it ends 528 and 529, but there the penetration is 0.15 of the springs' deformation. A step that does not
     /// converge with it is therefore done with equation (3).
     Symmetric,
