@@ -18,6 +18,7 @@ pub mod study;
 pub mod python;
 pub mod stages;
 pub mod springs;
+pub mod estimate;
 pub mod measure;
 pub mod pipeline;
 pub mod crosscheck;

@@ -17,6 +17,7 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::KILONEWTON_PER_METRE;
 
+use crate::estimate::{Budget, Estimate, Work};
 use crate::measure::{Stopwatch, begin};
 use crate::output::{OutputFolder, to_json};
 use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
@@ -64,6 +65,8 @@ pub struct Pipeline<'a> {
     interpreter: Option<&'a Path>,
     monitor: &'a dyn Monitor,
     measured: Measured,
+    budget: Budget,
+    show: Option<&'a dyn Fn(&Estimate)>,
 }
 
 /// A history and what belongs to it.
@@ -89,7 +92,14 @@ impl<'a> Pipeline<'a> {
     ) -> Self {
         let earlier = folder.read_json::<Measured>(MEASURED, "run").map(|m| m.stages).unwrap_or_default();
         let measured = Measured { stages: earlier, ..begin() };
-        Self { study, folder, results: Results::new(folder), interpreter, monitor, measured }
+        let results = Results::new(folder);
+        Self { study, folder, results, interpreter, monitor, measured, budget: Budget::default(), show: None }
+    }
+
+    /// Keeps to `budget` and shows what is expected before it is taken.
+    #[must_use]
+    pub fn within(self, budget: Budget, show: Option<&'a dyn Fn(&Estimate)>) -> Self {
+        Self { budget, show, ..self }
     }
 
     /// All stages, each anew; the verdict.
@@ -101,7 +111,7 @@ impl<'a> Pipeline<'a> {
         self.measured.stages.clear();
         let geometry = stages::geometry(self.study)?;
         stages::check_loads(self.study, &geometry)?;
-        let meshes = self.mesh_stage(&geometry)?;
+        let meshes = self.mesh_stage(&geometry, &Work::of(self.study, true, true))?;
         let calibration = self.calibrate_stage(&geometry, &meshes)?;
         let springs = springs::own(self.study, &calibration.stiffness)?;
         let mut runs = Vec::new();
@@ -123,7 +133,7 @@ impl<'a> Pipeline<'a> {
     pub fn calibrate(mut self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
         stages::check_loads(self.study, &geometry)?;
-        let meshes = self.mesh_stage(&geometry)?;
+        let meshes = self.mesh_stage(&geometry, &Work::of(self.study, true, false))?;
         self.calibrate_stage(&geometry, &meshes)?;
         Ok(())
     }
@@ -179,7 +189,7 @@ impl<'a> Pipeline<'a> {
                     Err(_) => {
                         if solid_model.is_none() {
                             let geometry = stages::geometry(self.study)?;
-                            let meshes = self.mesh_stage(&geometry)?;
+                            let meshes = self.mesh_stage(&geometry, &Work::of(self.study, false, true))?;
                             solid_model = Some((geometry, meshes));
                         }
                         let (geometry, meshes) = solid_model.as_ref().expect("made above");
@@ -248,9 +258,15 @@ impl<'a> Pipeline<'a> {
         self.folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
     }
 
-    fn mesh_stage(&mut self, geometry: &Geometry) -> Result<Meshes> {
+    /// Meshes for `work`, which must be within the budget.
+    fn mesh_stage(&mut self, geometry: &Geometry, work: &Work) -> Result<Meshes> {
         let watch = Stopwatch::start();
+        self.budget.check_sizes(self.study, geometry, work)?;
         let meshes = stages::meshes(self.study, geometry, self.interpreter, self.monitor)?;
+        let estimate = self.budget.check(self.study, geometry, &meshes, work)?;
+        if let Some(show) = self.show {
+            show(&estimate);
+        }
         // Kept until there is a result: a study that is refused later leaves no file behind.
         self.measured.note(watch.stop("meshes"));
         Ok(meshes)

@@ -63,17 +63,24 @@ impl Blocks {
         Self { width, heights, lower: block(heights[0], lower), upper: upside_down(block(heights[1], upper)) }
     }
 
-    fn press(&self, load: f64, friction: f64) -> (ContactPoints, Solution) {
+    /// Presses the blocks; `plant` changes the weights between pairing and solution.
+    fn press(
+        &self,
+        load: f64,
+        friction: f64,
+        plant: impl Fn(&mut ContactPoints),
+    ) -> (ContactPoints, Solution) {
         // without lateral contraction a block on a held foot carries a uniform uniaxial stress exactly
         let material = Material { poisson: 0.0, ..Material::STEEL };
         let (lower, upper) = (condensed(&self.lower, material), condensed(&self.upper, material));
         let curve = straight(self.width);
         let surface = |grid| Surface::extruded(&curve, grid);
-        let points = pair(
+        let mut points = pair(
             &surface(&self.lower.contact),
             &surface(&self.upper.contact),
             PairingLimits { largest_gap: 1e-3 },
         );
+        plant(&mut points);
         let directions = if friction > 0.0 { 3 } else { 1 };
         let compliance = total(
             &[
@@ -106,7 +113,7 @@ fn patch_test_on_non_matching_meshes() {
     let blocks = Blocks::new([5, 4, 3], [7, 6, 2]);
     let (load, area) = (40e3, 0.02 * 0.02);
     for friction in [0.0, 0.5] {
-        let (points, solution) = blocks.press(load, friction);
+        let (points, solution) = blocks.press(load, friction, |_| ());
         let worst = spread(&points, &solution, load / area);
         assert!(worst < PATCH, "friction {friction}: pressure differs by {worst:e}");
         let exact = load * (blocks.heights[0] + blocks.heights[1]) / (Material::STEEL.young * area);
@@ -114,13 +121,36 @@ fn patch_test_on_non_matching_meshes() {
     }
 }
 
-/// The patch test can fail: with a weight of one node disturbed by 1 % the pressure is no longer uniform.
+/// An error planted in the weights of a pairing.
+type Planted = fn(&mut ContactPoints);
+
+/// Source: the patch test above. Goal: it can fail. One weight of one node of either surface off by 1 %, or one gap by a
+/// millionth of the displacement, and the solution with it has a pressure that is not uniform: by more than a thousand
+/// times PATCH for a weight, and by more than PATCH for the gap.
 #[test]
 fn a_wrong_weight_fails_the_patch_test() {
+    /// The weight is a quarter to a half of its point's; its 1 % comes back in the pressure around it.
+    const SEEN: f64 = 1e3 * PATCH;
+    macro_rules! one_percent_more {
+        ($weight:expr) => {{
+            $weight.scalar *= 1.01;
+            $weight.normal *= 1.01;
+        }};
+    }
     let blocks = Blocks::new([5, 4, 3], [7, 6, 2]);
-    let (mut points, solution) = blocks.press(40e3, 0.0);
-    points.area[3] *= 1.01;
-    assert!(spread(&points, &solution, 40e3 / 4e-4) > PATCH);
+    let load = 40e3;
+    let planted: [(Planted, f64); 3] = [
+        (|points| one_percent_more!(points.base[3][0]), SEEN),
+        (|points| one_percent_more!(points.opposing[3][0]), SEEN),
+        (|points| points.gap[3] += 1e-11, PATCH),
+    ];
+    for friction in [0.0, 0.5] {
+        for (k, (plant, seen)) in planted.iter().enumerate() {
+            let (points, solution) = blocks.press(load, friction, plant);
+            let worst = spread(&points, &solution, load / 4e-4);
+            assert!(worst > *seen && worst.is_finite(), "friction {friction}, error {k}: {worst:e}");
+        }
+    }
 }
 
 /// A rigid-plane approach of two bodies whose gap is x²/2Rx + s²/2Rs, on half-spaces.

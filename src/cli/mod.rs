@@ -17,6 +17,7 @@ use railspring_calibrate::history::Ending;
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
 use crate::crosscheck::{Settings, crosscheck, export};
+use crate::estimate::{self, Budget, Estimate, Work};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT};
 use crate::records::crosscheck::CrosscheckRecord;
@@ -111,6 +112,26 @@ struct StudyArgs {
     /// the cache folder
     #[arg(long, value_name = "PATH")]
     python: Option<PathBuf>,
+    /// Refuse what is expected to need more memory, GiB; left out, what the machine has available
+    #[arg(long, value_name = "GIB", value_parser = positive)]
+    memory_limit: Option<f64>,
+    /// Say what `run`, `calibrate` or `verify` would need, and stop
+    #[arg(long)]
+    dry_run: bool,
+}
+
+impl StudyArgs {
+    fn budget(&self) -> Budget {
+        Budget::new(self.memory_limit)
+    }
+}
+
+/// A positive number.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a positive number".into()),
+    }
 }
 
 /// A judge besides the reference.
@@ -203,6 +224,9 @@ fn staged(
     study: &Study,
     law: Option<&std::path::Path>,
 ) -> Result<bool, Error> {
+    if args.dry_run {
+        return dry_run(command, args, study).map(|()| true);
+    }
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
     let makes_its_own = matches!(
         command,
@@ -225,7 +249,8 @@ fn staged(
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
     let python = args.python.as_deref();
-    let pipeline = Pipeline::new(study, &folder, python, &progress);
+    let show = |estimate: &Estimate| progress.note(&estimate.text());
+    let pipeline = Pipeline::new(study, &folder, python, &progress).within(args.budget(), Some(&show));
     let mut verdict = None;
     let holds = match command {
         Command::Run(_) => verdict.insert(pipeline.run()?).holds,
@@ -270,6 +295,26 @@ fn staged(
         }
     }
     Ok(holds)
+}
+
+/// Says what a command would need.
+fn dry_run(command: &Command, args: &StudyArgs, study: &Study) -> Result<(), Error> {
+    let work = match command {
+        Command::Run(_) => Work::of(study, true, true),
+        Command::Calibrate(_) => Work::of(study, true, false),
+        Command::Verify(_) => Work::of(study, false, true),
+        _ => {
+            let expected = "one of the commands `run`, `calibrate` and `verify`";
+            return Err(InputError::new("--dry-run", "given", expected, "leave it out").into());
+        }
+    };
+    let progress = Progress::new(args.quiet);
+    let estimate = estimate::dry_run(study, &work, args.budget(), args.python.as_deref(), &progress)?;
+    progress.finish();
+    if !args.quiet {
+        say(&estimate.text())?;
+    }
+    Ok(())
 }
 
 /// The lines of the verdict, what could not be compared and what has to be known.

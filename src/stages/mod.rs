@@ -21,7 +21,7 @@ use std::path::Path;
 
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
-use railspring_calibrate::contact::Surface;
+use railspring_calibrate::contact::{PairingLimits, Surface, pair};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Monitor;
@@ -104,6 +104,13 @@ impl Geometry {
             }
         }
         weights
+    }
+
+    /// Number of contact points whose gap is smaller than `largest_gap` (m) with the wheel lowered from first touch, m.
+    pub fn candidates(&self, meshes: &Meshes, lowering: f64, largest_gap: f64) -> usize {
+        let mut wheel = self.wheel_surface(&meshes.wheel);
+        wheel.origin.y += lowering;
+        pair(&self.rail_surface(&meshes.rail), &wheel, PairingLimits { largest_gap }).len()
     }
 
     fn rail_surface<'a>(&'a self, mesh: &'a HexMesh) -> Surface<'a> {
@@ -213,7 +220,7 @@ impl Meshes {
 
 /// The study's mesh; a worn flange is steeper and touches deeper, so beside measured profiles the fine zones go
 /// on further down the two faces.
-fn mesh_options(study: &Study) -> MeshOptions {
+pub fn mesh_options(study: &Study) -> MeshOptions {
     const DEEPER: f64 = 6e-3;
     let mut options = study.mesh.clone();
     if study.rail.measured.is_some() || study.wheel.measured.is_some() {

@@ -2,8 +2,8 @@
 
 use nalgebra::Point2;
 
-use super::section_mesh::{SectionOutline, SurfacePoint, mesh_section};
-use super::sweep::{extrude, graded, revolve};
+use super::section_mesh::{SectionMesh, SectionOutline, SurfacePoint, mesh_section};
+use super::sweep::{extrude, graded, in_window, revolve};
 use super::{FineZone, HexMesh, MeshOptions};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
@@ -17,6 +17,52 @@ const CURVE_STEP: f64 = 2.5e-4;
 /// A node this near (m) to the foot's plane or the bore lies on it.
 const ON_SURFACE: f64 = 1e-6;
 
+/// Numbers of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeshSize {
+    /// Nodes.
+    pub nodes: usize,
+    /// Hexahedra.
+    pub hexes: usize,
+    /// Nodes at which contact can take place.
+    pub contact: usize,
+}
+
+impl MeshSize {
+    /// Size of a mesh that is there.
+    pub fn of(mesh: &HexMesh) -> Self {
+        Self { nodes: mesh.nodes.len(), hexes: mesh.hexes.len(), contact: mesh.contact.nodes.len() }
+    }
+}
+
+/// Size of the mesh that [`mesh_rail`] makes, from its section and its layers alone.
+///
+/// # Errors
+/// As [`mesh_rail`].
+pub fn rail_size(section: &RailSection, length: f64, options: &MeshOptions) -> Result<MeshSize> {
+    let plane = rail_section_mesh(section, length, options)?;
+    let x = rail_layers(length, options);
+    Ok(MeshSize {
+        nodes: plane.nodes.len() * x.len(),
+        hexes: plane.quads.len() * (x.len() - 1),
+        contact: plane.contact.len() * in_window(&x, options.window_half_length).count(),
+    })
+}
+
+/// Size of the mesh that [`mesh_wheel`] makes, from its section and its layers alone.
+///
+/// # Errors
+/// As [`mesh_wheel`].
+pub fn wheel_size(section: &WheelSection, options: &MeshOptions) -> Result<MeshSize> {
+    let plane = wheel_section_mesh(section, options)?;
+    let theta = wheel_layers(section.radius, options);
+    Ok(MeshSize {
+        nodes: plane.nodes.len() * theta.len(),
+        hexes: plane.quads.len() * theta.len(),
+        contact: plane.contact.len() * in_window(&theta, options.window_half_length / section.radius).count(),
+    })
+}
+
 /// Meshes a rail in the world frame, from `-length / 2` to `length / 2` along x.
 ///
 /// # Errors
@@ -27,15 +73,22 @@ pub fn mesh_rail(
     length: f64,
     options: &MeshOptions,
 ) -> Result<HexMesh> {
-    options.check()?;
-    check_rail_window(length, options)?;
-    let mut mesh =
-        mesh_section(&rail_outline(section, options)?, &options.sizes(options.rail_section_element))?;
+    let mut mesh = rail_section_mesh(section, length, options)?;
     let foot = on_line(&mesh.boundary, &mesh.nodes, section.height);
     mesh.nodes.iter_mut().for_each(|p| *p = placed.to_world(p));
+    Ok(extrude(&mesh, &rail_layers(length, options), options.window_half_length, &foot))
+}
+
+fn rail_section_mesh(section: &RailSection, length: f64, options: &MeshOptions) -> Result<SectionMesh> {
+    options.check()?;
+    check_rail_window(length, options)?;
+    mesh_section(&rail_outline(section, options)?, &options.sizes(options.rail_section_element))
+}
+
+/// Positions of the layers of nodes along x.
+fn rail_layers(length: f64, options: &MeshOptions) -> Vec<f64> {
     let half = half_positions(options, 0.5 * length, options.rail_length_element);
-    let x: Vec<f64> = half.iter().skip(1).rev().map(|v| -v).chain(half.iter().copied()).collect();
-    Ok(extrude(&mesh, &x, options.window_half_length, &foot))
+    half.iter().skip(1).rev().map(|v| -v).chain(half.iter().copied()).collect()
 }
 
 /// Meshes a wheel, the full revolution, in its body frame: origin at the hub
@@ -45,16 +98,23 @@ pub fn mesh_rail(
 /// # Errors
 /// When an option is out of range, or the section cannot be meshed.
 pub fn mesh_wheel(section: &WheelSection, options: &MeshOptions) -> Result<HexMesh> {
+    let mesh = wheel_section_mesh(section, options)?;
+    let bore = on_line(&mesh.boundary, &mesh.nodes, section.bore_radius - section.radius);
+    let theta = wheel_layers(section.radius, options);
+    Ok(revolve(&mesh, section.radius, &theta, options.window_half_length / section.radius, &bore))
+}
+
+fn wheel_section_mesh(section: &WheelSection, options: &MeshOptions) -> Result<SectionMesh> {
     options.check()?;
     check_wheel_window(section.radius, options)?;
-    let mesh =
-        mesh_section(&wheel_outline(section, options)?, &options.sizes(options.wheel_section_element))?;
-    let bore = on_line(&mesh.boundary, &mesh.nodes, section.bore_radius - section.radius);
-    // Half around, as arc length at the tape circle; the far end is one layer of nodes.
-    let half = half_positions(options, std::f64::consts::PI * section.radius, options.wheel_arc_element);
+    mesh_section(&wheel_outline(section, options)?, &options.sizes(options.wheel_section_element))
+}
+
+/// Angles of the layers of nodes. Half around, as arc length at the tape circle; the far end is one layer of nodes.
+fn wheel_layers(radius: f64, options: &MeshOptions) -> Vec<f64> {
+    let half = half_positions(options, std::f64::consts::PI * radius, options.wheel_arc_element);
     let other = half[1..half.len() - 1].iter().rev().map(|v| -v);
-    let theta: Vec<f64> = other.chain(half.iter().copied()).map(|arc| arc / section.radius).collect();
-    Ok(revolve(&mesh, section.radius, &theta, options.window_half_length / section.radius, &bore))
+    other.chain(half.iter().copied()).map(|arc| arc / radius).collect()
 }
 
 /// Refuses a contact window longer than the rail.
@@ -287,6 +347,25 @@ mod tests {
         let layers = mesh.nodes.len() / plane.nodes.len();
         let faces = plane.boundary.len() * (layers - 1) + 2 * plane.quads.len();
         assert_conforming(&mesh, faces);
+    }
+
+    /// Goal: the numbers that are counted are those of the meshes, for the default sizes and others.
+    #[test]
+    fn the_sizes_are_those_of_the_meshes() {
+        let coarse = MeshOptions {
+            contact_element: 5e-3,
+            contact_element_along: 4e-3,
+            window_half_length: 17e-3,
+            ..MeshOptions::default()
+        };
+        let (section, placed, _) = rail();
+        let round = wheel_section("S1002", 0.858).unwrap();
+        for options in [MeshOptions::default(), coarse] {
+            let mesh = mesh_rail(&section, &placed, LENGTH, &options).unwrap();
+            assert_eq!(rail_size(&section, LENGTH, &options).unwrap(), MeshSize::of(&mesh));
+            let mesh = mesh_wheel(&round, &options).unwrap();
+            assert_eq!(wheel_size(&round, &options).unwrap(), MeshSize::of(&mesh));
+        }
     }
 
     #[test]

@@ -36,7 +36,7 @@ mod triangulation;
 mod vtu;
 
 pub use block::{BlockOptions, mesh_block};
-pub use bodies::{mesh_rail, mesh_wheel, rail_outline, wheel_outline};
+pub use bodies::{MeshSize, mesh_rail, mesh_wheel, rail_outline, rail_size, wheel_outline, wheel_size};
 pub use given::{GivenMesh, given_rail, given_wheel};
 pub(crate) use quality::CORNERS;
 pub use quality::{Quality, quality};

@@ -111,14 +111,18 @@ fn hexes(mesh: &SectionMesh, layout: SweepLayout) -> Vec<[usize; 8]> {
 
 /// Surface nodes of the layers whose position lies within the window.
 fn contact_grid(mesh: &SectionMesh, positions: &[f64], half: f64) -> SurfaceGrid {
-    let inside: Vec<usize> =
-        (0..positions.len()).filter(|&l| positions[l].abs() <= half * (1.0 + 1e-9)).collect();
+    let inside: Vec<usize> = in_window(positions, half).collect();
     let count = mesh.nodes.len();
     SurfaceGrid {
         along_profile: mesh.contact_s.clone(),
         along_track: inside.iter().map(|&l| positions[l]).collect(),
         nodes: mesh.contact.iter().flat_map(|&j| inside.iter().map(move |&l| l * count + j)).collect(),
     }
+}
+
+/// Layers within `half` of the middle of the contact window.
+pub(super) fn in_window(positions: &[f64], half: f64) -> impl Iterator<Item = usize> {
+    (0..positions.len()).filter(move |&l| positions[l].abs() <= half * (1.0 + 1e-9))
 }
 
 /// Nodes of the section in every layer, in increasing order.

@@ -89,6 +89,11 @@ impl Numbering {
         Some(self.master_equation[motion]).filter(|&e| e != HELD)
     }
 
+    /// Place of a node in the order of elimination; none for nodes that are held or follow the master.
+    pub fn place(&self, node: usize) -> Option<usize> {
+        (!self.follower[node] && self.first[node] != HELD).then(|| self.first[node] / 3)
+    }
+
     /// The terms whose sum is the displacement of `node` at `position` in `direction`; at most three.
     pub fn terms(&self, node: usize, position: &Point3<f64>, direction: usize) -> ([Term; 3], usize) {
         let mut terms = [(0, 0.0); 3];

@@ -5,8 +5,10 @@
 //! complement, and `(L_rr·L_rrᵀ)⁻¹` is the exact compliance there.
 
 mod factor;
+mod size;
 
 pub use factor::Factor;
+pub use size::FactorSize;
 
 use crate::error::Result;
 use crate::solid::System;
