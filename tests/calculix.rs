@@ -1,7 +1,7 @@
 //! The deck for other programs, CalculiX on it, and studies that no judge can be asked about.
 //!
 //! CalculiX (`ccx` on the path; Debian: `calculix-ccx`) is not needed to build or use the tool; without it the second
-//! test says so and is skipped. The long comparison is `cargo validate-calculix`.
+//! test is counted as skipped. The long comparison is `cargo validate-calculix`.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -11,6 +11,7 @@ use railspring::crosscheck::{Prepared, calculix, prepare};
 use railspring::stages::{AnsweredCurve, calibrate};
 use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
+use railspring_testing::{Need, needs};
 
 fn study() -> &'static Study {
     static STUDY: OnceLock<Study> = OnceLock::new();
@@ -67,10 +68,11 @@ fn calculix_finds_the_load() {
     /// Half of one node's share of the area, times the half of the compliance that is local, of five nodes.
     const DISCRETISATION: f64 = 0.05;
     const LOAD: f64 = 60e3;
-    let Ok((program, _)) = calculix::version() else {
-        eprintln!("skipped: CalculiX (ccx) is not installed");
+    let version = calculix::version();
+    if !needs(Need::Calculix, "CalculiX (ccx)", version.is_ok()) {
         return;
-    };
+    }
+    let (program, _) = version.unwrap();
     let AnsweredCurve { points, .. } = &prepared().answers.faceted;
     let point = points.iter().find(|p| p.force == LOAD).unwrap();
     let root = tempfile::tempdir().unwrap();

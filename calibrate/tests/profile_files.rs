@@ -1,8 +1,6 @@
 //! Profile files: the benchmark's files against the standard profiles' definitions, measured heads on standard
 //! sections, and meshes of these.
 
-use std::path::PathBuf;
-
 use nalgebra::{Point2, Rotation2};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel, quality};
 use railspring_calibrate::placement::{TrackGeometry, place_rail};
@@ -21,14 +19,7 @@ const UM: f64 = 1e-6;
 
 /// The file of the shared facts, or a note and nothing where it is absent.
 fn facts(path: &str) -> Option<Vec<u8>> {
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
-    let path = root.join(path);
-    let bytes = std::fs::read(&path).ok();
-    if bytes.is_none() {
-        println!("skipped: {} is not there", path.display());
-    }
-    bytes
+    railspring_testing::facts(path).map(|file| std::fs::read(file).unwrap())
 }
 
 fn benchmark(name: &str) -> Option<MeasuredProfile> {

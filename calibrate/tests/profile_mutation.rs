@@ -2,7 +2,6 @@
 //!
 //! A few hundred cases run by default, and 10,000 with `cargo mutate`.
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
@@ -18,13 +17,10 @@ const HANGS: Duration = Duration::from_secs(10);
 
 /// The files that are mutated: the benchmark's where they are, and our own in every format.
 fn seeds() -> Vec<(String, Vec<u8>)> {
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
     let mut seeds = Vec::new();
     for name in ["MBench_S1002_v3.prw", "MBench_UIC60_v3.prr", "MBench_UIC60_v3.ban"] {
-        match std::fs::read(root.join("contact").join(name)) {
-            Ok(bytes) => seeds.push((name.to_owned(), bytes)),
-            Err(_) => println!("skipped: {name} is not there"),
+        if let Some(file) = railspring_testing::facts(&format!("contact/{name}")) {
+            seeds.push((name.to_owned(), std::fs::read(file).unwrap()));
         }
     }
     let rail = rail_section("60E1").unwrap().running;

@@ -1,31 +1,19 @@
 //! Profile curves against closed solutions, and the standard profiles against their definitions.
 
 use std::f64::consts::PI;
-use std::path::PathBuf;
 
 use nalgebra::{Point2, Rotation2, Vector2};
 use railspring_calibrate::error::Error;
 use railspring_calibrate::profile::rails::{RAIL_NAMES, rail_outline, running_curve};
 use railspring_calibrate::profile::wheels::{Flange, wheel_profile, wheel_profile_with_flange};
 use railspring_calibrate::profile::{ProfileCurve, Segment};
+use railspring_testing::facts_text as facts;
 
 /// ROUNDOFF: some hundred operations on coordinates below 1 m.
 const ROUNDOFF: f64 = 1e-13;
 /// DISCRETISATION: the spline through samples of a standard; the quintic remainder h⁴κ³/384 of 0.2 mm steps on
 /// R12 is 2e-12 m.
 const DISCRETISATION: f64 = 1e-11;
-
-/// The file of the shared facts, or a note and nothing where it is absent.
-fn facts(path: &str) -> Option<String> {
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
-    let path = root.join(path);
-    let text = std::fs::read_to_string(&path).ok();
-    if text.is_none() {
-        println!("skipped: {} is not there", path.display());
-    }
-    text
-}
 
 /// Numbers between 0 and 1 that fill the interval evenly (additive golden-ratio sequence).
 fn spread(n: usize) -> impl Iterator<Item = f64> {

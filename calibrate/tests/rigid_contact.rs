@@ -1,24 +1,12 @@
 //! Rigid contact of wheelsets against independent tables.
 
-use std::path::PathBuf;
-
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::placement::{PlacedRail, TrackGeometry, place_rail, touch};
 use railspring_calibrate::profile::wheels::wheel_profile;
 use railspring_calibrate::profile::{ProfileCurve, Segment};
 use railspring_calibrate::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset, WheelsetPosition};
 use railspring_calibrate::section::rail_section;
-
-fn facts(path: &str) -> Option<String> {
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
-    let file = root.join(path);
-    let text = std::fs::read_to_string(&file).ok();
-    if text.is_none() {
-        println!("skipped: {} is not there", file.display());
-    }
-    text
-}
+use railspring_testing::facts_text as facts;
 
 fn rows(table: &str) -> impl Iterator<Item = Vec<&str>> {
     table.lines().filter(|l| !l.starts_with('#')).skip(1).map(|l| l.split(',').collect())

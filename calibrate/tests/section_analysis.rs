@@ -1,6 +1,5 @@
 //! Section properties of the standard rails against published and independently computed ones.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use railspring_calibrate::section::rail_section;
@@ -16,13 +15,7 @@ const DISCRETISATION: f64 = 3e-3;
 /// constant (cm⁶) and shear coefficients. Goal: 60E1, 60E2, 54E1. Accuracy: 0.1 %, and 0.3 %.
 #[test]
 fn rails_have_the_published_properties() {
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
-    let path = root.join("geometry/rail_section_properties.csv");
-    let Ok(table) = std::fs::read_to_string(&path) else {
-        println!("skipped: {} is not there", path.display());
-        return;
-    };
+    let Some(table) = railspring_testing::facts_text("geometry/rail_section_properties.csv") else { return };
     let mut compared = 0;
     for name in ["60E1", "60E2", "54E1"] {
         let start = Instant::now();

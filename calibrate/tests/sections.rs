@@ -1,7 +1,5 @@
 //! The wheel section against an independent polygon of the same generic body.
 
-use std::path::PathBuf;
-
 use nalgebra::Point2;
 use railspring_calibrate::profile::Segment;
 use railspring_calibrate::section::wheel_section;
@@ -25,11 +23,7 @@ fn distance(segment: &Segment, p: &Point2<f64>) -> f64 {
 fn polygon_of_the_860_wheel_lies_on_the_outline() {
     const ROUNDED: f64 = 0.1e-6;
     const MODEL: f64 = 31e-6;
-    let root = std::env::var_os("RAILSPRING_FACTS")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/facts"), PathBuf::from);
-    let path = root.join("geometry/wheel_generic_straight_860.csv");
-    let Ok(table) = std::fs::read_to_string(&path) else {
-        println!("skipped: {} is not there", path.display());
+    let Some(table) = railspring_testing::facts_text("geometry/wheel_generic_straight_860.csv") else {
         return;
     };
     let wheel = wheel_section("S1002", 0.860).unwrap();
