@@ -139,6 +139,10 @@ fn direction(state: &State, modes: &[PointMode]) -> Option<Step> {
     }
     // separations once the open points have lost their forces
     let lost = state.motion(&forces, &vec![0.0; k]);
+    if m == 0 {
+        // the surfaces part: nothing to solve
+        return Some(Step { forces, hub: Vec::new(), separation: lost });
+    }
     let mut matrix = DMatrix::zeros(m + k, m + k);
     let mut rhs = DVector::zeros(m + k);
     for (r, &row) in rows.iter().enumerate() {
