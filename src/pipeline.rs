@@ -33,6 +33,8 @@ use crate::stages::{self, Calibration, Fields, Geometry, Meshes};
 use crate::study::{Study, StudyScenario};
 use crate::verify::{self, Kind, Line};
 
+use stored::Stored;
+
 /// The laws and the horizontal stiffness.
 pub const STIFFNESS: &str = "stiffness.json";
 /// The calibrated load curve with the reference in use.
@@ -208,7 +210,7 @@ impl<'a> Pipeline<'a> {
     /// Files that are missing or were made from other inputs: all of them in one message.
     pub fn report(mut self) -> Result<()> {
         let geometry = stages::geometry(self.study)?;
-        let (calibration, runs, verdict) = self.stored_results()?;
+        let Stored { calibration, runs, verdict } = self.stored_results()?;
         self.report_stage(&geometry, &calibration, &runs, &verdict)
     }
 

@@ -233,7 +233,8 @@ fn separation_lines(separations: &Both<Vec<Separation>>, limits: &Limits) -> (Ve
         Line::check(quantity, meaning, Kind::Verification, unit, Some(value), limit)
     };
     let (mut lines, mut not_applicable) = (Vec::new(), Vec::new());
-    let times: [(&str, &str, fn(&Separation) -> f64, f64); 2] = [
+    type Time = fn(&Separation) -> f64;
+    let times: [(&str, &str, Time, f64); 2] = [
         (
             "separation_begin_s",
             "Separation begins, largest difference",

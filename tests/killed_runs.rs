@@ -133,16 +133,16 @@ fn a_killed_run_leaves_no_mixture() {
         child.wait().unwrap();
         for which in 0..2 {
             for name in ["report", "verify"] {
-                let judged = root.join("copy");
-                let _ = std::fs::remove_dir_all(&judged);
-                copy(&out, &judged);
-                let took = done(&command(root, name, which, &judged).output().unwrap());
+                let later = root.join("copy");
+                let _ = std::fs::remove_dir_all(&later);
+                copy(&out, &later);
+                let took = done(&command(root, name, which, &later).output().unwrap());
                 *used.entry((name, which, took)).or_insert(0) += 1;
                 if took {
                     if name == "verify" {
-                        assert!(done(&command(root, "report", which, &judged).output().unwrap()));
+                        assert!(done(&command(root, "report", which, &later).output().unwrap()));
                     }
-                    for (file, content) in results(&judged) {
+                    for (file, content) in results(&later) {
                         assert!(
                             content == clean[which][&file],
                             "kill {kill}: {name} of study {which} uses another {file}"

@@ -17,6 +17,13 @@ use crate::study::{Study, StudyScenario};
 /// so that a time after a million steps is right to a hundred-thousandth of a step.
 const OTHER_STEP: f64 = 1e-3;
 
+/// What the report needs.
+pub(super) struct Stored {
+    pub calibration: Calibration,
+    pub runs: Vec<(String, Runs)>,
+    pub verdict: VerificationRecord,
+}
+
 impl Pipeline<'_> {
     /// The folder's springs, if they were calibrated from this study's inputs.
     pub(super) fn stored_stiffness(&self) -> Result<StiffnessRecord> {
@@ -118,8 +125,7 @@ impl Pipeline<'_> {
     ///
     /// # Errors
     /// [`InputError`] that names every missing or stale file, and the commands that make them.
-    #[allow(clippy::type_complexity)]
-    pub(super) fn stored_results(&self) -> Result<(Calibration, Vec<(String, Runs)>, VerificationRecord)> {
+    pub(super) fn stored_results(&self) -> Result<Stored> {
         let mut faults = Faults::default();
         let stiffness = faults.note("calibrate", self.stored_stiffness());
         let load_curve = faults.note("calibrate", self.stored_load_curve());
@@ -142,7 +148,8 @@ impl Pipeline<'_> {
         let verdict = faults.note("verify", self.stored_verdict(any_calibrated));
         match (stiffness, load_curve, verdict) {
             (Some(stiffness), Some(load_curve), Some(verdict)) if faults.is_empty() => {
-                Ok((Calibration { stiffness, load_curve, horizontal_failure: None }, runs, verdict))
+                let calibration = Calibration { stiffness, load_curve, horizontal_failure: None };
+                Ok(Stored { calibration, runs, verdict })
             }
             _ => Err(faults.error(self.study)),
         }

@@ -52,7 +52,7 @@ fn a_law_written_by_hand_is_checked() {
     let study = study("");
     let minimal = LAW.replace(", \"reference\": \"beam\", \"range_kn\": [1, 150]", "");
     let record = read(&study, &minimal).unwrap();
-    assert_eq!(record.notes.len(), 3, "reference, pair and range are unknown: {:?}", record.notes);
+    assert_eq!(record.notes.len(), 4, "reference, pair and range are unknown, the beam is plain: {:?}", record.notes);
     assert!(matches!(&record.source, SpringsSource::File { name, .. } if name.ends_with("law.json")));
     // Mass of the generic wheel, kg: that of its section, and the file's if it says one.
     assert!((200.0..400.0).contains(&record.wheel_mass_kg), "{}", record.wheel_mass_kg);
@@ -111,7 +111,8 @@ fn another_reference_and_another_pair_need_the_studys_word() {
     assert!(text.contains("pair = 60E1 and S1002") && text.contains("[\"another-pair\"]"), "{text}");
     assert!(read(&accepting, &json(&record)).unwrap().notes[0].contains("another pair"));
     record.pair = plain.pair();
-    assert!(read(&plain, &json(&record)).unwrap().notes.is_empty());
+    let own_pair = read(&plain, &json(&record)).unwrap().notes;
+    assert!(own_pair.len() == 1 && own_pair[0].contains("beam is not corrected"), "{own_pair:?}");
     // The study's own calibration under another name is no other law.
     record.input_hash = plain.keys.calibration.clone();
     assert_eq!(read(&plain, &json(&record)).unwrap(), own(&plain, &record).unwrap());
