@@ -52,7 +52,12 @@ fn a_law_written_by_hand_is_checked() {
     let study = study("");
     let minimal = LAW.replace(", \"reference\": \"beam\", \"range_kn\": [1, 150]", "");
     let record = read(&study, &minimal).unwrap();
-    assert_eq!(record.notes.len(), 4, "reference, pair and range are unknown, the beam is plain: {:?}", record.notes);
+    assert_eq!(
+        record.notes.len(),
+        4,
+        "reference, pair and range are unknown, the beam is plain: {:?}",
+        record.notes
+    );
     assert!(matches!(&record.source, SpringsSource::File { name, .. } if name.ends_with("law.json")));
     // Mass of the generic wheel, kg: that of its section, and the file's if it says one.
     assert!((200.0..400.0).contains(&record.wheel_mass_kg), "{}", record.wheel_mass_kg);
