@@ -6,6 +6,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::input;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -191,6 +192,9 @@ pub fn to_json(value: &impl Serialize) -> Vec<u8> {
     text
 }
 
+/// Largest file of an earlier stage that is read, bytes.
+const LARGEST: u64 = 4 << 30;
+
 /// Reads a JSON file.
 ///
 /// # Errors
@@ -221,7 +225,7 @@ pub fn parse_json<T: DeserializeOwned>(path: &Path, text: &str, made_by: &str) -
 /// # Errors
 /// [`InputError`] whose key is the path, if the file cannot be read.
 pub fn read_text(path: &Path, made_by: &str) -> Result<String> {
-    std::fs::read_to_string(path).map_err(|cause| {
+    input::read_text(path, LARGEST).map_err(|cause| {
         InputError::new(
             path.display().to_string(),
             cause,

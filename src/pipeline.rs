@@ -111,7 +111,7 @@ impl<'a> Pipeline<'a> {
     pub fn run(mut self) -> Result<VerificationRecord> {
         springs::check_reference(self.study)?;
         self.measured.stages.clear();
-        let geometry = stages::geometry(self.study)?;
+        let geometry = self.geometry()?;
         stages::check_loads(self.study, &geometry)?;
         let meshes = self.mesh_stage(&geometry, &Work::of(self.study, true, true))?;
         let calibration = self.calibrate_stage(&geometry, &meshes)?;
@@ -128,12 +128,19 @@ impl<'a> Pipeline<'a> {
         Ok(verdict)
     }
 
+    /// Sections and first touch; what was done to measured profiles is said.
+    fn geometry(&self) -> Result<Geometry> {
+        let geometry = stages::geometry(self.study)?;
+        stages::repairs(&geometry.profiles).iter().for_each(|line| self.monitor.notice(line));
+        Ok(geometry)
+    }
+
     /// Calibration alone: `stiffness.json`, `load_curve.csv` and the VTU files.
     ///
     /// # Errors
     /// Those of the stage.
     pub fn calibrate(mut self) -> Result<()> {
-        let geometry = stages::geometry(self.study)?;
+        let geometry = self.geometry()?;
         stages::check_loads(self.study, &geometry)?;
         let meshes = self.mesh_stage(&geometry, &Work::of(self.study, true, false))?;
         self.calibrate_stage(&geometry, &meshes)?;
@@ -145,7 +152,7 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// Those of the stage.
     pub fn mesh(self) -> Result<()> {
-        let geometry = stages::geometry(self.study)?;
+        let geometry = self.geometry()?;
         let meshes = stages::meshes(self.study, &geometry, self.interpreter, self.monitor)?;
         let key = hash(format!("mesh {}", self.study.keys.calibration).as_bytes());
         let files = [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")]

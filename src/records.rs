@@ -308,7 +308,7 @@ pub struct FindingRecord {
     pub value: Option<f64>,
     /// Unit of the value.
     pub unit: Option<String>,
-    /// `noted`, `mended` or `left`.
+    /// `noted`, `repaired` or `left`.
     pub action: String,
     /// What it is and what was done, in words.
     pub text: String,

@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 use assert_cmd::Command;
+use nalgebra::Point2;
+use railspring_calibrate::profile::wheels::wheel_profile;
+use railspring_calibrate::section::rail_section;
 
 const GOOD: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n";
 
@@ -71,8 +74,27 @@ fn a_wrong_unit() {
 fn unknown_profiles() {
     refused("run", &GOOD.replace("60E1", "61E1"), &["study.toml:3: rail.profile = ", "61E1"]);
     refused("run", &GOOD.replace("S1002", "S1003"), &["study.toml:5: wheel.profile = ", "S1003"]);
+}
+
+/// Every mistake has its line; one message each, in the order of the file, and nothing is left behind.
+#[test]
+fn all_mistakes_at_once() {
     let exchanged = GOOD.replace("60E1", "?").replace("S1002", "60E1").replace('?', "S1002");
-    refused("run", &exchanged, &["study.toml:3: rail.profile = ", "S1002"]);
+    let place = Place::with_study(&format!("{exchanged}[track]\ngauge_m = 1.4\n"));
+    let output = place.run(&["run", "study.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    let text = message(&output);
+    let lines: Vec<&str> = text.lines().collect();
+    let starts = [
+        "study.toml:3: rail.profile = \"S1002\"",
+        "study.toml:5: wheel.profile = \"60E1\"",
+        "study.toml:7: track.gauge_m = 1.4",
+    ];
+    assert_eq!(lines.len(), 3, "{text}");
+    for (line, start) in lines.iter().zip(starts) {
+        assert!(line.strip_prefix("error: ").is_some_and(|line| line.starts_with(start)), "{line}");
+    }
+    assert_eq!(std::fs::read_dir(place.root.path()).unwrap().count(), 1);
 }
 
 #[test]
@@ -81,6 +103,169 @@ fn a_wheel_that_misses_the_rail() {
     for command in ["run", "calibrate", "mesh"] {
         refused(command, &study, &["study.toml:7: track.lateral_shift_mm = "]);
     }
+}
+
+/// The wheel touches, but where no mesh is fine enough for a contact: the shift is to blame and not the load.
+#[test]
+fn a_shift_beyond_the_fine_zone_speaks_of_the_shift() {
+    for shift in ["60", "40", "20", "-60"] {
+        let study = format!("{GOOD}[track]\nlateral_shift_mm = {shift}\n");
+        let start = format!("study.toml:7: track.lateral_shift_mm = {shift} mm, at which the ");
+        refused("calibrate", &study, &[&start, "in the fine zone of the mesh", "`track.lateral_shift_mm`"]);
+    }
+}
+
+/// A step in which the wheel swings several times on its contact gives no history.
+#[test]
+fn a_time_step_that_resolves_nothing() {
+    let study =
+        format!("{GOOD}[scenario.s]\nlateral_force = {{}}\nvertical_force = {{}}\ntime_step_s = 0.1\n");
+    refused(
+        "run",
+        &study,
+        &["study.toml:9: scenario.s.time_step_s = 0.1: expected a number from", "to 0.01; "],
+    );
+}
+
+/// What is no file of its own neither hangs nor fills the memory.
+#[cfg(unix)]
+#[test]
+fn devices_pipes_and_folders_are_refused() {
+    let place = Place::with_study(GOOD);
+    let made = std::process::Command::new("mkfifo").arg(place.root.path().join("pipe")).status();
+    assert!(made.unwrap().success());
+    std::fs::create_dir(place.root.path().join("folder")).unwrap();
+    for (input, said) in [
+        ("/dev/zero", "a device, a pipe or a socket"),
+        ("pipe", "a device, a pipe or a socket"),
+        ("folder", "it is a folder"),
+    ] {
+        for study in [
+            GOOD.replace("profile = \"60E1\"", &format!("profile_file = \"{input}\"\nstandard = \"60E1\"")),
+            GOOD.replace(
+                "profile = \"60E1\"",
+                &format!(
+                    "profile = \"60E1\"\nmesh_file = \"{input}\"\ncontact_surface = \"a\"\nheld_nodes = \"b\""
+                ),
+            ),
+        ] {
+            std::fs::write(place.root.path().join("study.toml"), study).unwrap();
+            let output = place.run(&["run", "study.toml"]);
+            assert_eq!(output.status.code(), Some(2));
+            assert!(message(&output).contains(said), "{input}: {}", message(&output));
+        }
+        std::fs::write(place.root.path().join("study.toml"), GOOD).unwrap();
+        for arguments in [
+            &["run", input][..],
+            &["profile", "check", input],
+            &["simulate", "study.toml", "-o", "o", "--law", input],
+        ] {
+            let output = place.run(arguments);
+            assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+            assert!(message(&output).contains(said), "{arguments:?}: {}", message(&output));
+        }
+    }
+}
+
+/// Points of a profile as columns, mm.
+fn columns(points: impl Iterator<Item = (f64, f64)>) -> String {
+    let mut text = String::from("y_mm,z_mm\n");
+    points.for_each(|(y, z)| text.push_str(&format!("{:.6},{:.6}\n", 1e3 * y, 1e3 * z)));
+    text
+}
+
+/// A head measured as it lies in the track, canted by 1:20 or 1:40, is not in the frame of its section: the message
+/// names the key that lays it there, and with it the study is taken.
+#[test]
+fn a_canted_head_is_named() {
+    let head = rail_section("60E1").unwrap().running.sample(0.5e-3);
+    for cant in [0.05_f64, 0.025] {
+        let (sin, cos) = cant.atan().sin_cos();
+        let canted = head.iter().map(|p| (cos * p.x - sin * p.y, sin * p.x + cos * p.y));
+        let study = GOOD.replace("profile = \"60E1\"", "profile_file = \"head.csv\"\nstandard = \"60E1\"");
+        let place = Place::with_study(&study);
+        std::fs::write(place.root.path().join("head.csv"), columns(canted)).unwrap();
+        let refused = place.run(&["mesh", "study.toml", "-o", "o"]);
+        assert_eq!(refused.status.code(), Some(2), "{cant}: {}", message(&refused));
+        assert!(message(&refused).contains("study.toml:3: rail.profile_file = "), "{}", message(&refused));
+        assert!(
+            message(&refused).contains("canted, needs `rail.profile_aligned` = true"),
+            "{}",
+            message(&refused)
+        );
+        let aligned = study.replace("standard =", "profile_aligned = true\nstandard =");
+        std::fs::write(place.root.path().join("study.toml"), aligned).unwrap();
+        let taken = place.run(&["mesh", "study.toml", "-o", "o"]);
+        assert_eq!(taken.status.code(), Some(0), "{}", message(&taken));
+    }
+}
+
+/// Left profiles given as right ones: a wheel is refused, a worn head is said; `profile_mirrored` turns both over.
+#[test]
+fn left_profiles_are_named() {
+    let place = Place::with_study(GOOD);
+    let write = |name: &str, text: String| std::fs::write(place.root.path().join(name), text).unwrap();
+    let wheel = wheel_profile("S1002").unwrap().sample(0.5e-3);
+    let header =
+        "header.begin\nversion = 1\ntype = 0\nheader.end\nspline.begin\nunits.len.f = 1000.0\npoint.begin\n";
+    let rows: String = wheel.iter().map(|p| format!("{:.6} {:.6}\n", -1e3 * p.x, 1e3 * p.y)).collect();
+    write("left.prw", format!("{header}{rows}point.end\nspline.end\n"));
+    let study = GOOD.replace("profile = \"S1002\"", "profile_file = \"left.prw\"\nstandard = \"S1002\"");
+    write("study.toml", study.clone());
+    let refused = place.run(&["mesh", "study.toml", "-o", "o"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", message(&refused));
+    for part in ["wheel.profile_file = ", "flange at the field side", "set `wheel.profile_mirrored` = true"] {
+        assert!(message(&refused).contains(part), "{part} in {}", message(&refused));
+    }
+    write("study.toml", study.replace("standard =", "profile_mirrored = true\nstandard ="));
+    let taken = place.run(&["mesh", "study.toml", "-o", "o"]);
+    assert_eq!(taken.status.code(), Some(0), "{}", message(&taken));
+
+    // A head whose corner at y > 0, of a right rail the field side, is worn by up to 1 mm.
+    let worn = |p: &Point2<f64>| (p.x, p.y + 1e-3 * ((p.x - 0.015) / 0.015).clamp(0.0, 1.0));
+    let head = rail_section("60E1").unwrap().running.sample(0.5e-3);
+    let upper = head.iter().filter(|p| p.x.abs() < 0.0355);
+    write("head.csv", columns(upper.map(worn)));
+    let study = GOOD.replace("profile = \"60E1\"", "profile_file = \"head.csv\"\nstandard = \"60E1\"");
+    for (mirrored, said) in [(false, true), (true, false)] {
+        write(
+            "study.toml",
+            study.replace("standard =", &format!("profile_mirrored = {mirrored}\nstandard =")),
+        );
+        let output = place.run(&["mesh", "study.toml", "-o", "o"]);
+        assert_eq!(output.status.code(), Some(0), "{}", message(&output));
+        assert_eq!(message(&output).contains("if it is a left rail's"), said, "{}", message(&output));
+    }
+}
+
+/// What was done to a measured profile is said in the terminal, unless it is to be quiet.
+#[test]
+fn repairs_are_said() {
+    let head = rail_section("60E1").unwrap().running.sample(0.5e-3);
+    let middle = head.len() / 2;
+    let spiked = head.iter().enumerate().map(|(i, p)| (p.x, if i == middle { p.y - 2e-3 } else { p.y }));
+    let place = Place::with_study(
+        &GOOD.replace("profile = \"60E1\"", "profile_file = \"head.csv\"\nstandard = \"60E1\""),
+    );
+    std::fs::write(place.root.path().join("head.csv"), columns(spiked)).unwrap();
+    let output = place.run(&["mesh", "study.toml", "-o", "o"]);
+    assert_eq!(output.status.code(), Some(0), "{}", message(&output));
+    assert!(
+        message(&output).lines().any(|line| line.starts_with(&format!("head.csv:{}: spike", middle + 2))
+            && line.contains("(repaired)")),
+        "{}",
+        message(&output)
+    );
+    let quiet = place.run(&["mesh", "study.toml", "-o", "o", "--quiet"]);
+    assert_eq!(message(&quiet), "");
+    // A study that is given as a profile is named, too.
+    let study = place.run(&["profile", "check", "study.toml"]);
+    assert!(
+        message(&study).starts_with("error: study.toml:2:1 = \"[rail]\": expected the rows of a profile"),
+        "{}",
+        message(&study)
+    );
+    assert!(message(&study).contains("this is a TOML file such as a study"));
 }
 
 #[test]

@@ -94,9 +94,12 @@ fn plot_marks_the_findings_of_a_file() {
 
     told(place.path(), &["plot", "spoiled.whl", "-o", "found.svg"]);
     let figure = std::fs::read_to_string(place.path().join("found.svg")).unwrap();
-    for part in
-        ["finding, mended", "line 301: spike", "lines 401 to 402: duplicate", "spoiled.whl (MiniProf, wheel"]
-    {
+    for part in [
+        "finding, repaired",
+        "line 301: spike",
+        "lines 401 to 402: duplicate",
+        "spoiled.whl (MiniProf, wheel",
+    ] {
         assert!(figure.contains(part), "{part:?} in the figure");
     }
     // What the list says is what `check` says.

@@ -35,15 +35,54 @@ pub struct InputError {
     pub remedy: String,
 }
 
+/// Most characters of a part of an error.
+const LONGEST_PART: usize = 2000;
+/// Most characters of a value in an error.
+const LONGEST_VALUE: usize = 400;
+
 impl InputError {
-    /// Builds the error from its four parts.
+    /// Builds the error from its four parts, each [printable] and of a bounded length.
     pub fn new(
         key: impl Into<String>,
         value: impl ToString,
         expected: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self { key: key.into(), value: value.to_string(), expected: expected.into(), remedy: remedy.into() }
+        Self {
+            key: printable(key.into(), LONGEST_PART),
+            value: printable(value.to_string(), LONGEST_VALUE),
+            expected: printable(expected.into(), LONGEST_PART),
+            remedy: printable(remedy.into(), LONGEST_PART),
+        }
+    }
+}
+
+/// Text that does a terminal no harm: control characters, and those that turn the direction of writing, are escaped;
+/// beyond `most` characters it is cut off and its length is given.
+///
+/// ```
+/// use railspring_calibrate::error::printable;
+/// assert_eq!(printable("1 \u{1b}[2J".into(), 80), "1 \\u{1b}[2J");
+/// assert_eq!(printable("123456789".into(), 4), "1234… (9 characters)");
+/// ```
+pub fn printable(text: String, most: usize) -> String {
+    let hidden = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
+    };
+    let escaped = if text.contains(hidden) {
+        let mut escaped = String::new();
+        for c in text.chars().take(most.saturating_add(1)) {
+            if hidden(c) { escaped.extend(c.escape_default()) } else { escaped.push(c) }
+        }
+        Some(escaped)
+    } else {
+        None
+    };
+    let shown = escaped.as_deref().unwrap_or(&text);
+    match shown.char_indices().nth(most) {
+        Some((end, _)) => format!("{}… ({} characters)", &shown[..end], text.chars().count()),
+        None => escaped.unwrap_or(text),
     }
 }
 

@@ -35,6 +35,8 @@ fields! {
     RailHead = "rail_head",
     /// Whether a measured head is laid onto the standard section first.
     RailAligned = "rail_aligned",
+    /// Unit of the file of a measured head.
+    RailProfileUnit = "rail_profile_unit",
     /// Length of the rail.
     RailLength = "rail_length",
     /// A rail mesh made elsewhere.
@@ -49,6 +51,8 @@ fields! {
     WheelName = "wheel_name",
     /// The wheel's measured profile.
     WheelProfile = "wheel_profile",
+    /// Unit of the file of a measured wheel.
+    WheelProfileUnit = "wheel_profile_unit",
     /// Diameter at the tape circle.
     TapeDiameter = "tape_diameter",
     /// Height of the flange.

@@ -5,6 +5,7 @@
 
 pub mod units;
 pub mod field;
+pub mod input;
 pub mod error;
 pub mod monitor;
 pub mod law;

@@ -1,4 +1,4 @@
-//! How a long stage tells how far it is, and learns that it should stop.
+//! How a long stage says how far it is, and learns that it should stop.
 
 use crate::error::Result;
 
@@ -9,6 +9,9 @@ pub trait Monitor: Sync {
     /// # Errors
     /// [`crate::error::Error::Interrupted`] when the user asked to stop.
     fn progress(&self, stage: &str, done: usize, total: usize) -> Result<()>;
+
+    /// Something that the user should know although the stage goes on.
+    fn notice(&self, _text: &str) {}
 }
 
 /// Says nothing and never stops.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::error::InputError;
 use railspring_calibrate::placement::{TrackGeometry, place_rail};
 use railspring_calibrate::profile::wheels::wheel_profile;
 use railspring_calibrate::rigid_contact::{
@@ -13,8 +13,8 @@ use railspring_calibrate::rigid_contact::{
 use railspring_calibrate::section::rail_section;
 use railspring_calibrate::units::MILLIMETRE;
 
-use super::say;
 use super::shapes::write;
+use super::{Failure, say};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Dash, GREY, RED, Series};
 use crate::stages::geometry;
@@ -53,7 +53,7 @@ pub(super) struct ContactArgs {
 }
 
 impl ContactArgs {
-    fn wheelset(&self) -> Result<Wheelset, Error> {
+    fn wheelset(&self) -> Result<Wheelset, Failure> {
         let (side, tape_y) = if let [wheel, rail] = self.pair.as_slice() {
             let track = TrackGeometry { inclination: self.inclination, ..TrackGeometry::standard() };
             if !(100.0..=1000.0).contains(&self.radius_mm) {
@@ -65,8 +65,8 @@ impl ContactArgs {
                 WheelOnRail { rail, wheel: wheel_profile(wheel)?, radius: self.radius_mm * MILLIMETRE };
             (side, track.tape_y())
         } else {
-            let study = Study::read(self.pair[0].as_ref()).map_err(|located| Error::from(located.error))?;
-            let found = geometry(&study)?;
+            let study = Study::read(self.pair[0].as_ref())?;
+            let found = geometry(&study).map_err(|error| Failure::of_stage(&study, error))?;
             let side =
                 WheelOnRail { rail: found.placed, wheel: found.wheel.running, radius: found.wheel.radius };
             (side, found.tape_y - study.track.lateral_shift)
@@ -76,7 +76,7 @@ impl ContactArgs {
 }
 
 /// Runs the subcommand.
-pub(super) fn contact(args: &ContactArgs) -> Result<(), Error> {
+pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
     let wheelset = args.wheelset()?;
     let roll = if args.no_roll { Roll::Fixed(0.0) } else { Roll::Coupled };
     let parts = (2.0 * args.shift_mm / args.step_mm).round();
@@ -159,7 +159,7 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Error> {
     let (table, figure) = (args.output.with_extension("csv"), args.output.with_extension("svg"));
     write(&table, &csv)?;
     write(&figure, &picture(&wheelset, &rows, &function, conicity))?;
-    say(&format!("{}\n{}", table.display(), figure.display()))
+    Ok(say(&format!("{}\n{}", table.display(), figure.display()))?)
 }
 
 /// Wheel above rail with lines between the points that touch, rolling-radius difference and conicity.

@@ -22,7 +22,7 @@ use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT};
 use crate::records::crosscheck::CrosscheckRecord;
 use crate::records::{RunRecord, VerificationRecord, with_unit};
-use crate::study::{LocatedError, Study, schema};
+use crate::study::{LocatedError, Mistakes, Study, schema};
 
 use output::{remark, say};
 use profile::ProfileCommand;
@@ -143,8 +143,49 @@ enum OtherJudge {
 
 /// A failure with the place where it stands.
 enum Failure {
+    Study(Mistakes),
     Located(LocatedError),
     Plain(Error),
+}
+
+impl Failure {
+    /// What is said about it, and the exit code.
+    fn said(&self) -> (Vec<String>, u8) {
+        match self {
+            Self::Study(mistakes) => (mistakes.messages(), 2),
+            Self::Located(error) => (vec![error.to_string()], 2),
+            Self::Plain(error) => (vec![error.to_string()], exit_code(error)),
+        }
+    }
+
+    /// An error of a stage, with the keys and the place of the study if it concerns one of them.
+    fn of_stage(study: &Study, error: Error) -> Self {
+        match error {
+            Error::Input(input) => match study.with_keys(input) {
+                input if study.owns(&input.key) => Self::Located(study.source.locate(input)),
+                input => Self::Plain(input.into()),
+            },
+            other => Self::Plain(other),
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Plain(error)
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self::Plain(error.into())
+    }
+}
+
+impl From<Mistakes> for Failure {
+    fn from(mistakes: Mistakes) -> Self {
+        Self::Study(mistakes)
+    }
 }
 
 /// Runs the program with the arguments of the process.
@@ -157,11 +198,10 @@ pub fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(failure) => {
-            let (message, code) = match failure {
-                Failure::Located(error) => (error.to_string(), 2),
-                Failure::Plain(error) => (error.to_string(), exit_code(&error)),
-            };
-            remark(&format!("error: {message}"));
+            let (messages, code) = failure.said();
+            for message in messages {
+                remark(&format!("error: {message}"));
+            }
             ExitCode::from(code)
         }
     }
@@ -199,7 +239,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
             let text = serde_json::to_string_pretty(&schema()).expect("a schema is plain JSON");
             return say(&text).map(|()| true).map_err(Failure::Plain);
         }
-        Command::Profile(command) => return profile::run(command).map_err(Failure::Plain),
+        Command::Profile(command) => return profile::run(command),
         Command::Simulate { study, law } => (study, law.as_deref()),
         Command::Crosscheck { study, .. } | Command::Export { study, .. } => (study, None),
         Command::Run(study)
@@ -208,14 +248,8 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         | Command::Mesh(study)
         | Command::Report(study) => (study, None),
     };
-    let study = Study::read(&args.study).map_err(Failure::Located)?;
-    staged(command, args, &study, law).map_err(|error| match error {
-        Error::Input(input) => match study.with_keys(input) {
-            input if study.owns(&input.key) => Failure::Located(study.source.locate(input)),
-            input => Failure::Plain(input.into()),
-        },
-        other => Failure::Plain(other),
-    })
+    let study = Study::read(&args.study)?;
+    staged(command, args, &study, law).map_err(|error| Failure::of_stage(&study, error))
 }
 
 fn staged(

@@ -2,7 +2,7 @@
 
 use std::io::{ErrorKind, Write};
 
-use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::error::{Error, InputError, printable};
 
 /// Prints a line to standard output; a reader that has gone away, as in `railspring schema | head`, is no error.
 ///
@@ -10,7 +10,7 @@ use railspring_calibrate::error::{Error, InputError};
 /// [`InputError`] with key `standard output` if it cannot be written for another reason, as on a full device.
 pub(super) fn say(line: &str) -> Result<(), Error> {
     let mut out = std::io::stdout().lock();
-    written(writeln!(out, "{line}").and_then(|()| out.flush()))
+    written(writeln!(out, "{}", harmless(line)).and_then(|()| out.flush()))
 }
 
 /// The error of a write to standard output, if it is one.
@@ -29,5 +29,10 @@ pub(super) fn written(result: std::io::Result<()>) -> Result<(), Error> {
 
 /// Writes a line to standard error if anybody can hear it.
 pub(super) fn remark(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", harmless(line));
+}
+
+/// The lines of a text without what does a terminal harm.
+fn harmless(text: &str) -> String {
+    text.split('\n').map(|line| printable(line.into(), usize::MAX)).collect::<Vec<_>>().join("\n")
 }

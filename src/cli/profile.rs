@@ -11,14 +11,14 @@ use railspring_calibrate::profile_file::{
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::contact::{ContactArgs, contact};
-use super::{say, shapes};
+use super::{Failure, say, shapes};
 
 /// What can be done with a profile.
 #[derive(Debug, Subcommand)]
 pub(super) enum ProfileCommand {
-    /// Say what is wrong with a profile file, and what can be mended
+    /// Say what is wrong with a profile file, and what can be repaired
     ///
-    /// Exit code 1 if something is left that could not be mended.
+    /// Exit code 1 if something is left that could not be repaired.
     Check(FileArgs),
     /// Write a profile file in another format, told by the ending: .prr .prw .ban .whl .txt .dat .csv
     Convert {
@@ -64,7 +64,7 @@ pub(super) struct FileArgs {
     /// Unit of the file, where it does not tell
     #[arg(long)]
     unit: Option<UnitArg>,
-    /// Whether y counts towards the track centre in the file (not for Simpack files)
+    /// Whether y counts towards the track centre in the file, as in that of a left rail or wheel
     #[arg(long, value_name = "BOOL")]
     mirror_y: Option<bool>,
     /// Whether z counts upwards in the file (not for Simpack files)
@@ -127,14 +127,14 @@ impl FileArgs {
 ///
 /// # Errors
 /// Files that cannot be read, understood or written.
-pub(super) fn run(command: &ProfileCommand) -> Result<bool, Error> {
+pub(super) fn run(command: &ProfileCommand) -> Result<bool, Failure> {
     match command {
-        ProfileCommand::List => shapes::list().map(|()| true),
-        ProfileCommand::Show { profile } => shapes::show(profile).map(|()| true),
-        ProfileCommand::Plot { profiles, output } => shapes::plot(profiles, output).map(|()| true),
+        ProfileCommand::List => Ok(shapes::list().map(|()| true)?),
+        ProfileCommand::Show { profile } => Ok(shapes::show(profile).map(|()| true)?),
+        ProfileCommand::Plot { profiles, output } => Ok(shapes::plot(profiles, output).map(|()| true)?),
         ProfileCommand::Contact(args) => contact(args).map(|()| true),
-        ProfileCommand::Check(file) => check(file),
-        ProfileCommand::Convert { file, out, raw } => convert(file, out, *raw),
+        ProfileCommand::Check(file) => Ok(check(file)?),
+        ProfileCommand::Convert { file, out, raw } => Ok(convert(file, out, *raw)?),
     }
 }
 

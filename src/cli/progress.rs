@@ -6,13 +6,16 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::error::{Error, Result, printable};
 use railspring_calibrate::monitor::Monitor;
 
 use super::output::remark;
 
 /// Set by the first Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Most characters of a line.
+const LONGEST: usize = 2000;
 
 /// Shows how far the stages are.
 pub(super) struct Progress {
@@ -101,10 +104,20 @@ impl Monitor for Progress {
         state.tenths = tenths;
         Ok(())
     }
+
+    fn notice(&self, text: &str) {
+        let say = || remark(text);
+        let state = self.state.lock().expect("no thread panics while it reports");
+        match (&self.style, &state.bar) {
+            (Style::Quiet, _) => {}
+            (_, Some(bar)) => bar.suspend(say),
+            (_, None) => say(),
+        }
+    }
 }
 
 fn bar(stage: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg:32} {wide_bar} {pos}/{len} {elapsed}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(0).with_style(style).with_message(stage.to_string())
+    ProgressBar::new(0).with_style(style).with_message(printable(stage.into(), LONGEST))
 }

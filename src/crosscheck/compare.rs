@@ -6,6 +6,7 @@ use std::path::Path;
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::LoadPoint;
 use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::input;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, SQUARE_MILLIMETRE};
 use serde::Deserialize;
 
@@ -182,8 +183,11 @@ fn incomplete(section: &str, name: &str) -> InputError {
     )
 }
 
+/// Largest answer that is read, bytes.
+const LARGEST: u64 = 4 << 30;
+
 fn read_vectors(path: &Path) -> Result<Vec<Vector3<f64>>> {
-    let bytes = std::fs::read(path).map_err(|cause| {
+    let bytes = input::read(path, LARGEST).map_err(|cause| {
         InputError::new(
             path.display().to_string(),
             cause,

@@ -183,7 +183,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                 last_line: Some(18),
                 value: Some(0.31),
                 unit: Some("mm".into()),
-                action: "mended".into(),
+                action: "repaired".into(),
                 text: "off the line of its neighbours: dropped".into(),
             }],
         }],

@@ -15,6 +15,7 @@ pub use calibrate::{Calibration, calibrate};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
 pub use loads::check_loads;
+pub use sections::repairs;
 pub use simulate::{Springs, simulate, simulate_solid};
 
 use std::path::Path;
@@ -22,13 +23,15 @@ use std::path::Path;
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::calibration::Enforcement;
 use railspring_calibrate::contact::{PairingLimits, Surface, pair};
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
 use railspring_calibrate::section::{RailSection, WheelSection};
 use railspring_calibrate::section_analysis::{RailAnalysis, SectionProperties, StressSample, rail_analysis};
 use railspring_calibrate::solid::Formulation;
+use railspring_calibrate::units::MILLIMETRE;
 
 use crate::beam::{RailBeam, Torsion};
 use crate::records::ProfileRecord;
@@ -137,7 +140,13 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
         lateral_shift: study.track.lateral_shift,
     };
     let placed = place_rail(&rail, &track)?;
-    let touch = touch(&placed, &wheel.running, track.tape_y())?;
+    let touch = touch(&placed, &wheel.running, track.tape_y()).map_err(|error| match error {
+        Error::Input(missed) if missed.key == InputField::LateralShift.name() => {
+            let value = format!("{} mm, {}", study.track.lateral_shift / MILLIMETRE, missed.value);
+            InputError { value, ..missed }.into()
+        }
+        other => other,
+    })?;
     let RailAnalysis { properties, stresses: shear_stresses } = rail_analysis(&rail)?;
     let beam = RailBeam::rail(
         &properties,

@@ -1,6 +1,7 @@
 //! The two sections of a study: standard ones, or measured surfaces on standard bodies.
 
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::profile_file::{
@@ -45,9 +46,74 @@ pub(super) fn rail(study: &Study) -> Result<(RailSection, Option<ProfileRecord>)
             text,
         });
         curve = curve.transformed(motion.angle, motion.translation);
+    } else if !study.source.gives("rail.profile_aligned") {
+        refuse_canted(measured, &curve, &standard_section)?;
     }
+    findings.extend(worn_outside(&curve));
     let section = rail_section_with_head(standard, &curve, &mut findings)?;
     Ok((section, Some(record("rail", measured, standard, &profile, &findings))))
+}
+
+/// Refuses a head that was measured as it lies in the track: joined to a section that is not inclined, it would be
+/// inclined twice.
+fn refuse_canted(measured: &MeasuredSurface, curve: &ProfileCurve, standard: &RailSection) -> Result<()> {
+    /// Half of the least inclination in use, 1:40, rad: wear turns the unworn part of a head by less.
+    const CANTED: f64 = 0.0125;
+    // A head that cannot be aligned gives no answer here; whether it fits is found when it is joined.
+    let Ok(motion) = align_rail(curve, &standard.running) else { return Ok(()) };
+    if motion.angle.abs() < CANTED || motion.share < ENOUGH_UNWORN {
+        return Ok(());
+    }
+    Err(InputError::new(
+        InputField::RailHead,
+        format!("{:?}, canted by 1:{:.0} against its section", measured.file, 1.0 / motion.angle.abs()),
+        "a head in the frame of its section: origin at the unworn top, on the axis, not inclined",
+        "a head that is measured as it lies in the track, canted, needs `rail_aligned` = true; if it is worn like \
+         that, say so with `rail_aligned` = false",
+    )
+    .into())
+}
+
+/// A head that is worn at its field side rather than at its gauge side is most likely a left rail's.
+fn worn_outside(curve: &ProfileCurve) -> Option<Finding> {
+    /// Distances from the axis at which the two sides are compared, m: the gauge corner.
+    const AT: std::ops::RangeInclusive<u32> = 20..=32;
+    /// Mean difference of height from which the sides count as different, m: far above noise and tilt of a survey.
+    const DIFFERENT: f64 = 0.3 * MILLIMETRE;
+    let depth = |y: f64| curve.s_at_y(y).map(|s| curve.point(s).y);
+    let deeper: Vec<f64> =
+        AT.map(|mm| f64::from(mm) * MILLIMETRE).filter_map(|y| Some(depth(y)? - depth(-y)?)).collect();
+    let mean = deeper.iter().sum::<f64>() / deeper.len() as f64;
+    (mean > DIFFERENT).then(|| Finding {
+        kind: FindingKind::Mirrored,
+        lines: None,
+        value: Some((mean / MILLIMETRE, "mm")),
+        action: Action::Left,
+        text: "the head is worn deeper at the field side than at the gauge: if it is a left rail's, set \
+               rail.profile_mirrored = true"
+            .into(),
+    })
+}
+
+/// What was done to measured profiles, and what is left to be looked at, one line each.
+pub fn repairs(profiles: &[ProfileRecord]) -> Vec<String> {
+    let line = |profile: &ProfileRecord, finding: &FindingRecord| {
+        let lines = match (finding.first_line, finding.last_line) {
+            (Some(first), Some(last)) if first != last => format!(":{first} to {last}"),
+            (Some(first), _) => format!(":{first}"),
+            _ => String::new(),
+        };
+        let value = match (finding.value, &finding.unit) {
+            (Some(value), Some(unit)) => format!(" {value:.3} {unit}"),
+            _ => String::new(),
+        };
+        format!("{}{lines}: {}{value} ({}): {}", profile.file, finding.kind, finding.action, finding.text)
+    };
+    let changed = |finding: &&FindingRecord| finding.action != Action::Noted.name();
+    profiles
+        .iter()
+        .flat_map(|profile| profile.findings.iter().filter(changed).map(move |f| line(profile, f)))
+        .collect()
 }
 
 /// Section of the wheel, and the record of its measured profile.
@@ -61,6 +127,16 @@ pub(super) fn wheel(study: &Study) -> Result<(WheelSection, Option<ProfileRecord
     };
     let nominal = nominal?;
     let (profile, curve, mut findings) = curve_of(measured, ProfileKind::Wheel)?;
+    if findings.iter().any(|f| f.kind == FindingKind::Mirrored && f.action == Action::Left) {
+        let (expected, remedy) = match measured.mirrored {
+            Some(true) => {
+                ("a file in which y counts towards the track centre", "remove `wheel.profile_mirrored`")
+            }
+            _ => ("the profile of a right wheel, y to the field side", "set `wheel.profile_mirrored` = true"),
+        };
+        let value = format!("{:?}, a wheel with its flange at the field side", measured.file);
+        return Err(InputError::new(InputField::WheelProfile, value, expected, remedy).into());
+    }
     let section = wheel_section_with_profile(nominal, &curve, &mut findings)?;
     Ok((section, Some(record("wheel", measured, standard, &profile, &findings))))
 }
@@ -70,7 +146,12 @@ fn curve_of(
     kind: ProfileKind,
 ) -> Result<(MeasuredProfile, ProfileCurve, Vec<Finding>)> {
     let name = measured.path.display().to_string();
-    let options = ReadOptions { kind: Some(kind), ..ReadOptions::default() };
+    let options = ReadOptions {
+        kind: Some(kind),
+        unit: measured.unit,
+        mirror_y: measured.mirrored,
+        ..ReadOptions::default()
+    };
     let profile = parse(&name, &measured.content, &options)?;
     let prepared = prepare(&profile, &PrepareOptions { smoothing: measured.smoothing })?;
     Ok((profile, prepared.curve, prepared.findings))

@@ -1,9 +1,12 @@
 //! Checks a parsed TOML document against the JSON schema of the study and
 //! says what is wrong in terms of the file: key, line, value, what was
-//! expected and how to mend it.
+//! expected and how to correct it.
+
+use std::collections::BTreeSet;
 
 use railspring_calibrate::error::InputError;
 use serde_json::Value;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// One thing that is wrong in a study file.
@@ -11,6 +14,10 @@ use toml::de::{DeTable, DeValue};
 pub struct Finding {
     /// Byte at which it stands; `None` for something that is absent from the whole file.
     pub offset: Option<usize>,
+    /// Byte at which the innermost key around it begins; `None` for what is absent from the whole file.
+    pub key: Option<usize>,
+    /// Whether the key is one that its section does not have.
+    pub unknown: bool,
     /// What is wrong.
     pub error: InputError,
 }
@@ -21,6 +28,27 @@ pub fn check(document: &DeTable<'_>, schema: &Value) -> Vec<Finding> {
     Checker { root: schema }.table(document, schema, "", None, &mut findings);
     findings.sort_by_key(|finding| finding.offset);
     findings
+}
+
+/// The document without the keys that begin at the bytes `wrong`.
+pub fn without<'i>(document: Spanned<DeTable<'i>>, wrong: &BTreeSet<usize>) -> Spanned<DeTable<'i>> {
+    fn sound<'i>(table: DeTable<'i>, wrong: &BTreeSet<usize>) -> DeTable<'i> {
+        let kept = table.into_iter().filter(|(key, _)| !wrong.contains(&key.span().start));
+        kept.map(|(key, value)| {
+            let span = value.span();
+            let value = match value.into_inner() {
+                DeValue::Table(inner) => DeValue::Table(sound(inner, wrong)),
+                other => other,
+            };
+            (key, Spanned::new(span, value))
+        })
+        .collect()
+    }
+    if wrong.is_empty() {
+        return document;
+    }
+    let span = document.span();
+    Spanned::new(span, sound(document.into_inner(), wrong))
 }
 
 struct Checker<'a> {
@@ -51,12 +79,19 @@ impl<'a> Checker<'a> {
             let name = key.get_ref().as_ref();
             let full = join(path, name);
             match properties.and_then(|p| p.get(name)).or(additional) {
-                Some(expected) => self.value(value.get_ref(), expected, &full, key.span().start, findings),
+                Some(expected) => {
+                    let before = findings.len();
+                    self.value(value.get_ref(), expected, &full, key.span().start, findings);
+                    let here = Some(key.span().start);
+                    findings[before..].iter_mut().for_each(|finding| finding.key = finding.key.or(here));
+                }
                 None => {
                     let known: Vec<&str> =
                         properties.map(|p| p.keys().map(String::as_str).collect()).unwrap_or_default();
                     findings.push(Finding {
                         offset: Some(key.span().start),
+                        key: Some(key.span().start),
+                        unknown: true,
                         error: self.unknown_key(path, name, value.get_ref(), &known),
                     });
                 }
@@ -73,6 +108,8 @@ impl<'a> Checker<'a> {
                     .unwrap_or_else(|| "a value".into());
                 findings.push(Finding {
                     offset,
+                    key: None,
+                    unknown: false,
                     error: InputError::new(
                         join(path, name),
                         "(missing)",
@@ -138,6 +175,8 @@ impl<'a> Checker<'a> {
             if meaning.is_empty() { "correct the value".into() } else { format!("this key is: {meaning}") };
         Finding {
             offset: Some(offset),
+            key: None,
+            unknown: false,
             error: InputError::new(path, render(value), self.expectation(schema), remedy),
         }
     }
@@ -271,13 +310,24 @@ fn bound(schema: &Value, name: &str) -> Option<f64> {
     schema.get(name).and_then(Value::as_f64)
 }
 
+/// A text in quotes, of a bounded length.
+fn quoted(text: &str) -> String {
+    const LONGEST: usize = 120;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{:?}… ({} characters)", &text[..end], text.chars().count()),
+        None => format!("{text:?}"),
+    }
+}
+
 /// The known name nearest to a wrong one, if any is near.
-fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+pub(super) fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     // Below this similarity a suggestion would only mislead.
     const NEAR: f64 = 0.75;
-    let lower = name.to_lowercase();
+    // The search takes the product of the lengths.
+    const LONGEST: usize = 100;
+    let lower: String = name.chars().take(LONGEST).flat_map(char::to_lowercase).collect();
     known
-        .map(|candidate| (strsim::jaro_winkler(&lower, candidate), candidate))
+        .map(|candidate| (strsim::jaro_winkler(&lower, &candidate.to_lowercase()), candidate))
         .filter(|(similarity, _)| *similarity >= NEAR)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
@@ -295,7 +345,7 @@ fn in_section(path: &str) -> String {
 /// A value as it is shown in a message.
 fn render(value: &DeValue<'_>) -> String {
     match value {
-        DeValue::String(text) => format!("{text:?}"),
+        DeValue::String(text) => quoted(text),
         DeValue::Integer(integer) => integer.to_string(),
         DeValue::Float(float) => float.to_string(),
         DeValue::Boolean(flag) => flag.to_string(),

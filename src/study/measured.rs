@@ -4,15 +4,22 @@ use std::path::Path;
 use std::sync::Arc;
 
 use railspring_calibrate::error::InputError;
+use railspring_calibrate::input;
+use railspring_calibrate::profile_file::LARGEST_FILE;
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::MeasuredSurface;
+use super::check::nearest;
+use super::collect::Collector;
+use super::document::ProfileUnitKey;
 use super::source::MISSING;
 
 /// The keys of one body.
 pub(super) struct SurfaceKeys<'a> {
     /// `rail` or `wheel`.
     pub section: &'static str,
+    /// The standard profiles.
+    pub names: &'static [&'static str],
     /// What the standard profile is, for messages.
     pub meaning: &'static str,
     pub profile: Option<&'a str>,
@@ -20,67 +27,107 @@ pub(super) struct SurfaceKeys<'a> {
     pub standard: Option<&'a str>,
     pub smoothing_mm: Option<f64>,
     pub aligned: Option<bool>,
+    pub unit: Option<ProfileUnitKey>,
+    pub mirrored: Option<bool>,
 }
 
 impl SurfaceKeys<'_> {
     /// Name of the standard profile, and the measured one if there is one; `study` is the study's file.
-    pub fn resolve(&self, study: &Path) -> Result<(String, Option<MeasuredSurface>), InputError> {
+    pub fn resolve(
+        &self,
+        study: &Path,
+        collector: &mut Collector,
+    ) -> Option<(String, Option<MeasuredSurface>)> {
         let section = self.section;
         let key = |leaf: &str| format!("{section}.{leaf}");
         let missing = |leaf: &str, meaning: &str| {
             InputError::new(
                 key(leaf),
                 MISSING,
-                "a text in quotes",
+                format!("a text in quotes, one of {}", self.names.join(", ")),
                 format!("add this key to [{section}]: {meaning}"),
             )
         };
+        let reads = [key("profile"), key("profile_file"), key("standard")];
+        let reads = reads.each_ref().map(String::as_str);
         let Some(file) = self.file else {
             let alone = [
                 ("standard", self.standard.map(|name| format!("{name:?}"))),
                 ("profile_smoothing_mm", self.smoothing_mm.map(|value| value.to_string())),
                 ("profile_aligned", self.aligned.map(|value| value.to_string())),
+                ("profile_unit", self.unit.map(|unit| format!("{:?}", unit.name()))),
+                ("profile_mirrored", self.mirrored.map(|value| value.to_string())),
             ];
-            if let Some((leaf, Some(value))) = alone.into_iter().find(|(_, value)| value.is_some()) {
-                return Err(InputError::new(
+            for (leaf, value) in alone.into_iter().filter_map(|(leaf, value)| Some((leaf, value?))) {
+                let mistake = InputError::new(
                     key(leaf),
                     value,
                     format!("{section}.profile_file beside it"),
                     "the key belongs to a measured profile: give its file, or remove the key",
-                ));
+                );
+                collector.add(&reads, mistake);
             }
             let name = self.profile.ok_or_else(|| {
                 missing("profile", &format!("{}; or give profile_file and standard", self.meaning))
-            })?;
-            return Ok((name.to_owned(), None));
+            });
+            let name = collector.take(&reads, name)?;
+            return collector.take(&reads, self.known("profile", name)).map(|name| (name, None));
         };
         if let Some(name) = self.profile {
-            return Err(InputError::new(
+            let mistake = InputError::new(
                 key("profile"),
                 format!("{name:?}"),
                 format!("either {section}.profile or {section}.profile_file"),
                 "for a measured profile name the body with `standard`",
-            ));
+            );
+            collector.add(&reads, mistake);
         }
-        let standard =
-            self.standard.ok_or_else(|| missing("standard", "what the measured profile is joined to"))?;
+        let standard = self
+            .standard
+            .ok_or_else(|| missing("standard", "what the measured profile is joined to"))
+            .and_then(|name| self.known("standard", name));
+        let standard = collector.take(&reads, standard);
         let path = study.parent().unwrap_or(Path::new("")).join(file);
-        let content = std::fs::read(&path).map_err(|cause| {
+        let content = input::read(&path, LARGEST_FILE).map_err(|cause| {
             InputError::new(
                 key("profile_file"),
                 format!("{file:?}"),
                 format!("a readable file; {}: {cause}", path.display()),
                 "give its path relative to the study",
             )
-        })?;
+        });
+        let content = collector.take(&[&key("profile_file")], content);
         let measured = MeasuredSurface {
             file: file.to_owned(),
             path,
-            content: Arc::from(content),
+            content: Arc::from(content?),
             smoothing: self.smoothing_mm.map(|mm| mm * MILLIMETRE),
             aligned: self.aligned.unwrap_or(false),
+            unit: self.unit.map(ProfileUnitKey::metres),
+            mirrored: self.mirrored,
         };
-        Ok((standard.to_owned(), Some(measured)))
+        Some((standard?, Some(measured)))
+    }
+
+    /// The name, if it is one of the standard profiles.
+    fn known(&self, leaf: &str, name: &str) -> Result<String, InputError> {
+        if self.names.contains(&name) {
+            return Ok(name.to_owned());
+        }
+        let remedy = match nearest(name, self.names.iter().copied()) {
+            Some(near) => format!("did you mean {near:?}? `railspring profile list` describes them"),
+            None => format!(
+                "choose a standard; `railspring profile list` describes them. A profile of your own is a file: \
+                 `{}.profile_file`",
+                self.section
+            ),
+        };
+        Err(InputError::new(
+            format!("{}.{leaf}", self.section),
+            format!("{name:?}"),
+            format!("one of {}", self.names.join(", ")),
+            remedy,
+        ))
     }
 }
 

@@ -4,11 +4,16 @@ use std::io::Read;
 use std::path::Path;
 
 use railspring_calibrate::error::InputError;
+use railspring_calibrate::input;
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::MeshFile;
+use super::collect::Collector;
 use super::document::MeshUnitKey;
 use super::source::MISSING;
+
+/// Largest mesh file that is read, bytes.
+const LARGEST: u64 = 16 << 30;
 
 /// The keys of one body.
 pub(super) struct MeshFileKeys<'a> {
@@ -24,7 +29,7 @@ pub(super) struct MeshFileKeys<'a> {
 
 impl MeshFileKeys<'_> {
     /// The mesh file, if there is one; `study` is the study's file.
-    pub fn resolve(&self, study: &Path) -> Result<Option<MeshFile>, InputError> {
+    pub fn resolve(&self, study: &Path, collector: &mut Collector) -> Option<Option<MeshFile>> {
         let section = self.section;
         let key = |leaf: &str| format!("{section}.{leaf}");
         let Some(file) = self.file else {
@@ -33,15 +38,16 @@ impl MeshFileKeys<'_> {
                 ("contact_surface", self.contact.map(|name| format!("{name:?}"))),
                 ("held_nodes", self.held.map(|name| format!("{name:?}"))),
             ];
-            return match alone.into_iter().find_map(|(leaf, value)| Some((leaf, value?))) {
-                Some((leaf, value)) => Err(InputError::new(
+            for (leaf, value) in alone.into_iter().filter_map(|(leaf, value)| Some((leaf, value?))) {
+                let mistake = InputError::new(
                     key(leaf),
                     value,
                     format!("{section}.mesh_file beside it"),
                     "the key belongs to a mesh from a file: give the file, or remove the key",
-                )),
-                None => Ok(None),
-            };
+                );
+                collector.add(&[&key("mesh_file")], mistake);
+            }
+            return Some(None);
         };
         let named = |name: Option<&str>, leaf: &str, meaning: &str| {
             name.map(str::to_owned).ok_or_else(|| {
@@ -53,8 +59,9 @@ impl MeshFileKeys<'_> {
                 )
             })
         };
-        let contact = named(self.contact, "contact_surface", "the running surface's name in the mesh file")?;
-        let held = named(self.held, "held_nodes", self.held_meaning)?;
+        let contact = named(self.contact, "contact_surface", "the running surface's name in the mesh file");
+        let contact = collector.take(&[&key("contact_surface")], contact);
+        let held = collector.take(&[&key("held_nodes")], named(self.held, "held_nodes", self.held_meaning));
         let path = study.parent().unwrap_or(Path::new("")).join(file);
         let hash = hash(&path).map_err(|cause| {
             InputError::new(
@@ -63,12 +70,20 @@ impl MeshFileKeys<'_> {
                 format!("a readable file; {}: {cause}", path.display()),
                 "give its path relative to the study",
             )
-        })?;
+        });
+        let hash = collector.take(&[&key("mesh_file")], hash);
         let unit = match self.unit {
             None | Some(MeshUnitKey::Millimetre) => MILLIMETRE,
             Some(MeshUnitKey::Metre) => 1.0,
         };
-        Ok(Some(MeshFile { file: file.to_owned(), path, hash, unit, contact, held }))
+        Some(Some(MeshFile {
+            file: file.to_owned(),
+            path,
+            hash: hash?,
+            unit,
+            contact: contact?,
+            held: held?,
+        }))
     }
 }
 
@@ -83,7 +98,7 @@ impl MeshUnitKey {
 }
 
 impl MeshFile {
-    /// What stands for the file in the hash of the study: its ending, which tells the format, and its content.
+    /// What stands for the file in the hash of the study: its ending, which names the format, and its content.
     pub(super) fn fingerprint(&self) -> String {
         let ending = self.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         format!("{}.{ending}", self.hash)
@@ -97,7 +112,7 @@ impl MeshFile {
 
 /// Hash of a file's content; meshes can be large, so it is read piece by piece.
 fn hash(path: &Path) -> std::io::Result<String> {
-    let mut file = std::fs::File::open(path)?;
+    let mut file = input::open(path, LARGEST)?;
     let mut hasher = blake3::Hasher::new();
     let mut piece = vec![0; 1 << 16];
     loop {

@@ -4,6 +4,8 @@
 pub mod document;
 
 mod check;
+mod collect;
+mod content;
 mod fields;
 mod keys;
 mod measured;
@@ -22,6 +24,7 @@ use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::MILLIMETRE;
+use serde::Deserialize;
 use toml::de::DeTable;
 
 pub use document::{
@@ -29,7 +32,9 @@ pub use document::{
     StudyDocument,
 };
 pub use keys::Keys;
-pub use source::{LocatedError, Source};
+pub use source::{LocatedError, Mistakes, Source};
+
+use source::Lines;
 
 use crate::records::{PairRecord, ResolvedKey};
 use crate::verify::Limits;
@@ -118,6 +123,10 @@ pub struct MeasuredSurface {
     pub smoothing: Option<f64>,
     /// Whether it is laid onto the standard section first.
     pub aligned: bool,
+    /// Length of the file's unit, m; `None` leaves it to the file.
+    pub unit: Option<f64>,
+    /// Whether y counts towards the track centre in the file; `None` leaves it to the file.
+    pub mirrored: Option<bool>,
 }
 
 /// A mesh in a file, and what its groups are called.
@@ -222,19 +231,10 @@ impl Study {
     /// Reads and checks a study file.
     ///
     /// # Errors
-    /// [`LocatedError`] for a file that cannot be read, is not TOML, has an unknown, missing or
-    /// mistyped key, or a value out of range; it names the first of them in the file.
-    pub fn read(path: &Path) -> Result<Self, LocatedError> {
-        let text = std::fs::read_to_string(path).map_err(|cause| LocatedError {
-            path: path.to_path_buf(),
-            line: None,
-            error: InputError::new(
-                "study file",
-                cause,
-                "a readable TOML file",
-                "check the path of the study",
-            ),
-        })?;
+    /// [`Mistakes`] for a file that cannot be read, is not TOML, has unknown, missing or mistyped keys, or values
+    /// out of range.
+    pub fn read(path: &Path) -> Result<Self, Mistakes> {
+        let text = content::read(path).map_err(|error| Mistakes::of_file(path, None, error))?;
         Self::parse(path, &text)
     }
 
@@ -242,31 +242,37 @@ impl Study {
     ///
     /// # Errors
     /// As [`Study::read`].
-    pub fn parse(path: &Path, text: &str) -> Result<Self, LocatedError> {
+    pub fn parse(path: &Path, text: &str) -> Result<Self, Mistakes> {
+        let lines = Lines::of(text);
         let at = |offset: Option<usize>, error: InputError| LocatedError {
             path: path.to_path_buf(),
-            line: offset.map(|offset| source::line_of(text, offset)),
+            line: offset.map(|offset| lines.line(offset)),
             error,
         };
         let syntax = |cause: toml::de::Error| {
-            at(
-                cause.span().map(|span| span.start),
-                InputError::new(
-                    "study file",
-                    cause.message().replace('\n', ", "),
-                    "a TOML file",
-                    "mend the syntax on this line",
-                ),
-            )
+            let said = cause.message().replace('\n', ", ");
+            let error = InputError::new("study file", said, "a TOML file", "correct the syntax on this line");
+            at(cause.span().map(|span| span.start), error)
         };
-        let parsed = DeTable::parse(text).map_err(syntax)?;
-        let schema = schema();
-        if let Some(finding) = check::check(parsed.get_ref(), &schema).into_iter().next() {
-            return Err(at(finding.offset, finding.error));
+        let (parsed, broken) = DeTable::parse_recoverable(text);
+        if !broken.is_empty() {
+            if let Some(foreign) = content::foreign(path, text) {
+                return Err(Mistakes::of_file(path, None, foreign));
+            }
+            return Err(Mistakes::sorted(broken.into_iter().map(syntax).collect()));
         }
-        let source = Source::new(path, text, parsed.get_ref());
-        let document: StudyDocument = toml::from_str(text).map_err(syntax)?;
-        resolve::resolve(document, source.clone()).map_err(|error| source.locate(error))
+        let findings = check::check(parsed.get_ref(), &schema());
+        let source = Source::new(path, &lines, parsed.get_ref());
+        let mistakes: Vec<LocatedError> =
+            findings.iter().map(|finding| at(finding.offset, finding.error.clone())).collect();
+        // Without the keys that are wrong, the others can still be checked against each other.
+        let wrong = findings.iter().filter_map(|finding| finding.key).collect();
+        let sound = toml::de::Deserializer::from(check::without(parsed, &wrong));
+        match StudyDocument::deserialize(sound) {
+            Ok(document) => resolve::resolve(document, source, &findings, mistakes).map_err(Mistakes::sorted),
+            Err(_) if !mistakes.is_empty() => Err(Mistakes::sorted(mistakes)),
+            Err(cause) => Err(Mistakes::sorted(vec![syntax(cause)])),
+        }
     }
 
     /// The pair of rail and wheel that a law of this study belongs to.

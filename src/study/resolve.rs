@@ -1,18 +1,21 @@
 //! From the keys of the file to values in SI units, with the checks that
 //! concern several keys at once.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::path::Path;
 
-use railspring_calibrate::error::InputError;
+use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::profile::wheels::Flange;
+use railspring_calibrate::profile::rails::RAIL_NAMES;
+use railspring_calibrate::profile::wheels::{Flange, WHEEL_NAMES, wheel_profile_with_flange};
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
-use railspring_calibrate::section::{WebShape, WheelBody};
+use railspring_calibrate::section::{WebShape, WheelBody, wheel_section_on};
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
+use super::check::{Finding, nearest};
+use super::collect::Collector;
 use super::document::{
     CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
     SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
@@ -21,6 +24,7 @@ use super::fields::translate;
 use super::keys::Keys;
 use super::measured::SurfaceKeys;
 use super::mesh_file::MeshFileKeys;
+use super::source::LocatedError;
 use super::{
     CalibrationSettings, ContactSettings, Rail, SECTIONS, SimulationSettings, Source, Study, StudyScenario,
     Track, Wheel,
@@ -29,23 +33,43 @@ use crate::records::ResolvedKey;
 
 type Result<T> = std::result::Result<T, InputError>;
 
-/// Checks the keys against each other and converts them to SI units.
-pub(super) fn resolve(document: StudyDocument, source: Source) -> Result<Study> {
-    check_name(&document.name)?;
-    let resolved = resolved_keys(&document, &source);
-    let rail = rail(&document.rail, source.path())?;
-    let wheel = wheel(&document.wheel, source.path())?;
-    let keys = Keys::new(&document, &rail, &wheel);
-    let calibration = calibration(&document.calibration)?;
+/// Checks the keys against each other and converts them to SI units; `findings` and `mistakes` are those of the check
+/// against the schema.
+///
+/// # Errors
+/// All mistakes, those of the schema first.
+pub(super) fn resolve(
+    document: StudyDocument,
+    source: Source,
+    findings: &[Finding],
+    mistakes: Vec<LocatedError>,
+) -> std::result::Result<Study, Vec<LocatedError>> {
+    let mut collector = Collector::new(&source, findings, mistakes);
+    collector.take(&["name"], check_name(&document.name));
+    let rail = rail(&document.rail, &source, &mut collector);
+    let wheel = wheel(&document.wheel, &source, &mut collector);
+    let calibration = collector.take(&["calibration.*"], calibration(&document.calibration));
     let friction = document.contact.friction;
-    let mut scenarios = std::collections::BTreeMap::new();
+    let mut scenarios = BTreeMap::new();
     for (name, keys) in &document.scenario {
-        check_scenario(name, keys, rail.length)?;
+        let here = format!("scenario.{name}.*");
+        for mistake in scenario_mistakes(name, keys, document.rail.length_m) {
+            collector.add(&[&here, "rail.length_m"], mistake);
+        }
         let resolved = scenario(keys, friction);
-        resolved.scenario.check().map_err(|error| translate(error, &source, Some(name)))?;
+        let checked = resolved.scenario.check().map_err(|error| translate(error, &source, Some(name)));
+        collector.take(&[&here, "contact.friction"], checked);
         scenarios.insert(name.clone(), resolved);
     }
-    let main_scenario = main_scenario(&document)?;
+    let main_scenario = collector.take(&["simulation.scenario"], main_scenario(&document, &source));
+    let mistakes = collector.into_mistakes();
+    let (Some(rail), Some(wheel), Some(calibration), Some(main_scenario), true) =
+        (rail, wheel, calibration, main_scenario, mistakes.is_empty())
+    else {
+        return Err(mistakes);
+    };
+    let resolved = resolved_keys(&document, &source);
+    let keys = Keys::new(&document, &rail, &wheel);
     let mesh = &document.mesh;
     Ok(Study {
         name: document.name,
@@ -113,9 +137,9 @@ fn check_name(name: &str) -> Result<()> {
     ))
 }
 
-fn rail(keys: &RailKeys, study: &Path) -> Result<Rail> {
+fn rail(keys: &RailKeys, source: &Source, collector: &mut Collector) -> Option<Rail> {
     let inclination = match &keys.inclination {
-        Inclination::Slope(slope) => *slope,
+        Inclination::Slope(slope) => Ok(*slope),
         Inclination::Ratio(text) => slope_of(text).ok_or_else(|| {
             InputError::new(
                 "rail.inclination",
@@ -123,18 +147,22 @@ fn rail(keys: &RailKeys, study: &Path) -> Result<Rail> {
                 "a ratio such as \"1:40\" (from 1:5 on) or a slope such as 0.025",
                 "write the ratio with a colon, or the slope as a number",
             )
-        })?,
+        }),
     };
+    let inclination = collector.take(&["rail.inclination"], inclination);
     let named = SurfaceKeys {
         section: "rail",
+        names: &RAIL_NAMES,
         meaning: "Name of the standard section",
         profile: keys.profile.as_deref(),
         file: keys.profile_file.as_deref(),
         standard: keys.standard.as_deref(),
         smoothing_mm: keys.profile_smoothing_mm,
         aligned: keys.profile_aligned,
+        unit: keys.profile_unit,
+        mirrored: keys.profile_mirrored,
     };
-    let (profile, measured) = named.resolve(study)?;
+    let surface = named.resolve(source.path(), collector);
     let mesh = MeshFileKeys {
         section: "rail",
         held_meaning: "the name in the mesh file of the nodes at the foot",
@@ -143,21 +171,25 @@ fn rail(keys: &RailKeys, study: &Path) -> Result<Rail> {
         contact: keys.contact_surface.as_deref(),
         held: keys.held_nodes.as_deref(),
     }
-    .resolve(study)?;
-    Ok(Rail { profile, measured, inclination, length: keys.length_m, mesh })
+    .resolve(source.path(), collector);
+    let (profile, measured) = surface?;
+    Some(Rail { profile, measured, inclination: inclination?, length: keys.length_m, mesh: mesh? })
 }
 
-fn wheel(keys: &WheelKeys, study: &Path) -> Result<Wheel> {
+fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option<Wheel> {
     let named = SurfaceKeys {
         section: "wheel",
+        names: &WHEEL_NAMES,
         meaning: "Name of the standard running profile",
         profile: keys.profile.as_deref(),
         file: keys.profile_file.as_deref(),
         standard: keys.standard.as_deref(),
         smoothing_mm: keys.profile_smoothing_mm,
         aligned: None,
+        unit: keys.profile_unit,
+        mirrored: keys.profile_mirrored,
     };
-    let (profile, measured) = named.resolve(study)?;
+    let surface = named.resolve(source.path(), collector);
     let flange = Flange {
         height: keys.flange_height_mm * MILLIMETRE,
         thickness: keys.flange_thickness_mm * MILLIMETRE,
@@ -179,8 +211,15 @@ fn wheel(keys: &WheelKeys, study: &Path) -> Result<Wheel> {
         contact: keys.contact_surface.as_deref(),
         held: keys.held_nodes.as_deref(),
     }
-    .resolve(study)?;
-    Ok(Wheel { profile, measured, tape_diameter: keys.tape_diameter_m, flange, body, mesh })
+    .resolve(source.path(), collector);
+    let (profile, measured) = surface?;
+    // A flange or a body that the standard cannot have.
+    if let Err(Error::Input(mistake)) = wheel_profile_with_flange(&profile, &flange)
+        .and_then(|running| wheel_section_on(running, &profile, keys.tape_diameter_m, &body))
+    {
+        collector.add(&["wheel.*"], translate(mistake, source, None));
+    }
+    Some(Wheel { profile, measured, tape_diameter: keys.tape_diameter_m, flange, body, mesh: mesh? })
 }
 
 /// Slope of a ratio such as `1:40`.
@@ -240,10 +279,12 @@ fn spaced(low: f64, high: f64, count: usize, spacing: SpacingKey) -> Vec<f64> {
         .collect()
 }
 
-fn check_scenario(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Result<()> {
+/// What is wrong with a load case.
+fn scenario_mistakes(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Vec<InputError> {
+    let mut mistakes = Vec::new();
     let key = |leaf: &str| format!("scenario.{name}.{leaf}");
     if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || "-_".contains(c)) {
-        return Err(InputError::new(
+        mistakes.push(InputError::new(
             key("").trim_end_matches('.'),
             format!("{name:?}"),
             "a scenario name of letters, digits, `-` and `_`",
@@ -252,7 +293,7 @@ fn check_scenario(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Result<(
     }
     if keys.solid && (keys.speed_m_per_s != 0.0 || keys.rail_torsion.is_some()) {
         let cause = if keys.speed_m_per_s != 0.0 { "moves along the rail" } else { "has a rail torsion" };
-        return Err(InputError::new(
+        mistakes.push(InputError::new(
             key("solid"),
             "true",
             format!("false, because the scenario {cause}, which only the simple model can do"),
@@ -260,7 +301,7 @@ fn check_scenario(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Result<(
         ));
     }
     if keys.solid && keys.start_x_m.is_some_and(|x| x != 0.5 * rail_length) {
-        return Err(InputError::new(
+        mistakes.push(InputError::new(
             key("start_x_m"),
             keys.start_x_m.unwrap_or_default(),
             "midspan, because the solid model's contact zone is there",
@@ -269,14 +310,14 @@ fn check_scenario(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Result<(
     }
     let start = keys.start_x_m.unwrap_or(0.5 * rail_length);
     if start > rail_length {
-        return Err(InputError::new(
+        mistakes.push(InputError::new(
             key("start_x_m"),
             start,
             format!("a place on the rail, 0 to {rail_length} m"),
             "start elsewhere, or lengthen the rail",
         ));
     }
-    Ok(())
+    mistakes
 }
 
 fn scenario(keys: &ScenarioKeys, friction: f64) -> StudyScenario {
@@ -325,15 +366,33 @@ fn torsion(keys: &TorsionKeys) -> HarmonicForce {
     }
 }
 
-fn main_scenario(document: &StudyDocument) -> Result<Option<String>> {
+/// Some names, of a long list the first and their number.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 12;
+    match names.len() {
+        0 => "there is none".into(),
+        ..=MOST => names.join(", "),
+        count => format!("{}, … {count} in all", names[..MOST].join(", ")),
+    }
+}
+
+fn main_scenario(document: &StudyDocument, source: &Source) -> Result<Option<String>> {
     let names: Vec<&str> = document.scenario.keys().map(String::as_str).collect();
     match &document.simulation.scenario {
-        Some(name) if document.scenario.contains_key(name) => Ok(Some(name.clone())),
+        // One that has a mistake itself is not in the document.
+        Some(name) if document.scenario.contains_key(name) || source.gives(&format!("scenario.{name}")) => {
+            Ok(Some(name.clone()))
+        }
         Some(name) => Err(InputError::new(
             "simulation.scenario",
             format!("{name:?}"),
-            format!("one of the study's scenarios ({})", names.join(", ")),
-            "name a scenario of this file, or leave the key out",
+            format!("one of the study's scenarios ({})", listed(&names)),
+            match nearest(name, names.iter().copied()) {
+                Some(near) => {
+                    format!("name a scenario of this file (did you mean `{near}`?), or leave the key out")
+                }
+                None => "name a scenario of this file, or leave the key out".into(),
+            },
         )),
         None => {
             let solid = document.scenario.iter().find(|(_, keys)| keys.solid).map(|(name, _)| name.clone());

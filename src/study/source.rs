@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use railspring_calibrate::error::InputError;
+use railspring_calibrate::error::{InputError, printable};
 use toml::de::{DeTable, DeValue};
 
 use super::check::join;
@@ -25,7 +25,7 @@ pub struct LocatedError {
 
 impl fmt::Display for LocatedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
+        f.write_str(&shown_path(&self.path))?;
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
@@ -34,6 +34,71 @@ impl fmt::Display for LocatedError {
 }
 
 impl std::error::Error for LocatedError {}
+
+/// A path as messages show it.
+fn shown_path(path: &Path) -> String {
+    /// Longer than most systems allow.
+    const LONGEST: usize = 4096;
+    printable(path.display().to_string(), LONGEST)
+}
+
+/// All mistakes of a study, in the order of the file; at least one.
+#[derive(Debug, Clone)]
+pub struct Mistakes(Vec<LocatedError>);
+
+impl Mistakes {
+    /// Most mistakes that are listed.
+    const MOST_LISTED: usize = 50;
+
+    /// A single mistake of the whole file.
+    pub(super) fn of_file(path: &Path, line: Option<usize>, error: InputError) -> Self {
+        Self(vec![LocatedError { path: path.to_path_buf(), line, error }])
+    }
+
+    /// Mistakes by line; those of the whole file come first, those of one line in the order in which they are given.
+    pub(super) fn sorted(mut mistakes: Vec<LocatedError>) -> Self {
+        mistakes.sort_by_key(|mistake| mistake.line);
+        Self(mistakes)
+    }
+
+    /// The mistakes.
+    pub fn all(&self) -> &[LocatedError] {
+        &self.0
+    }
+
+    /// One message for each mistake, of a long list the first and the number of the others.
+    pub fn messages(&self) -> Vec<String> {
+        let mut messages: Vec<String> =
+            self.0.iter().take(Self::MOST_LISTED).map(ToString::to_string).collect();
+        if let (Some(first), more @ 1..) = (self.0.first(), self.0.len().saturating_sub(Self::MOST_LISTED)) {
+            messages.push(format!("{}: {more} more mistakes", shown_path(&first.path)));
+        }
+        messages
+    }
+}
+
+impl fmt::Display for Mistakes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.messages().join("\n"))
+    }
+}
+
+impl std::error::Error for Mistakes {}
+
+/// Where the lines of a text begin.
+pub(super) struct Lines(Vec<usize>);
+
+impl Lines {
+    /// Looks through the text, once.
+    pub(super) fn of(text: &str) -> Self {
+        Self(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect())
+    }
+
+    /// Line on which a byte stands, counted from one.
+    pub(super) fn line(&self, offset: usize) -> usize {
+        self.0.partition_point(|end| *end < offset) + 1
+    }
+}
 
 /// Where every key of a study file stands, and what its value was.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -44,18 +109,18 @@ pub struct Source {
 
 impl Source {
     /// Remembers the places of all keys of a parsed document.
-    pub(super) fn new(path: &Path, text: &str, document: &DeTable<'_>) -> Self {
+    pub(super) fn new(path: &Path, lines: &Lines, document: &DeTable<'_>) -> Self {
         let mut source = Self { path: path.to_path_buf(), ..Self::default() };
-        source.note(text, document, "");
+        source.note(lines, document, "");
         source
     }
 
-    fn note(&mut self, text: &str, table: &DeTable<'_>, path: &str) {
+    fn note(&mut self, lines: &Lines, table: &DeTable<'_>, path: &str) {
         for (key, value) in table.iter() {
             let full = join(path, key.get_ref());
-            self.lines.insert(full.clone(), line_of(text, key.span().start));
+            self.lines.insert(full.clone(), lines.line(key.span().start));
             if let DeValue::Table(inner) = value.get_ref() {
-                self.note(text, inner, &full);
+                self.note(lines, inner, &full);
             }
         }
     }
@@ -88,9 +153,4 @@ impl Source {
         }
         LocatedError { path: self.path.clone(), line: self.line(&error.key), error }
     }
-}
-
-/// Line on which a byte stands, counted from one.
-pub(super) fn line_of(text: &str, offset: usize) -> usize {
-    text.as_bytes().iter().take(offset).filter(|byte| **byte == b'\n').count() + 1
 }

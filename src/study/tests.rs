@@ -6,7 +6,7 @@ use super::*;
 
 const SHORT: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n";
 
-fn parse(text: &str) -> Result<Study, LocatedError> {
+fn parse(text: &str) -> Result<Study, Mistakes> {
     Study::parse(Path::new("x.toml"), text)
 }
 
@@ -276,4 +276,170 @@ fn measured_profiles_are_named_by_file_and_body() {
     assert!(absent.contains(":3: rail.profile_file = \"no.csv\": expected a readable file"), "{absent}");
     let alone = refused("profile = \"60E1\"\nprofile_smoothing_mm = 2");
     assert!(alone.contains(":4: rail.profile_smoothing_mm = 2: expected rail.profile_file"), "{alone}");
+}
+
+#[test]
+fn all_mistakes_are_reported_together_in_the_order_of_the_file() {
+    let text = "name = \"a/b\"\n[rail]\nprofile = \"60E3\"\ninclination = \"40\"\nlength_m = 900\n[wheel]\nprofile = \"S1002\"\n\
+                bore_mm = 300\n[track]\ngauge_m = 1.4\n[calibration]\nloads_kn = [1, 3, 2, 4]\n[simulation]\n\
+                scenario = \"x\"\n[scenario.s]\nlateral_force = {}\nvertical_force = {}\nspeed_m_per_s = 1\n\
+                time_step_s = 0.1\n";
+    let mistakes = parse(text).unwrap_err();
+    let found: Vec<(usize, &str)> =
+        mistakes.all().iter().map(|m| (m.line.unwrap(), m.error.key.as_str())).collect();
+    let expected = [
+        (1, "name"),
+        (3, "rail.profile"),
+        (4, "rail.inclination"),
+        (5, "rail.length_m"),
+        (6, "wheel.hub_diameter_mm"),
+        (10, "track.gauge_m"),
+        (12, "calibration.loads_kn"),
+        (14, "simulation.scenario"),
+        (19, "scenario.s.time_step_s"),
+    ];
+    assert_eq!(found, expected, "{mistakes}");
+    // Each with line, value, expectation and remedy.
+    for message in mistakes.messages() {
+        assert!(
+            message.starts_with("x.toml:") && message.contains(": expected ") && message.contains("; "),
+            "{message}"
+        );
+    }
+    // What rests on a wrong value is no news: with the length the path is wrong, with the step the scenario.
+    let two = parse(&format!(
+        "{SHORT}[scenario.s]\nlateral_force = {{}}\nvertical_force = {{}}\nspeed_m_per_s = 100\n"
+    ));
+    assert_eq!(two.unwrap_err().all().len(), 2, "a solid that moves, and a path beyond the rail");
+}
+
+#[test]
+fn a_misspelled_key_is_one_mistake() {
+    let mistakes =
+        parse("name = \"x\"\n[rail]\nprofiel = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n").unwrap_err();
+    assert_eq!(mistakes.all().len(), 1, "not missing as well: {mistakes}");
+    let lines = "[[[\nname = \"x\"\nrail = = 3\n";
+    let syntax = parse(lines).unwrap_err();
+    assert!(syntax.all().len() > 1, "each line that is no TOML: {syntax}");
+}
+
+#[test]
+fn unknown_standards_list_the_known_ones_and_the_nearest() {
+    let wrong = |rail: &str, wheel: &str| {
+        parse(&SHORT.replace("60E1", rail).replace("S1002", wheel)).unwrap_err().messages()
+    };
+    let [rail, wheel] = &wrong("60e1", "EN13715")[..] else { panic!() };
+    assert_eq!(
+        rail,
+        "x.toml:3: rail.profile = \"60e1\": expected one of 60E1, UIC60, 60E2, 54E1; did you mean \"60E1\"? `railspring profile list` describes them"
+    );
+    assert!(wheel.contains("one of S1002, EN13715-1in40; did you mean \"EN13715-1in40\"?"), "{wheel}");
+    let far = &wrong("kerb", "S1002")[0];
+    assert!(far.contains("choose a standard") && far.contains("`rail.profile_file`"), "{far}");
+}
+
+#[test]
+fn what_is_no_study_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.toml");
+    let read = |content: &[u8]| {
+        std::fs::write(&path, content).unwrap();
+        Study::read(&path).unwrap_err().to_string()
+    };
+    let said = |text: &str, parts: &[&str]| {
+        parts.iter().for_each(|part| assert!(text.contains(part), "{part} in {text}"))
+    };
+    said(&read(b"\x7fELF\x02\x01\0\0"), &["study file = a binary file: a zero byte at position 6"]);
+    said(&read(b"name = \"caf\xe9\"\n"), &["a byte on line 1 that is not UTF-8"]);
+    said(&read(b"\xff\xfen\0"), &["text in UTF-16", "save the study in UTF-8"]);
+    let profiles = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles");
+    let simpack = read(&std::fs::read(profiles.join("worn-60e1.prr")).unwrap());
+    said(&simpack, &["x.toml: study file = a profile file (Simpack)", "`rail.profile_file`"]);
+    let miniprof = read(&std::fs::read(profiles.join("worn-s1002.whl")).unwrap());
+    said(&miniprof, &["a profile file (MiniProf)"]);
+    said(&read(b"y_mm,z_mm\n-1,0\n0,0\n1,0\n2,0\n3,0\n4,0\n5,0\n"), &["a profile file (CSV)"]);
+    assert!(!read(b"name = \n[rail]\n").contains("profile file"), "broken TOML stays TOML");
+    std::fs::write(&path, format!("\u{feff}{SHORT}")).unwrap();
+    assert!(Study::read(&path).is_ok(), "a byte-order mark is no mistake");
+}
+
+#[test]
+fn messages_are_short_and_have_no_control_characters() {
+    let long = "\u{1b}[2J\u{7}\u{202e}".repeat(200_000);
+    let text =
+        format!("{SHORT}[contact]\nenforcement = {}\n[{}]\n", serde_json::json!(long), "k".repeat(500_000));
+    let text = text.replace('\u{7f}', "");
+    let mistakes = parse(&text).unwrap_err();
+    assert!(!mistakes.all().is_empty());
+    for message in mistakes.messages() {
+        assert!(message.len() < 20_000, "{} bytes", message.len());
+        assert!(!message.contains(|c: char| c.is_control() || c == '\u{202e}'), "{message:?}");
+    }
+    let located = LocatedError {
+        path: "a\u{1b}[31m.toml".into(),
+        line: None,
+        error: InputError::new("k\n", "v\r", "e", "r"),
+    };
+    assert_eq!(located.to_string(), "a\\u{1b}[31m.toml: k\\n = v\\r: expected e; r");
+}
+
+#[test]
+fn long_lists_of_mistakes_are_cut() {
+    let many: String = (0..3000).map(|i| format!("[unknown{i}]\n")).collect();
+    let mistakes = parse(&format!("{SHORT}{many}")).unwrap_err();
+    assert_eq!(mistakes.all().len(), 3000);
+    let messages = mistakes.messages();
+    assert_eq!((messages.len(), messages[50].as_str()), (51, "x.toml: 2950 more mistakes"));
+}
+
+#[test]
+fn lines_are_found_in_one_pass() {
+    let text = "a\n\nbc\r\nd";
+    let lines = Lines::of(text);
+    for offset in 0..text.len() {
+        let counted = text.as_bytes()[..offset].iter().filter(|byte| **byte == b'\n').count() + 1;
+        assert_eq!(lines.line(offset), counted, "{offset}");
+    }
+    let scenarios: String = (0..4000)
+        .map(|i| {
+            format!("[scenario.s{i}]\nlateral_force = {{}}\nvertical_force = {{}}\nsolid = {}\n", i == 3999)
+        })
+        .collect();
+    let text = format!("{SHORT}{}", scenarios.replace("solid = true", "solid = 1"));
+    let message = parse(&text).unwrap_err().to_string();
+    assert!(message.starts_with("x.toml:16005: scenario.s3999.solid = 1"), "{message}");
+    let choice =
+        parse(&format!("{SHORT}[simulation]\nscenario = \"s\"\n{scenarios}")).unwrap_err().to_string();
+    assert!(choice.len() < 400 && choice.contains("4000 in all"), "{choice}");
+}
+
+#[test]
+fn unit_and_side_of_a_profile_file_are_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.toml");
+    std::fs::write(folder.path().join("head.csv"), "0,0\n").unwrap();
+    let study = |more: &str| {
+        let rail = format!("profile_file = \"head.csv\"\nstandard = \"60E1\"\n{more}");
+        Study::parse(&path, &format!("name = \"x\"\n[rail]\n{rail}\n[wheel]\nprofile = \"S1002\"\n"))
+    };
+    let of = |more: &str| {
+        let study = study(more).unwrap();
+        let measured = study.rail.measured.unwrap();
+        (measured.unit, measured.mirrored, study.keys.study)
+    };
+    let plain = of("");
+    assert_eq!((plain.0, plain.1), (None, None));
+    let inch = of("profile_unit = \"in\"\nprofile_mirrored = true");
+    assert_eq!((inch.0, inch.1), (Some(0.0254), Some(true)));
+    assert_ne!(plain.2, inch.2);
+    assert_ne!(inch.2, of("profile_unit = \"in\"\nprofile_mirrored = false").2);
+    assert_ne!(inch.2, of("profile_unit = \"mm\"\nprofile_mirrored = true").2);
+    let wrong = study("profile_unit = \"ft\"").unwrap_err().to_string();
+    assert!(
+        wrong.contains(":5: rail.profile_unit = \"ft\": expected one of \"mm\", \"m\", \"in\""),
+        "{wrong}"
+    );
+    let alone = SHORT.replace("\"60E1\"", "\"60E1\"\nprofile_unit = \"m\"\nprofile_mirrored = true");
+    let keys: Vec<String> = parse(&alone).unwrap_err().all().iter().map(|m| m.error.key.clone()).collect();
+    assert_eq!(keys, ["rail.profile_unit", "rail.profile_mirrored"], "both belong to a file");
 }

@@ -202,7 +202,7 @@ pub(super) fn mend_steps_back(points: &mut Vec<MeasuredPoint>, findings: &mut Ve
     for i in 1..points.len().saturating_sub(1) {
         if turn_at(points, i).abs() > STEP_BACK {
             let value = (turn_at(points, i).abs(), "degrees");
-            let text = "the line turns back on itself: could not be mended";
+            let text = "the line turns back on itself: could not be repaired";
             zigzags.add((points[i].line, points[i + 1].line), value, Action::Left, text);
         }
     }

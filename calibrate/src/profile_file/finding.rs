@@ -84,9 +84,9 @@ impl FindingKind {
 pub enum Action {
     /// Worth knowing; nothing had to be done.
     Noted,
-    /// Mended as the text says.
+    /// Repaired as the text says.
     Mended,
-    /// Not mended: the user should look at it.
+    /// Not repaired: the user should look at it.
     Left,
 }
 
@@ -95,7 +95,7 @@ impl Action {
     pub fn name(self) -> &'static str {
         match self {
             Self::Noted => "noted",
-            Self::Mended => "mended",
+            Self::Mended => "repaired",
             Self::Left => "left",
         }
     }

@@ -1,4 +1,4 @@
-//! Profiles from files: Simpack, MiniProf, text and CSV; what is wrong with them, and how it is mended.
+//! Profiles from files: Simpack, MiniProf, text and CSV; what is wrong with them, and how it is repaired.
 //!
 //! [`read`] gives the points of a file in the profile frame (y to the field side, z down, m), each with its
 //! line. [`prepare`] checks and repairs them and makes the curve. [`write()`] writes a profile in any of the
@@ -23,11 +23,14 @@ use std::path::Path;
 use nalgebra::Point2;
 
 use crate::error::{InputError, Result};
+use crate::input;
 
 pub use finding::{Action, Finding, FindingKind};
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use smooth::{Smoothed, smooth};
 
+/// Largest profile file that is read, bytes.
+pub const LARGEST_FILE: u64 = 256 << 20;
 /// Most points of a profile that are read.
 const MOST_POINTS: usize = 5_000_000;
 
@@ -81,7 +84,8 @@ pub struct ReadOptions {
     pub kind: Option<ProfileKind>,
     /// Length of the file's unit, m; replaces what the file says.
     pub unit: Option<f64>,
-    /// Whether y counts towards the track centre in the file; not for Simpack files, whose header says so.
+    /// Whether y counts towards the track centre in the file, as in that of a left rail or wheel. What the header of
+    /// a Simpack file says comes first: `true` turns over what it leaves.
     pub mirror_y: Option<bool>,
     /// Whether z counts upwards in the file; not for Simpack files, whose header says so.
     pub mirror_z: Option<bool>,
@@ -120,7 +124,7 @@ pub struct MeasuredProfile {
 /// name where it stays open whether it is a wheel or a rail, or what its unit is.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<MeasuredProfile> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path)
+    let bytes = input::read(path, LARGEST_FILE)
         .map_err(|cause| InputError::new(&name, cause, "a readable profile file", "check the path"))?;
     parse(&name, &bytes, options)
 }
@@ -142,6 +146,16 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<MeasuredProfile> {
 pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<MeasuredProfile> {
     let text = text::decode(name, bytes)?;
     let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if let Some((line, shown)) = toml_section(&text) {
+        return Err(text::error_at(
+            name,
+            line,
+            1,
+            shown,
+            "the rows of a profile",
+            "this is a TOML file such as a study: give the profile file that it names",
+        ));
+    }
     let raw = if simpack::recognises(&text) {
         simpack::parse(name, &text, &ending)?
     } else if miniprof::recognises(&text, &ending) {
@@ -150,6 +164,50 @@ pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Measured
         columns::parse(name, &text, &ending)?
     };
     orient::orient(name, raw, options)
+}
+
+/// The format of a profile file, if the content, or in some cases the ending of `name`, shows that it is one: headings
+/// of Simpack or MiniProf, or nearly nothing but rows of numbers.
+pub fn format_of(name: &str, bytes: &[u8]) -> Option<ProfileFormat> {
+    /// Lines that are looked at.
+    const ENOUGH: usize = 2000;
+    /// Share of rows of numbers that makes a file one of columns.
+    const MOST: f64 = 0.8;
+    let text = text::decode(name, bytes).ok()?;
+    let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if toml_section(&text).is_some() {
+        return None;
+    }
+    if simpack::recognises(&text) {
+        return Some(ProfileFormat::Simpack);
+    }
+    if miniprof::recognises(&text, &ending) {
+        return Some(ProfileFormat::MiniProf);
+    }
+    let filled =
+        || text::lines(&text).map(|(_, line)| line).filter(|line| !line.trim().is_empty()).take(ENOUGH);
+    let rows = filled().filter(|line| text::begins_like_a_number(line) && !line.contains('=')).count();
+    if rows < 4 || (rows as f64) < MOST * filled().count() as f64 {
+        return None;
+    }
+    let separated = filled().any(|line| line.contains([',', ';']));
+    Some(if separated { ProfileFormat::Csv } else { ProfileFormat::Text })
+}
+
+/// The first heading of a TOML file, `[word]` on a line, with its line; `None` for what is no TOML file.
+fn toml_section(text: &str) -> Option<(usize, &str)> {
+    /// Lines that are looked at.
+    const ENOUGH: usize = 2000;
+    let word =
+        |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || "_-.".contains(c));
+    let lines = || text::lines(text).map(|(n, line)| (n, line.trim())).take(ENOUGH);
+    let heading = |line: &str| {
+        line.strip_prefix('[')
+            .and_then(|rest| rest.strip_suffix(']'))
+            .is_some_and(|name| word(name) && name.starts_with(|c: char| c.is_ascii_alphabetic()))
+    };
+    let assignment = |line: &str| line.split_once(" = ").is_some_and(|(key, _)| word(key.trim()));
+    lines().any(|(_, line)| assignment(line)).then(|| lines().find(|(_, line)| heading(line))).flatten()
 }
 
 /// A profile as a file of the format: points in the profile frame, m.

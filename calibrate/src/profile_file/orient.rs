@@ -5,6 +5,7 @@ use super::shape::Shape;
 use super::text::error_at;
 use super::{Convention, MeasuredPoint, MeasuredProfile, ProfileKind, Raw, ReadOptions};
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
 use crate::units::MILLIMETRE;
 
@@ -62,6 +63,11 @@ fn extent(points: &[MeasuredPoint]) -> f64 {
 }
 
 fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
+    let unit_field = match options.kind {
+        Some(ProfileKind::Rail) => format!("`{}`", InputField::RailProfileUnit),
+        Some(ProfileKind::Wheel) => format!("`{}`", InputField::WheelProfileUnit),
+        None => "the unit".into(),
+    };
     let extent = extent(&raw.points);
     let lines = (raw.points[0].line, raw.points[raw.points.len() - 1].line);
     let wrong = |line: usize, remedy: &str| {
@@ -70,7 +76,10 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
     let unit = match (options.unit, raw.unit) {
         (Some(unit), _) => {
             if !EXTENT.contains(&(unit * extent)) {
-                return Err(wrong(lines.0, "give the unit in which the file is written"));
+                return Err(wrong(
+                    lines.0,
+                    &format!("{unit_field} is given: it is not the unit in which the file is written"),
+                ));
             }
             unit
         }
@@ -79,7 +88,7 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
                 let stated = if line == 0 { lines.0 } else { line };
                 return Err(wrong(
                     stated,
-                    "the unit of the file does not fit its numbers: give the right unit",
+                    &format!("the unit of the file does not fit its numbers: give {unit_field}"),
                 ));
             }
             unit
@@ -90,7 +99,7 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
                 .filter(|(unit, _)| EXTENT.contains(&(unit * extent)))
                 .collect();
             let [(unit, unit_name)] = fits[..] else {
-                return Err(wrong(lines.0, "the unit is neither mm nor m: give it"));
+                return Err(wrong(lines.0, &format!("the unit is neither mm nor m: give {unit_field}")));
             };
             let text = format!("the profile is {extent:.3} {unit_name} across, so the unit is {unit_name}");
             raw.findings.push(
@@ -179,7 +188,7 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
     let stated = raw.convention == Convention::Stated;
     let miniprof = raw.convention == Convention::MiniProf;
     let mirror_y = match (stated, options.mirror_y, kind) {
-        (true, ..) => false,
+        (true, mirror, _) => mirror.unwrap_or(false),
         (_, Some(mirror), _) => mirror,
         (_, _, ProfileKind::Rail) => miniprof,
         (_, _, ProfileKind::Wheel) => flange_wrong.unwrap_or(false),
@@ -190,6 +199,8 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
         _ => upside_down.unwrap_or(miniprof && kind == ProfileKind::Rail),
     };
     let mut note = |kind, action, text: &str| raw.findings.push(Finding::new(kind, action, text));
+    // A right wheel has its flange at small y, whatever was asked for.
+    let flange_out = flange_wrong.is_some_and(|wrong| wrong != mirror_y);
     if mirror_y {
         let why = match kind {
             ProfileKind::Rail if options.mirror_y.is_none() => {
@@ -199,12 +210,13 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
             _ => "the flange is at the end of large y: turned over",
         };
         note(FindingKind::Mirrored, Action::Mended, why);
-    } else if flange_wrong == Some(true) {
+    }
+    if flange_out {
         note(
             FindingKind::Mirrored,
             Action::Left,
-            if stated {
-                "the flange is at the field side, as the header has it: check mirror.y"
+            if stated && !mirror_y {
+                "the flange is at the field side, as the header has it: the profile of a left wheel, or check mirror.y"
             } else {
                 "the flange is at the field side, as asked for"
             },

@@ -1,9 +1,8 @@
 //! The text of a profile file: encodings, lines, fields and numbers, and errors that name line and column.
 
+use super::LARGEST_FILE;
 use crate::error::{Error, InputError, Result};
 
-/// Largest file that is read, bytes.
-const LARGEST_FILE: usize = 256 << 20;
 /// Most fields of a row.
 const MOST_FIELDS: usize = 16;
 /// Longest number, characters: a tiny one without exponent has more than 300.
@@ -27,7 +26,7 @@ pub(super) fn error_at(
 /// # Errors
 /// A file that is too large or is no text.
 pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<String> {
-    if bytes.len() > LARGEST_FILE {
+    if bytes.len() as u64 > LARGEST_FILE {
         return Err(error_at(
             name,
             1,

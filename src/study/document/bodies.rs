@@ -1,5 +1,6 @@
 //! The keys of the two bodies.
 
+use railspring_calibrate::units::MILLIMETRE;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +24,12 @@ pub struct RailKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.1, max = 20.0))]
     pub profile_smoothing_mm: Option<f64>,
+    /// Unit of the profile file; left out, what the file says or what its size shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_unit: Option<ProfileUnitKey>,
+    /// Whether y counts towards the track centre in the profile file, as in that of a left rail: it is then turned over; left out, what the file says or its format has by convention.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_mirrored: Option<bool>,
     /// Whether the measured head is turned and moved onto the standard section, or taken as it stands: origin at the unworn top, on the axis, not inclined.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_aligned: Option<bool>,
@@ -88,6 +95,12 @@ pub struct WheelKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.1, max = 20.0))]
     pub profile_smoothing_mm: Option<f64>,
+    /// Unit of the profile file; left out, what the file says or what its size shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_unit: Option<ProfileUnitKey>,
+    /// Whether y counts towards the track centre in the profile file, as in that of a left wheel: it is then turned over; left out, what the file says or where its flange is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_mirrored: Option<bool>,
     /// Diameter at the tape circle (70 mm from the flange back), m.
     #[serde(default = "default_tape_diameter")]
     #[schemars(range(min = 0.3, max = 1.5))]
@@ -176,4 +189,38 @@ pub enum MeshUnitKey {
     /// Metres.
     #[serde(rename = "m")]
     Metre,
+}
+
+/// Unit of a profile file's coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum ProfileUnitKey {
+    /// Millimetres.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// Metres.
+    #[serde(rename = "m")]
+    Metre,
+    /// Inches.
+    #[serde(rename = "in")]
+    Inch,
+}
+
+impl ProfileUnitKey {
+    /// Name in the study file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimetre => "mm",
+            Self::Metre => "m",
+            Self::Inch => "in",
+        }
+    }
+
+    /// Length of the unit, m.
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::Millimetre => MILLIMETRE,
+            Self::Metre => 1.0,
+            Self::Inch => 25.4 * MILLIMETRE,
+        }
+    }
 }

@@ -1,0 +1,47 @@
+//! What a file that is given as a study is, if it is none.
+
+use std::path::Path;
+
+use railspring_calibrate::error::InputError;
+use railspring_calibrate::input;
+use railspring_calibrate::profile_file::format_of;
+
+/// Largest study that is read, bytes.
+const LARGEST: u64 = 64 << 20;
+
+/// The text of a study.
+pub(super) fn read(path: &Path) -> Result<String, InputError> {
+    let refused =
+        |value: String, expected: &str, remedy: &str| InputError::new("study file", value, expected, remedy);
+    let bytes = input::read(path, LARGEST)
+        .map_err(|cause| refused(cause.to_string(), "a readable TOML file", "check the path of the study"))?;
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").map(<[u8]>::to_vec).unwrap_or(bytes);
+    if let [0xff, 0xfe, ..] | [0xfe, 0xff, ..] = bytes[..] {
+        let value = "text in UTF-16".into();
+        return Err(refused(value, "a TOML file, which is text in UTF-8", "save the study in UTF-8"));
+    }
+    if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
+        let value = format!("a binary file: a zero byte at position {at}");
+        return Err(refused(value, "a TOML file, which is text in UTF-8", "check the path of the study"));
+    }
+    String::from_utf8(bytes).map_err(|cause| {
+        let at = cause.utf8_error().valid_up_to();
+        let line = cause.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
+        refused(
+            format!("a byte on line {line} that is not UTF-8"),
+            "a TOML file, which is text in UTF-8",
+            "save the study in UTF-8; if this is no text, check the path of the study",
+        )
+    })
+}
+
+/// What a text that is not TOML is, if that can be said.
+pub(super) fn foreign(path: &Path, text: &str) -> Option<InputError> {
+    let format = format_of(&path.display().to_string(), text.as_bytes())?;
+    Some(InputError::new(
+        "study file",
+        format!("a profile file ({format})"),
+        "a study, which is a TOML file",
+        "name the profile in a study: `rail.profile_file` (or `wheel.profile_file`) with `rail.standard`",
+    ))
+}
