@@ -306,11 +306,14 @@ fn all_mistakes_are_reported_together_in_the_order_of_the_file() {
             "{message}"
         );
     }
-    // What rests on a wrong value is no news: with the length the path is wrong, with the step the scenario.
-    let two = parse(&format!(
-        "{SHORT}[scenario.s]\nlateral_force = {{}}\nvertical_force = {{}}\nspeed_m_per_s = 100\n"
-    ));
-    assert_eq!(two.unwrap_err().all().len(), 2, "a solid that moves, and a path beyond the rail");
+    // Several of one load case, and nothing that only follows from a wrong value: with the length the places are wrong.
+    let of = |rail: &str| {
+        let forces = "lateral_force = {}\nvertical_force = {}\n";
+        let text = format!("{SHORT}[scenario.s]\n{forces}speed_m_per_s = 1\nstart_x_m = 5\n");
+        parse(&text.replace("\"60E1\"", &format!("\"60E1\"\n{rail}"))).unwrap_err().all().len()
+    };
+    assert_eq!(of(""), 3, "a solid that moves, not in the middle, and not on the rail");
+    assert_eq!(of("length_m = 900"), 1);
 }
 
 #[test]
