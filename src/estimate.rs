@@ -248,7 +248,7 @@ pub fn dry_run(
     monitor: &dyn Monitor,
 ) -> Result<Estimate> {
     let geometry = stages::geometry(study)?;
-    stages::check_loads(study, &geometry)?;
+    stages::check_loads(study, &geometry, monitor)?;
     budget.check_sizes(study, &geometry, work)?;
     let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
     budget.check(study, &geometry, &meshes, work)
@@ -291,7 +291,7 @@ impl Body {
 
 /// Sizes of the tool's own meshes; bodies with a mesh from a file have none.
 fn sizes(study: &Study, geometry: &Geometry) -> Result<Vec<MeshSize>> {
-    let options = stages::mesh_options(study);
+    let options = stages::mesh_options(study, geometry);
     let mut sizes = Vec::new();
     if study.rail.mesh.is_none() {
         sizes.push(rail_size(&geometry.rail, study.rail.length, &options)?);

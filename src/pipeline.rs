@@ -15,7 +15,7 @@ use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::units::KILONEWTON_PER_METRE;
+use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use crate::estimate::{Budget, Estimate, Work};
 use crate::measure::{Stopwatch, begin};
@@ -112,15 +112,17 @@ impl<'a> Pipeline<'a> {
         springs::check_reference(self.study)?;
         self.measured.stages.clear();
         let geometry = self.geometry()?;
-        stages::check_loads(self.study, &geometry)?;
-        let meshes = self.mesh_stage(&geometry, &Work::of(self.study, true, true))?;
-        let calibration = self.calibrate_stage(&geometry, &meshes)?;
+        stages::check_loads(self.study, &geometry, self.monitor)?;
+        let mut meshes = self.mesh_stage(&geometry, &Work::of(self.study, true, true))?;
+        let calibration = self.calibrate_stage(&geometry, &mut meshes)?;
         let springs = springs::own(self.study, &calibration.stiffness)?;
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
             let simple = self.simulate_stage(&geometry, &springs, name, scenario)?;
-            let solid =
-                scenario.solid.then(|| self.solid_stage(&geometry, &meshes, name, scenario)).transpose()?;
+            let solid = scenario
+                .solid
+                .then(|| self.solid_stage(&geometry, &mut meshes, name, scenario))
+                .transpose()?;
             runs.push((name.clone(), Runs { simple, solid }));
         }
         let verdict = self.verify_stage(Some(&calibration.stiffness), &runs)?;
@@ -141,9 +143,9 @@ impl<'a> Pipeline<'a> {
     /// Those of the stage.
     pub fn calibrate(mut self) -> Result<()> {
         let geometry = self.geometry()?;
-        stages::check_loads(self.study, &geometry)?;
-        let meshes = self.mesh_stage(&geometry, &Work::of(self.study, true, false))?;
-        self.calibrate_stage(&geometry, &meshes)?;
+        stages::check_loads(self.study, &geometry, self.monitor)?;
+        let mut meshes = self.mesh_stage(&geometry, &Work::of(self.study, true, false))?;
+        self.calibrate_stage(&geometry, &mut meshes)?;
         Ok(())
     }
 
@@ -201,7 +203,7 @@ impl<'a> Pipeline<'a> {
                             let meshes = self.mesh_stage(&geometry, &Work::of(self.study, false, true))?;
                             solid_model = Some((geometry, meshes));
                         }
-                        let (geometry, meshes) = solid_model.as_ref().expect("made above");
+                        let (geometry, meshes) = solid_model.as_mut().expect("made above");
                         self.solid_stage(geometry, meshes, name, scenario)?
                     }
                 }),
@@ -281,10 +283,17 @@ impl<'a> Pipeline<'a> {
         Ok(meshes)
     }
 
-    fn calibrate_stage(&mut self, geometry: &Geometry, meshes: &Meshes) -> Result<Calibration> {
+    fn calibrate_stage(&mut self, geometry: &Geometry, meshes: &mut Meshes) -> Result<Calibration> {
         let watch = Stopwatch::start();
-        let (calibration, pressed) = stages::calibrate(self.study, geometry, meshes, self.monitor)
-            .map_err(|error| uncarried(self.study, error))?;
+        let (study, monitor, budget) = (self.study, self.monitor, self.budget);
+        let accept = |larger: &Meshes| {
+            budget.check(study, geometry, larger, &Work::of(study, true, false)).map(|_| ())
+        };
+        let (calibration, pressed) =
+            stages::within_zones(study, geometry, meshes, monitor, accept, |meshes| {
+                stages::calibrate(study, geometry, meshes, monitor)
+            })
+            .map_err(|error| uncarried(study, error))?;
         let mut contents =
             vec![(STIFFNESS, to_json(&calibration.stiffness)), (LOAD_CURVE, to_csv(&calibration.load_curve))];
         for (fields, name) in
@@ -325,13 +334,19 @@ impl<'a> Pipeline<'a> {
     fn solid_stage(
         &mut self,
         geometry: &Geometry,
-        meshes: &Meshes,
+        meshes: &mut Meshes,
         name: &str,
         scenario: &StudyScenario,
     ) -> Result<Run> {
         let watch = Stopwatch::start();
-        let history = stages::simulate_solid(self.study, geometry, meshes, scenario, self.monitor)
-            .map_err(|error| self.study.in_scenario(name, error))?;
+        let (study, monitor, budget) = (self.study, self.monitor, self.budget);
+        let accept = |larger: &Meshes| {
+            budget.check(study, geometry, larger, &Work::of(study, false, true)).map(|_| ())
+        };
+        let history = stages::within_zones(study, geometry, meshes, monitor, accept, |meshes| {
+            stages::simulate_solid(study, geometry, meshes, scenario, monitor)
+        })
+        .map_err(|error| self.study.in_scenario(name, error))?;
         let record = RunRecord::new(&history, None, Vec::new());
         let key = self.study.keys.solid(name);
         self.write_history(&self.file(name, "solid_history"), &history, &record, &key)?;
@@ -478,21 +493,36 @@ fn model(model: &str, scenario: &str) -> String {
     format!("{model} model, {scenario}")
 }
 
-/// A contact that grows over the edge of the fine zone means a load too large for the study.
+/// A contact at the end of a fine zone that cannot be made larger means a load too large for the study; on a
+/// profile under the smallest load, a place at which the two profiles have no room for a contact.
 fn uncarried(study: &Study, error: Error) -> Error {
-    match error {
-        Error::Numerics(cause) if cause.reason == StopReason::EdgeOfCandidates => InputError::new(
+    let Error::Numerics(cause) = &error else { return error };
+    let given = study.rail.mesh.is_some() || study.wheel.mesh.is_some();
+    let load = cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}"));
+    match cause.reason {
+        StopReason::EdgeOfCandidates if cause.step.is_none_or(|step| step == 1) => InputError::new(
+            InputField::LateralShift,
+            format!("{} mm", study.track.lateral_shift / MILLIMETRE),
+            "a place at which the contact of the smallest load lies inside both running surfaces",
+            if given {
+                "move the wheel, or enlarge the contact surfaces of the mesh files"
+            } else {
+                "move the wheel, or check gauge and flange back distance"
+            },
+        )
+        .into(),
+        StopReason::EdgeOfCandidates | StopReason::EndOfWindow => InputError::new(
             InputField::Loads,
-            cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}")),
+            load,
             "loads whose contact patch stays within the fine zone of the mesh",
-            if study.rail.mesh.is_some() || study.wheel.mesh.is_some() {
+            if given {
                 "lower the load, or enlarge `window_half_length` and the contact surfaces of the mesh files"
             } else {
                 "lower the load, or enlarge `window_half_length`"
             },
         )
         .into(),
-        other => other,
+        _ => error,
     }
 }
 

@@ -20,6 +20,17 @@ pub enum Error {
     Interrupted,
 }
 
+impl Error {
+    /// The error with the load or time step at which it came up; input errors know none.
+    #[must_use]
+    pub fn at_step(self, step: usize) -> Self {
+        match self {
+            Self::Numerics(e) => NumericsError { step: Some(step), ..e }.into(),
+            other => other,
+        }
+    }
+}
+
 /// Input that cannot be used: where it stands, what it was, what was expected and how to correct it.
 #[derive(Debug, Clone, Error)]
 #[error("{key} = {value}: expected {expected}; {remedy}")]
@@ -107,6 +118,9 @@ pub enum StopReason {
     /// The contact reached the edge of the candidate surface.
     #[error("the contact reached the edge of the candidate surface")]
     EdgeOfCandidates,
+    /// The contact reached the end of the contact window along the track.
+    #[error("the contact reached the end of the contact window along the track")]
+    EndOfWindow,
 }
 
 /// An iteration that did not reach an answer.

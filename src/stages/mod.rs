@@ -6,17 +6,17 @@
 mod calibrate;
 mod crosscheck;
 mod fields;
-mod loads;
 mod mesh_files;
 mod sections;
 mod simulate;
+mod zones;
 
 pub use calibrate::{Calibration, calibrate};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
-pub use loads::check_loads;
 pub use sections::repairs;
 pub use simulate::{Springs, simulate, simulate_solid};
+pub use zones::{check_loads, mesh_options, within_zones};
 
 use std::path::Path;
 
@@ -69,6 +69,8 @@ pub struct Meshes {
     /// Edge of the elements in the contact zone across the track, of the rail and of the wheel, m: what the study asks
     /// for, or the longest of a mesh from a file.
     pub contact_elements: [f64; 2],
+    /// Sizes and fine zones of the tool's own meshes.
+    options: MeshOptions,
 }
 
 impl Geometry {
@@ -181,12 +183,12 @@ pub fn meshes(
     interpreter: Option<&Path>,
     monitor: &dyn Monitor,
 ) -> Result<Meshes> {
-    let options = mesh_options(study);
+    let options = mesh_options(study, geometry);
     let mut files = mesh_files::Files::new(interpreter, monitor);
     let rail =
         study.rail.mesh.as_ref().map(|file| files.rail(file, study, geometry, &options)).transpose()?;
     let wheel = study.wheel.mesh.as_ref().map(|file| files.wheel(file, geometry, &options)).transpose()?;
-    Meshes::with_own(study, geometry, rail, wheel)
+    Meshes::with_own(study, geometry, rail, wheel, options)
 }
 
 /// The tool's own meshes again with the sizes of `study`; those from files stay as they are in `meshes`.
@@ -194,9 +196,18 @@ pub fn meshes(
 /// # Errors
 /// Settings that give an inverted or flat element.
 pub fn remeshed(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<Meshes> {
+    remeshed_with(study, geometry, meshes, mesh_options(study, geometry))
+}
+
+fn remeshed_with(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    options: MeshOptions,
+) -> Result<Meshes> {
     let kept = |file: &Option<MeshFile>, mesh: &HexMesh| file.as_ref().map(|_| mesh.clone());
     let (rail, wheel) = (kept(&study.rail.mesh, &meshes.rail), kept(&study.wheel.mesh, &meshes.wheel));
-    Meshes::with_own(study, geometry, rail, wheel)
+    Meshes::with_own(study, geometry, rail, wheel, options)
 }
 
 impl Meshes {
@@ -206,8 +217,8 @@ impl Meshes {
         geometry: &Geometry,
         rail: Option<HexMesh>,
         wheel: Option<HexMesh>,
+        options: MeshOptions,
     ) -> Result<Self> {
-        let options = mesh_options(study);
         let edge = |given: &Option<HexMesh>| {
             given.as_ref().map_or(study.mesh.contact_element, |mesh| mesh.contact.longest_across())
         };
@@ -218,6 +229,7 @@ impl Meshes {
             rail: rail.map_or_else(own_rail, Ok)?,
             wheel: wheel.map_or_else(own_wheel, Ok)?,
             contact_elements,
+            options,
         })
     }
 
@@ -225,18 +237,6 @@ impl Meshes {
     pub fn contact_element(&self) -> f64 {
         self.contact_elements[0].max(self.contact_elements[1])
     }
-}
-
-/// The study's mesh; a worn flange is steeper and touches deeper, so beside measured profiles the fine zones go
-/// on further down the two faces.
-pub fn mesh_options(study: &Study) -> MeshOptions {
-    const DEEPER: f64 = 6e-3;
-    let mut options = study.mesh.clone();
-    if study.rail.measured.is_some() || study.wheel.measured.is_some() {
-        options.rail_zone.face_depth += DEEPER;
-        options.wheel_zone.face_depth += DEEPER;
-    }
-    options
 }
 
 fn formulation(study: &Study) -> Formulation {

@@ -4,8 +4,8 @@
 mod press;
 mod section_motion;
 
-pub(crate) use press::carry_over;
 pub use press::{Enforcement, Pressed, WheelOnRail};
+pub(crate) use press::{carry_over, edge_reached};
 pub use section_motion::SectionMotion;
 
 use crate::contact::{
@@ -129,7 +129,8 @@ pub fn press_loads(
     let mut states: Vec<Pressed> = Vec::new();
     for (i, &load) in loads.iter().enumerate() {
         monitor.progress(stage, i, loads.len())?;
-        states.push(wheel_on_rail.press(load, states.last())?);
+        let state = wheel_on_rail.press(load, states.last()).map_err(|error| error.at_step(i + 1))?;
+        states.push(state);
     }
     monitor.progress(stage, loads.len(), loads.len())?;
     Ok(states)

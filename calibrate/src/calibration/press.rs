@@ -75,12 +75,35 @@ pub struct Pressed {
     wheel_displacement: Vec<f64>,
 }
 
-/// Points farther apart than this after loading are no candidates, m: rounding of the pairing
-/// plus the bulging beside a patch.
+/// Rigid gap within which points are candidates while nothing is known of the elastic displacements, m.
+const FIRST_GAP: f64 = 0.15e-3;
+/// Rigid gap within which points are paired at all, m: bodies that roll under the load close less of it.
+const PAIRING_GAP: f64 = 0.5e-3;
+/// Points farther apart than this under the forces of the last pairing are no candidates, m: what the forces
+/// may still change, and the bulging beside a patch.
 const CANDIDATE_MARGIN: f64 = 20e-6;
 /// The hub is found when pairing it again moves it by less, m.
 const HUB_TOLERANCE: f64 = 1e-10;
-const PAIRING_LIMIT: usize = 25;
+const PAIRING_LIMIT: usize = 40;
+/// Least part of its way that the hub goes where pairings throw it to and fro.
+const LEAST_SHARE: f64 = 1.0 / 16.0;
+/// Intermediate loads tried, and the least step between them, of the whole.
+const LOAD_LEVELS: usize = 12;
+const LEAST_RISE: f64 = 1.0 / 32.0;
+
+/// Why the points that carry load are not all there are: the patch of `forces` reaches the end of the contact
+/// window along the track (of the grid with `columns` lines), or the end of the fine zone on a profile.
+pub(crate) fn edge_reached(points: &ContactPoints, forces: &[f64], columns: usize) -> Option<StopReason> {
+    let mut reached = None;
+    for j in (0..points.len()).filter(|&j| points.at_edge[j] && forces[j] > 0.0) {
+        let line = points.index[j].1;
+        if line > 0 && line + 1 < columns {
+            return Some(StopReason::EdgeOfCandidates);
+        }
+        reached = Some(StopReason::EndOfWindow);
+    }
+    reached
+}
 
 impl WheelOnRail<'_> {
     /// Directions a point: 1 without friction, else 3.
@@ -101,26 +124,88 @@ impl WheelOnRail<'_> {
     }
 
     /// Presses the wheel with the vertical `load` (N, > 0), the hub held laterally; `before` is the state
-    /// the load grew from, for friction and as a start.
+    /// the load grew from, for friction and as a start. Where the iteration does not settle from there, it
+    /// gets starts from loads in between; slips count from `before` all the same.
     ///
     /// # Errors
-    /// [`InputError`] for a load that is not positive or that the meshed contact zone cannot carry;
-    /// [`NumericsError`] if the iteration does not settle.
+    /// [`InputError`] for a load that is not positive; [`NumericsError`] if the contact reaches the end of the meshed
+    /// contact zone ([`StopReason::EdgeOfCandidates`] on a profile, [`StopReason::EndOfWindow`] along the track),
+    /// or if the iteration does not settle.
     pub fn press(&self, load: f64, before: Option<&Pressed>) -> Result<Pressed> {
         if !(load > 0.0 && load.is_finite()) {
-            return Err(refused_load(load, "a positive load").into());
+            return Err(InputError::new(
+                InputField::Loads,
+                format!("{:.4} kN", load * 1e-3),
+                "a positive load",
+                "leave it out, or correct it",
+            )
+            .into());
         }
+        let mut error = match self.settle(load, before, before) {
+            Err(error) if unsettled(&error) => error,
+            done => return done,
+        };
+        let floor = before.map_or(0.0, |b| b.load);
+        let mut near: Option<Pressed> = None;
+        let (mut reached, mut rise) = (0.0, 0.5);
+        for _ in 0..LOAD_LEVELS {
+            let part = f64::min(reached + rise, 1.0);
+            let level = if part == 1.0 { load } else { floor + part * (load - floor) };
+            match self.settle(level, before, near.as_ref().or(before)) {
+                Ok(state) if part == 1.0 => return Ok(state),
+                Ok(state) => {
+                    near = Some(state);
+                    reached = part;
+                    rise *= 2.0;
+                }
+                Err(failed) if unsettled(&failed) => {
+                    rise *= 0.5;
+                    if rise < LEAST_RISE {
+                        break;
+                    }
+                }
+                Err(failed) => {
+                    // at a smaller load the patch is inside its zone; what is wrong is said of the load that was asked for
+                    error = failed;
+                    break;
+                }
+            }
+        }
+        Err(error)
+    }
+
+    /// Equilibrium under `load`, iterated from the state `near`; slips count from `before`.
+    fn settle(&self, load: f64, before: Option<&Pressed>, near: Option<&Pressed>) -> Result<Pressed> {
+        let failure = |iteration, residual, active, reason| {
+            let stage = format!("contact of wheel and rail at {:.3} kN", load * 1e-3);
+            Error::from(NumericsError { stage, step: None, iteration, residual, active, reason })
+        };
         let directions = self.directions();
         let mut hub =
-            before.map_or(Vector2::zeros(), |b| Vector2::new(b.hub.x, b.hub.y * (load / b.load).powf(0.75)));
-        let mut largest_gap = 0.15e-3;
-        let mut moved = f64::NAN;
-        let mut active = 0;
-        let mut previous: Option<(ContactPoints, Solution)> = None;
-        for _ in 0..PAIRING_LIMIT {
-            let points = self.points_at(&hub, largest_gap);
+            near.map_or(Vector2::zeros(), |b| Vector2::new(b.hub.x, b.hub.y * (load / b.load).powf(0.75)));
+        let (mut share, mut moved, mut active) = (1.0, 0.0_f64, 0);
+        let mut previous: Option<Pressed> = None;
+        for iteration in 0..PAIRING_LIMIT {
+            let points = match &previous {
+                // long elements on a sharp curve lie farther from the first touch
+                None => [FIRST_GAP, PAIRING_GAP]
+                    .map(|gap| self.points_at(&hub, gap))
+                    .into_iter()
+                    .find(|points| !points.is_empty())
+                    .unwrap_or_default(),
+                Some(last) => {
+                    let mut points = self.points_at(&hub, PAIRING_GAP);
+                    let keep: Vec<bool> =
+                        last.gaps_at(&points).iter().map(|gap| *gap < CANDIDATE_MARGIN).collect();
+                    // after a long way of the hub on a slope the last displacements say nothing of the new place
+                    if keep.contains(&true) {
+                        points.retain(&keep);
+                    }
+                    points
+                }
+            };
             if points.is_empty() {
-                return Err(refused_load(load, "a load under which wheel and rail touch").into());
+                return Err(failure(iteration, f64::NAN, 0, StopReason::EdgeOfCandidates));
             }
             let compliance = self.compliance(&points, directions);
             let mut free = points.gap.clone();
@@ -128,10 +213,9 @@ impl WheelOnRail<'_> {
             if directions == 3 {
                 self.add_slip_since(before, &points, &hub, &mut free);
             }
-            let start = match (&previous, before) {
-                (Some((p, s)), _) => carry_over(p, &s.forces, &points, directions),
-                (None, Some(b)) => carry_over(&b.points, &b.solution.forces, &points, directions),
-                (None, None) => vec![0.0; free.len()],
+            let start = match previous.as_ref().or(near) {
+                Some(p) => carry_over(&p.points, &p.solution.forces, &points, directions),
+                None => vec![0.0; free.len()],
             };
             let wanted = [(2, -load)];
             let problem = Problem {
@@ -142,46 +226,38 @@ impl WheelOnRail<'_> {
                 hub: &wanted,
             };
             let solution = solve(&problem, &start).map_err(|e| at_load(e, load))?;
-            hub.y += solution.hub[0];
-            moved = solution.hub[0].abs();
-            active = solution.active();
-            if moved < HUB_TOLERANCE {
-                if (0..points.len()).any(|j| points.at_edge[j] && solution.forces[j] > 0.0) {
-                    return Err(refused_load(
-                        load,
-                        "a load whose contact patch stays inside the meshed contact zone",
-                    )
-                    .into());
-                }
-                let of = |body: &Mat<f64>, side| {
-                    times(body, &points.nodal_forces(side, &solution.forces, body.nrows()))
-                };
-                let rail_displacement = of(self.rail, Side::Base);
-                let wheel_displacement = of(self.wheel, Side::Opposing);
-                return Ok(Pressed {
-                    load,
-                    hub,
-                    points,
-                    compliance,
-                    free,
-                    solution,
-                    rail_displacement,
-                    wheel_displacement,
-                });
+            let way = solution.hub[0];
+            if way * moved < 0.0 && way.abs() > 0.5 * moved.abs() {
+                share = f64::max(0.5 * share, LEAST_SHARE);
             }
-            // the approach lies mostly in the bodies: what overlaps rigidly now covers the patch
-            largest_gap = CANDIDATE_MARGIN;
-            previous = Some((points, solution));
+            moved = way;
+            hub.y += if way.abs() < HUB_TOLERANCE { way } else { share * way };
+            active = solution.active();
+            let of = |body: &Mat<f64>, side| {
+                times(body, &points.nodal_forces(side, &solution.forces, body.nrows()))
+            };
+            let (rail_displacement, wheel_displacement) =
+                (of(self.rail, Side::Base), of(self.wheel, Side::Opposing));
+            let state = Pressed {
+                load,
+                hub,
+                points,
+                compliance,
+                free,
+                solution,
+                rail_displacement,
+                wheel_displacement,
+            };
+            if moved.abs() < HUB_TOLERANCE && previous.is_some() {
+                let columns = self.rail_surface.grid.along_track.len();
+                return match edge_reached(&state.points, &state.solution.forces, columns) {
+                    Some(reason) => Err(failure(iteration, 0.0, active, reason)),
+                    None => Ok(state),
+                };
+            }
+            previous = Some(state);
         }
-        Err(NumericsError {
-            stage: format!("pairing of the contact surfaces at {:.3} kN", load * 1e-3),
-            step: None,
-            iteration: PAIRING_LIMIT,
-            residual: moved,
-            active,
-            reason: StopReason::IterationLimit,
-        }
-        .into())
+        Err(failure(PAIRING_LIMIT, moved.abs(), active, StopReason::IterationLimit))
     }
 
     /// Adds the tangential motion with the hub at `hub` since the state `before`, or since just touching; the contact
@@ -216,6 +292,18 @@ impl Pressed {
         Problem { points: &self.points, compliance: &self.compliance, free: &self.free, friction, hub: &[] }
     }
 
+    /// Gaps at `points`, m, with the elastic displacements of this state.
+    fn gaps_at(&self, points: &ContactPoints) -> Vec<f64> {
+        let normal =
+            |weights, u: &[f64]| -> f64 { ContactPoints::row(weights, 0).map(|(i, w)| w * u[i]).sum() };
+        (0..points.len())
+            .map(|j| {
+                points.gap[j] + normal(&points.opposing[j], &self.wheel_displacement)
+                    - normal(&points.base[j], &self.rail_displacement)
+            })
+            .collect()
+    }
+
     /// Forces on the retained equations of one body, N.
     pub fn body_forces(&self, side: Side, body: &Superelement) -> Vec<f64> {
         self.points.nodal_forces(side, &self.solution.forces, body.compliance.nrows())
@@ -245,13 +333,10 @@ pub(crate) fn carry_over(
     start
 }
 
-fn refused_load(load: f64, expected: &str) -> InputError {
-    InputError::new(
-        InputField::Loads,
-        format!("{:.4} kN", load * 1e-3),
-        expected,
-        "choose a smaller load, or widen `window_half_length` and the fine zones",
-    )
+/// Whether an iteration did not settle, which another start may cure.
+fn unsettled(error: &Error) -> bool {
+    use StopReason::{IterationLimit, NotFinite, Singular};
+    matches!(error, Error::Numerics(e) if matches!(e.reason, IterationLimit | NotFinite | Singular))
 }
 
 fn at_load(error: Error, load: f64) -> Error {

@@ -146,7 +146,7 @@ impl Default for MeshOptions {
             first_layer: 2e-3,
             layer_growth: 1.25,
             rail_zone: FineZone { face_depth: 20e-3, field_y: 22e-3 },
-            wheel_zone: FineZone { face_depth: 15e-3, field_y: 32e-3 },
+            wheel_zone: FineZone { face_depth: 21e-3, field_y: 32e-3 },
             section_growth: 0.3,
             rail_section_element: 12e-3,
             wheel_section_element: 20e-3,

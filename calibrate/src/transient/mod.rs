@@ -14,7 +14,7 @@ mod body;
 #[cfg(test)]
 mod tests;
 
-use crate::calibration::{Enforcement, carry_over};
+use crate::calibration::{Enforcement, carry_over, edge_reached};
 use crate::contact::{
     ContactPoints, PairingLimits, PointMode, Problem, Side, Solution, Surface, pair, solve,
 };
@@ -86,7 +86,9 @@ impl TransientModel<'_> {
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         refuse_moving(scenario)?;
         scenario.check()?;
-        self.run_from(&InitialVelocity::default(), scenario, monitor, &mut |step| step.contact.refuse_edge())
+        self.run_from(&InitialVelocity::default(), scenario, monitor, &mut |step| {
+            step.contact.refuse_edge(self.rail_surface.grid.along_track.len())
+        })
     }
 
     /// Runs `scenario` from just touching with the given velocities; `observe` sees every finished step and can
@@ -141,7 +143,7 @@ impl TransientModel<'_> {
                     &hub_motion.predicted(dt),
                     &contact,
                 )
-                .map_err(|e| at_step(e, step))?;
+                .map_err(|e| e.at_step(step))?;
             let (points, solution) = (&solved.points, &solved.solution);
             most_active = most_active.max(solution.active());
             let rail_forces = points.nodal_forces(Side::Base, &solution.forces, rail_free.len());
@@ -149,7 +151,7 @@ impl TransientModel<'_> {
             rayon::join(|| rail.correct(dt, &rail_forces), || wheel.correct(dt, &wheel_forces));
             let hub = wheel.hub();
             if !(hub.x.is_finite() && hub.y.is_finite()) {
-                return Err(at_step(failure(f64::NAN, solution.active(), StopReason::NotFinite), step));
+                return Err(failure(f64::NAN, solution.active(), StopReason::NotFinite).at_step(step));
             }
             if let Some(departure) = departure(rail_extent, wheel_extent.map(|y| y + hub.x)) {
                 ending = Ending::Departed { time: t, departure };
@@ -174,7 +176,7 @@ impl TransientModel<'_> {
                 wheel_forces: &wheel_forces,
                 hub: &hub_motion,
             };
-            observe(&finished).map_err(|e| at_step(e, step))?;
+            observe(&finished).map_err(|e| e.at_step(step))?;
             contact = solved;
         }
         monitor.progress("transient solid model", scenario.steps, scenario.steps)?;
@@ -325,12 +327,12 @@ struct LastContact {
 }
 
 impl LastContact {
-    /// An error if a point at the edge of either grid carries load: the surface goes on beyond it.
-    fn refuse_edge(&self) -> Result<()> {
-        let loaded = |j: usize| self.points.at_edge[j] && self.solution.forces[j] > 0.0;
-        match (0..self.points.len()).any(loaded) {
-            true => Err(failure(0.0, self.solution.active(), StopReason::EdgeOfCandidates)),
-            false => Ok(()),
+    /// An error if a point at the edge of either grid carries load: the surface goes on beyond it. The rail's grid
+    /// has `columns` lines along the track.
+    fn refuse_edge(&self, columns: usize) -> Result<()> {
+        match edge_reached(&self.points, &self.solution.forces, columns) {
+            Some(reason) => Err(failure(0.0, self.solution.active(), reason)),
+            None => Ok(()),
         }
     }
 }
@@ -504,14 +506,4 @@ fn failure(residual: f64, active: usize, reason: StopReason) -> Error {
         reason,
     }
     .into()
-}
-
-fn at_step(error: Error, step: usize) -> Error {
-    match error {
-        Error::Numerics(mut e) => {
-            e.step = Some(step);
-            e.into()
-        }
-        other => other,
-    }
 }

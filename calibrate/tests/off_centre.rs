@@ -1,0 +1,79 @@
+//! The wheel pressed on the rail away from the middle, with little and much friction, on coarse meshes.
+
+use nalgebra::Vector2;
+use railspring_calibrate::calibration::{Enforcement, WheelOnRail, press_loads};
+use railspring_calibrate::contact::Surface;
+use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
+use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::solid::{Formulation, Material, Supports, System};
+use railspring_calibrate::superelement::Superelement;
+
+/// SOLVER: the wanted force is met to 1e-10 of the largest.
+const SOLVER: f64 = 1e-8;
+
+/// Goal: tread, gauge corner and flange reach their answer on both standard wheels with friction from 0.05 to 0.6: the
+/// wanted vertical load is carried, the hub goes down with the load, and friction stays in its cone. The shifts are
+/// those at which full Newton steps went to and fro (1 kN in the middle, 5 mm on the conical wheel) or that
+/// lie on the gauge corner (6 mm) and on the flange (7 mm). Lengths in m, forces in N.
+#[test]
+fn tread_corner_and_flange_reach_their_answer() {
+    let options = MeshOptions {
+        contact_element: 3e-3,
+        contact_element_along: 2.5e-3,
+        rail_section_element: 16e-3,
+        wheel_section_element: 24e-3,
+        growth: 2.0,
+        ..MeshOptions::default()
+    };
+    let loads = [1e3, 10e3, 25e3];
+    for (name, shifts) in
+        [("S1002", [0.0, 1e-3, 2e-3, 6e-3, 7e-3]), ("EN13715-1in40", [0.0, 1e-3, 5e-3, 6e-3, 7e-3])]
+    {
+        let wheel = wheel_section(name, 0.858).unwrap();
+        let rail = rail_section("60E1").unwrap();
+        let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
+        let condense = |mesh, supports| {
+            Superelement::new(
+                System::new(mesh, Material::STEEL, Formulation::FullIntegration, &supports).unwrap(),
+            )
+            .unwrap()
+        };
+        let followers = wheel_mesh.bore.clone();
+        let wheel_element = condense(&wheel_mesh, Supports { followers, ..Default::default() });
+        let placed = place_rail(&rail, &TrackGeometry::standard()).unwrap();
+        let rail_mesh = mesh_rail(&rail, &placed, 0.3, &options).unwrap();
+        let rail_element =
+            condense(&rail_mesh, Supports { held: rail_mesh.foot.clone(), ..Default::default() });
+        for lateral_shift in shifts {
+            let track = TrackGeometry { lateral_shift, ..TrackGeometry::standard() };
+            let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
+            let tape = Vector2::new(track.tape_y(), touching.tape_z);
+            for friction in [0.05, 0.3, 0.6] {
+                let pair = WheelOnRail {
+                    rail: &rail_element.compliance,
+                    wheel: &wheel_element.compliance,
+                    rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
+                    wheel_surface: Surface::revolved(&wheel.running, &wheel_mesh.contact, wheel.radius, tape),
+                    friction,
+                    enforcement: Enforcement::Exact,
+                };
+                let case = format!("{name}, shift {lateral_shift} m, friction {friction}");
+                let states = press_loads(&pair, &loads, "press", &Silent)
+                    .unwrap_or_else(|error| panic!("{case}: {error}"));
+                for state in &states {
+                    let f = &state.solution.forces;
+                    let force = state.points.resultant(f);
+                    assert!((force.z / state.load + 1.0).abs() < SOLVER, "{case}: {force}");
+                    let n = state.points.len();
+                    for j in 0..n {
+                        let cone = friction * f[j] - f[n + j].hypot(f[2 * n + j]);
+                        assert!(cone > -SOLVER * state.load, "{case}: {cone}");
+                    }
+                }
+                assert!(states.windows(2).all(|w| w[1].hub.y > w[0].hub.y), "{case}");
+            }
+        }
+    }
+}

@@ -1,0 +1,311 @@
+//! How far the fine zone of the meshes reaches: as far as the contact goes.
+//!
+//! The zone of the study carries what it can. A contact window of the program's own choice is made as long as the
+//! Hertz patch of the largest load asks for before anything is meshed; where a run reaches the end of the zone, it is
+//! made larger, the bodies are meshed again, and the run starts again.
+
+use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::error::{Error, InputError, Result, StopReason};
+use railspring_calibrate::field::InputField;
+use railspring_calibrate::mesh::{MeshOptions, SectionOutline, rail_outline, wheel_outline};
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+
+use super::{Geometry, Meshes, remeshed_with};
+use crate::study::Study;
+
+/// Times that the zone is made larger, at most.
+const EXTENSIONS: usize = 4;
+/// Length that an extension adds at each end of the zone on a profile, m: two elements of the default mesh.
+const LONGER: f64 = 4e-3;
+/// Distance that a zone keeps from the end of a profile and from the top of a flange, m.
+const FROM_THE_END: f64 = 0.5e-3;
+
+/// The study's mesh sizes, with a zone that holds the Hertz patch of the largest load; a worn flange is steeper and
+/// touches deeper, so beside measured profiles the zones go on further down the two faces.
+pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
+    const DEEPER: f64 = 6e-3;
+    let mut options = study.mesh.clone();
+    if study.rail.measured.is_some() || study.wheel.measured.is_some() {
+        options.rail_zone.face_depth += DEEPER;
+    }
+    if let Some((_, _, patch)) = longest_patch(study, geometry)
+        && patch > options.window_half_length
+        && window_is_ours(study)
+    {
+        options.window_half_length = window_for(study, patch).min(longest_window(study, geometry));
+    }
+    options
+}
+
+/// Checks that the wheel touches within the fine zone of the tool's own meshes, and that the Hertz patch of the
+/// largest load stays within it; says where the zone is made longer for that patch.
+///
+/// Where the bodies conform there is no Hertz patch; the contact solver then finds out.
+///
+/// # Errors
+/// [`InputError`] with the field of the shift, if the first touch lies elsewhere; with the field of the loads, if the
+/// patch is longer than the window that the study gives, or than
+/// any that wheel and rail have room for.
+pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) -> Result<()> {
+    check_touch(study, geometry)?;
+    let Some((field, load, patch)) = longest_patch(study, geometry) else { return Ok(()) };
+    let window = study.mesh.window_half_length;
+    if patch <= window {
+        return Ok(());
+    }
+    let most = if window_is_ours(study) { longest_window(study, geometry) } else { window };
+    if window_for(study, patch) <= most {
+        monitor.notice(&format!(
+            "contact window of \u{b1}{:.1} mm instead of \u{b1}{:.1} mm: the patch of {:.1} kN at {:.0}\u{b0} is about \u{b1}{:.1} mm long",
+            window_for(study, patch) / MILLIMETRE,
+            window / MILLIMETRE,
+            load / KILONEWTON,
+            geometry.touch.contact_angle.to_degrees(),
+            patch / MILLIMETRE
+        ));
+        return Ok(());
+    }
+    Err(InputError::new(
+        field,
+        format!("{:.1} kN", load / KILONEWTON),
+        format!(
+            "loads whose contact patch fits the fine zone of \u{b1}{:.1} mm along the track; at a contact angle of {:.0}\u{b0} this one is about \u{b1}{:.1} mm long",
+            most / MILLIMETRE,
+            geometry.touch.contact_angle.to_degrees(),
+            patch / MILLIMETRE
+        ),
+        "lower the load, or enlarge `window_half_length`",
+    )
+    .into())
+}
+
+/// Checks that the first touch lies within the fine zones: elsewhere no contact is looked for.
+fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
+    let options = mesh_options(study, geometry);
+    let outside = |outline: &SectionOutline, running: &ProfileCurve, s: f64, body: &str| {
+        let (first, last) = (outline.fine.first()?.s, outline.fine.last()?.s);
+        if first < s && s < last {
+            return None;
+        }
+        let y = |s: f64| running.point(s).x / MILLIMETRE;
+        Some(InputError::new(
+            InputField::LateralShift,
+            format!(
+                "{} mm, at which the {body} is touched at y = {:.1} mm of its profile",
+                study.track.lateral_shift / MILLIMETRE,
+                y(s)
+            ),
+            format!(
+                "a touch between y = {:.1} and {:.1} mm, in the fine zone of the mesh",
+                y(first),
+                y(last)
+            ),
+            "bring `lateral_shift` nearer to zero, or check `gauge` and `flange_back`",
+        ))
+    };
+    let touch = &geometry.touch;
+    let (rail, wheel) = (&geometry.rail, &geometry.wheel);
+    if study.rail.mesh.is_none()
+        && let Some(error) = outside(&rail_outline(rail, &options)?, &rail.running, touch.rail_s, "rail")
+    {
+        return Err(error.into());
+    }
+    if study.wheel.mesh.is_none()
+        && let Some(error) = outside(&wheel_outline(wheel, &options)?, &wheel.running, touch.wheel_s, "wheel")
+    {
+        return Err(error.into());
+    }
+    Ok(())
+}
+
+/// Whether the study leaves the length of the contact window, and the meshes, to the program.
+fn window_is_ours(study: &Study) -> bool {
+    meshes_are_ours(study) && !study.source.gives("mesh.window_half_length_mm")
+}
+
+fn meshes_are_ours(study: &Study) -> bool {
+    study.rail.mesh.is_none() && study.wheel.mesh.is_none()
+}
+
+/// Half length of a window that a patch of the half length `patch` does not fill: an element beyond it, and what
+/// neighbouring curvatures may add.
+fn window_for(study: &Study, patch: f64) -> f64 {
+    1.15 * patch + study.mesh.contact_element_along
+}
+
+/// Half length of the longest window that leaves most of the rail, and of the wheel below its axle, to the coarser mesh.
+fn longest_window(study: &Study, geometry: &Geometry) -> f64 {
+    (0.25 * study.rail.length).min(0.25 * geometry.wheel.radius)
+}
+
+/// The load with the longest Hertz patch along the track at the first touch: its field, the load (N) and the
+/// semi-axis (m). Pressed down on a slope, the contact carries the load over the cosine of the contact angle.
+fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64, f64)> {
+    let [along, across] = geometry.relative_radii();
+    let largest = |loads: &[f64]| loads.iter().copied().fold(0.0, f64::max);
+    let settings = &study.calibration;
+    let (field, load) = [
+        (InputField::Loads, largest(&settings.loads)),
+        (InputField::HorizontalPreloads, largest(&settings.horizontal_preloads)),
+    ]
+    .into_iter()
+    .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+    let normal = load / geometry.touch.contact_angle.cos();
+    let patch = point_contact(normal, along, across, study.material.contact_modulus()).ok()?;
+    Some((field, load, patch.semi_axis_x))
+}
+
+/// Runs `work` on the meshes. Where the contact reaches the end of the fine zone, makes the zone larger, meshes again,
+/// says so, and runs `work` again; `meshes` are then the larger ones, which `accept` has seen before.
+///
+/// # Errors
+/// Those of `work` and of `accept`, and that of a contact at the end of a zone that cannot be made larger.
+pub fn within_zones<T>(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &mut Meshes,
+    monitor: &dyn Monitor,
+    accept: impl Fn(&Meshes) -> Result<()>,
+    work: impl Fn(&Meshes) -> Result<T>,
+) -> Result<T> {
+    for _ in 0..EXTENSIONS {
+        let cause = match work(meshes) {
+            Err(Error::Numerics(cause)) if at_the_end(cause.reason) => cause,
+            done => return done,
+        };
+        let Some(options) = larger(study, geometry, &meshes.options, cause.reason) else {
+            return Err(cause.into());
+        };
+        // a zone that the sections have no room for leaves the contact where it ended
+        let Ok(next) = remeshed_with(study, geometry, meshes, options) else { return Err(cause.into()) };
+        monitor.notice(&format!(
+            "{cause}; meshed again with a fine zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
+            next.options.rail_zone.face_depth / MILLIMETRE,
+            next.options.wheel_zone.face_depth / MILLIMETRE,
+            next.options.window_half_length / MILLIMETRE
+        ));
+        accept(&next)?;
+        *meshes = next;
+    }
+    work(meshes)
+}
+
+fn at_the_end(reason: StopReason) -> bool {
+    matches!(reason, StopReason::EdgeOfCandidates | StopReason::EndOfWindow)
+}
+
+/// Options of a mesh with a larger zone; `None` if there is none.
+fn larger(
+    study: &Study,
+    geometry: &Geometry,
+    options: &MeshOptions,
+    reason: StopReason,
+) -> Option<MeshOptions> {
+    let mut next = options.clone();
+    if reason == StopReason::EndOfWindow {
+        if !window_is_ours(study) {
+            return None;
+        }
+        let longer = 1.5 * next.window_half_length;
+        next.window_half_length = longer.min(longest_window(study, geometry)).max(next.window_half_length);
+    } else {
+        if !meshes_are_ours(study) {
+            return None;
+        }
+        let sections =
+            [(&mut next.rail_zone, &geometry.rail.running), (&mut next.wheel_zone, &geometry.wheel.running)];
+        for (zone, curve) in sections {
+            let (depth, field) = reach(curve);
+            zone.face_depth = (zone.face_depth + LONGER).min(depth).max(zone.face_depth);
+            zone.field_y = (zone.field_y + LONGER).min(field).max(zone.field_y);
+        }
+    }
+    (next != *options).then_some(next)
+}
+
+/// How deep the face of a profile goes, down to the top of a flange, and how far the profile goes to the field side, m.
+fn reach(curve: &ProfileCurve) -> (f64, f64) {
+    let face = curve.sample(FROM_THE_END).into_iter().filter(|p| p.x < 0.0);
+    let depth = face.map(|p| p.y).fold(0.0, f64::max);
+    (depth - FROM_THE_END, curve.point(curve.length()).x - FROM_THE_END)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Mutex;
+
+    use super::*;
+    use crate::stages;
+
+    /// Keeps what it is told in notes.
+    #[derive(Default)]
+    struct Notes(Mutex<Vec<String>>);
+
+    impl Monitor for Notes {
+        fn progress(&self, _: &str, _: usize, _: usize) -> Result<()> {
+            Ok(())
+        }
+
+        fn notice(&self, text: &str) {
+            self.0.lock().unwrap().push(text.into());
+        }
+    }
+
+    /// S1002 with its flange on the gauge face, coarse and in a moment; `keys` go to the end of the file.
+    fn flange_contact(keys: &str) -> Study {
+        let text = format!(
+            "name = \"flange\"\n[rail]\nprofile = \"60E1\"\nlength_m = 0.3\n[wheel]\nprofile = \"S1002\"\n\
+             tape_diameter_m = 0.858\n[track]\nlateral_shift_mm = 7\n[contact]\nfriction = 0.3\n\
+             [calibration]\nloads_kn = [1, 2, 4, 8]\nhorizontal_preloads_kn = [4]\n\
+             [mesh]\ncontact_element_mm = 3\ncontact_element_along_mm = 3\nelement = \"full-integration\"\n{keys}"
+        );
+        Study::parse(Path::new("flange.toml"), &text).map_err(|e| e.to_string()).unwrap()
+    }
+
+    /// Goal: a flange contact 13 mm below the tape circle, on a wheel whose zone ends 13.5 mm below it, reaches the end
+    /// of the zone; the zone is made longer until it holds the contact, and both the note and the meshes say so.
+    #[test]
+    fn a_zone_that_the_contact_leaves_is_made_longer() {
+        let mut study = flange_contact("");
+        study.mesh.wheel_zone.face_depth = 13.5e-3;
+        let notes = Notes::default();
+        let geometry = stages::geometry(&study).unwrap();
+        let mut meshes = stages::meshes(&study, &geometry, None, &notes).unwrap();
+        let press = |meshes: &Meshes| stages::calibrate(&study, &geometry, meshes, &notes);
+        let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
+        assert_eq!(cause.reason, StopReason::EdgeOfCandidates);
+        within_zones(&study, &geometry, &mut meshes, &notes, |_| Ok(()), press).unwrap();
+        assert!(meshes.options.wheel_zone.face_depth > 17e-3, "{:?}", meshes.options.wheel_zone);
+        let notes = notes.0.into_inner().unwrap();
+        assert!(!notes.is_empty() && notes.iter().all(|n| n.contains("meshed again")), "{notes:?}");
+    }
+
+    /// Goal: the window that the program chooses is as long as the patch on the flange asks for, which the normal force,
+    /// the load over the cosine of the contact angle, makes; one that the study gives stays, and the load is refused.
+    #[test]
+    fn the_window_follows_the_patch_unless_the_study_gives_it() {
+        let loads = |text: &str| flange_contact(text);
+        let mut study = loads("");
+        study.rail.length = 0.555;
+        study.calibration.loads = vec![85e3];
+        let geometry = stages::geometry(&study).unwrap();
+        let [along, across] = geometry.relative_radii();
+        let hertz = |load| point_contact(load, along, across, study.material.contact_modulus()).unwrap();
+        let patch = hertz(85e3 / geometry.touch.contact_angle.cos()).semi_axis_x;
+        assert!(patch > 1.3 * hertz(85e3).semi_axis_x, "{patch}");
+        let notes = Notes::default();
+        check_loads(&study, &geometry, &notes).unwrap();
+        assert!(mesh_options(&study, &geometry).window_half_length > patch);
+        assert!(notes.0.into_inner().unwrap()[0].contains("instead of"));
+
+        let mut given = loads("window_half_length_mm = 12\n");
+        given.rail.length = 0.555;
+        given.calibration.loads = vec![85e3];
+        let refused = check_loads(&given, &geometry, &Notes::default()).unwrap_err().to_string();
+        assert!(refused.contains("fits the fine zone of \u{b1}12.0 mm"), "{refused}");
+        assert_eq!(mesh_options(&given, &geometry).window_half_length, 12e-3);
+    }
+}
