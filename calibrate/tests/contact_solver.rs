@@ -200,6 +200,29 @@ fn hard_problems_of_few_points_end_with_their_conditions_satisfied() {
     }
 }
 
+/// Goal: points that a start presses but that the free gaps keep apart lose their force; no points at all are no
+/// problem either.
+#[test]
+fn a_start_that_nothing_presses_any_more_ends_open() {
+    let points = ContactPoints::flat_grid((3, 2), 1e-3, |_, _| 1e-5);
+    for directions in [1, 3] {
+        let compliance = half_space(&points, 115e9, 1.2);
+        let rows = directions * points.len();
+        let compliance = Mat::from_fn(rows, rows, |r, c| compliance[(r, c)]);
+        let mut free = points.gap.clone();
+        free.resize(rows, 1e-6);
+        let problem =
+            Problem { points: &points, compliance: &compliance, free: &free, friction: 0.3, hub: &[] };
+        let solution = solve(&problem, &vec![100.0; rows]).unwrap();
+        assert_eq!(solution.modes, vec![PointMode::Open; points.len()]);
+        assert_eq!(solution.forces, vec![0.0; rows]);
+    }
+    let none = ContactPoints::default();
+    let empty = Mat::zeros(0, 0);
+    let problem = Problem { points: &none, compliance: &empty, free: &[], friction: 0.3, hub: &[] };
+    assert_eq!(solve(&problem, &[]).unwrap().active(), 0);
+}
+
 /// Goal: a wheel that is pulled off cannot be carried by any point: an error with its reason, in bounded time.
 #[test]
 fn a_pull_that_nothing_carries_ends_with_a_reason() {

@@ -371,7 +371,7 @@ mod tests {
     #[test]
     fn the_wheel_has_its_volume_good_elements_and_conforms() {
         let (section, mesh) = wheel();
-        let q = assert_good(&mesh, 24_000);
+        let q = assert_good(&mesh, 25_000);
         let options = MeshOptions::default();
         let plane = mesh_section(
             &wheel_outline(&section, &options).unwrap(),
@@ -433,7 +433,7 @@ mod tests {
         // The flange, 15 mm below the tape circle, runs on a radius larger by 15/429.
         assert!(profile <= 2e-3 * (1.0 + ROUNDOFF) && track <= 2e-3 * 1.036, "{profile} {track}");
         let first = section.running.point(grid.along_profile[0]);
-        assert!((first.y - 15e-3).abs() < ON_CURVE && first.x < -0.03);
+        assert!((first.y - 21e-3).abs() < ON_CURVE && first.x < -0.03);
     }
 
     #[test]
