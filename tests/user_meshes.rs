@@ -260,6 +260,7 @@ fn wrong_keys_are_refused_before_anything_is_read() {
     let alone = refused("contact_surface = \"top\"\n");
     has(&alone, &["study.toml:4: rail.contact_surface = \"top\": expected rail.mesh_file beside it"]);
     has(&refused("mesh_unit = \"m\"\n"), &["study.toml:4: rail.mesh_unit = \"m\": expected rail.mesh_file"]);
+    std::fs::write(place.path("a.msh"), "a mesh that is not looked into").unwrap();
     let missing = refused("mesh_file = \"a.msh\"\nheld_nodes = \"foot\"\n");
     has(
         &missing,
@@ -267,11 +268,13 @@ fn wrong_keys_are_refused_before_anything_is_read() {
     );
     let held = refused("mesh_file = \"a.msh\"\ncontact_surface = \"top\"\n");
     has(&held, &["study.toml:2: rail.held_nodes = (missing)", "nodes at the foot"]);
+    std::fs::remove_file(place.path("a.msh")).unwrap();
     let absent = refused(&keys("a.msh", "top", "foot"));
     has(
         &absent,
         &["study.toml:4: rail.mesh_file = \"a.msh\": expected a readable file", "relative to the study"],
     );
+    std::fs::write(place.path("a.msh"), "a mesh that is not looked into").unwrap();
     let unit = refused(&(keys("a.msh", "top", "foot") + "mesh_unit = \"cm\"\n"));
     has(&unit, &["study.toml:7: rail.mesh_unit = \"cm\": expected one of \"mm\", \"m\""]);
 }
@@ -296,7 +299,7 @@ fn files_that_cannot_be_used_are_refused() {
         &["study.toml:6: rail.held_nodes = \"rail\" (4200 hexahedron)", "name the surface, not the volume"],
     );
     let unit = refused(&(keys("rail.msh", "running surface", "foot") + "mesh_unit = \"m\"\n"));
-    has(&unit, &["study.toml:7: rail.mesh_unit = a rail of 555", "set rail.mesh_unit = \"mm\""]);
+    has(&unit, &["study.toml:7: rail.mesh_unit = a rail of 555", "set `rail.mesh_unit` = \"mm\""]);
     let exchanged = refused(&keys("rail.msh", "foot", "running surface"));
     has(&exchanged, &["study.toml:5: rail.contact_surface = ", "lie off the running surface, the worst by"]);
     // the same mesh for a rail of another inclination and of another length

@@ -371,7 +371,7 @@ fn listed(names: &[&str]) -> String {
     const MOST: usize = 12;
     match names.len() {
         0 => "there is none".into(),
-        ..=MOST => names.join(", "),
+        1..=MOST => names.join(", "),
         count => format!("{}, … {count} in all", names[..MOST].join(", ")),
     }
 }
