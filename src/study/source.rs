@@ -58,6 +58,11 @@ impl Mistakes {
     /// Mistakes by line; those of the whole file come first, those of one line in the order in which they are given.
     pub(super) fn sorted(mut mistakes: Vec<LocatedError>) -> Self {
         mistakes.sort_by_key(|mistake| mistake.line);
+        // Broken syntax can be found again in every character of a line.
+        mistakes.dedup_by(|later, first| {
+            let same = |mistake: &LocatedError| (mistake.line, mistake.error.to_string());
+            same(later) == same(first)
+        });
         Self(mistakes)
     }
 

@@ -324,6 +324,8 @@ fn a_misspelled_key_is_one_mistake() {
     let lines = "[[[\nname = \"x\"\nrail = = 3\n";
     let syntax = parse(lines).unwrap_err();
     assert!(syntax.all().len() > 1, "each line that is no TOML: {syntax}");
+    let twice = parse(&format!("name = \"{}\"\n", "\u{1b}a".repeat(1000))).unwrap_err();
+    assert_eq!(twice.all().len(), 1, "a line with a thousand of the same: {twice}");
 }
 
 #[test]
