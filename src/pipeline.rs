@@ -279,7 +279,7 @@ impl<'a> Pipeline<'a> {
             show(&estimate);
         }
         // Kept until there is a result: a study that is refused later leaves no file behind.
-        self.measured.note(watch.stop("meshes"));
+        self.measured.note(watch.stop("meshes", &self.study.keys.calibration));
         Ok(meshes)
     }
 
@@ -304,7 +304,7 @@ impl<'a> Pipeline<'a> {
         let key = &self.study.keys.calibration;
         let files = contents.into_iter().map(|(name, content)| NewFile::new(name, content, key)).collect();
         self.results.write(files, &OF_THE_RUNS)?;
-        self.note(watch, "calibration")?;
+        self.note(watch, "calibration", &self.study.keys.calibration)?;
         match calibration.horizontal_failure {
             // what the calibration has finished is written; a study with a stiffness goes on with it
             Some(failure) if self.study.simulation.horizontal.is_none() => Err(failure),
@@ -327,7 +327,7 @@ impl<'a> Pipeline<'a> {
         let record = RunRecord::new(&history, Some(springs), notes);
         let key = self.study.keys.simple(name, springs);
         self.write_history(&self.file(name, "history"), &history, &record, &key)?;
-        self.note(watch, &model("simple", name))?;
+        self.note(watch, &model("simple", name), &key)?;
         Ok(Run { history, record })
     }
 
@@ -350,7 +350,7 @@ impl<'a> Pipeline<'a> {
         let record = RunRecord::new(&history, None, Vec::new());
         let key = self.study.keys.solid(name);
         self.write_history(&self.file(name, "solid_history"), &history, &record, &key)?;
-        self.note(watch, &model("solid", name))?;
+        self.note(watch, &model("solid", name), &key)?;
         Ok(Run { history, record })
     }
 
@@ -440,6 +440,11 @@ impl<'a> Pipeline<'a> {
             .collect();
         let crosscheck = self.own_crosscheck();
         let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| self.differences(record));
+        // The folder may have runs of other load cases.
+        let inputs = std::iter::once(STIFFNESS).chain(verdict.inputs.keys().map(String::as_str));
+        let keys: Vec<String> = inputs.filter_map(|name| Some(self.results.entry(name)?.key)).collect();
+        let mut measured = self.measured.clone();
+        measured.stages.retain(|stage| keys.contains(&stage.key));
         let data = ReportData {
             name: &self.study.name,
             description: &self.study.description,
@@ -451,7 +456,7 @@ impl<'a> Pipeline<'a> {
             ratio_window: self.study.limits.ratio_window_s,
             ratio_floor: self.study.limits.ratio_floor,
             verdict,
-            measured: &self.measured,
+            measured: &measured,
             crosscheck: match &crosscheck {
                 Some(record) => Crosscheck::Fresh(record, &sections),
                 None if self.folder.file(CROSSCHECK).exists() => Crosscheck::Stale,
@@ -473,8 +478,11 @@ impl<'a> Pipeline<'a> {
         crosscheck.map_or(Ok(()), |record| self.crosscheck_page(&record, &sections, true))
     }
 
-    fn note(&mut self, watch: Stopwatch, stage: &str) -> Result<()> {
-        self.measured.note(watch.stop(stage));
+    /// Adds a measure, and drops those of results that the folder has no longer.
+    fn note(&mut self, watch: Stopwatch, stage: &str, key: &str) -> Result<()> {
+        self.measured.note(watch.stop(stage, key));
+        let results = &self.results;
+        self.measured.stages.retain(|stage| results.has(&stage.key));
         self.folder.write_json(MEASURED, &self.measured)
     }
 

@@ -401,6 +401,8 @@ impl Measured {
 pub struct StageMeasure {
     /// Name of the stage, for instance `solid model, sine`.
     pub stage: String,
+    /// Hash of what the result of the stage was made from.
+    pub key: String,
     /// Wall clock, s.
     pub seconds: f64,
     /// Largest resident memory of the process during the stage, MiB; `None` where the system does not say.

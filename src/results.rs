@@ -80,6 +80,11 @@ impl<'a> Results<'a> {
         self.list().files.remove(name)
     }
 
+    /// Whether a result that was made from `key` is listed.
+    pub fn has(&self, key: &str) -> bool {
+        self.list().files.values().any(|entry| entry.key == key)
+    }
+
     /// Writes the files of one stage and lists them together.
     ///
     /// If one of them changes, the files `derived` from it are removed first, so that nothing stands beside results

@@ -149,6 +149,18 @@ fn what_did_not_change_is_used() {
     assert!(!message(&output).contains("solid"), "the solid model ran again: {}", message(&output));
     assert_eq!(place.read("solid_history.csv"), before);
 
+    let times = |place: &Place| {
+        place.read("report.html").split("<section id=\"measured\">").nth(1).unwrap().to_owned()
+    };
+    assert_eq!(place.run(&springs, &["report"]).status.code(), Some(0));
+    assert!(times(&place).contains("solid model, one") && times(&place).contains("calibration"));
+    // Another load case in the same folder: the times of this one are not its own.
+    let renamed = springs.replace("scenario.one", "scenario.two").replace("mean_kn = 50", "mean_kn = 90");
+    assert_eq!(place.run(&renamed, &["simulate"]).status.code(), Some(0));
+    assert!(place.run(&renamed, &["verify"]).status.code() <= Some(1));
+    assert_eq!(place.run(&renamed, &["report"]).status.code(), Some(0));
+    assert!(times(&place).contains("model, two") && !times(&place).contains("model, one"));
+
     let strict = study(50.0, "[verification]\nvertical_rms = 0.001\n");
     let stale = place.run(&strict, &["report"]);
     assert!(message(&stale).contains("verification.json (made from"), "other limits: {}", message(&stale));

@@ -288,8 +288,12 @@ pub(crate) fn inputs() -> Vec<ResolvedKey> {
 
 /// Some measures.
 pub(crate) fn measured() -> Measured {
-    let stage =
-        |name: &str, seconds| StageMeasure { stage: name.into(), seconds, peak_memory_mib: Some(812.0) };
+    let stage = |name: &str, seconds| StageMeasure {
+        stage: name.into(),
+        key: String::new(),
+        seconds,
+        peak_memory_mib: Some(812.0),
+    };
     Measured {
         begun_utc: "2016-01-31T12:00:00Z".into(),
         host: "host".into(),
