@@ -82,3 +82,70 @@ fn too_short(length: f64, factor: f64) -> InputError {
         "take a rail of 0.4 m or longer, or another reference than the beam",
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::Torsion;
+    use railspring_calibrate::section_analysis::SectionProperties;
+    use railspring_calibrate::solid::Material;
+
+    /// Condition of the assembled stiffness times 1e-16, as for the beam itself.
+    const ROUNDOFF: f64 = 1e-8;
+
+    /// 60E1, inclined as in the track.
+    fn beam(length: f64) -> RailBeam {
+        let properties = SectionProperties {
+            area: 76.7e-4,
+            centroid_height: 80.92e-3,
+            ixx: 3038.3e-8,
+            iyy: 512.3e-8,
+            torsion_constant: 221.2e-8,
+            warping_constant: 1.6e-8,
+            shear_centre_height: 46.3e-3,
+            shear_coefficient_vertical: 0.393,
+            shear_coefficient_lateral: 0.54,
+        };
+        RailBeam::rail(&properties, &Material::STEEL, length, 20, -0.025, Torsion::default()).unwrap()
+    }
+
+    /// Goal: a stub whose solid is 10 to 20 % stiffer than its beam gets factors with which the beam has the solid's
+    /// lateral and vertical flexibility (m/N) at the contact, on the axis of the section and at the gauge corner.
+    #[test]
+    fn the_corrected_beam_is_the_solid() {
+        let beam = beam(0.555);
+        for offset in [Vector2::new(0.003, -0.125), Vector2::new(-0.034, -0.115)] {
+            let solid = beam.static_flexibility(offset).component_mul(&Matrix2::new(0.9, 0.9, 0.9, 0.8));
+            let section = beam.section_flexibility(0.5 * beam.length()) * 0.95;
+            let correction = BeamCorrection::fit(&beam, offset, &solid, &section).unwrap();
+            let corrected = beam.corrected(&correction).unwrap().static_flexibility(offset);
+            let back = Rotation2::new(-beam.angle());
+            let [wanted, found] = [solid, corrected].map(|m| back * m * back.inverse());
+            for axis in 0..2 {
+                let ratio = found[(axis, axis)] / wanted[(axis, axis)];
+                assert!((ratio - 1.0).abs() < ROUNDOFF, "axis {axis}: {ratio} {correction:?}");
+            }
+            assert!(correction.shear_z > 1.1, "{correction:?}");
+        }
+    }
+
+    /// Goal: what the beam has already needs no correction, bending alone in a long rail gets none, and a rail that is no
+    /// beam is refused by its length.
+    #[test]
+    fn no_more_is_corrected_than_is_known() {
+        let offset = Vector2::new(0.003, -0.125);
+        let fit = |length: f64, scale: f64| {
+            let beam = beam(length);
+            let section = beam.section_flexibility(0.5 * length);
+            BeamCorrection::fit(&beam, offset, &(beam.static_flexibility(offset) * scale), &section)
+        };
+        let same = fit(0.555, 1.0).unwrap();
+        for factor in [same.shear_y, same.shear_z, same.torsion] {
+            assert!((factor - 1.0).abs() < ROUNDOFF, "{same:?}");
+        }
+        let long = fit(20.0, 1.01).unwrap();
+        assert_eq!((long.shear_y, long.shear_z), (1.0, 1.0));
+        let error = fit(0.2, 0.3).unwrap_err().to_string();
+        assert!(error.contains("rail") && error.contains("0.2 m"), "{error}");
+    }
+}
