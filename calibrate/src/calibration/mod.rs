@@ -207,26 +207,23 @@ fn load_point(
     let rail =
         share(&BodyCompliance { compliance: wheel_on_rail.rail, side: Side::Base }) - 0.5 * half_spaces;
     let forces = &state.solution.forces[..state.points.len()];
-    let sum: f64 = forces.iter().sum();
     let (displacement, compliance) = match reference {
         Reference::Foot | Reference::Beam => (state.hub.y, 1.0 / tangent),
         Reference::Local => {
-            // the approach is the mean of pressed half-spaces and undeformed gaps, weighted by the pressure; with the
-            // change of the pressure known, so is its slope
+            // the approach of the half-spaces, weighted by the change of pressure under one more newton, so that the
+            // work of the change is that of the load on its displacement
             let spring = match wheel_on_rail.enforcement {
                 Enforcement::Exact => 0.0,
                 Enforcement::Penalty(stiffness) => 1.0 / stiffness,
             };
             let under_pressure = crate::superelement::times(&half_space_compliance, forces);
-            let (mut approach, mut slope, mut growth) = (0.0, 0.0, 0.0);
-            for (j, (force, change)) in forces.iter().zip(normal_change).enumerate() {
-                let pressed = under_pressure[j] + spring * force;
-                let gap = state.points.gap[j] - state.points.normal[j].y * state.hub.y;
-                approach += force * (pressed + gap) / sum;
-                slope += change * (2.0 * pressed + gap) / sum;
-                growth += change / sum;
-            }
-            (approach, slope - approach * growth)
+            let approach: f64 = (0..forces.len())
+                .map(|j| {
+                    let gap = state.points.gap[j] - state.points.normal[j].y * state.hub.y;
+                    normal_change[j] * (under_pressure[j] + spring * forces[j] + gap)
+                })
+                .sum();
+            (approach / normal_change.iter().sum::<f64>(), local)
         }
     };
     let patch = patch(state);
