@@ -126,11 +126,11 @@ impl HalfSpaceTable {
 /// and ν = 0.28, cells of 0.1 mm, from 60 to 150 kN, centred and 3 mm away from the flange, where one region carries the
 /// load, and 3 mm towards it. Tangent (N/m), area (m²), largest pressure (Pa).
 ///
-/// DISCRETISATION of contact points 2 by 1.5 mm apart: one row of points more or less along the rim of a patch of 15 by
-/// 8 mm is 10 to 15 % of its area, and what one point carries is 3 % of the slope at most, which with the program's own
-/// 0.2 % and the mesh's 2 % (against elements of half the size) leaves 5 % of the tangent. The largest pressure is a nodal
-/// value, 10 % on half-spaces and twice that with the mesh's own error; it is not compared where the patch lies over the
-/// jumps of curvature of the profiles, at which the pressure peaks within a millimetre.
+/// DISCRETISATION of contact points 2 by 1.5 mm apart. Tangent: what one point of thirty carries is 3 % of the slope at most,
+/// with the program's own 0.2 % and the mesh's 2 % (against elements of half the size) 5 %. Area: points count whole, and
+/// half a point, 0.9 mm, along a rim of 50 mm is 30 % of a patch of 150 mm²; half of it is 15 %, and the stiffer near field of
+/// the mesh takes another row at the ends, 20 %. The largest pressure is a nodal value, 10 % on half-spaces and twice
+/// that on the mesh; it is not compared where the patch lies over the jumps of curvature, where it peaks within a millimetre.
 #[test]
 fn the_local_stiffness_is_that_of_a_half_space_program() {
     for (set, lateral_shift, compared) in
@@ -159,7 +159,7 @@ fn the_local_stiffness_is_that_of_a_half_space_program() {
         for p in &points[0] {
             let ratios = table.ratios(p.force, [p.solid_tangent, p.contact_area, p.max_pressure]);
             println!("{set} {:.0} kN, solids: tangent, area, largest pressure {ratios:.3?}", p.force * 1e-3);
-            for (ratio, limit) in ratios.iter().zip([0.05, 0.15, 0.20]).take(compared) {
+            for (ratio, limit) in ratios.iter().zip([0.05, 0.20, 0.20]).take(compared) {
                 assert!((ratio - 1.0).abs() < limit, "solids, {set} {} N: {ratios:?}", p.force);
             }
         }
