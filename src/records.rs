@@ -106,7 +106,10 @@ pub struct LawRecord {
 pub struct BoundRecord {
     /// The constant part, at 0.
     pub a: bool,
-    /// The exponent, at the largest that is searched.
+    /// The factor of the power, at 0: the stiffness does not grow with the force.
+    #[serde(default)]
+    pub b: bool,
+    /// The exponent, at the largest that is searched, or at 0 with the factor.
     pub c: bool,
 }
 

@@ -201,7 +201,7 @@ pub struct LawFit {
     /// Standard errors of a (N/m), b (N/m) and c, from the scatter of the points about the law; 0 for a parameter on
     /// its bound, given which those of the others hold.
     pub standard_error: [f64; 3],
-    /// Which of a, b and c lie on a bound of the fit: a at 0, c at the largest exponent.
+    /// Which of a, b and c lie on a bound of the fit: a at 0, c at the largest exponent, or b and c at 0.
     pub at_bound: [bool; 3],
     /// Root mean square of the relative residuals.
     pub rms_relative_error: f64,
@@ -212,7 +212,10 @@ pub struct LawFit {
 }
 
 /// Fits the law to tangent stiffness (N/m) at given forces (N) by relative
-/// least squares: Brent's search over c, with a ≥ 0 and b linear inside.
+/// least squares: Brent's search over c, with a ≥ 0 and b ≥ 0 linear inside.
+///
+/// Stiffness that falls with the force, as of a sticking flange contact, gets the best constant, with b and c on
+/// their bounds; the largest relative error says what that is worth.
 ///
 /// ```
 /// use railspring_calibrate::law::{fit_law, StiffnessLaw};
@@ -225,23 +228,18 @@ pub struct LawFit {
 ///
 /// # Errors
 /// [`InputError`] for lists of different length, fewer than four points, values
-/// that are not positive and finite, or stiffness that does not grow with the
-/// force; [`NumericsError`] if the search fails.
+/// that are not positive and finite; [`NumericsError`] if the search fails.
 pub fn fit_law(forces: &[f64], tangent_stiffness: &[f64]) -> Result<LawFit> {
     check_points(forces, tangent_stiffness)?;
     let points = Points { forces, stiffness: tangent_stiffness };
     let c = best_exponent(&points)?;
-    let law = points.best_law(c);
+    let mut law = points.best_law(c);
+    let mut at_bound = [law.a == 0.0, false, c >= EXPONENT_RANGE.1 - BOUND_TOLERANCE];
     if law.b <= 0.0 || c <= EXPONENT_RANGE.0 {
-        return Err(InputError::new(
-            "law.points",
-            format!("b = {:.6e} N/m at c = {c}", law.b),
-            "stiffness that grows with the force (b > 0, c > 0)",
-            "check the load curve: contact stiffness that falls or stays constant cannot be a power law",
-        )
-        .into());
+        // no power helps: stiffness that falls with the force is best fitted by a constant
+        law = points.constant();
+        at_bound = [false, true, true];
     }
-    let at_bound = [law.a == 0.0, false, c >= EXPONENT_RANGE.1 - BOUND_TOLERANCE];
     let residuals = points.residuals(&law);
     let squares: f64 = residuals.iter().map(|r| r * r).sum();
     Ok(LawFit {
@@ -355,6 +353,12 @@ impl Points<'_> {
         } else {
             StiffnessLaw { a: 0.0, b: powers.iter().sum::<f64>() / dot(&powers, &powers), c }
         }
+    }
+
+    /// The constant that fits best.
+    fn constant(&self) -> StiffnessLaw {
+        let sum = |power: i32| self.stiffness.iter().map(|k| k.powi(-power)).sum::<f64>();
+        StiffnessLaw { a: sum(1) / sum(2), b: 0.0, c: 0.0 }
     }
 
     fn residuals(&self, law: &StiffnessLaw) -> Vec<f64> {

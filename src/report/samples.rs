@@ -79,7 +79,7 @@ fn law(a: f64, b: f64, c: f64) -> LawRecord {
         range_kn: [1.0, 150.0],
         rms_rel_error: 0.0031,
         max_rel_error: 0.0084,
-        at_bound: BoundRecord { a: a == 0.0, c: false },
+        at_bound: BoundRecord { a: a == 0.0, b: false, c: false },
         a_standard_error_kn_per_m: if a == 0.0 { 0.0 } else { 1.2e4 },
         b_standard_error_kn_per_m: 0.9e4,
         c_standard_error: 0.0042,

@@ -226,7 +226,7 @@ fn law_record(fit: &LawFit) -> LawRecord {
         range_kn: [fit.range.0 / KILONEWTON, fit.range.1 / KILONEWTON],
         rms_rel_error: fit.rms_relative_error,
         max_rel_error: fit.max_relative_error,
-        at_bound: BoundRecord { a: fit.at_bound[0], c: fit.at_bound[2] },
+        at_bound: BoundRecord { a: fit.at_bound[0], b: fit.at_bound[1], c: fit.at_bound[2] },
         a_standard_error_kn_per_m: a / KILONEWTON_PER_METRE,
         b_standard_error_kn_per_m: b / KILONEWTON_PER_METRE,
         c_standard_error: c,
