@@ -445,9 +445,7 @@ mod tests {
         let mut finest = coarse.clone();
         finest.mesh.contact_element = 0.2e-3;
         finest.mesh.contact_element_along = 0.2e-3;
-        let begun = std::time::Instant::now();
         let said = refused(&finest, 64.0);
-        assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
         assert!(
             said.starts_with("mesh.contact_element_mm = 0.2 (") && said.contains("take mesh.contact"),
             "{said}"
