@@ -166,8 +166,9 @@ fn a_rail_of_gmsh_comes_close_to_the_tools_own() {
     if !railspring_testing::python() {
         return;
     }
-    /// A node more or less in a patch of five rows moves the local approach, a third of the displacement, by 6 %.
-    const DISCRETISATION: f64 = 0.02;
+    /// A node more or less in a patch of five rows moves the local approach, half of the displacement under the smallest
+    /// load, by 6 %.
+    const DISCRETISATION: f64 = 0.03;
     /// From 60 kN on the patch has twice as many rows; measured 0.1 %.
     const DISCRETISATION_LARGE: f64 = 0.005;
     let place = Place::new();
