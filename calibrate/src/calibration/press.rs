@@ -92,12 +92,13 @@ const LOAD_LEVELS: usize = 12;
 const LEAST_RISE: f64 = 1.0 / 32.0;
 
 /// Why the points that carry load are not all there are: the patch of `forces` reaches the end of the contact
-/// window along the track (of the grid with `columns` lines), or the end of the fine zone on a profile.
+/// window along the track (of the grid with `columns` lines; the window of the wheel, equal in angle, may end within its
+/// last cells), or the end of the fine zone on a profile.
 pub(crate) fn edge_reached(points: &ContactPoints, forces: &[f64], columns: usize) -> Option<StopReason> {
     let mut reached = None;
     for j in (0..points.len()).filter(|&j| points.at_edge[j] && forces[j] > 0.0) {
         let line = points.index[j].1;
-        if line > 0 && line + 1 < columns {
+        if line > 1 && line + 2 < columns {
             return Some(StopReason::EdgeOfCandidates);
         }
         reached = Some(StopReason::EndOfWindow);
