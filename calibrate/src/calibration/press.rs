@@ -85,8 +85,9 @@ const CANDIDATE_MARGIN: f64 = 20e-6;
 /// The hub is found when pairing it again moves it by less, m.
 const HUB_TOLERANCE: f64 = 1e-10;
 const PAIRING_LIMIT: usize = 40;
-/// Least part of its way that the hub goes where pairings throw it to and fro.
+/// Least part of its way that the hub goes where pairings throw it to and fro, and largest where they creep.
 const LEAST_SHARE: f64 = 1.0 / 16.0;
+const LARGEST_SHARE: f64 = 2.0;
 /// Intermediate loads tried, and the least step between them, of the whole.
 const LOAD_LEVELS: usize = 12;
 const LEAST_RISE: f64 = 1.0 / 32.0;
@@ -228,8 +229,9 @@ impl WheelOnRail<'_> {
             };
             let solution = solve(&problem, &start).map_err(|e| at_load(e, load))?;
             let way = solution.hub[0];
-            if way * moved < 0.0 && way.abs() > 0.5 * moved.abs() {
-                share = f64::max(0.5 * share, LEAST_SHARE);
+            if moved != 0.0 && way != moved {
+                // of the last two ways and the part of the first that was gone: where the next one would be zero
+                share = (share * moved / (moved - way)).clamp(LEAST_SHARE, LARGEST_SHARE);
             }
             moved = way;
             hub.y += if way.abs() < HUB_TOLERANCE { way } else { share * way };
