@@ -316,7 +316,8 @@ fn normalise(mut points: ContactPoints) -> ContactPoints {
     points
 }
 
-/// Parts of a base cell [s0, s1] between the lines of the opposing grid that face it.
+/// Parts of a base cell [s0, s1] between the lines of the opposing grid that face it, and between the jumps in curvature
+/// of either profile: across one, a rule that is exact for parabolas is off by a share of the jump.
 fn profile_intervals(
     base: &Surface,
     opposing: &Surface,
@@ -326,11 +327,12 @@ fn profile_intervals(
 ) -> Vec<(f64, f64)> {
     let facing =
         |s: f64, guess: f64| opposing.project(&base.world(s), 0.0, &base.curve.upward_normal(s), guess);
-    let mut cuts = Vec::new();
+    let mut cuts = base.curve.breakpoints();
     if let (Some(a), Some(b)) = (facing(s0, seeds.0), facing(s1, seeds.1)) {
         let (a, b) = (a.along_profile, b.along_profile);
         let (low, high) = (a.min(b), a.max(b));
-        for &line in opposing.grid.along_profile.iter().filter(|&&l| l > low && l < high) {
+        let lines = opposing.grid.along_profile.iter().copied().chain(opposing.curve.breakpoints());
+        for line in lines.filter(|&l| l > low && l < high) {
             let root =
                 crossing((s0, a - line), (s1, b - line), |s| Some(facing(s, line)?.along_profile - line));
             cuts.extend(root);
@@ -356,4 +358,66 @@ fn crossing(mut left: (f64, f64), mut right: (f64, f64), f: impl Fn(f64) -> Opti
         right = (s, value);
     }
     Some(right.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::SurfaceGrid;
+    use crate::profile::ProfileCurve;
+
+    /// Source: integrals of the hat functions times y²/2R. Goal: mean gaps of the nodes, m, where a plane runs into a
+    /// parabola of 0.3 m radius in the middle of a cell, on either surface. Accuracy: along the curve instead of
+    /// along y, relative (h/R)² of gaps of some micrometres; a rule across the joint is off by 0.1 µm.
+    #[test]
+    fn a_jump_in_curvature_is_integrated_exactly() {
+        const RADIUS: f64 = 0.3;
+        const H: f64 = 2e-3;
+        const ALONG_CURVE: f64 = (H / RADIUS) * (H / RADIUS);
+        const ROUNDOFF: f64 = 1e-13;
+        // rail: crown up (-z); wheel: the same parabola down (+z)
+        let profile = |sign: f64, joints: &[usize]| {
+            let point = |y: f64| Point2::new(y, sign * y.max(0.0).powi(2) / (2.0 * RADIUS));
+            let points: Vec<_> = (-40..=40).map(|i| point(f64::from(i) * 2.5e-4)).collect();
+            ProfileCurve::from_points(&points, joints).unwrap()
+        };
+        let straight = profile(0.0, &[]);
+        let grid = |lines: Vec<f64>| {
+            let count = lines.len() * 3;
+            SurfaceGrid {
+                along_profile: lines,
+                along_track: vec![-1e-3, 0.0, 1e-3],
+                nodes: (0..count).collect(),
+            }
+        };
+        // the joint, at an arc length of 10 mm, lies in the middle of a cell
+        let lines = grid((0..=9).map(|i| 1e-3 + f64::from(i) * H).collect());
+        let ends = grid(vec![0.0, straight.length()]);
+        let exact = |i: usize| {
+            let middle = lines.along_profile[i] - 10e-3;
+            let steps = 20_000;
+            let part = |k: i32| {
+                let y = middle + H * (f64::from(k) + 0.5) / f64::from(steps);
+                (1.0 - (y - middle).abs() / H) * y.max(0.0).powi(2) / (2.0 * RADIUS) / f64::from(steps)
+            };
+            (-steps..steps).map(part).sum::<f64>()
+        };
+        let (rail, wheel) = (profile(1.0, &[40]), profile(-1.0, &[40]));
+        for (base, opposing) in [(&rail, &straight), (&straight, &wheel)] {
+            let points = pair(
+                &Surface::extruded(base, &lines),
+                &Surface::extruded(opposing, &ends),
+                PairingLimits { largest_gap: 1e-3 },
+            );
+            let mut seen = 0;
+            for (j, &(i, k)) in points.index.iter().enumerate() {
+                if k == 1 && (3..=6).contains(&i) {
+                    let (error, exact) = (points.gap[j] - exact(i), exact(i));
+                    assert!(error.abs() < ALONG_CURVE * exact + ROUNDOFF, "line {i}: {error:e} of {exact:e}");
+                    seen += 1;
+                }
+            }
+            assert_eq!(seen, 4, "two lines before the joint and two behind it");
+        }
+    }
 }

@@ -15,7 +15,7 @@ from .body import Body, Floats, Ints
 from .exchange import Side
 from .iteration import NotConverged
 
-GAUSS = 7
+GAUSS = 14
 """Gauss points a direction on every face."""
 STEEPEST = 6.0
 """Largest slope at which a profile is taken as a graph z(y)."""
