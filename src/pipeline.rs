@@ -289,11 +289,16 @@ impl<'a> Pipeline<'a> {
         let accept = |larger: &Meshes| {
             budget.check(study, geometry, larger, &Work::of(study, true, false)).map(|_| ())
         };
-        let (calibration, pressed) =
-            stages::within_zones(study, geometry, meshes, monitor, accept, |meshes| {
-                stages::calibrate(study, geometry, meshes, monitor)
-            })
-            .map_err(|error| uncarried(study, error))?;
+        let (calibration, pressed) = stages::within_zones(
+            study,
+            geometry,
+            meshes,
+            monitor,
+            accept,
+            |meshes| stages::calibrate(study, geometry, meshes, monitor),
+            |(calibration, _)| calibration.horizontal_failure.as_ref(),
+        )
+        .map_err(|error| uncarried(study, error))?;
         let mut contents =
             vec![(STIFFNESS, to_json(&calibration.stiffness)), (LOAD_CURVE, to_csv(&calibration.load_curve))];
         for (fields, name) in
@@ -343,10 +348,9 @@ impl<'a> Pipeline<'a> {
         let accept = |larger: &Meshes| {
             budget.check(study, geometry, larger, &Work::of(study, false, true)).map(|_| ())
         };
-        let history = stages::within_zones(study, geometry, meshes, monitor, accept, |meshes| {
-            stages::simulate_solid(study, geometry, meshes, scenario, monitor)
-        })
-        .map_err(|error| self.study.in_scenario(name, error))?;
+        let run = |meshes: &Meshes| stages::simulate_solid(study, geometry, meshes, scenario, monitor);
+        let history = stages::within_zones(study, geometry, meshes, monitor, accept, run, |_| None)
+            .map_err(|error| self.study.in_scenario(name, error))?;
         let record = RunRecord::new(&history, None, Vec::new());
         let key = self.study.keys.solid(name);
         self.write_history(&self.file(name, "solid_history"), &history, &record, &key)?;

@@ -158,7 +158,8 @@ fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64,
 }
 
 /// Runs `work` on the meshes. Where the contact reaches the end of the fine zone, makes the zone larger, meshes again,
-/// says so, and runs `work` again; `meshes` are then the larger ones, which `accept` has seen before.
+/// says so, and runs `work` again; `meshes` are then the larger ones, which `accept` has seen before. `missing` is why
+/// a part of a result is missing; the rest of it is kept where no larger zone can be had.
 ///
 /// # Errors
 /// Those of `work` and of `accept`, and that of a contact at the end of a zone that cannot be made larger.
@@ -169,17 +170,21 @@ pub fn within_zones<T>(
     monitor: &dyn Monitor,
     accept: impl Fn(&Meshes) -> Result<()>,
     work: impl Fn(&Meshes) -> Result<T>,
+    missing: impl Fn(&T) -> Option<&Error>,
 ) -> Result<T> {
     for _ in 0..EXTENSIONS {
-        let cause = match work(meshes) {
-            Err(Error::Numerics(cause)) if at_the_end(cause.reason) => cause,
-            done => return done,
+        let done = work(meshes);
+        let failure = match &done {
+            Ok(result) => missing(result),
+            Err(failure) => Some(failure),
         };
-        let Some(options) = larger(study, geometry, &meshes.options, cause.reason) else {
-            return Err(cause.into());
-        };
+        let Some(Error::Numerics(cause)) = failure else { return done };
+        if !at_the_end(cause.reason) {
+            return done;
+        }
+        let Some(options) = larger(study, geometry, &meshes.options, cause.reason) else { return done };
         // a zone that the sections have no room for leaves the contact where it ended
-        let Ok(next) = remeshed_with(study, geometry, meshes, options) else { return Err(cause.into()) };
+        let Ok(next) = remeshed_with(study, geometry, meshes, options) else { return done };
         monitor.notice(&format!(
             "{cause}; meshed again with a fine zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
             next.options.rail_zone.face_depth / MILLIMETRE,
@@ -277,7 +282,7 @@ mod tests {
         let press = |meshes: &Meshes| stages::calibrate(&study, &geometry, meshes, &notes);
         let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
         assert_eq!(cause.reason, StopReason::EdgeOfCandidates);
-        within_zones(&study, &geometry, &mut meshes, &notes, |_| Ok(()), press).unwrap();
+        within_zones(&study, &geometry, &mut meshes, &notes, |_| Ok(()), press, |_| None).unwrap();
         assert!(meshes.options.wheel_zone.face_depth > 17e-3, "{:?}", meshes.options.wheel_zone);
         let notes = notes.0.into_inner().unwrap();
         assert!(!notes.is_empty() && notes.iter().all(|n| n.contains("meshed again")), "{notes:?}");
