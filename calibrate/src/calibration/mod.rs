@@ -28,7 +28,8 @@ pub enum Reference {
     /// stands in series with a rail beam, whatever the rail's length.
     #[default]
     Beam,
-    /// The approach of the two surfaces alone, as half-space programs give it.
+    /// The approach of the two surfaces alone, as half-space programs give it: the way of the hub less what the bodies
+    /// beyond their half-spaces give way to the growing load.
     Local,
 }
 
@@ -137,7 +138,8 @@ pub fn press_loads(
 }
 
 /// Displacement, tangent stiffness and patch of the states of [`press_loads`]. With the reference `beam` the rail's
-/// compliance must be that against its section.
+/// compliance must be that against its section; with `local` the compliance of the bodies beyond their half-spaces,
+/// which the load hardly changes, is integrated over the loads.
 ///
 /// # Errors
 /// Numerical errors of the tangent.
@@ -147,7 +149,19 @@ pub fn load_points(
     reference: Reference,
     material: &Material,
 ) -> Result<Vec<LoadPoint>> {
-    states.iter().map(|state| load_point(wheel_on_rail, state, reference, material)).collect()
+    let mut points: Vec<LoadPoint> =
+        states.iter().map(|state| load_point(wheel_on_rail, state, material)).collect::<Result<_>>()?;
+    if reference == Reference::Local {
+        let (mut force, mut compliance, mut way) = (0.0, None, 0.0);
+        for point in &mut points {
+            let bodies = point.wheel_compliance + point.rail_compliance;
+            way += 0.5 * (bodies + compliance.unwrap_or(bodies)) * (point.force - force);
+            (force, compliance) = (point.force, Some(bodies));
+            point.displacement -= way;
+            point.solid_tangent = 1.0 / point.local_compliance;
+        }
+    }
+    Ok(points)
 }
 
 /// Fits the normal law with `reference` to the states of [`press_loads`], as [`load_points`].
@@ -179,12 +193,8 @@ fn singular(stage: &str, state: &Pressed) -> NumericsError {
     }
 }
 
-fn load_point(
-    wheel_on_rail: &WheelOnRail,
-    state: &Pressed,
-    reference: Reference,
-    material: &Material,
-) -> Result<LoadPoint> {
+/// The point of a load by the displacement of the hub.
+fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed, material: &Material) -> Result<LoadPoint> {
     let problem = state.problem(wheel_on_rail.friction);
     let response =
         hub_response(&problem, &state.solution, &[2], false).ok_or_else(|| singular("tangent", state))?;
@@ -195,8 +205,7 @@ fn load_point(
     let share = |part: &dyn Compliance| quadratic(&total(&[part], &state.points, directions), &change);
     let half_space = HalfSpace { contact_modulus: material.contact_modulus() };
     let normal_change = &change[..state.points.len()];
-    let half_space_compliance = total(&[&half_space], &state.points, 1);
-    let half_spaces = quadratic(&half_space_compliance, normal_change);
+    let half_spaces = quadratic(&total(&[&half_space], &state.points, 1), normal_change);
     let penalty = match wheel_on_rail.enforcement {
         Enforcement::Exact => 0.0,
         Enforcement::Penalty(stiffness) => share(&PenaltySprings { stiffness }),
@@ -207,25 +216,6 @@ fn load_point(
     let rail =
         share(&BodyCompliance { compliance: wheel_on_rail.rail, side: Side::Base }) - 0.5 * half_spaces;
     let forces = &state.solution.forces[..state.points.len()];
-    let (displacement, compliance) = match reference {
-        Reference::Foot | Reference::Beam => (state.hub.y, 1.0 / tangent),
-        Reference::Local => {
-            // the approach of the half-spaces, weighted by the change of pressure under one more newton, so that the
-            // work of the change is that of the load on its displacement
-            let spring = match wheel_on_rail.enforcement {
-                Enforcement::Exact => 0.0,
-                Enforcement::Penalty(stiffness) => 1.0 / stiffness,
-            };
-            let under_pressure = crate::superelement::times(&half_space_compliance, forces);
-            let approach: f64 = (0..forces.len())
-                .map(|j| {
-                    let gap = state.points.gap[j] - state.points.normal[j].y * state.hub.y;
-                    normal_change[j] * (under_pressure[j] + spring * forces[j] + gap)
-                })
-                .sum();
-            (approach / normal_change.iter().sum::<f64>(), local)
-        }
-    };
     let patch = patch(state);
     let penetration = match wheel_on_rail.enforcement {
         Enforcement::Exact => 0.0,
@@ -233,8 +223,8 @@ fn load_point(
     };
     Ok(LoadPoint {
         force: state.load,
-        displacement,
-        solid_tangent: 1.0 / compliance,
+        displacement: state.hub.y,
+        solid_tangent: tangent,
         contact_area: patch.area,
         max_pressure: patch.max_pressure,
         semi_axis_along: patch.semi_axis_along,
