@@ -7,8 +7,6 @@
 //! The modules stand in the order of the pipeline: a module uses only those
 //! above it.
 
-pub mod beam;
-pub mod moving;
 pub mod output;
 pub mod verify;
 pub mod records;

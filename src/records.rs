@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::beam::BeamCorrection;
+use railspring_calibrate::beam::BeamCorrection;
 
 pub mod crosscheck;
 pub mod history_csv;

@@ -1,60 +1,128 @@
-//! The modules stand in the order of the pipeline: a module uses only those
-//! above it. `lib.rs` says the order; every `crate::` path is held against it.
+//! The modules stand in the order of the pipeline: a module uses only those above it, in a crate and inside a
+//! module. The file that lists them says the order; every path that starts with `crate::` or `super::` is held against it.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Modules of a crate in the order of its `lib.rs`.
-fn order(source: &Path) -> Vec<String> {
-    let text = std::fs::read_to_string(source.join("lib.rs")).unwrap();
-    text.lines()
-        .filter_map(|line| line.strip_prefix("pub mod ").or_else(|| line.strip_prefix("mod ")))
-        .map(|rest| rest.trim_end_matches(';').to_string())
-        .collect()
+/// A module as the names that lead to it from its crate.
+type Module = Vec<String>;
+
+/// A crate's modules with their files, and the order of the modules inside each.
+struct Tree {
+    files: Vec<(Module, PathBuf)>,
+    order: BTreeMap<Module, Vec<String>>,
 }
 
-/// All Rust files of a module: `name.rs` and those below `name/`.
-fn files(source: &Path, module: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let own = source.join(format!("{module}.rs"));
-    if own.exists() {
-        found.push(own);
+impl Tree {
+    fn read(source: &Path) -> Self {
+        let mut tree = Self { files: Vec::new(), order: BTreeMap::new() };
+        tree.add(Vec::new(), source.join("lib.rs"), source.to_path_buf());
+        tree
     }
-    let mut folders = vec![source.join(module)];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).into_iter().flatten() {
-            let path = entry.unwrap().path();
-            match path.extension() {
-                None if path.is_dir() => folders.push(path),
-                Some(extension) if extension == "rs" => found.push(path),
-                _ => {}
+
+    /// Adds a module, its `file`, and the modules that it lists, which lie in `folder`.
+    fn add(&mut self, module: Module, file: PathBuf, folder: PathBuf) {
+        let text =
+            code(&std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display())));
+        let mut names = Vec::new();
+        let mut test = false;
+        for line in text.lines() {
+            let listed = line
+                .trim_start_matches("pub(crate) ")
+                .trim_start_matches("pub(super) ")
+                .trim_start_matches("pub ")
+                .strip_prefix("mod ")
+                .and_then(|rest| rest.trim().strip_suffix(';'));
+            // what only tests need stands below everything
+            if let Some(name) = listed.filter(|_| !test) {
+                names.push(name.to_string());
+            }
+            test = line.starts_with("#[cfg(test)]");
+        }
+        for name in &names {
+            let inner = [module.clone(), vec![name.clone()]].concat();
+            let below = folder.join(name);
+            let own = [folder.join(format!("{name}.rs")), below.join("mod.rs")];
+            let file = own.into_iter().find(|file| file.exists());
+            self.add(inner, file.unwrap_or_else(|| panic!("{name} has no file")), below);
+        }
+        self.order.insert(module.clone(), names);
+        self.files.push((module, file));
+    }
+
+    /// Uses of a module by one that stands above it.
+    fn breaches(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        for (module, file) in &self.files {
+            let text = code(&std::fs::read_to_string(file).unwrap());
+            for used in paths(&text, module) {
+                let shared = module.iter().zip(&used).take_while(|(a, b)| a == b).count();
+                let (Some(user), Some(name)) = (module.get(shared), used.get(shared)) else { continue };
+                let order = &self.order[&module[..shared]];
+                let rank = |name: &String| order.iter().position(|other| other == name);
+                if rank(name).is_some_and(|below| rank(user).is_some_and(|above| below > above)) {
+                    found.push(format!("{}: {user} uses {name}", file.display()));
+                }
             }
         }
+        found
     }
-    assert!(!found.is_empty(), "no file of module {module} in {}", source.display());
+}
+
+/// The text without comments.
+fn code(text: &str) -> String {
+    text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
+}
+
+/// Paths from the crate that a file of `module` names.
+fn paths(text: &str, module: &Module) -> Vec<Module> {
+    let mut found = Vec::new();
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    for (at, _) in text.match_indices("crate::").chain(text.match_indices("super::")) {
+        if text[..at].ends_with(|c: char| word(c) || c == ':') {
+            continue;
+        }
+        let mut rest = &text[at..];
+        let mut base = module.clone();
+        if let Some(after) = rest.strip_prefix("crate::") {
+            (base, rest) = (Vec::new(), after);
+        }
+        while let Some(after) = rest.strip_prefix("super::") {
+            base.pop();
+            rest = after;
+        }
+        for tail in tails(rest) {
+            found.push([base.clone(), tail].concat());
+        }
+    }
     found
 }
 
-/// Names after `crate::` in a line that is no comment.
-fn used(line: &str) -> impl Iterator<Item = &str> {
-    let code = line.split("//").next().unwrap_or_default();
-    code.split("crate::")
-        .skip(1)
-        .map(|rest| rest.split(|c: char| !(c.is_alphanumeric() || c == '_')).next().unwrap_or_default())
-}
-
-fn breaches(source: &Path) -> Vec<String> {
-    let order = order(source);
-    assert!(order.len() > 3, "{order:?}");
-    let mut found = Vec::new();
-    for (rank, module) in order.iter().enumerate() {
-        for file in files(source, module) {
-            for (number, line) in std::fs::read_to_string(&file).unwrap().lines().enumerate() {
-                for name in used(line) {
-                    if order.iter().position(|other| other == name).is_some_and(|other| other > rank) {
-                        found.push(format!("{}:{}: {module} uses {name}", file.display(), number + 1));
-                    }
+/// What follows the start of a path: one path, or those of a group.
+fn tails(rest: &str) -> Vec<Module> {
+    let Some(group) = rest.strip_prefix('{') else {
+        let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(rest.len());
+        let path = rest[..end].split("::").filter(|name| !name.is_empty());
+        let mut names: Module = path.map(str::to_string).collect();
+        let inner = rest[end..].starts_with('{').then(|| tails(&rest[end..]));
+        return match inner {
+            Some(inner) => inner.into_iter().map(|tail| [names.clone(), tail].concat()).collect(),
+            None => vec![std::mem::take(&mut names)],
+        };
+    };
+    let (mut depth, mut start, mut found) = (0, 0, Vec::new());
+    for (at, c) in group.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth > 0 => depth -= 1,
+            ',' | '}' if depth == 0 => {
+                found.extend(tails(group[start..at].trim()));
+                start = at + 1;
+                if c == '}' {
+                    break;
                 }
             }
+            _ => {}
         }
     }
     found
@@ -63,8 +131,10 @@ fn breaches(source: &Path) -> Vec<String> {
 #[test]
 fn modules_use_only_those_above_them() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for source in ["calibrate/src", "src"] {
-        let found = breaches(&root.join(source));
+    for source in ["calibrate/src", "simulate/src", "src"] {
+        let tree = Tree::read(&root.join(source));
+        assert!(!tree.order[&Vec::new()].is_empty(), "{source}");
+        let found = tree.breaches();
         assert!(found.is_empty(), "\n{}", found.join("\n"));
     }
 }
@@ -72,14 +142,21 @@ fn modules_use_only_those_above_them() {
 #[test]
 fn a_module_that_looks_down_is_found() {
     let root = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| std::fs::write(root.path().join(name), text).unwrap();
-    write("lib.rs", "pub mod a;\npub mod b;\npub mod c;\nmod d;\n");
+    let write = |name: &str, text: &str| {
+        let file = root.path().join(name);
+        std::fs::create_dir_all(file.parent().unwrap()).unwrap();
+        std::fs::write(file, text).unwrap();
+    };
+    write("lib.rs", "pub mod a;\npub mod b;\npub mod c;\nmod d;\n#[cfg(test)]\nmod samples;\n");
     write("a.rs", "//! crate::b is only named here\n");
-    write("b.rs", "use crate::a::X;\nuse crate::d;\n");
-    write("c.rs", "use crate::b;\n");
-    std::fs::create_dir(root.path().join("d")).unwrap();
-    write("d/mod.rs", "use crate::a;\n");
-    let found = breaches(root.path());
-    assert_eq!(found.len(), 1, "{found:?}");
-    assert!(found[0].ends_with("b.rs:2: b uses d"), "{found:?}");
+    write("b.rs", "use crate::a::X;\nuse crate::{a::Y, d::{Z}};\n#[cfg(test)]\nuse crate::samples;\n");
+    write("c.rs", "use crate::b;\npub mod first;\npub mod second;\n");
+    write("c/first.rs", "use super::{first::X,\n second::{Y, Z}};\n");
+    write("c/second.rs", "use super::first;\nuse super::super::b;\nuse crate::c::first;\n");
+    write("d/mod.rs", "use crate::a;\nmod only;\n");
+    write("d/only.rs", "use super::only;\n");
+    let found = Tree::read(root.path()).breaches();
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found.iter().any(|breach| breach.ends_with("b.rs: b uses d")), "{found:?}");
+    assert!(found.iter().any(|breach| breach.ends_with("first.rs: first uses second")), "{found:?}");
 }

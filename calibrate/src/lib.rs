@@ -21,6 +21,7 @@ pub mod mesh;
 pub mod section_analysis;
 pub mod solid;
 pub mod superelement;
+pub mod beam;
 pub mod contact;
 pub mod calibration;
 pub mod transient;

@@ -1,11 +1,11 @@
 //! The command line: arguments, messages and exit codes.
 
-mod contact;
 mod findings;
 mod output;
-mod profile;
 mod progress;
 mod shapes;
+mod contact;
+mod profile;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -7,9 +7,9 @@
 //! * [`mod@sections`]: where on the bodies the answers differ.
 
 pub mod calculix;
+pub mod exchange;
 pub mod compare;
 pub mod deck;
-pub mod exchange;
 pub mod questions;
 pub mod sections;
 

@@ -17,13 +17,13 @@ use railspring_calibrate::units::{
 };
 
 use super::{Geometry, Meshes, PressedFields, enforcement, formulation};
-use crate::beam::BeamCorrection;
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
     HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord,
     TangentRecord, TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, ReferenceKey, Study};
+use railspring_calibrate::beam::BeamCorrection;
 
 /// One m/N in µm/kN.
 const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;

@@ -33,10 +33,10 @@ use railspring_calibrate::section_analysis::{RailAnalysis, SectionProperties, St
 use railspring_calibrate::solid::Formulation;
 use railspring_calibrate::units::MILLIMETRE;
 
-use crate::beam::{RailBeam, Torsion};
 use crate::records::ProfileRecord;
 use crate::report::ProfilePair;
 use crate::study::{ElementKey, EnforcementKey, MeshFile, Study};
+use railspring_calibrate::beam::{RailBeam, Torsion};
 
 /// The two sections in place, and where they first touch.
 pub struct Geometry {

@@ -8,9 +8,9 @@ use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::transient::TransientModel;
 
 use super::{Geometry, Meshes, enforcement, formulation};
-use crate::beam::BeamCorrection;
-use crate::moving::{MovingModel, RailSupport, SlidingMatrix, WheelSprings};
 use crate::study::{SlidingMatrixKey, Study, StudyScenario};
+use railspring_calibrate::beam::BeamCorrection;
+use railspring_simulate::moving::{MovingModel, RailSupport, SlidingMatrix, WheelSprings};
 
 /// The springs and the mass that the simple model runs with.
 #[derive(Debug, Clone, Copy)]

@@ -1,8 +1,9 @@
 //! The study: from a TOML file with units in its keys to checked values in SI
 //! units, which is the only form the stages see.
 
-pub mod document;
+mod source;
 
+pub mod document;
 mod check;
 mod collect;
 mod content;
@@ -11,7 +12,6 @@ mod keys;
 mod measured;
 mod mesh_file;
 mod resolve;
-mod source;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

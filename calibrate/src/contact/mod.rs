@@ -11,14 +11,14 @@
 //! intersections of the cells of both surfaces, so a uniform pressure crosses
 //! non-matching meshes exactly (patch test).
 
+mod surface;
+mod pairing;
 mod compliance;
 mod half_space;
-mod newton;
-mod pairing;
-mod solver;
 mod state;
-mod surface;
+mod newton;
 mod sweeps;
+mod solver;
 
 pub use compliance::{BodyCompliance, Compliance, PenaltySprings, Side, total};
 pub use half_space::HalfSpace;

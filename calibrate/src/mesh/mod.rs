@@ -22,17 +22,17 @@ use nalgebra::{Point2, Point3};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 
+mod faces;
+mod quality;
+mod sizing;
+mod triangulation;
+mod smoothing;
+mod section_mesh;
+mod sweep;
 mod block;
 mod bodies;
-mod faces;
-mod given;
 mod given_surface;
-mod quality;
-mod section_mesh;
-mod sizing;
-mod smoothing;
-mod sweep;
-mod triangulation;
+mod given;
 mod vtu;
 
 pub use block::{BlockOptions, mesh_block};

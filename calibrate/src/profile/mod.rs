@@ -4,12 +4,12 @@
 //! rail on its axis; a wheel's is the tape circle, 70 mm from the flange back. Both curves run in the direction
 //! of increasing y. Sources, units and axes: `data/profiles/README.md`.
 
+pub(crate) mod root;
+mod spline;
+mod segment;
 mod curve;
 mod flange;
 pub mod rails;
-pub(crate) mod root;
-mod segment;
-mod spline;
 pub mod wheels;
 
 pub use curve::ProfileCurve;

@@ -4,18 +4,18 @@
 //! line. [`prepare`] checks and repairs them and makes the curve. [`write()`] writes a profile in any of the
 //! formats. Nothing is changed silently: every stage adds [`Finding`]s.
 
-mod check;
-mod columns;
 mod finding;
-mod kinks;
-mod loops;
-mod miniprof;
-mod orient;
-mod prepare;
-mod shape;
-mod simpack;
-mod smooth;
 mod text;
+mod columns;
+mod miniprof;
+mod simpack;
+mod loops;
+mod kinks;
+mod shape;
+mod orient;
+mod smooth;
+mod prepare;
+mod check;
 
 use std::fmt;
 use std::path::Path;

@@ -4,8 +4,8 @@ mod align;
 mod join;
 mod properties;
 mod rail;
-mod wheel;
 mod wheel_body;
+mod wheel;
 
 pub use align::{Alignment, align_rail};
 pub use properties::AreaProperties;

@@ -4,10 +4,10 @@
 //! are held or follow the master node, and [`System`] numbers the equations
 //! and assembles them.
 
-mod assembly;
 pub mod brick;
-mod locate;
 mod numbering;
+mod assembly;
+mod locate;
 mod stress;
 
 pub use assembly::{NodalMass, System};

@@ -151,8 +151,8 @@ pub fn mode_check(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::beam::{BeamElement, BeamSection, deflection_functions};
     use nalgebra::SVector;
+    use railspring_calibrate::beam::{BeamElement, BeamSection, deflection_functions};
 
     /// A few products of numbers of order one times the penalty.
     const ROUNDOFF: f64 = 1e-12;

@@ -21,15 +21,15 @@
 //! steps of h times it. The default of 0.25 mm leaves 0.6 µm at the gauge
 //! corner (radius 13 mm), which is below one per cent of the contact's deflection.
 
-mod departure;
-pub mod element;
-mod model;
 mod newmark;
-mod run;
-mod solve;
-mod support;
+pub mod element;
 mod surface;
 mod wheel;
+mod support;
+mod solve;
+mod model;
+mod departure;
+mod run;
 
 pub use model::{InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
 pub use support::RailSupport;

@@ -1,9 +1,9 @@
 //! What a beam element needs to know of a cross-section.
 
-use railspring_calibrate::analytic::beam::restrained_warping_factor;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::section_analysis::SectionProperties;
-use railspring_calibrate::solid::Material;
+use crate::analytic::beam::restrained_warping_factor;
+use crate::error::{InputError, Result};
+use crate::section_analysis::SectionProperties;
+use crate::solid::Material;
 
 /// How the beam resists torsion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -52,7 +52,34 @@ pub struct BeamSection {
     pub centroid: [f64; 2],
 }
 
+/// Factors on the stiffness of a rail beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeamCorrection {
+    /// On the shear stiffness against deflection along the section's y.
+    pub shear_y: f64,
+    /// On the shear stiffness against deflection along the section's z.
+    pub shear_z: f64,
+    /// On the torsion stiffness.
+    pub torsion: f64,
+}
+
+impl BeamCorrection {
+    /// No correction.
+    pub const NONE: Self = Self { shear_y: 1.0, shear_z: 1.0, torsion: 1.0 };
+}
+
 impl BeamSection {
+    /// The same section with its stiffness corrected.
+    #[must_use]
+    pub fn corrected(&self, correction: &BeamCorrection) -> Self {
+        Self {
+            shear_y: self.shear_y * correction.shear_y,
+            shear_z: self.shear_z * correction.shear_z,
+            torsion: self.torsion * correction.torsion,
+            ..*self
+        }
+    }
+
     /// The section of a rail of `span` metres fixed at both ends, in the profile frame (z down).
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
-use railspring_calibrate::error::{NumericsError, Result, StopReason};
+use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
 
 use super::surface::{ActiveNode, ContactLaw, ContactSurface, FrictionLimit, Pose, SlidingMatrix, Vector6};
 use super::wheel::WheelSprings;
@@ -64,6 +64,13 @@ pub(super) struct Solution {
     pub sliding: SlidingMatrix,
 }
 
+impl Solution {
+    /// A step that ends with this solution but not with a state to go on from.
+    pub fn failure(&self, reason: StopReason) -> Error {
+        failure(self.iterations, 0.0, self.active.len(), reason)
+    }
+}
+
 /// The nonlinear system of one step.
 pub(super) struct StepSystem<'a> {
     pub springs: &'a WheelSprings,
@@ -89,6 +96,12 @@ struct Balance {
     /// Largest out-of-balance force over the forces at work.
     error: f64,
     provisional: bool,
+}
+
+impl Balance {
+    fn failure(&self, iteration: usize, reason: StopReason) -> Error {
+        failure(iteration, self.error, self.active.len(), reason)
+    }
 }
 
 impl StepSystem<'_> {
@@ -166,7 +179,7 @@ impl StepSystem<'_> {
                     length = 0.5 * (low + high);
                 }
                 if now.is_nan() {
-                    return Err(failure(iteration, &balance, StopReason::NotFinite));
+                    return Err(balance.failure(iteration, StopReason::NotFinite));
                 }
             }
             x += step * length;
@@ -201,19 +214,19 @@ impl StepSystem<'_> {
                 });
             }
             if !balance.error.is_finite() {
-                return Err(failure(iteration, &balance, StopReason::NotFinite));
+                return Err(balance.failure(iteration, StopReason::NotFinite));
             }
             self.check_work(iteration, &balance)?;
             x -= newton_step(iteration, &balance)?;
             let last = std::mem::take(&mut balance.active);
             balance = balance_at(surface, &x, balance.spring_force.y, &last);
         }
-        Err(failure(most, &balance, StopReason::IterationLimit))
+        Err(balance.failure(most, StopReason::IterationLimit))
     }
 
     fn check_work(&self, iteration: usize, balance: &Balance) -> Result<()> {
         match self.evaluations_left.get() {
-            0 => Err(failure(iteration, balance, StopReason::WorkBound)),
+            0 => Err(balance.failure(iteration, StopReason::WorkBound)),
             _ => Ok(()),
         }
     }
@@ -302,17 +315,9 @@ impl StepSystem<'_> {
 
 fn newton_step(iteration: usize, balance: &Balance) -> Result<Vector8> {
     let step = balance.stiffness.lu().solve(&balance.residual);
-    step.ok_or_else(|| failure(iteration, balance, StopReason::Singular))
+    step.ok_or_else(|| balance.failure(iteration, StopReason::Singular))
 }
 
-fn failure(iteration: usize, balance: &Balance, reason: StopReason) -> railspring_calibrate::error::Error {
-    NumericsError {
-        stage: "moving solver".into(),
-        step: None,
-        iteration,
-        residual: balance.error,
-        active: balance.active.len(),
-        reason,
-    }
-    .into()
+fn failure(iteration: usize, residual: f64, active: usize, reason: StopReason) -> Error {
+    NumericsError { stage: "moving solver".into(), step: None, iteration, residual, active, reason }.into()
 }

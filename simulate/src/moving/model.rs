@@ -6,12 +6,10 @@ use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::placement::{PlacedRail, Touch};
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::Scenario;
 
-use super::run;
 use super::support::RailSupport;
 use super::surface::SlidingMatrix;
 use super::wheel::WheelSprings;
@@ -136,17 +134,8 @@ impl MovingModel {
         }
     }
 
-    /// Runs a scenario.
-    ///
-    /// # Errors
-    /// [`InputError`] for values out of range or a wheel that starts beyond the rail's ends;
-    /// [`railspring_calibrate::error::NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
-    pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
-        self.check(scenario)?;
-        run::run(self, scenario, monitor)
-    }
-
-    fn check(&self, scenario: &Scenario) -> Result<()> {
+    /// Whether the model can run a scenario.
+    pub(super) fn check(&self, scenario: &Scenario) -> Result<()> {
         let mass = scenario.wheel_mass.unwrap_or(self.wheel_mass);
         let positive = [
             (InputField::Penalty, self.penalty),
@@ -211,8 +200,3 @@ impl MovingModel {
         .into())
     }
 }
-
-#[cfg(test)]
-mod tests;
-#[cfg(test)]
-mod endings;

@@ -1,12 +1,11 @@
 //! The rail as a straight beam: 3D Timoshenko elements, their statics and
 //! their vibration modes.
 
-mod correction;
+mod section;
 mod element;
 mod rail;
-mod section;
+mod correction;
 
-pub use correction::BeamCorrection;
 pub use element::{BeamElement, deflection_functions, rotation_functions};
 pub use rail::{End, RailBeam, RailModes};
-pub use section::{BeamSection, Torsion};
+pub use section::{BeamCorrection, BeamSection, Torsion};

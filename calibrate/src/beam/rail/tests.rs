@@ -1,5 +1,5 @@
 use super::*;
-use railspring_calibrate::analytic::beam::{Bending, Span, fixed_midspan_twist, restrained_warping_factor};
+use crate::analytic::beam::{Bending, Span, fixed_midspan_twist, restrained_warping_factor};
 use std::f64::consts::PI;
 
 /// Condition of the assembled stiffness (1e6 to 1e7 for 20 elements) times 1e-16, a factor of ten spare.

@@ -5,14 +5,13 @@ use nalgebra::{
     Vector3,
 };
 
-use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason};
-use railspring_calibrate::field::InputField;
-use railspring_calibrate::section_analysis::SectionProperties;
+use crate::error::{InputError, NumericsError, Result, StopReason};
+use crate::field::InputField;
+use crate::section_analysis::SectionProperties;
 
-use super::correction::BeamCorrection;
 use super::element::BeamElement;
-use super::section::{BeamSection, Torsion};
-use railspring_calibrate::solid::Material;
+use super::section::{BeamCorrection, BeamSection, Torsion};
+use crate::solid::Material;
 
 /// How an end of the beam is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -161,12 +160,7 @@ impl RailBeam {
     /// # Errors
     /// As [`Self::new`].
     pub fn corrected(&self, correction: &BeamCorrection) -> Result<Self> {
-        let section = BeamSection {
-            shear_y: self.section.shear_y * correction.shear_y,
-            shear_z: self.section.shear_z * correction.shear_z,
-            torsion: self.section.torsion * correction.torsion,
-            ..self.section
-        };
+        let section = self.section.corrected(correction);
         let corrected = Self::new(section, self.length, self.elements(), self.angle, self.ends)?;
         Ok(Self { hermite: self.hermite, ..corrected })
     }

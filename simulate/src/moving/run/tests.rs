@@ -1,9 +1,12 @@
 use super::*;
-use crate::beam::{BeamSection, End, RailBeam, Torsion};
+use crate::moving::{InitialMotion, WheelSprings};
 use railspring_calibrate::analytic::{drop::drop, friction::Block};
+use railspring_calibrate::beam::{BeamSection, End, RailBeam, Torsion};
 use railspring_calibrate::history::{ContactMode, HistoryRow};
+use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
+use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
+use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::section_analysis::rail_properties;

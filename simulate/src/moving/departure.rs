@@ -8,7 +8,6 @@ use railspring_calibrate::placement::{departure, lateral_extent};
 
 use super::element::to_plane;
 use super::model::MovingModel;
-use super::run::failure;
 use super::solve::Solution;
 use super::surface::ActiveNode;
 
@@ -54,7 +53,7 @@ impl Outline {
             return Ok(Some(departure));
         }
         let end = solution.active.iter().find_map(|active| self.at_end(active, pose[0] - pose[2]));
-        end.map(|found| found.ok_or_else(|| failure(solution, StopReason::EdgeOfCandidates))).transpose()
+        end.map(|found| found.ok_or_else(|| solution.failure(StopReason::EdgeOfCandidates))).transpose()
     }
 
     /// What load on the end of a profile means with the wheel moved `aside` against the rail (m, to the field side);

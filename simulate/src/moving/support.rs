@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Point2, Vector3};
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
 
 use super::newmark::{Motion, Newmark};
-use crate::beam::{RailBeam, RailModes};
+use railspring_calibrate::beam::{RailBeam, RailModes};
 
 /// What carries the rail.
 #[derive(Debug, Clone)]

@@ -4,27 +4,12 @@
 //! nothing of it and is up to a sixth too flexible. The correction puts the difference into the shear and
 //! torsion stiffness, so that beam and stiffness law in series are the solid at the contact. With the length it goes to 1.
 
+use crate::error::{InputError, Result};
+use crate::field::InputField;
 use nalgebra::{Matrix2, Matrix3, Rotation2, Vector2};
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::field::InputField;
 
 use super::rail::RailBeam;
-
-/// Factors on the stiffness of a rail beam.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BeamCorrection {
-    /// On the shear stiffness against deflection along the section's y.
-    pub shear_y: f64,
-    /// On the shear stiffness against deflection along the section's z.
-    pub shear_z: f64,
-    /// On the torsion stiffness.
-    pub torsion: f64,
-}
-
-impl BeamCorrection {
-    /// No correction.
-    pub const NONE: Self = Self { shear_y: 1.0, shear_z: 1.0, torsion: 1.0 };
-}
+use super::section::BeamCorrection;
 
 /// Share of shear (or twist) in the flexibility below which it cannot be told from the mesh's error in bending,
 /// which is one per cent of the whole (measured on 60E1, sections of 12 mm elements); the factor then stays 1.
@@ -87,8 +72,8 @@ fn too_short(length: f64, factor: f64) -> InputError {
 mod tests {
     use super::*;
     use crate::beam::Torsion;
-    use railspring_calibrate::section_analysis::SectionProperties;
-    use railspring_calibrate::solid::Material;
+    use crate::section_analysis::SectionProperties;
+    use crate::solid::Material;
 
     /// Condition of the assembled stiffness times 1e-16, as for the beam itself.
     const ROUNDOFF: f64 = 1e-8;

@@ -2,8 +2,9 @@
 
 use super::tests::{NO_FORCE, flat, published, published_scenario, quiet, relative};
 use super::*;
-use crate::beam::{BeamSection, End, RailBeam};
+use railspring_calibrate::beam::{BeamSection, End, RailBeam};
 use railspring_calibrate::history::{Departure, Ending};
+use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
 

@@ -74,8 +74,20 @@ enum Advanced {
     Departed { time: f64, departure: Departure },
 }
 
+impl MovingModel {
+    /// Runs a scenario.
+    ///
+    /// # Errors
+    /// [`railspring_calibrate::error::InputError`] for values out of range or a wheel that starts beyond the rail's ends;
+    /// [`NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
+    pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
+        self.check(scenario)?;
+        run(self, scenario, monitor)
+    }
+}
+
 /// Runs a checked scenario.
-pub(super) fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
+fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
     let run = Run::new(model, scenario)?;
     let mut surface = run.surface();
     let mut statistics = RunStatistics::default();
@@ -301,7 +313,7 @@ impl<'a> Run<'a> {
             limits: self.limits(&solution),
         };
         if !next.is_finite() {
-            return Err(failure(&solution, StopReason::NotFinite));
+            return Err(solution.failure(StopReason::NotFinite));
         }
         Ok((next, solution))
     }
@@ -380,19 +392,6 @@ fn master(model: &MovingModel) -> Point2<f64> {
     }
 }
 
-/// A step that ends with `solution` but not with a state to go on from.
-pub(super) fn failure(solution: &Solution, reason: StopReason) -> Error {
-    NumericsError {
-        stage: "moving solver".into(),
-        step: None,
-        iteration: solution.iterations,
-        residual: 0.0,
-        active: solution.active.len(),
-        reason,
-    }
-    .into()
-}
-
 fn section_motion(solution: &Solution) -> SectionMotion {
     let displacement = to_plane(solution.pose.fixed_rows::<2>(2).into_owned());
     // Direction 3 is −x.
@@ -405,3 +404,8 @@ fn at_step(error: Error, step: usize) -> Error {
         other => other,
     }
 }
+
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod endings;
