@@ -1,10 +1,10 @@
 //! The study: from a TOML file with units in its keys to checked values in SI
 //! units, which is the only form the stages see.
 
-mod source;
-
 pub mod document;
+
 mod check;
+mod source;
 mod collect;
 mod content;
 mod fields;

@@ -6,8 +6,8 @@
 
 pub(crate) mod root;
 mod spline;
-mod segment;
 mod curve;
+mod segment;
 mod flange;
 pub mod rails;
 pub mod wheels;

@@ -10,12 +10,12 @@ mod columns;
 mod miniprof;
 mod simpack;
 mod loops;
+mod check;
 mod kinks;
 mod shape;
 mod orient;
 mod smooth;
 mod prepare;
-mod check;
 
 use std::fmt;
 use std::path::Path;
