@@ -26,6 +26,8 @@ const ENTRY: f64 = 16.0;
 const ASSEMBLY: f64 = 17e3;
 /// Bytes a node of a mesh, its hexahedra and the lists of its neighbours.
 const NODE: f64 = 1.0e3;
+/// Bytes of Python with NumPy and SciPy.
+const PYTHON: f64 = 300e6;
 /// Bytes of the program itself with its profiles and texts.
 const PROGRAM: f64 = 40e6;
 /// Indices of the factors, work space of the factorisation, and what the allocator keeps; measured 1.11 to 1.17.
@@ -53,13 +55,45 @@ const SECONDS_PAIR: f64 = 3e-7;
 /// Seconds of contact in a time step.
 const SECONDS_STEP: f64 = 0.03;
 
+/// Elements with which the reference repeats the solids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReferenceElements {
+    /// Those of the study, on its meshes.
+    FirstOrder,
+    /// Elements of second order on finer meshes, besides.
+    SecondOrder,
+}
+
+impl ReferenceElements {
+    /// Memory of Python, bytes, for a value of the study's own factors; measured on studies of 20 and 113 million values.
+    fn memory(self, values: f64) -> f64 {
+        PYTHON
+            + values
+                * match self {
+                    Self::FirstOrder => 22.0,
+                    Self::SecondOrder => 104.0,
+                }
+    }
+
+    /// Time of the same, s.
+    fn seconds(self, values: f64) -> f64 {
+        values
+            * match self {
+                Self::FirstOrder => 0.6e-6,
+                Self::SecondOrder => 3e-6,
+            }
+    }
+}
+
 /// What a command is going to do with the solids.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Work {
-    /// Whether it calibrates.
+    /// Whether it calibrates, or answers the questions of a cross-check, which takes as much.
     pub calibrate: bool,
     /// Load cases of the solid model: name and steps.
     pub solids: Vec<(String, usize)>,
+    /// What the reference is asked.
+    pub reference: Option<ReferenceElements>,
 }
 
 impl Work {
@@ -67,7 +101,12 @@ impl Work {
     pub fn of(study: &Study, calibrate: bool, solids: bool) -> Self {
         let cases = study.scenarios.iter().filter(|(_, case)| solids && case.solid);
         let solids = cases.map(|(name, case)| (name.clone(), case.scenario.steps)).collect();
-        Self { calibrate, solids }
+        Self { calibrate, solids, reference: None }
+    }
+
+    /// The tool's part of a cross-check, and that of the reference.
+    pub fn of_crosscheck(reference: ReferenceElements) -> Self {
+        Self { calibrate: true, reference: Some(reference), ..Self::default() }
     }
 }
 
@@ -190,6 +229,14 @@ impl Estimate {
                 seconds: wheel.seconds() + 2.0 * rail.seconds() + 2.0 * pressing,
             });
         }
+        if let Some(elements) = work.reference {
+            let values = (rail.size.values + wheel.size.values) as f64;
+            stages.push(StageEstimate {
+                stage: "reference".into(),
+                memory: elements.memory(values),
+                seconds: elements.seconds(values),
+            });
+        }
         let both = [&rail, &wheel];
         let substitution: f64 =
             both.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum();
@@ -249,9 +296,38 @@ pub fn dry_run(
 ) -> Result<Estimate> {
     let geometry = stages::geometry(study)?;
     stages::check_loads(study, &geometry, monitor)?;
-    budget.check_sizes(study, &geometry, work)?;
-    let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
-    budget.check(study, &geometry, &meshes, work)
+    made(study, &geometry, work, budget, interpreter, monitor).map(|(_, estimate)| estimate)
+}
+
+/// Meshes for `work`, which must be within the budget; `monitor` gets what is expected.
+///
+/// # Errors
+/// Those of meshing, and sizes that the machine cannot hold.
+pub fn meshes(
+    study: &Study,
+    geometry: &Geometry,
+    work: &Work,
+    budget: Budget,
+    interpreter: Option<&std::path::Path>,
+    monitor: &dyn Monitor,
+) -> Result<Meshes> {
+    let (meshes, estimate) = made(study, geometry, work, budget, interpreter, monitor)?;
+    monitor.notice(&estimate.text());
+    Ok(meshes)
+}
+
+fn made(
+    study: &Study,
+    geometry: &Geometry,
+    work: &Work,
+    budget: Budget,
+    interpreter: Option<&std::path::Path>,
+    monitor: &dyn Monitor,
+) -> Result<(Meshes, Estimate)> {
+    budget.check_sizes(study, geometry, work)?;
+    let meshes = stages::meshes(study, geometry, interpreter, monitor)?;
+    let estimate = budget.check(study, geometry, &meshes, work)?;
+    Ok((meshes, estimate))
 }
 
 /// One body: its mesh and its factor.
@@ -304,10 +380,14 @@ fn sizes(study: &Study, geometry: &Geometry) -> Result<Vec<MeshSize>> {
 
 /// Bytes of a body by the numbers of its mesh alone.
 fn first_look(size: &MeshSize, work: &Work) -> f64 {
+    if *work == Work::default() {
+        return NODE * size.nodes as f64;
+    }
     let values = FILL * (3.0 * size.nodes as f64).powf(4.0 / 3.0);
     let dense = (3.0 * size.contact as f64).powi(2);
     let factors = if work.calibrate { 1.5 } else { 1.0 };
-    let factored = VALUE * (factors * values + (factors + 1.0) * dense);
+    let own = VALUE * (factors * values + (factors + 1.0) * dense);
+    let factored = work.reference.map_or(own, |elements| own.max(elements.memory(values)));
     factored.max(ASSEMBLY * size.hexes as f64) + NODE * size.nodes as f64
 }
 

@@ -17,7 +17,7 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
-use crate::estimate::{Budget, Estimate, Work};
+use crate::estimate::{self, Budget, Work};
 use crate::measure::{Stopwatch, begin};
 use crate::output::{OutputFolder, to_json};
 use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
@@ -68,7 +68,6 @@ pub struct Pipeline<'a> {
     monitor: &'a dyn Monitor,
     measured: Measured,
     budget: Budget,
-    show: Option<&'a dyn Fn(&Estimate)>,
 }
 
 /// A history and what belongs to it.
@@ -95,13 +94,13 @@ impl<'a> Pipeline<'a> {
         let earlier = folder.read_json::<Measured>(MEASURED, "run").map(|m| m.stages).unwrap_or_default();
         let measured = Measured { stages: earlier, ..begin() };
         let results = Results::new(folder);
-        Self { study, folder, results, interpreter, monitor, measured, budget: Budget::default(), show: None }
+        Self { study, folder, results, interpreter, monitor, measured, budget: Budget::default() }
     }
 
-    /// Keeps to `budget` and shows what is expected before it is taken.
+    /// Keeps to `budget`.
     #[must_use]
-    pub fn within(self, budget: Budget, show: Option<&'a dyn Fn(&Estimate)>) -> Self {
-        Self { budget, show, ..self }
+    pub fn within(self, budget: Budget) -> Self {
+        Self { budget, ..self }
     }
 
     /// All stages, each anew; the verdict.
@@ -155,6 +154,7 @@ impl<'a> Pipeline<'a> {
     /// Those of the stage.
     pub fn mesh(self) -> Result<()> {
         let geometry = self.geometry()?;
+        self.budget.check_sizes(self.study, &geometry, &Work::default())?;
         let meshes = stages::meshes(self.study, &geometry, self.interpreter, self.monitor)?;
         let key = hash(format!("mesh {}", self.study.keys.calibration).as_bytes());
         let files = [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")]
@@ -272,12 +272,8 @@ impl<'a> Pipeline<'a> {
     /// Meshes for `work`, which must be within the budget.
     fn mesh_stage(&mut self, geometry: &Geometry, work: &Work) -> Result<Meshes> {
         let watch = Stopwatch::start();
-        self.budget.check_sizes(self.study, geometry, work)?;
-        let meshes = stages::meshes(self.study, geometry, self.interpreter, self.monitor)?;
-        let estimate = self.budget.check(self.study, geometry, &meshes, work)?;
-        if let Some(show) = self.show {
-            show(&estimate);
-        }
+        let meshes =
+            estimate::meshes(self.study, geometry, work, self.budget, self.interpreter, self.monitor)?;
         // Kept until there is a result: a study that is refused later leaves no file behind.
         self.measured.note(watch.stop("meshes", &self.study.keys.calibration));
         Ok(meshes)

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use railspring::crosscheck::deck::{Deck, Format};
-use railspring::crosscheck::{Prepared, calculix, prepare};
+use railspring::crosscheck::{Prepared, Settings, calculix, prepare};
 use railspring::stages::{AnsweredCurve, calibrate};
 use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
@@ -23,7 +23,7 @@ fn study() -> &'static Study {
 
 fn prepared() -> &'static Prepared {
     static PREPARED: OnceLock<Prepared> = OnceLock::new();
-    PREPARED.get_or_init(|| prepare(study(), &[], None, &Silent).unwrap_or_else(|e| panic!("{e}")))
+    PREPARED.get_or_init(|| prepare(study(), &Settings::default(), &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
 fn deck(friction: f64, lowerings: &[f64]) -> Deck<'_> {
@@ -90,7 +90,7 @@ fn calculix_finds_the_load() {
 fn studies_that_cannot_be_judged_are_told() {
     let mut light = study().clone();
     light.calibration.loads = vec![1e3, 2e3, 3e3];
-    let said = prepare(&light, &[], None, &Silent).map(|_| ()).unwrap_err().to_string();
+    let said = prepare(&light, &Settings::default(), &Silent).map(|_| ()).unwrap_err().to_string();
     assert!(said.contains("calibration.load_max_kn = 3: expected a load of at least 5 kN"), "{said}");
     let mut smooth = study().clone();
     smooth.contact.friction = 0.0;

@@ -69,7 +69,8 @@ fn the_expected_memory_is_that_of_the_run() {
 }
 
 /// Goal: a limit below the need and elements that no machine holds are refused with exit code 2, the line of the key,
-/// and sizes that would do, within seconds and without a folder; commands that cost little refuse `--dry-run`.
+/// and sizes that would do, within seconds and without results, by every command that makes a mesh; commands that cost
+/// little refuse `--dry-run`.
 #[test]
 fn what_the_machine_cannot_hold_is_refused() {
     let place = Place::new(COARSE);
@@ -92,6 +93,17 @@ fn what_the_machine_cannot_hold_is_refused() {
         let (code, _, _) = place.run(&["run", "study.toml", "--memory-limit", limit]);
         assert_eq!(code, Some(2), "{limit}");
     }
+    let place = Place::new(COARSE);
+    for command in [&["mesh"][..], &["export", "--format", "calculix"], &["crosscheck"]] {
+        let limits = ["study.toml", "--quiet", "-o", "apart", "--memory-limit", "0.005"];
+        let (code, _, said) = place.run(&[command, &limits].concat());
+        assert_eq!(code, Some(2), "{command:?}: {said}");
+        assert!(said.contains("mesh.contact_element_mm = 6 ("), "{command:?}: {said}");
+    }
+    let (code, said, _) = place.run(&["crosscheck", "study.toml", "--second-order", "--dry-run"]);
+    assert_eq!(code, Some(0), "{said}");
+    let [own, reference] = ["calibration", "reference"].map(|stage| expected_gib(&said, stage));
+    assert!(reference > 3.0 * own, "{said}");
     let (code, _, said) = place.run(&["report", "study.toml", "--dry-run"]);
     assert_eq!(code, Some(2), "{said}");
     assert!(said.contains("--dry-run") && said.contains("`calibrate`"), "{said}");

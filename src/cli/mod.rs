@@ -17,7 +17,7 @@ use railspring_calibrate::history::Ending;
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
 use crate::crosscheck::{Settings, crosscheck, export};
-use crate::estimate::{self, Budget, Estimate, Work};
+use crate::estimate::{self, Budget, ReferenceElements, Work};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT};
 use crate::records::crosscheck::CrosscheckRecord;
@@ -115,7 +115,7 @@ struct StudyArgs {
     /// Refuse what is expected to need more memory, GiB; left out, what the machine has available
     #[arg(long, value_name = "GIB", value_parser = positive)]
     memory_limit: Option<f64>,
-    /// Say what `run`, `calibrate` or `verify` would need, and stop
+    /// Say what `run`, `calibrate`, `verify`, `export` or `crosscheck` would need, and stop
     #[arg(long)]
     dry_run: bool,
 }
@@ -283,8 +283,7 @@ fn staged(
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
     let python = args.python.as_deref();
-    let show = |estimate: &Estimate| progress.note(&estimate.text());
-    let pipeline = Pipeline::new(study, &folder, python, &progress).within(args.budget(), Some(&show));
+    let pipeline = Pipeline::new(study, &folder, python, &progress).within(args.budget());
     let mut verdict = None;
     let holds = match command {
         Command::Run(_) => verdict.insert(pipeline.run()?).holds,
@@ -300,13 +299,20 @@ fn staged(
         Command::Verify(_) => verdict.insert(pipeline.verify()?).holds,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
-        Command::Export { format, .. } => export(study, *format, &folder, python, &progress).map(|_| true)?,
+        Command::Export { format, .. } => {
+            export(study, *format, &folder, (python, args.budget()), &progress).map(|_| true)?
+        }
         Command::Crosscheck { second_order, with, keep, .. } => {
             const CASES: [Case; 4] =
                 [Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder];
             let cases = if *second_order { &CASES[..] } else { &CASES[..3] };
-            let settings =
-                Settings { interpreter: python, cases, calculix: with.is_some(), keep: keep.as_deref() };
+            let settings = Settings {
+                interpreter: python,
+                cases,
+                calculix: with.is_some(),
+                keep: keep.as_deref(),
+                budget: args.budget(),
+            };
             let record = crosscheck(study, &folder, &settings, &progress)?;
             progress.finish();
             if !args.quiet {
@@ -331,14 +337,25 @@ fn staged(
     Ok(holds)
 }
 
+/// What a cross-check takes.
+fn crosscheck_work(second_order: bool) -> Work {
+    Work::of_crosscheck(if second_order {
+        ReferenceElements::SecondOrder
+    } else {
+        ReferenceElements::FirstOrder
+    })
+}
+
 /// Says what a command would need.
 fn dry_run(command: &Command, args: &StudyArgs, study: &Study) -> Result<(), Error> {
     let work = match command {
         Command::Run(_) => Work::of(study, true, true),
         Command::Calibrate(_) => Work::of(study, true, false),
         Command::Verify(_) => Work::of(study, false, true),
+        Command::Export { .. } => Work::of(study, true, false),
+        Command::Crosscheck { second_order, .. } => crosscheck_work(*second_order),
         _ => {
-            let expected = "one of the commands `run`, `calibrate` and `verify`";
+            let expected = "a command that solves: `run`, `calibrate`, `verify`, `export` or `crosscheck`";
             return Err(InputError::new("--dry-run", "given", expected, "leave it out").into());
         }
     };

@@ -56,14 +56,6 @@ impl Progress {
         Self { style, state: Mutex::new(State::default()) }
     }
 
-    /// Writes lines about the run unless it is quiet.
-    pub(super) fn note(&self, text: &str) {
-        if self.style != Style::Quiet {
-            self.finish();
-            remark(text);
-        }
-    }
-
     /// Clears the bar.
     pub(super) fn finish(&self) {
         if let Some(bar) = self.state.lock().expect("no thread panics while it reports").bar.take() {

@@ -20,6 +20,7 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::MILLIMETRE;
 
+use crate::estimate::{self, Budget, ReferenceElements, Work};
 use crate::measure::begin;
 use crate::output::OutputFolder;
 use crate::pipeline::{CROSSCHECK, DIFFERENCES, Pipeline};
@@ -51,20 +52,17 @@ pub struct Prepared {
     pub exchange: Exchange,
 }
 
-/// Computes the tool's answers and collects the questions; `interpreter` is the Python that reads mesh files.
+/// Computes the tool's answers and collects the questions, within the memory of `settings`.
 ///
 /// Elements of second order are asked for on finer meshes; a mesh from a file stays as it is.
 ///
 /// # Errors
-/// Those of meshing and calibration.
-pub fn prepare(
-    study: &Study,
-    cases: &[Case],
-    interpreter: Option<&Path>,
-    monitor: &dyn Monitor,
-) -> Result<Prepared> {
+/// Those of meshing and calibration, and sizes that the machine cannot hold.
+pub fn prepare(study: &Study, settings: &Settings<'_>, monitor: &dyn Monitor) -> Result<Prepared> {
+    let Settings { cases, interpreter, budget, .. } = *settings;
     let geometry = stages::geometry(study)?;
-    let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
+    let work = Work::of_crosscheck(settings.elements());
+    let meshes = estimate::meshes(study, &geometry, &work, budget, interpreter, monitor)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
     let fine = if cases.contains(&Case::SecondOrder) {
         let mut finer = study.clone();
@@ -79,19 +77,20 @@ pub fn prepare(
 }
 
 /// Writes a deck of the study's problem into `folder`: its own element and friction, a step for every
-/// judged load; the name of the file.
+/// judged load; the name of the file. `interpreter` is the Python that reads mesh files.
 ///
 /// # Errors
-/// Those of meshing and calibration, and a folder that cannot be written.
+/// Those of meshing and calibration, sizes that the machine cannot hold, and a folder that cannot be written.
 pub fn export(
     study: &Study,
     format: Format,
     folder: &OutputFolder,
-    interpreter: Option<&Path>,
+    (interpreter, budget): (Option<&Path>, Budget),
     monitor: &dyn Monitor,
 ) -> Result<String> {
     let geometry = stages::geometry(study)?;
-    let meshes = stages::meshes(study, &geometry, interpreter, monitor)?;
+    let work = Work::of(study, true, false);
+    let meshes = estimate::meshes(study, &geometry, &work, budget, interpreter, monitor)?;
     let curve = stages::faceted(study, &geometry, &meshes, monitor)?;
     let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
@@ -170,6 +169,18 @@ pub struct Settings<'a> {
     pub calculix: bool,
     /// File that gets a copy of the record.
     pub keep: Option<&'a Path>,
+    /// How much memory there is.
+    pub budget: Budget,
+}
+
+impl Settings<'_> {
+    fn elements(&self) -> ReferenceElements {
+        if self.cases.contains(&Case::SecondOrder) {
+            ReferenceElements::SecondOrder
+        } else {
+            ReferenceElements::FirstOrder
+        }
+    }
 }
 
 /// Runs the whole cross-check and writes its files, and the report again if the folder has the
@@ -188,10 +199,12 @@ pub fn crosscheck(
     let keep = settings.keep.map(kept_in).transpose()?;
     let calculix = settings.calculix.then(calculix::version).transpose()?;
     let calculix_name = calculix.as_ref().map(|(_, name)| name.as_str());
-    let purpose =
-        if settings.cases.contains(&Case::SecondOrder) { Purpose::SecondOrder } else { Purpose::FirstOrder };
+    let purpose = match settings.elements() {
+        ReferenceElements::FirstOrder => Purpose::FirstOrder,
+        ReferenceElements::SecondOrder => Purpose::SecondOrder,
+    };
     let python = Python::prepare(settings.interpreter, &python::cache_folder(), purpose, monitor)?;
-    let prepared = prepare(study, settings.cases, settings.interpreter, monitor)?;
+    let prepared = prepare(study, settings, monitor)?;
     let exchange_folder = OutputFolder::create(&folder.file(EXCHANGE_FOLDER))?;
     prepared.exchange.write(&exchange_folder)?;
     python.run(exchange_folder.path(), monitor)?;
