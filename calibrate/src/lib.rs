@@ -1,7 +1,4 @@
-//! Wheel and rail profiles in, contact stiffness law out.
-//!
-//! The modules stand in the order of the pipeline: a module uses only those
-//! above it.
+#![doc = include_str!("../README.md")]
 
 pub mod units;
 pub mod field;

@@ -1,0 +1,69 @@
+//! Time of one moving step: `cargo bench -p railspring-simulate`.
+//!
+//! S1002 on 60E1 with the published law, 10 kN down and 2 kN towards the flange, steps of 0.1 ms on a beam of ten
+//! elements and on a rigid rail. What the beam costs is the ratio of the two.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use railspring_calibrate::beam::{RailBeam, Torsion};
+use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
+use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::section_analysis::rail_properties;
+use railspring_calibrate::solid::Material;
+use railspring_simulate::moving::{MovingModel, RailSupport, WheelSprings};
+
+const STEPS: usize = 200;
+
+fn model(rigid: bool) -> MovingModel {
+    let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.860).unwrap());
+    let track = TrackGeometry::standard();
+    let placed = place_rail(&rail, &track).unwrap();
+    let first = touch(&placed, &wheel.running, track.tape_y()).unwrap();
+    let properties = rail_properties(&rail).unwrap();
+    let beam =
+        RailBeam::rail(&properties, &Material::STEEL, 0.555, 10, placed.angle, Torsion::RestrainedWarping)
+            .unwrap();
+    let node_line =
+        placed.to_world(&nalgebra::Point2::new(0.0, rail.height - properties.shear_centre_height));
+    let support =
+        if rigid { RailSupport::Rigid } else { RailSupport::Beam { beam, node_line, damping: 6e-6 } };
+    let springs = WheelSprings { horizontal: 9e8, normal: StiffnessLaw::published(), longitudinal: 9e8 };
+    MovingModel::new(placed, wheel.running, wheel.radius, track.tape_y(), &first, support, springs, 300.0)
+}
+
+fn scenario() -> Scenario {
+    let constant = |force| HarmonicForce { constant: force, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
+    let free = Kelvin { stiffness: 0.0, damping: 0.0 };
+    Scenario {
+        steps: STEPS,
+        time_step: 1e-4,
+        friction: 0.3,
+        gravity: 0.0,
+        suspended_mass: 0.0,
+        vertical_suspension: free,
+        vertical_force: constant(10e3),
+        lateral_suspension: free,
+        lateral_force: constant(2e3),
+        rail_torsion: None,
+        wheel_mass: None,
+        start_x: None,
+        speed: 0.0,
+        rotations_held: true,
+    }
+}
+
+fn moving(criterion: &mut Criterion) {
+    let scenario = scenario();
+    let mut group = criterion.benchmark_group("moving step");
+    group.throughput(Throughput::Elements(STEPS as u64)).sample_size(10);
+    for (name, rigid) in [("rigid rail", true), ("beam of ten elements", false)] {
+        let model = model(rigid);
+        group.bench_function(name, |b| b.iter(|| model.run(&scenario, &Silent).unwrap()));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, moving);
+criterion_main!(benches);
