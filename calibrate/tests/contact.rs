@@ -1,11 +1,11 @@
 //! Contact against closed solutions: patch test, Hertz, sticking and sliding.
 
 use faer::Mat;
-use nalgebra::{Point2, Point3};
+use nalgebra::{Point2, Point3, Vector3};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::contact::{
-    BodyCompliance, Compliance, ContactPoints, HalfSpace, PairingLimits, PenaltySprings, PointMode, Problem,
-    Side, Solution, Surface, hub_response, pair, solve, total,
+    BodyCompliance, Compliance, ContactPoint, FreeDirection, HalfSpace, PairingLimits, PenaltySprings,
+    PointMode, Problem, Side, Solution, Surface, flat_grid, gaps, hub_response, pair, solve, total,
 };
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, mesh_block};
 use railspring_calibrate::profile::ProfileCurve;
@@ -33,6 +33,11 @@ fn upside_down(mut mesh: HexMesh) -> HexMesh {
     mesh.contact.along_profile.reverse();
     mesh.contact.along_profile.iter_mut().for_each(|s| *s = length - *s);
     mesh
+}
+
+/// The hub free vertically, the wheel pressing with `load`, N.
+fn downwards(load: f64) -> FreeDirection {
+    FreeDirection { along: Vector3::z_axis(), force: -load }
 }
 
 fn straight(width: f64) -> ProfileCurve {
@@ -68,8 +73,8 @@ impl Blocks {
         &self,
         load: f64,
         friction: f64,
-        plant: impl Fn(&mut ContactPoints),
-    ) -> (ContactPoints, Solution) {
+        plant: impl Fn(&mut [ContactPoint]),
+    ) -> (Vec<ContactPoint>, Solution) {
         // without lateral contraction a block on a held foot carries a uniform uniaxial stress exactly
         let material = Material { poisson: 0.0, ..Material::STEEL };
         let (lower, upper) = (condensed(&self.lower, material), condensed(&self.upper, material));
@@ -90,19 +95,24 @@ impl Blocks {
             &points,
             directions,
         );
-        let mut free = points.gap.clone();
+        let mut free = gaps(&points);
         free.resize(directions * points.len(), 0.0);
-        let problem =
-            Problem { points: &points, compliance: &compliance, free: &free, friction, hub: &[(2, -load)] };
+        let problem = Problem {
+            points: &points,
+            compliance: &compliance,
+            free: &free,
+            friction,
+            hub: &[downwards(load)],
+        };
         let start = vec![0.0; free.len()];
         let solution = solve(&problem, &start).unwrap();
         (points, solution)
     }
 }
 
-fn spread(points: &ContactPoints, solution: &Solution, pressure: f64) -> f64 {
+fn spread(points: &[ContactPoint], solution: &Solution, pressure: f64) -> f64 {
     (0..points.len())
-        .map(|j| (solution.forces[j] / points.area[j] / pressure - 1.0).abs())
+        .map(|j| (solution.forces[j] / points[j].area / pressure - 1.0).abs())
         .fold(0.0, f64::max)
 }
 
@@ -122,7 +132,7 @@ fn patch_test_on_non_matching_meshes() {
 }
 
 /// An error planted in the weights of a pairing.
-type Planted = fn(&mut ContactPoints);
+type Planted = fn(&mut [ContactPoint]);
 
 /// Source: the patch test above. Goal: it can fail. The largest weight of one point on either surface off by 1 %, or one gap by a
 /// millionth of the displacement, and the solution with it has a pressure that is not uniform: by more than a thousand
@@ -141,9 +151,9 @@ fn a_wrong_weight_fails_the_patch_test() {
     let blocks = Blocks::new([5, 4, 3], [7, 6, 2]);
     let load = 40e3;
     let planted: [(Planted, f64); 3] = [
-        (|points| one_percent_more!(points.base[3]), SEEN),
-        (|points| one_percent_more!(points.opposing[3]), SEEN),
-        (|points| points.gap[3] += 1e-11, PATCH),
+        (|points| one_percent_more!(points[3].base), SEEN),
+        (|points| one_percent_more!(points[3].opposing), SEEN),
+        (|points| points[3].gap += 1e-11, PATCH),
     ];
     for friction in [0.0, 0.5] {
         for (k, (plant, seen)) in planted.iter().enumerate() {
@@ -162,20 +172,19 @@ fn half_space_hertz(
     h: f64,
     count: (usize, usize),
 ) -> (f64, f64, f64) {
-    let points =
-        ContactPoints::flat_grid(count, h, |s, x| s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x));
+    let points = flat_grid(count, h, |s, x| s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x));
     let contact_modulus = Material::STEEL.contact_modulus();
-    let compliance = total(&[&HalfSpace { contact_modulus }], &points, 1);
+    let (compliance, free) = (total(&[&HalfSpace { contact_modulus }], &points, 1), gaps(&points));
     let problem = Problem {
         points: &points,
         compliance: &compliance,
-        free: &points.gap,
+        free: &free,
         friction: 0.0,
-        hub: &[(2, -load)],
+        hub: &[downwards(load)],
     };
     let solution = solve(&problem, &vec![0.0; points.len()]).unwrap();
-    let largest = solution.forces.iter().zip(&points.area).map(|(f, a)| f / a).fold(0.0, f64::max);
-    let tangent = hub_response(&problem, &solution, &[2], false).unwrap().stiffness[(0, 0)];
+    let largest = solution.forces.iter().zip(&points).map(|(f, point)| f / point.area).fold(0.0, f64::max);
+    let tangent = hub_response(&problem, &solution, &[Vector3::z_axis()], false).unwrap().stiffness[(0, 0)];
     (solution.hub[0], largest, tangent)
 }
 
@@ -218,12 +227,10 @@ fn block_hertz(element: f64, radius_x: f64, radius_s: f64) -> (f64, f64) {
     let surface = |grid| Surface::extruded(&curve, grid);
     let mut points =
         pair(&surface(&mesh.contact), &surface(&upper_mesh.contact), PairingLimits { largest_gap: 1e-3 });
-    let window: Vec<bool> =
-        points.position.iter().map(|p| (p.x - 0.06).abs() < 0.0125 && p.y.abs() < 0.0125).collect();
-    points.retain(&window);
-    for j in 0..points.len() {
-        let (s, x) = (points.position[j].x - 0.06, points.position[j].y);
-        points.gap[j] = s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x);
+    points.retain(|point| (point.position.x - 0.06).abs() < 0.0125 && point.position.y.abs() < 0.0125);
+    for point in &mut points {
+        let (s, x) = (point.position.x - 0.06, point.position.y);
+        point.gap = s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x);
     }
     let compliance = total(
         &[
@@ -234,9 +241,9 @@ fn block_hertz(element: f64, radius_x: f64, radius_s: f64) -> (f64, f64) {
         1,
     );
     let press = |load: f64| {
-        let hub = [(2, -load)];
+        let (hub, free) = ([downwards(load)], gaps(&points));
         let problem =
-            Problem { points: &points, compliance: &compliance, free: &points.gap, friction: 0.0, hub: &hub };
+            Problem { points: &points, compliance: &compliance, free: &free, friction: 0.0, hub: &hub };
         solve(&problem, &vec![0.0; points.len()]).unwrap()
     };
     let (small, large) = (50e3, 150e3);
@@ -244,7 +251,7 @@ fn block_hertz(element: f64, radius_x: f64, radius_s: f64) -> (f64, f64) {
     let hertz = |load: f64| point_contact(load, radius_x, radius_s, material.contact_modulus()).unwrap();
     let measured = a.hub[0] / small - b.hub[0] / large;
     let exact = hertz(small).approach / small - hertz(large).approach / large;
-    let largest = b.forces.iter().zip(&points.area).map(|(f, a)| f / a).fold(0.0, f64::max);
+    let largest = b.forces.iter().zip(&points).map(|(f, point)| f / point.area).fold(0.0, f64::max);
     ((measured - exact) * small / hertz(small).approach, largest / hertz(large).max_pressure - 1.0)
 }
 
@@ -266,7 +273,7 @@ fn hertz_on_finite_element_blocks() {
 }
 
 /// Rows of a block of `n` points, each on its own spring of compliance `c` in all directions.
-fn springs(points: &ContactPoints, c: f64) -> Mat<f64> {
+fn springs(points: &[ContactPoint], c: f64) -> Mat<f64> {
     let mut matrix = Mat::zeros(3 * points.len(), 3 * points.len());
     PenaltySprings { stiffness: 1.0 / c }.add_to(points, &mut matrix);
     matrix
@@ -277,7 +284,7 @@ fn springs(points: &ContactPoints, c: f64) -> Mat<f64> {
 #[test]
 fn sticking_sliding_and_separation() {
     let (c, mu, press) = (1e-9, 0.5, 1e-5);
-    let points = ContactPoints::flat_grid((1, 1), 2e-3, |_, _| 0.0);
+    let points = flat_grid((1, 1), 2e-3, |_, _| 0.0);
     let compliance = springs(&points, c);
     let run = |gap: f64, slip: [f64; 2]| {
         let free = [gap, slip[0], slip[1]];

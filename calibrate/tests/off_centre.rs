@@ -64,7 +64,7 @@ fn tread_corner_and_flange_reach_their_answer() {
                     .unwrap_or_else(|error| panic!("{case}: {error}"));
                 for state in &states {
                     let f = &state.solution.forces;
-                    let force = state.points.resultant(f);
+                    let force = state.force_on_wheel();
                     assert!((force.z / state.load + 1.0).abs() < SOLVER, "{case}: {force}");
                     let n = state.points.len();
                     for j in 0..n {

@@ -1,11 +1,11 @@
 //! S1002 pressed on UIC60 and 60E1 against a half-space program and the published law.
 
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use railspring_calibrate::calibration::{
     Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
 };
 use railspring_calibrate::contact::{
-    HalfSpace, PairingLimits, Problem, Surface, hub_response, pair, solve, total,
+    FreeDirection, HalfSpace, PairingLimits, Problem, Surface, gaps, hub_response, pair, solve, total,
 };
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
@@ -171,23 +171,19 @@ fn half_space(case: &Case, loads: &[f64]) -> Vec<[f64; 3]> {
     let bodies = Bodies::new(case);
     let points = pair(&bodies.rail_surface(), &bodies.wheel_surface(), PairingLimits { largest_gap: 0.2e-3 });
     let half_space = HalfSpace { contact_modulus: case.material.contact_modulus() };
-    let compliance = total(&[&half_space], &points, 1);
+    let (compliance, free) = (total(&[&half_space], &points, 1), gaps(&points));
     loads
         .iter()
         .map(|load| {
-            let hub = [(2, -load)];
-            let problem = Problem {
-                points: &points,
-                compliance: &compliance,
-                free: &points.gap,
-                friction: 0.0,
-                hub: &hub,
-            };
+            let hub = [FreeDirection { along: Vector3::z_axis(), force: -load }];
+            let problem =
+                Problem { points: &points, compliance: &compliance, free: &free, friction: 0.0, hub: &hub };
             let solution = solve(&problem, &vec![0.0; points.len()]).unwrap();
-            let tangent = hub_response(&problem, &solution, &[2], false).unwrap().stiffness[(0, 0)];
-            let pressures = solution.forces.iter().zip(&points.area).map(|(f, a)| f / a);
-            let area =
-                points.area.iter().zip(&solution.forces).filter(|(_, f)| **f > 0.0).map(|(a, _)| a).sum();
+            let tangent =
+                hub_response(&problem, &solution, &[Vector3::z_axis()], false).unwrap().stiffness[(0, 0)];
+            let pressures = solution.forces.iter().zip(&points).map(|(f, point)| f / point.area);
+            let carrying = points.iter().zip(&solution.forces).filter(|(_, f)| **f > 0.0);
+            let area = carrying.map(|(point, _)| point.area).sum();
             [tangent, area, pressures.fold(0.0, f64::max)]
         })
         .collect()

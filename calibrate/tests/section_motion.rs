@@ -1,12 +1,12 @@
 //! The law against the rail's own section belongs to the pair: it does not know how long the rail is, its parts are
 //! its sum, and its tangent is the slope of its displacement.
 
-use nalgebra::{Matrix2, Point2, Vector2};
+use nalgebra::{Matrix2, Point2, Vector2, Vector3};
 use railspring_calibrate::calibration::{
     Enforcement, LoadPoint, Pressed, Reference, SectionMotion, WheelOnRail, calibrate_horizontal,
     load_points, press_loads,
 };
-use railspring_calibrate::contact::{Problem, Surface, hub_response};
+use railspring_calibrate::contact::{Problem, Side, Surface, hub_response, nodal_forces};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::placement::{PlacedRail, TrackGeometry, place_rail, touch};
@@ -105,7 +105,10 @@ fn found(length: f64, loads: &[f64]) -> Found {
     let flexibility = |pair: &WheelOnRail| -> Matrix2<f64> {
         let compliance = pair.compliance(&state.points, 3);
         let problem = Problem { compliance: &compliance, ..state.problem(0.5) };
-        let stiffness = hub_response(&problem, &state.solution, &[1, 2], true).unwrap().stiffness;
+        let stiffness =
+            hub_response(&problem, &state.solution, &[Vector3::y_axis(), Vector3::z_axis()], true)
+                .unwrap()
+                .stiffness;
         stiffness.try_inverse().unwrap().fixed_view::<2, 2>(0, 0).into()
     };
     Found {
@@ -120,11 +123,7 @@ fn found(length: f64, loads: &[f64]) -> Found {
 
 /// Share of the rail's contact nodes in the load.
 fn weights(state: &Pressed, mesh: &HexMesh) -> Vec<f64> {
-    let nodal = state.points.nodal_forces(
-        railspring_calibrate::contact::Side::Base,
-        &state.solution.forces,
-        3 * mesh.contact.nodes.len(),
-    );
+    let nodal = nodal_forces(&state.points, Side::Base, &state.solution.forces, 3 * mesh.contact.nodes.len());
     let vertical: Vec<f64> = nodal.iter().skip(2).step_by(3).copied().collect();
     let sum: f64 = vertical.iter().sum();
     vertical.iter().map(|f| f / sum).collect()

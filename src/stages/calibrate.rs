@@ -108,7 +108,7 @@ pub fn calibrate(
     };
     let in_series = (study.calibration.reference == ReferenceKey::Beam).then_some(&beam);
     let largest = states.last().expect("a study has loads");
-    let on_wheel = largest.points.resultant(&largest.solution.forces);
+    let on_wheel = largest.force_on_wheel();
     let along = in_series.map_or_else(Default::default, |beam| beam.solid * -on_wheel.yz());
     let fields = PressedFields::new(largest, [rail, &wheel], along, geometry, meshes);
 

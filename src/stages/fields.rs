@@ -91,9 +91,10 @@ impl ContactFields {
         // far points have no pairing: not a number, which viewers leave blank
         let mut gap = vec![f64::NAN; rows * columns];
         let mut pressure = vec![0.0; rows * columns];
-        for (j, &(i, k)) in state.points.index.iter().enumerate() {
+        for (j, point) in state.points.iter().enumerate() {
+            let (i, k) = point.index;
             gap[i * columns + k] = state.solution.separation[j];
-            pressure[i * columns + k] = state.solution.forces[j] / state.points.area[j];
+            pressure[i * columns + k] = state.solution.forces[j] / point.area;
         }
         let node = |i: usize, k: usize| i * columns + k;
         Self {

@@ -9,7 +9,7 @@ pub(crate) use press::{carry_over, edge_reached};
 pub use section_motion::SectionMotion;
 
 use crate::contact::{
-    BodyCompliance, Compliance, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total,
+    BodyCompliance, Compliance, ContactPoint, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total,
 };
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
@@ -17,7 +17,7 @@ use crate::law::{LawFit, fit_law};
 use crate::monitor::Monitor;
 use crate::solid::Material;
 use faer::Mat;
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
 /// What the displacement of the law is measured against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -196,8 +196,8 @@ fn singular(stage: &str, state: &Pressed) -> NumericsError {
 /// The point of a load by the displacement of the hub.
 fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed, material: &Material) -> Result<LoadPoint> {
     let problem = state.problem(wheel_on_rail.friction);
-    let response =
-        hub_response(&problem, &state.solution, &[2], false).ok_or_else(|| singular("tangent", state))?;
+    let response = hub_response(&problem, &state.solution, &[Vector3::z_axis()], false)
+        .ok_or_else(|| singular("tangent", state))?;
     let tangent = response.stiffness[(0, 0)];
     // change of the contact forces for one newton of load
     let change: Vec<f64> = response.forces.column(0).iter().map(|f| f / tangent).collect();
@@ -255,21 +255,23 @@ pub fn patch(state: &Pressed) -> Patch {
     let points = &state.points;
     let forces = &state.solution.forces[..points.len()];
     let sum: f64 = forces.iter().sum();
-    let mean = |value: &dyn Fn(usize) -> f64| {
-        forces.iter().enumerate().map(|(j, f)| f * value(j)).sum::<f64>() / sum
+    let mean = |value: &dyn Fn(&ContactPoint) -> f64| {
+        forces.iter().zip(points).map(|(f, point)| f * value(point)).sum::<f64>() / sum
     };
     let semi_axis = |axis: usize| {
-        let centre = mean(&|j| points.position[j][axis]);
+        let centre = mean(&|point| point.position[axis]);
         let moment =
-            mean(&|j| (points.position[j][axis] - centre).powi(2) + points.widths[j][axis].powi(2) / 6.0);
+            mean(&|point| (point.position[axis] - centre).powi(2) + point.widths[axis].powi(2) / 6.0);
         (5.0 * moment).sqrt()
     };
     Patch {
-        area: (0..points.len())
-            .filter(|&j| state.solution.modes[j] != PointMode::Open)
-            .map(|j| points.area[j])
+        area: points
+            .iter()
+            .zip(&state.solution.modes)
+            .filter(|(_, mode)| **mode != PointMode::Open)
+            .map(|(point, _)| point.area)
             .sum(),
-        max_pressure: forces.iter().zip(&points.area).map(|(f, a)| f / a).fold(0.0, f64::max),
+        max_pressure: forces.iter().zip(points).map(|(f, point)| f / point.area).fold(0.0, f64::max),
         semi_axis_across: semi_axis(0),
         semi_axis_along: semi_axis(1),
     }
@@ -296,9 +298,10 @@ pub fn calibrate_horizontal(
         monitor.progress("horizontal stiffness", i, preloads.len())?;
         let state = wheel_on_rail.press(preload, before.as_ref())?;
         let problem = state.problem(wheel_on_rail.friction);
-        let flexibility = hub_response(&problem, &state.solution, &[1, 2], true)
-            .and_then(|r| r.stiffness.try_inverse())
-            .ok_or_else(|| singular("horizontal stiffness", &state))?;
+        let flexibility =
+            hub_response(&problem, &state.solution, &[Vector3::y_axis(), Vector3::z_axis()], true)
+                .and_then(|r| r.stiffness.try_inverse())
+                .ok_or_else(|| singular("horizontal stiffness", &state))?;
         let modes = &state.solution.modes;
         points.push(HorizontalPoint {
             preload,

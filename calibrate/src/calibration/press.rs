@@ -1,14 +1,14 @@
 //! The wheel pressed on the rail: static equilibrium under a wanted load.
 
 use crate::contact::{
-    BodyCompliance, ContactPoints, PairingLimits, PenaltySprings, Problem, Side, Solution, Surface, pair,
-    solve, total,
+    BodyCompliance, ContactPoint, FreeDirection, PairingLimits, PenaltySprings, Problem, Side, Solution,
+    Surface, gaps, nodal_forces, pair, resultant, solve, total,
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
 use crate::superelement::{Superelement, times};
 use faer::Mat;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 /// How the contact conditions are enforced.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,7 @@ impl Enforcement {
         self,
         rail: &Mat<f64>,
         wheel: &Mat<f64>,
-        points: &ContactPoints,
+        points: &[ContactPoint],
         directions: usize,
     ) -> Mat<f64> {
         let rail = BodyCompliance { compliance: rail, side: Side::Base };
@@ -63,7 +63,7 @@ pub struct Pressed {
     /// Displacement of the wheel's hub from just touching (y, z), m.
     pub hub: Vector2<f64>,
     /// Contact points at the final position.
-    pub points: ContactPoints,
+    pub points: Vec<ContactPoint>,
     /// Their compliance.
     pub compliance: Mat<f64>,
     /// Gaps and slips without contact forces.
@@ -95,10 +95,10 @@ const LEAST_RISE: f64 = 1.0 / 32.0;
 /// Why the points that carry load are not all there are: the patch of `forces` reaches the end of the contact
 /// window along the track (of the grid with `columns` lines; the window of the wheel, equal in angle, may end within its
 /// last cells), or the end of the fine zone on a profile.
-pub(crate) fn edge_reached(points: &ContactPoints, forces: &[f64], columns: usize) -> Option<StopReason> {
+pub(crate) fn edge_reached(points: &[ContactPoint], forces: &[f64], columns: usize) -> Option<StopReason> {
     let mut reached = None;
-    for j in (0..points.len()).filter(|&j| points.at_edge[j] && forces[j] > 0.0) {
-        let line = points.index[j].1;
+    for (point, _) in points.iter().zip(forces).filter(|(point, force)| point.at_edge && **force > 0.0) {
+        let line = point.index.1;
         if line > 1 && line + 2 < columns {
             return Some(StopReason::EdgeOfCandidates);
         }
@@ -114,12 +114,12 @@ impl WheelOnRail<'_> {
     }
 
     /// Compliance of both bodies and the penalty springs at `points`.
-    pub fn compliance(&self, points: &ContactPoints, directions: usize) -> Mat<f64> {
+    pub fn compliance(&self, points: &[ContactPoint], directions: usize) -> Mat<f64> {
         self.enforcement.compliance(self.rail, self.wheel, points, directions)
     }
 
     /// Contact points with the hub displaced by `hub` from just touching.
-    pub fn points_at(&self, hub: &Vector2<f64>, largest_gap: f64) -> ContactPoints {
+    pub fn points_at(&self, hub: &Vector2<f64>, largest_gap: f64) -> Vec<ContactPoint> {
         let mut wheel = self.wheel_surface.clone();
         wheel.origin += hub;
         pair(&self.rail_surface, &wheel, PairingLimits { largest_gap })
@@ -201,7 +201,8 @@ impl WheelOnRail<'_> {
                         last.gaps_at(&points).iter().map(|gap| *gap < CANDIDATE_MARGIN).collect();
                     // after a long way of the hub on a slope the last displacements say nothing of the new place
                     if keep.contains(&true) {
-                        points.retain(&keep);
+                        let mut keep = keep.into_iter();
+                        points.retain(|_| keep.next().unwrap_or(false));
                     }
                     points
                 }
@@ -210,7 +211,7 @@ impl WheelOnRail<'_> {
                 return Err(failure(iteration, f64::NAN, 0, StopReason::EdgeOfCandidates));
             }
             let compliance = self.compliance(&points, directions);
-            let mut free = points.gap.clone();
+            let mut free = gaps(&points);
             free.resize(directions * points.len(), 0.0);
             if directions == 3 {
                 self.add_slip_since(before, &points, &hub, &mut free);
@@ -219,7 +220,7 @@ impl WheelOnRail<'_> {
                 Some(p) => carry_over(&p.points, &p.solution.forces, &points, directions),
                 None => vec![0.0; free.len()],
             };
-            let wanted = [(2, -load)];
+            let wanted = [FreeDirection { along: Vector3::z_axis(), force: -load }];
             let problem = Problem {
                 points: &points,
                 compliance: &compliance,
@@ -237,7 +238,7 @@ impl WheelOnRail<'_> {
             hub.y += if way.abs() < HUB_TOLERANCE { way } else { share * way };
             active = solution.active();
             let of = |body: &Mat<f64>, side| {
-                times(body, &points.nodal_forces(side, &solution.forces, body.nrows()))
+                times(body, &nodal_forces(&points, side, &solution.forces, body.nrows()))
             };
             let (rail_displacement, wheel_displacement) =
                 (of(self.rail, Side::Base), of(self.wheel, Side::Opposing));
@@ -268,7 +269,7 @@ impl WheelOnRail<'_> {
     fn add_slip_since(
         &self,
         before: Option<&Pressed>,
-        points: &ContactPoints,
+        points: &[ContactPoint],
         hub: &Vector2<f64>,
         free: &mut [f64],
     ) {
@@ -276,14 +277,11 @@ impl WheelOnRail<'_> {
         let moved = hub - before.map_or(Vector2::zeros(), |b| b.hub);
         for row in n..3 * n {
             let (j, d) = (row % n, row / n);
-            let direction = points.direction(j, d);
+            let direction = points[j].direction(d);
             free[row] += direction.y * moved.x + direction.z * moved.y;
             if let Some(before) = before {
-                let elastic = |weights, u: &[f64]| -> f64 {
-                    ContactPoints::row(weights, d).map(|(i, w)| w * u[i]).sum()
-                };
-                free[row] -= elastic(&points.opposing[j], &before.wheel_displacement);
-                free[row] += elastic(&points.base[j], &before.rail_displacement);
+                free[row] -= points[j].displacement(Side::Opposing, d, &before.wheel_displacement);
+                free[row] += points[j].displacement(Side::Base, d, &before.rail_displacement);
             }
         }
     }
@@ -296,38 +294,42 @@ impl Pressed {
     }
 
     /// Gaps at `points`, m, with the elastic displacements of this state.
-    fn gaps_at(&self, points: &ContactPoints) -> Vec<f64> {
-        let normal =
-            |weights, u: &[f64]| -> f64 { ContactPoints::row(weights, 0).map(|(i, w)| w * u[i]).sum() };
-        (0..points.len())
-            .map(|j| {
-                points.gap[j] + normal(&points.opposing[j], &self.wheel_displacement)
-                    - normal(&points.base[j], &self.rail_displacement)
+    fn gaps_at(&self, points: &[ContactPoint]) -> Vec<f64> {
+        points
+            .iter()
+            .map(|point| {
+                point.gap + point.displacement(Side::Opposing, 0, &self.wheel_displacement)
+                    - point.displacement(Side::Base, 0, &self.rail_displacement)
             })
             .collect()
     }
 
+    /// Resultant of the contact forces on the wheel in world axes, N.
+    pub fn force_on_wheel(&self) -> Vector3<f64> {
+        resultant(&self.points, &self.solution.forces)
+    }
+
     /// Forces on the retained equations of one body, N.
     pub fn body_forces(&self, side: Side, body: &Superelement) -> Vec<f64> {
-        self.points.nodal_forces(side, &self.solution.forces, body.compliance.nrows())
+        nodal_forces(&self.points, side, &self.solution.forces, body.compliance.nrows())
     }
 }
 
 /// Forces of the points that both sets share, zero for the others.
 pub(crate) fn carry_over(
-    from: &ContactPoints,
+    from: &[ContactPoint],
     forces: &[f64],
-    to: &ContactPoints,
+    to: &[ContactPoint],
     directions: usize,
 ) -> Vec<f64> {
     let mut start = vec![0.0; directions * to.len()];
     // both sets are sorted by grid index
     let mut i = 0;
-    for (j, index) in to.index.iter().enumerate() {
-        while i < from.len() && from.index[i] < *index {
+    for (j, point) in to.iter().enumerate() {
+        while i < from.len() && from[i].index < point.index {
             i += 1;
         }
-        if i < from.len() && from.index[i] == *index {
+        if i < from.len() && from[i].index == point.index {
             for d in 0..directions {
                 start[d * to.len() + j] = forces[d * from.len() + i];
             }

@@ -1,27 +1,18 @@
 //! Contact forces in, change of gap and slip out.
 
-use super::pairing::ContactPoints;
+use super::point::{ContactPoint, Side};
 use faer::Mat;
-
-/// Which of the two bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// The rail (or lower block).
-    Base,
-    /// The wheel (or upper block).
-    Opposing,
-}
 
 /// Linear elasticity as the contact sees it.
 pub trait Compliance {
     /// Adds this share to the symmetric matrix, m/N, of relative displacements under contact
     /// forces at `points`. Row and column `direction·points + point`; one direction (normal) or three
     /// (normal, lateral tangent, along the track), as the matrix has room for.
-    fn add_to(&self, points: &ContactPoints, matrix: &mut Mat<f64>);
+    fn add_to(&self, points: &[ContactPoint], matrix: &mut Mat<f64>);
 }
 
 /// Sum of the compliances with `directions` (1 or 3) unknowns a point.
-pub fn total(parts: &[&dyn Compliance], points: &ContactPoints, directions: usize) -> Mat<f64> {
+pub fn total(parts: &[&dyn Compliance], points: &[ContactPoint], directions: usize) -> Mat<f64> {
     let n = directions * points.len();
     let mut matrix = Mat::zeros(n, n);
     parts.iter().for_each(|part| part.add_to(points, &mut matrix));
@@ -37,14 +28,10 @@ pub struct BodyCompliance<'a> {
 }
 
 impl Compliance for BodyCompliance<'_> {
-    fn add_to(&self, points: &ContactPoints, matrix: &mut Mat<f64>) {
+    fn add_to(&self, points: &[ContactPoint], matrix: &mut Mat<f64>) {
         let count = points.len();
-        let weights = match self.side {
-            Side::Base => &points.base,
-            Side::Opposing => &points.opposing,
-        };
         let rows: Vec<Vec<(usize, f64)>> = (0..matrix.nrows())
-            .map(|r| ContactPoints::row(&weights[r % count], r / count).filter(|&(_, w)| w != 0.0).collect())
+            .map(|r| points[r % count].row(self.side, r / count).filter(|&(_, w)| w != 0.0).collect())
             .collect();
         // only the degrees of freedom that some point touches
         let mut local = vec![usize::MAX; self.compliance.nrows()];
@@ -80,7 +67,7 @@ pub struct PenaltySprings {
 }
 
 impl Compliance for PenaltySprings {
-    fn add_to(&self, _points: &ContactPoints, matrix: &mut Mat<f64>) {
+    fn add_to(&self, _points: &[ContactPoint], matrix: &mut Mat<f64>) {
         for i in 0..matrix.nrows() {
             matrix[(i, i)] += 1.0 / self.stiffness;
         }

@@ -6,7 +6,7 @@
 //! a self-term 1.7 times as large and cannot be compared with the bodies.
 
 use super::Compliance;
-use super::pairing::ContactPoints;
+use super::point::ContactPoint;
 use faer::Mat;
 use nalgebra::Vector2;
 use std::collections::HashMap;
@@ -23,15 +23,15 @@ pub struct HalfSpace {
 }
 
 impl Compliance for HalfSpace {
-    fn add_to(&self, points: &ContactPoints, matrix: &mut Mat<f64>) {
+    fn add_to(&self, points: &[ContactPoint], matrix: &mut Mat<f64>) {
         let factor = 1.0 / (PI * self.contact_modulus);
         // on a uniform grid few distances are different
         let mut known: HashMap<[i64; 6], f64> = HashMap::new();
         let picometres = |v: f64| (v * 1e12).round() as i64;
         for j in 0..points.len() {
             for i in 0..=j {
-                let d = (points.position[i] - points.position[j]).abs();
-                let (a, b) = (points.widths[i], points.widths[j]);
+                let d = (points[i].position - points[j].position).abs();
+                let (a, b) = (points[i].widths, points[j].widths);
                 let key = [d.x, d.y, a.x, a.y, b.x, b.y].map(picometres);
                 let value = factor * *known.entry(key).or_insert_with(|| mean_inverse_distance(&d, &a, &b));
                 matrix[(i, j)] += value;
@@ -112,6 +112,7 @@ fn twice_integrated(x: f64, y: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::point::flat_grid;
     use super::*;
 
     /// MODEL: the fourth moments that are left out at 16 widths, 0.3/16⁴, twice.
@@ -172,7 +173,7 @@ mod tests {
     fn a_plateau_of_hats_is_a_loaded_square() {
         const MODEL: f64 = 0.0025;
         let (n, h) = (21, 1e-3);
-        let points = ContactPoints::flat_grid((n, n), h, |_, _| 0.0);
+        let points = flat_grid((n, n), h, |_, _| 0.0);
         let mut matrix = Mat::zeros(n * n, n * n);
         HalfSpace { contact_modulus: 115e9 }.add_to(&points, &mut matrix);
         let middle = n * n / 2;

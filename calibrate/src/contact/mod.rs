@@ -12,6 +12,7 @@
 //! non-matching meshes exactly (patch test).
 
 mod surface;
+mod point;
 mod pairing;
 mod compliance;
 mod half_space;
@@ -20,8 +21,9 @@ mod newton;
 mod sweeps;
 mod solver;
 
-pub use compliance::{BodyCompliance, Compliance, PenaltySprings, Side, total};
+pub use compliance::{BodyCompliance, Compliance, PenaltySprings, total};
 pub use half_space::HalfSpace;
-pub use pairing::{ContactPoints, PairingLimits, pair};
-pub use solver::{HubResponse, PointMode, Problem, Solution, hub_response, solve};
+pub use pairing::{PairingLimits, pair};
+pub use point::{ContactPoint, NodeWeight, Side, flat_grid, gaps, nodal_forces, resultant};
+pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};
 pub use surface::{BetweenNodes, Shape, Surface};

@@ -150,21 +150,21 @@ fn direction(state: &State, modes: &[PointMode]) -> Option<Step> {
         for (c, &column) in rows.iter().enumerate() {
             matrix[(r, c)] = state.scale[row] * problem.compliance[(row, column)];
         }
-        for (h, &(axis, _)) in problem.hub.iter().enumerate() {
-            matrix[(r, m + h)] = state.scale[row] * state.hub_weight(row, axis);
+        for (h, free) in problem.hub.iter().enumerate() {
+            matrix[(r, m + h)] = state.scale[row] * state.hub_weight(row, &free.along);
         }
         rhs[r] = -state.scale[row] * (state.separation[row] + lost[row]);
     }
     // the hub's displacement in the columns is multiplied by this, m/N, to keep the matrix well scaled
     let hub_unit = m as f64 / rows.iter().map(|&row| state.scale[row]).sum::<f64>();
-    for (h, &(axis, wanted)) in problem.hub.iter().enumerate() {
+    for (h, free) in problem.hub.iter().enumerate() {
         matrix.column_mut(m + h).scale_mut(hub_unit);
         let mut carried = 0.0;
         for (c, &column) in rows.iter().enumerate() {
-            matrix[(m + h, c)] = state.hub_weight(column, axis);
-            carried += state.hub_weight(column, axis) * state.forces[column];
+            matrix[(m + h, c)] = state.hub_weight(column, &free.along);
+            carried += matrix[(m + h, c)] * state.forces[column];
         }
-        rhs[m + h] = wanted - carried;
+        rhs[m + h] = free.force - carried;
     }
     if state.directions == 3 {
         slip_rows(state, modes, &active, &mut matrix, &mut rhs);

@@ -1,8 +1,9 @@
 //! Contact points: gaps and consistent nodal weights by integration over the
 //! intersections of the cells of both surfaces.
 
+use super::point::{ContactPoint, NodeWeight};
 use super::surface::{Projection, Surface, corners};
-use nalgebra::{Point2, Vector2, Vector3};
+use nalgebra::{Point2, Vector2};
 
 /// Which points are worth an unknown.
 #[derive(Debug, Clone, Copy)]
@@ -11,139 +12,196 @@ pub struct PairingLimits {
     pub largest_gap: f64,
 }
 
-/// Weight of one grid node in the mean over a contact point's patch.
-#[derive(Debug, Clone, Copy)]
-pub struct NodeWeight {
-    /// Index in the body's contact grid.
-    pub node: usize,
-    /// Weight times the unit normal (y, z).
-    pub normal: Vector2<f64>,
-    /// Weight.
-    pub scalar: f64,
+/// Pairs the base surface (rail) with the opposing one (wheel) at their present positions: the nodes of the base
+/// that are near the other surface, in the order of its grid.
+pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Vec<ContactPoint> {
+    let mut pairing = Pairing::candidates(base, opposing, limits);
+    for i in 0..base.grid.along_profile.len() - 1 {
+        pairing.integrate_row(i);
+    }
+    pairing.means()
 }
 
-/// The candidate contact points, one for each node of the base surface that is near the other one.
-#[derive(Debug, Clone, Default)]
-pub struct ContactPoints {
-    /// Grid indices on the base surface: along the profile, along the track.
-    pub index: Vec<(usize, usize)>,
-    /// Arc length along the base profile and x, m.
-    pub position: Vec<Point2<f64>>,
-    /// Mean position on the opposing curve (its own frame y, z), m.
-    pub opposing_position: Vec<Point2<f64>>,
-    /// Widths of the point's share of the surface along the profile and x, m.
-    pub widths: Vec<Vector2<f64>>,
-    /// Mean gap of the undeformed surfaces, m.
-    pub gap: Vec<f64>,
-    /// Area that carries a unit nodal pressure, m².
-    pub area: Vec<f64>,
-    /// Mean normal of the base surface, out of the base, world (y, z).
-    pub normal: Vec<Vector2<f64>>,
-    /// Whether the patch is cut by the edge of either grid.
-    pub at_edge: Vec<bool>,
-    /// Weights of the base nodes.
-    pub base: Vec<Vec<NodeWeight>>,
-    /// Weights of the opposing nodes.
-    pub opposing: Vec<Vec<NodeWeight>>,
+/// Two surfaces, and the sums over the cells of the base that are integrated so far.
+struct Pairing<'a> {
+    base: &'a Surface<'a>,
+    opposing: &'a Surface<'a>,
+    /// Arc lengths on the opposing curve that face the lines of the base grid, m.
+    facing: Vec<f64>,
+    /// Which of `points` stands at each node of the base grid.
+    slot: Vec<Option<usize>>,
+    points: Vec<ContactPoint>,
 }
 
-impl ContactPoints {
-    /// Number of points.
-    pub fn len(&self) -> usize {
-        self.index.len()
+/// A line along the track on the base surface.
+struct Line {
+    /// Arc length on the profile, m.
+    s: f64,
+    /// World coordinates (y, z).
+    point: Point2<f64>,
+    /// Normal out of the base, world (y, z).
+    normal: Vector2<f64>,
+}
+
+impl Line {
+    fn new(base: &Surface, s: f64) -> Self {
+        Self { s, point: base.world(s), normal: base.curve.upward_normal(s) }
+    }
+}
+
+/// Where an integration point of the base meets the opposing surface.
+struct Hit {
+    projection: Projection,
+    /// First node of the cell of the opposing grid, along the profile and along the track.
+    cell: (usize, usize),
+    /// Local coordinates in that cell, 0 to 1.
+    local: (f64, f64),
+}
+
+impl<'a> Pairing<'a> {
+    /// The nodes of the base near the opposing surface, without any sums yet.
+    fn candidates(base: &'a Surface, opposing: &'a Surface, limits: PairingLimits) -> Self {
+        let (s, x) = (&base.grid.along_profile, &base.grid.along_track);
+        let (rows, columns) = (s.len(), x.len());
+        let facing = s.iter().map(|&si| opposing.nearest(&base.world(si))).collect();
+        let slot = vec![None; rows * columns];
+        let mut pairing = Self { base, opposing, facing, slot, points: Vec::new() };
+        let width = |lines: &[f64], i: usize| {
+            0.5 * (lines[(i + 1).min(lines.len() - 1)] - lines[i.saturating_sub(1)])
+        };
+        for i in 0..rows {
+            let line = Line::new(base, s[i]);
+            for k in 0..columns {
+                let facing = pairing.project(&line, x[k], pairing.facing[i]);
+                if facing.is_some_and(|p| p.gap < limits.largest_gap) {
+                    pairing.slot[i * columns + k] = Some(pairing.points.len());
+                    pairing.points.push(ContactPoint {
+                        index: (i, k),
+                        position: Point2::new(s[i], x[k]),
+                        opposing_position: Point2::origin(),
+                        widths: Vector2::new(width(s, i), width(x, k)),
+                        gap: 0.0,
+                        area: 0.0,
+                        normal: Vector2::zeros(),
+                        at_edge: i == 0 || k == 0 || i + 1 == rows || k + 1 == columns,
+                        base: Vec::with_capacity(9),
+                        opposing: Vec::with_capacity(25),
+                    });
+                }
+            }
+        }
+        pairing
     }
 
-    /// Whether there is no candidate.
-    pub fn is_empty(&self) -> bool {
-        self.index.is_empty()
+    fn project(&self, line: &Line, x: f64, guess: f64) -> Option<Projection> {
+        self.opposing.project(&line.point, x, &line.normal, guess)
     }
 
-    /// Points of a flat rectangular grid with spacing `h` and the given gap function of (s, x):
-    /// for analytic compliances that know no mesh.
-    pub fn flat_grid(count: (usize, usize), h: f64, gap: impl Fn(f64, f64) -> f64) -> Self {
-        let mut points = Self::default();
-        for i in 0..count.0 {
-            for k in 0..count.1 {
-                let centre = |n: usize, of: usize| (n as f64 - 0.5 * (of as f64 - 1.0)) * h;
-                let (s, x) = (centre(i, count.0), centre(k, count.1));
-                points.index.push((i, k));
-                points.position.push(Point2::new(s, x));
-                points.opposing_position.push(Point2::new(s, 0.0));
-                points.widths.push(Vector2::new(h, h));
-                points.gap.push(gap(s, x));
-                points.area.push(h * h);
-                points.normal.push(Vector2::new(0.0, -1.0));
-                points.at_edge.push(i == 0 || k == 0 || i + 1 == count.0 || k + 1 == count.1);
-                points.base.push(Vec::new());
-                points.opposing.push(Vec::new());
+    /// Candidates at the corners of the cell of the base whose first node is `(i, k)`.
+    fn candidates_of(&self, (i, k): (usize, usize)) -> impl Iterator<Item = usize> {
+        let columns = self.base.grid.along_track.len();
+        [(i, k), (i, k + 1), (i + 1, k), (i + 1, k + 1)]
+            .into_iter()
+            .filter_map(move |(a, b)| self.slot[a * columns + b])
+    }
+
+    /// Integrates over the cells between the lines `i` and `i + 1` of the base.
+    fn integrate_row(&mut self, i: usize) {
+        let (s, x) = (&self.base.grid.along_profile, &self.base.grid.along_track);
+        let wanted = |&k: &usize| self.candidates_of((i, k)).next().is_some();
+        let cells: Vec<(usize, usize)> = (0..x.len() - 1).filter(wanted).map(|k| (i, k)).collect();
+        if cells.is_empty() {
+            return;
+        }
+        let facing = (self.facing[i], self.facing[i + 1]);
+        for ends in profile_intervals(self.base, self.opposing, s[i], s[i + 1], facing) {
+            let middle = Line::new(self.base, 0.5 * (ends.0 + ends.1));
+            let middle = self.project(&middle, 0.0, 0.5 * (facing.0 + facing.1));
+            for &cell in &cells {
+                match middle {
+                    Some(middle) => self.integrate_strip(cell, ends, middle.along_profile),
+                    None => self.mark_edge(cell),
+                }
+            }
+        }
+    }
+
+    /// Integrates over the part of a cell between the arc lengths `ends`, which face one row of cells of the opposing
+    /// surface; `guess` is an arc length there.
+    fn integrate_strip(&mut self, cell: (usize, usize), ends: (f64, f64), guess: f64) {
+        let (x, opposing) = (&self.base.grid.along_track, self.opposing);
+        let lines = opposing.grid.along_track.iter().map(|&t| opposing.x(guess, t));
+        let (profile_points, half_s) = gauss(ends.0, ends.1);
+        let profile_lines = profile_points.map(|s| Line::new(self.base, s));
+        for part in breakpoints(x[cell.1], x[cell.1 + 1], lines).windows(2) {
+            let (track_points, half_x) = gauss(part[0], part[1]);
+            for line in &profile_lines {
+                for x in track_points {
+                    match self.hit(line, x, guess) {
+                        Some(hit) => self.add(cell, (line, x), (half_s, half_x), &hit),
+                        None => self.mark_edge(cell),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where the point at `x` on `line` meets the opposing grid; `None` beyond its ends.
+    fn hit(&self, line: &Line, x: f64, guess: f64) -> Option<Hit> {
+        let projection = self.project(line, x, guess)?;
+        let (a, u) = locate(&self.opposing.grid.along_profile, projection.along_profile)?;
+        let (b, v) = locate(&self.opposing.grid.along_track, projection.along_track)?;
+        Some(Hit { projection, cell: (a, b), local: (u, v) })
+    }
+
+    /// Adds what an integration point of the cell `(i, k)` gives to the candidates at its corners. Its weight is the
+    /// product of `halves`, m.
+    fn add(&mut self, (i, k): (usize, usize), (line, x): (&Line, f64), halves: (f64, f64), hit: &Hit) {
+        let (base, opposing) = (self.base, self.opposing);
+        let (lines, columns) = (&base.grid.along_profile, &base.grid.along_track);
+        let u = (line.s - lines[i]) / (lines[i + 1] - lines[i]);
+        let v = (x - columns[k]) / (columns[k + 1] - columns[k]);
+        let gap =
+            hit.projection.gap + base.recession((i, k), (u, v)) + opposing.recession(hit.cell, hit.local);
+        let on_opposing = opposing.curve.point(hit.projection.along_profile);
+        for (di, dk, phi) in corners(u, v) {
+            let Some(j) = self.slot[(i + di) * columns.len() + k + dk] else { continue };
+            let point = &mut self.points[j];
+            let w = phi * halves.0 * halves.1;
+            point.area += w;
+            point.gap += w * gap;
+            point.normal += line.normal * w;
+            point.opposing_position += on_opposing.coords * w;
+            for (ei, ek, n) in corners(u, v) {
+                add_weight(&mut point.base, (i + ei) * columns.len() + k + ek, w * n, &line.normal);
+            }
+            for (ea, eb, n) in corners(hit.local.0, hit.local.1) {
+                let node = (hit.cell.0 + ea) * opposing.grid.along_track.len() + hit.cell.1 + eb;
+                add_weight(&mut point.opposing, node, w * n, &line.normal);
+            }
+        }
+    }
+
+    /// Notes of the candidates of a cell that their patch is cut.
+    fn mark_edge(&mut self, cell: (usize, usize)) {
+        let candidates: Vec<usize> = self.candidates_of(cell).collect();
+        candidates.into_iter().for_each(|j| self.points[j].at_edge = true);
+    }
+
+    /// Divides the sums by the areas; drops points that face nothing.
+    fn means(self) -> Vec<ContactPoint> {
+        let mut points = self.points;
+        points.retain(|point| point.area > 0.0);
+        for point in &mut points {
+            point.gap /= point.area;
+            point.opposing_position /= point.area;
+            point.normal = point.normal.normalize();
+            for w in point.base.iter_mut().chain(point.opposing.iter_mut()) {
+                w.normal /= point.area;
+                w.scalar /= point.area;
             }
         }
         points
-    }
-
-    /// Keeps the points whose flag is set.
-    pub fn retain(&mut self, keep: &[bool]) {
-        fn filter<T>(list: &mut Vec<T>, keep: &[bool]) {
-            let mut flags = keep.iter();
-            list.retain(|_| *flags.next().expect("one flag a point"));
-        }
-        filter(&mut self.index, keep);
-        filter(&mut self.position, keep);
-        filter(&mut self.opposing_position, keep);
-        filter(&mut self.widths, keep);
-        filter(&mut self.gap, keep);
-        filter(&mut self.area, keep);
-        filter(&mut self.normal, keep);
-        filter(&mut self.at_edge, keep);
-        filter(&mut self.base, keep);
-        filter(&mut self.opposing, keep);
-    }
-
-    /// Rows of displacement weights of point `j` in direction 0 (normal), 1 (lateral tangent),
-    /// 2 (along the track): `(3·node + axis, weight)`.
-    pub fn row(weights: &[NodeWeight], direction: usize) -> impl Iterator<Item = (usize, f64)> {
-        weights.iter().flat_map(move |w| {
-            let vector = match direction {
-                0 => Vector3::new(0.0, w.normal.x, w.normal.y),
-                1 => Vector3::new(0.0, -w.normal.y, w.normal.x),
-                _ => Vector3::new(w.scalar, 0.0, 0.0),
-            };
-            (0..3).map(move |axis| (3 * w.node + axis, vector[axis]))
-        })
-    }
-
-    /// World direction of point `j`: 0 normal (out of the base), 1 lateral tangent, 2 along the track.
-    pub fn direction(&self, j: usize, direction: usize) -> Vector3<f64> {
-        let n = self.normal[j];
-        match direction {
-            0 => Vector3::new(0.0, n.x, n.y),
-            1 => Vector3::new(0.0, -n.y, n.x),
-            _ => Vector3::new(1.0, 0.0, 0.0),
-        }
-    }
-
-    /// Forces on the grid nodes of one body (`3·node + axis`) from contact forces by direction and point.
-    pub fn nodal_forces(&self, side: super::Side, forces: &[f64], nodes: usize) -> Vec<f64> {
-        let (weights, sign) = match side {
-            super::Side::Base => (&self.base, -1.0),
-            super::Side::Opposing => (&self.opposing, 1.0),
-        };
-        let mut nodal = vec![0.0; nodes];
-        for (f, force) in forces.iter().enumerate().filter(|(_, v)| **v != 0.0) {
-            for (dof, w) in Self::row(&weights[f % self.len()], f / self.len()) {
-                nodal[dof] += sign * w * force;
-            }
-        }
-        nodal
-    }
-
-    /// Resultant of contact forces by direction and point: force on the opposing body in world axes.
-    pub fn resultant(&self, forces: &[f64]) -> Vector3<f64> {
-        forces
-            .iter()
-            .enumerate()
-            .map(|(f, force)| self.direction(f % self.len(), f / self.len()) * *force)
-            .sum()
     }
 }
 
@@ -184,136 +242,6 @@ fn add_weight(list: &mut Vec<NodeWeight>, node: usize, weight: f64, normal: &Vec
         }
         None => list.push(NodeWeight { node, normal: normal * weight, scalar: weight }),
     }
-}
-
-/// Pairs the base surface (rail) with the opposing one (wheel) at their present positions.
-pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> ContactPoints {
-    let (s, x) = (&base.grid.along_profile, &base.grid.along_track);
-    let (rows, columns) = (s.len(), x.len());
-    // arc lengths on the opposing curve facing each base line, followed from line to line
-    let seeds: Vec<f64> = s.iter().map(|&si| opposing.nearest(&base.world(si))).collect();
-    let project = |si: f64, xk: f64, guess: f64| -> Option<Projection> {
-        opposing.project(&base.world(si), xk, &base.curve.upward_normal(si), guess)
-    };
-    let mut slot = vec![usize::MAX; rows * columns];
-    let mut points = ContactPoints::default();
-    let track_width = |k: usize| 0.5 * (x[(k + 1).min(columns - 1)] - x[k.saturating_sub(1)]);
-    for i in 0..rows {
-        for k in 0..columns {
-            let near = project(s[i], x[k], seeds[i]).is_some_and(|p| p.gap < limits.largest_gap);
-            if near {
-                slot[i * columns + k] = points.len();
-                points.index.push((i, k));
-                points.position.push(Point2::new(s[i], x[k]));
-                points.widths.push(Vector2::new(
-                    0.5 * (s[(i + 1).min(rows - 1)] - s[i.saturating_sub(1)]),
-                    track_width(k),
-                ));
-                points.at_edge.push(i == 0 || k == 0 || i + 1 == rows || k + 1 == columns);
-            }
-        }
-    }
-    let count = points.len();
-    points.gap = vec![0.0; count];
-    points.area = vec![0.0; count];
-    points.normal = vec![Vector2::zeros(); count];
-    points.opposing_position = vec![Point2::origin(); count];
-    points.base = vec![Vec::with_capacity(9); count];
-    points.opposing = vec![Vec::with_capacity(25); count];
-
-    for i in 0..rows - 1 {
-        let wanted = |k: usize| {
-            [(i, k), (i, k + 1), (i + 1, k), (i + 1, k + 1)]
-                .iter()
-                .any(|&(a, b)| slot[a * columns + b] != usize::MAX)
-        };
-        if !(0..columns - 1).any(wanted) {
-            continue;
-        }
-        for (s0, s1) in profile_intervals(base, opposing, s[i], s[i + 1], (seeds[i], seeds[i + 1])) {
-            let (profile_points, half_s) = gauss(s0, s1);
-            let middle = project(0.5 * (s0 + s1), 0.0, 0.5 * (seeds[i] + seeds[i + 1]));
-            for k in (0..columns - 1).filter(|&k| wanted(k)) {
-                let Some(middle) = middle else {
-                    mark_edge(&mut points, &slot, columns, i, k);
-                    continue;
-                };
-                let lines = opposing.grid.along_track.iter().map(|&t| opposing.x(middle.along_profile, t));
-                let cuts = breakpoints(x[k], x[k + 1], lines);
-                for (x0, x1) in cuts.windows(2).map(|w| (w[0], w[1])) {
-                    let (track_points, half_x) = gauss(x0, x1);
-                    for sq in profile_points {
-                        let normal = base.curve.upward_normal(sq);
-                        for xq in track_points {
-                            let hit = project(sq, xq, middle.along_profile).and_then(|p| {
-                                let a = locate(&opposing.grid.along_profile, p.along_profile)?;
-                                let b = locate(&opposing.grid.along_track, p.along_track)?;
-                                Some((p, a, b))
-                            });
-                            let Some((p, (a, ua), (b, vb))) = hit else {
-                                mark_edge(&mut points, &slot, columns, i, k);
-                                continue;
-                            };
-                            let u = (sq - s[i]) / (s[i + 1] - s[i]);
-                            let v = (xq - x[k]) / (x[k + 1] - x[k]);
-                            let gap =
-                                p.gap + base.recession((i, k), (u, v)) + opposing.recession((a, b), (ua, vb));
-                            let on_opposing = opposing.curve.point(p.along_profile);
-                            for (di, dk, phi) in corners(u, v) {
-                                let j = slot[(i + di) * columns + k + dk];
-                                if j == usize::MAX {
-                                    continue;
-                                }
-                                let w = phi * half_s * half_x;
-                                points.area[j] += w;
-                                points.gap[j] += w * gap;
-                                points.normal[j] += normal * w;
-                                points.opposing_position[j] += on_opposing.coords * w;
-                                for (ei, ek, n) in corners(u, v) {
-                                    add_weight(
-                                        &mut points.base[j],
-                                        (i + ei) * columns + k + ek,
-                                        w * n,
-                                        &normal,
-                                    );
-                                }
-                                for (ea, eb, n) in corners(ua, vb) {
-                                    let node = (a + ea) * opposing.grid.along_track.len() + b + eb;
-                                    add_weight(&mut points.opposing[j], node, w * n, &normal);
-                                }
-                            }
-                        }
-                    }
-                }
-            }
-        }
-    }
-    normalise(points)
-}
-
-fn mark_edge(points: &mut ContactPoints, slot: &[usize], columns: usize, i: usize, k: usize) {
-    for (di, dk, _) in corners(0.5, 0.5) {
-        if let Some(flag) = points.at_edge.get_mut(slot[(i + di) * columns + k + dk]) {
-            *flag = true;
-        }
-    }
-}
-
-/// Divides the sums by the areas; drops points that face nothing.
-fn normalise(mut points: ContactPoints) -> ContactPoints {
-    let keep: Vec<bool> = points.area.iter().map(|&a| a > 0.0).collect();
-    points.retain(&keep);
-    for j in 0..points.len() {
-        let area = points.area[j];
-        points.gap[j] /= area;
-        points.opposing_position[j] /= area;
-        points.normal[j] = points.normal[j].normalize();
-        for w in points.base[j].iter_mut().chain(points.opposing[j].iter_mut()) {
-            w.normal /= area;
-            w.scalar /= area;
-        }
-    }
-    points
 }
 
 /// Parts of a base cell [s0, s1] between the lines of the opposing grid that face it, and between the jumps in curvature
@@ -410,9 +338,10 @@ mod tests {
                 PairingLimits { largest_gap: 1e-3 },
             );
             let mut seen = 0;
-            for (j, &(i, k)) in points.index.iter().enumerate() {
+            for point in &points {
+                let (i, k) = point.index;
                 if k == 1 && (3..=6).contains(&i) {
-                    let (error, exact) = (points.gap[j] - exact(i), exact(i));
+                    let (error, exact) = (point.gap - exact(i), exact(i));
                     assert!(error.abs() < ALONG_CURVE * exact + ROUNDOFF, "line {i}: {error:e} of {exact:e}");
                     seen += 1;
                 }

@@ -12,9 +12,9 @@ use super::newton::{newton, slip_rows};
 use super::state::State;
 use super::sweeps::sweep;
 use crate::error::{NumericsError, Result};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Unit, Vector3};
 
-pub use super::state::{PointMode, Problem, Solution};
+pub use super::state::{FreeDirection, PointMode, Problem, Solution};
 
 /// Levels of friction tried on the way from none to that of the problem.
 const FRICTION_LEVELS: usize = 16;
@@ -93,19 +93,19 @@ fn raise_friction(problem: &Problem, start: &[f64], spent: &mut usize) -> Option
 
 /// How the contact answers small motions of the hub at a converged state.
 pub struct HubResponse {
-    /// Force the hub must apply against its displacement along the asked axes, N/m.
+    /// Force the hub must apply against its displacement, by direction, N/m.
     pub stiffness: DMatrix<f64>,
-    /// Change of the contact forces (rows as in the compliance) for a unit displacement along each axis, N/m.
+    /// Change of the contact forces (rows as in the compliance) for a unit displacement along each direction, N/m.
     pub forces: DMatrix<f64>,
 }
 
-/// Linearises the contact at a converged state for hub motions along world `axes`: all load-carrying
-/// points move as their modes say; `sticking` holds the slipping ones too. No differences of load
+/// Linearises the contact at a converged state for hub motions along the world `directions`: all
+/// load-carrying points move as their modes say; `sticking` holds the slipping ones too. No differences of load
 /// steps are involved. `None` if no point carries load.
 pub fn hub_response(
     problem: &Problem,
     solution: &Solution,
-    axes: &[usize],
+    directions: &[Unit<Vector3<f64>>],
     sticking: bool,
 ) -> Option<HubResponse> {
     let held = Problem { hub: &[], ..*problem };
@@ -120,14 +120,14 @@ pub fn hub_response(
     let active: Vec<usize> = (0..n).filter(|&j| modes[j] != PointMode::Open).collect();
     let rows: Vec<usize> =
         (0..state.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
-    let (m, k) = (rows.len(), axes.len());
+    let (m, k) = (rows.len(), directions.len());
     // columns: contact forces, then hub motions
     let mut system = DMatrix::from_fn(m, m + k, |r, c| {
         state.scale[rows[r]]
             * if c < m {
                 problem.compliance[(rows[r], rows[c])]
             } else {
-                state.hub_weight(rows[r], axes[c - m])
+                state.hub_weight(rows[r], &directions[c - m])
             }
     });
     if state.directions == 3 {
@@ -136,7 +136,7 @@ pub fn hub_response(
     let motion = system.columns(m, k).into_owned();
     let response = system.columns(0, m).into_owned().lu().solve(&motion)?;
     let stiffness = DMatrix::from_fn(k, k, |a, h| {
-        (0..m).map(|r| state.hub_weight(rows[r], axes[a]) * response[(r, h)]).sum()
+        (0..m).map(|r| state.hub_weight(rows[r], &directions[a]) * response[(r, h)]).sum()
     });
     let mut forces = DMatrix::zeros(problem.free.len(), k);
     for (r, &row) in rows.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! A contact problem, and the forces and the hub on the way to its solution.
 
-use super::ContactPoints;
+use super::ContactPoint;
 use faer::Mat;
-use nalgebra::Vector2;
+use nalgebra::{Unit, Vector2, Vector3};
 
 /// State of one contact point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,16 +18,24 @@ pub enum PointMode {
 /// A contact problem on condensed bodies.
 pub struct Problem<'a> {
     /// The points (their directions are needed for the hub).
-    pub points: &'a ContactPoints,
+    pub points: &'a [ContactPoint],
     /// Compliance, `direction·points + point`; one direction without friction, else three, m/N.
     pub compliance: &'a Mat<f64>,
     /// Gap (and slip since the last state) of every row without contact forces, m.
     pub free: &'a [f64],
     /// Coulomb friction coefficient; ignored with one direction.
     pub friction: f64,
-    /// World axes (0 x, 1 y, 2 z) in which the hub is free, with the contact force wanted there on
-    /// the opposing body, N. Empty when the compliance already contains the hub.
-    pub hub: &'a [(usize, f64)],
+    /// The directions in which the hub is free. Empty when the compliance already contains the hub.
+    pub hub: &'a [FreeDirection],
+}
+
+/// A direction in which the wheel's hub is free to move, and what is wanted of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeDirection {
+    /// The direction in world axes. Several need not be perpendicular, but none may follow from the others.
+    pub along: Unit<Vector3<f64>>,
+    /// Component along it of the contact force on the opposing body, N.
+    pub force: f64,
 }
 
 /// Forces that satisfy the contact conditions.
@@ -39,7 +47,7 @@ pub struct Solution {
     pub separation: Vec<f64>,
     /// State of every point.
     pub modes: Vec<PointMode>,
-    /// Hub displacement along its free axes, m.
+    /// Hub displacement by free direction, m: the hub has moved by the sum of these along their directions.
     pub hub: Vec<f64>,
     /// Newton iterations used.
     pub iterations: usize,
@@ -68,7 +76,7 @@ pub(super) struct State<'a> {
 pub(super) struct Residual {
     /// By row, N: force minus projected trial force.
     pub rows: Vec<f64>,
-    /// By free axis of the hub, N: carried minus wanted force.
+    /// By free direction of the hub, N: carried minus wanted force.
     pub hub: Vec<f64>,
     /// Largest of both over the largest force.
     pub relative: f64,
@@ -107,13 +115,13 @@ impl<'a> State<'a> {
         state
     }
 
-    /// Where the start presses no point, moves the hub along its first free axis until the nearest one overlaps a little.
+    /// Where the start presses no point, moves the hub along its first free direction until the nearest one overlaps a little.
     fn touch_down(&mut self) {
         let count = self.problem.points.len();
-        let (axis, force) = self.problem.hub[0];
+        let FreeDirection { along, force } = self.problem.hub[0];
         let reach = (0..count)
             .filter_map(|j| {
-                let slope = self.problem.points.direction(j, 0)[axis];
+                let slope = self.hub_weight(j, &along);
                 (slope * force > 0.0).then(|| self.separation[j] / slope)
             })
             .min_by(|a, b| a.abs().total_cmp(&b.abs()));
@@ -125,10 +133,11 @@ impl<'a> State<'a> {
         }
     }
 
-    /// Component along the world `axis` of the direction of `row`.
-    pub fn hub_weight(&self, row: usize, axis: usize) -> f64 {
+    /// Component of the direction of `row` along that of the hub: what the row's separation changes by where the hub
+    /// moves by one.
+    pub fn hub_weight(&self, row: usize, along: &Vector3<f64>) -> f64 {
         let count = self.problem.points.len();
-        self.problem.points.direction(row % count, row / count)[axis]
+        self.problem.points[row % count].direction(row / count).dot(along)
     }
 
     /// What the forces and the hub do to the separations, without the free ones.
@@ -140,9 +149,9 @@ impl<'a> State<'a> {
                 motion.iter_mut().zip(column).for_each(|(s, c)| *s += c * f);
             }
         }
-        for (&(axis, _), h) in self.problem.hub.iter().zip(hub) {
+        for (free, h) in self.problem.hub.iter().zip(hub) {
             for (row, s) in motion.iter_mut().enumerate() {
-                *s += self.hub_weight(row, axis) * h;
+                *s += self.hub_weight(row, &free.along) * h;
             }
         }
         motion
@@ -153,9 +162,9 @@ impl<'a> State<'a> {
         self.separation.iter_mut().zip(self.problem.free).for_each(|(s, f)| *s += f);
     }
 
-    /// Contact force along a free axis of the hub, N.
-    pub fn carried(&self, axis: usize) -> f64 {
-        (0..self.forces.len()).map(|row| self.hub_weight(row, axis) * self.forces[row]).sum()
+    /// Component of the contact force along a direction of the hub, N.
+    pub fn carried(&self, along: &Vector3<f64>) -> f64 {
+        (0..self.forces.len()).map(|row| self.hub_weight(row, along) * self.forces[row]).sum()
     }
 
     /// Trial normal force of point `j`, N: what it carries if it is positive.
@@ -205,9 +214,9 @@ impl<'a> State<'a> {
         }
         let rows: Vec<f64> = self.forces.iter().zip(&projected).map(|(f, p)| f - p).collect();
         let hub: Vec<f64> =
-            self.problem.hub.iter().map(|&(axis, wanted)| self.carried(axis) - wanted).collect();
+            self.problem.hub.iter().map(|free| self.carried(&free.along) - free.force).collect();
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let wanted = self.problem.hub.iter().fold(0.0_f64, |m, h| m.max(h.1.abs()));
+        let wanted = self.problem.hub.iter().fold(0.0_f64, |m, h| m.max(h.force.abs()));
         let size = largest(&self.forces).max(largest(&projected)).max(wanted);
         let over = |value: f64| if value == 0.0 { 0.0 } else { value / size };
         // the separation is a sum of free gap, elastic displacement and hub motion, all of the free gap's size

@@ -14,10 +14,10 @@ const LIMIT: usize = 2000;
 pub(super) fn sweep(state: &mut State, tolerance: f64, relaxation: f64) -> usize {
     let n = state.problem.points.len();
     let (compliance, friction) = (state.problem.compliance, state.problem.friction);
-    let axes: Vec<usize> = state.problem.hub.iter().map(|h| h.0).collect();
-    let weights: Vec<Vec<f64>> = axes
+    let hub = state.problem.hub;
+    let weights: Vec<Vec<f64>> = hub
         .iter()
-        .map(|&axis| (0..state.forces.len()).map(|row| state.hub_weight(row, axis)).collect())
+        .map(|free| (0..state.forces.len()).map(|row| state.hub_weight(row, &free.along)).collect())
         .collect();
     // as compliant as a point, the hub neither stiffens the sweeps nor lags behind them
     let give = (0..n).map(|j| compliance[(j, j)]).sum::<f64>() / n.max(1) as f64;
@@ -42,8 +42,7 @@ pub(super) fn sweep(state: &mut State, tolerance: f64, relaxation: f64) -> usize
             }
         }
         for (h, weight) in weights.iter().enumerate() {
-            let (axis, wanted) = state.problem.hub[h];
-            let excess = state.carried(axis) - wanted;
+            let excess = state.carried(&hub[h].along) - hub[h].force;
             state.hub[h] += give * excess;
             state.separation.iter_mut().zip(weight).for_each(|(s, w)| *s += w * give * excess);
             change = change.max(excess.abs());

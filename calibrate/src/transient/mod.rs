@@ -16,7 +16,8 @@ mod tests;
 
 use crate::calibration::{Enforcement, carry_over, edge_reached};
 use crate::contact::{
-    ContactPoints, PairingLimits, PointMode, Problem, Side, Solution, Surface, pair, solve,
+    ContactPoint, PairingLimits, PointMode, Problem, Side, Solution, Surface, nodal_forces, pair, resultant,
+    solve,
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
@@ -146,8 +147,8 @@ impl TransientModel<'_> {
                 .map_err(|e| e.at_step(step))?;
             let (points, solution) = (&solved.points, &solved.solution);
             most_active = most_active.max(solution.active());
-            let rail_forces = points.nodal_forces(Side::Base, &solution.forces, rail_free.len());
-            let wheel_forces = points.nodal_forces(Side::Opposing, &solution.forces, wheel_free.len());
+            let rail_forces = nodal_forces(points, Side::Base, &solution.forces, rail_free.len());
+            let wheel_forces = nodal_forces(points, Side::Opposing, &solution.forces, wheel_free.len());
             rayon::join(|| rail.correct(dt, &rail_forces), || wheel.correct(dt, &wheel_forces));
             let hub = wheel.hub();
             if !(hub.x.is_finite() && hub.y.is_finite()) {
@@ -158,7 +159,7 @@ impl TransientModel<'_> {
                 break;
             }
             hub_motion.advance(dt, &hub, suspended_rhs, &suspension);
-            let force = points.resultant(&solution.forces);
+            let force = resultant(points, &solution.forces);
             rows.push(HistoryRow {
                 time: t,
                 vertical_force: -force.z,
@@ -230,8 +231,8 @@ impl TransientModel<'_> {
             opposing.origin += hub;
             let mut points = pair(&self.rail_surface, &opposing, PairingLimits { largest_gap: PAIRING_GAP });
             let gaps = free_gaps(&points, &hub, rail_free, wheel_free);
-            let keep: Vec<bool> = gaps.iter().map(|g| *g < CANDIDATE_MARGIN).collect();
-            points.retain(&keep);
+            let mut near = gaps.iter().map(|g| *g < CANDIDATE_MARGIN);
+            points.retain(|_| near.next().unwrap_or(false));
             let mut free: Vec<f64> = gaps.into_iter().filter(|g| *g < CANDIDATE_MARGIN).collect();
             let directions = if scenario.friction > 0.0 { 3 } else { 1 };
             if directions == 3 {
@@ -248,7 +249,7 @@ impl TransientModel<'_> {
                 hub: &[],
             };
             let solution = solve(&problem, &first)?;
-            let forces = points.nodal_forces(Side::Opposing, &solution.forces, wheel_free.len());
+            let forces = nodal_forces(&points, Side::Opposing, &solution.forces, wheel_free.len());
             let position = wheel.hub_with(wheel_free, &forces);
             moved = (position - hub).norm();
             if moved < HUB_TOLERANCE {
@@ -261,13 +262,13 @@ impl TransientModel<'_> {
     }
 
     /// The patches that carry load: runs of load-carrying grid lines with at least two free lines between them.
-    fn contacts(&self, points: &ContactPoints, solution: &Solution) -> Vec<ContactState> {
+    fn contacts(&self, points: &[ContactPoint], solution: &Solution) -> Vec<ContactState> {
         let n = points.len();
         let active: Vec<usize> = (0..n).filter(|&j| solution.forces[j] > 0.0).collect();
         let mut patches: Vec<Vec<usize>> = Vec::new();
         for &j in &active {
             match patches.last_mut() {
-                Some(patch) if points.index[j].0 <= points.index[patch[patch.len() - 1]].0 + 2 => {
+                Some(patch) if points[j].index.0 <= points[patch[patch.len() - 1]].index.0 + 2 => {
                     patch.push(j)
                 }
                 _ => patches.push(vec![j]),
@@ -280,14 +281,14 @@ impl TransientModel<'_> {
                 let mean = |value: &dyn Fn(usize) -> f64| {
                     patch.iter().map(|&j| solution.forces[j] * value(j)).sum::<f64>() / force
                 };
-                let s = mean(&|j| points.position[j].x);
+                let s = mean(&|j| points[j].position.x);
                 let slipping = mean(&|j| f64::from(solution.modes[j] == PointMode::Slip));
                 ContactState {
                     mode: if slipping > 0.5 { ContactMode::Slip } else { ContactMode::Stick },
                     rail: self.placed_rail.to_profile(&self.rail_surface.world(s)),
                     wheel: Point2::new(
-                        mean(&|j| points.opposing_position[j].x),
-                        mean(&|j| points.opposing_position[j].y),
+                        mean(&|j| points[j].opposing_position.x),
+                        mean(&|j| points[j].opposing_position.y),
                     ),
                     normal_force: force,
                     tangential_force: patch
@@ -322,7 +323,7 @@ struct Step<'s, 'a> {
 /// Contact of the step before, as a start for the next.
 #[derive(Clone)]
 struct LastContact {
-    points: ContactPoints,
+    points: Vec<ContactPoint>,
     solution: Solution,
 }
 
@@ -346,27 +347,28 @@ impl Default for LastContact {
             hub: Vec::new(),
             iterations: 0,
         };
-        Self { points: ContactPoints::default(), solution }
+        Self { points: Vec::new(), solution }
     }
 }
 
 /// Normal gaps at the end of the step without contact forces: the rigid gap at `hub` plus what the
 /// bodies move beyond it.
-fn free_gaps(points: &ContactPoints, hub: &Vector2<f64>, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
-    (0..points.len())
-        .map(|j| {
-            let beyond: f64 = ContactPoints::row(&points.opposing[j], 0)
+fn free_gaps(points: &[ContactPoint], hub: &Vector2<f64>, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
+    points
+        .iter()
+        .map(|point| {
+            let beyond: f64 = point
+                .row(Side::Opposing, 0)
                 .map(|(dof, w)| w * (wheel[dof] - [0.0, hub.x, hub.y][dof % 3]))
                 .sum();
-            let rail: f64 = ContactPoints::row(&points.base[j], 0).map(|(dof, w)| w * rail[dof]).sum();
-            points.gap[j] + beyond - rail
+            point.gap + beyond - point.displacement(Side::Base, 0, rail)
         })
         .collect()
 }
 
 /// Appends the slips (lateral, then along the track) of the step without contact forces.
 fn add_slips(
-    points: &ContactPoints,
+    points: &[ContactPoint],
     rail: &Body,
     wheel: &Body,
     rail_free: &[f64],
@@ -375,11 +377,13 @@ fn add_slips(
 ) {
     let (rail_before, wheel_before) = (rail.contact_displacement(), wheel.contact_displacement());
     for direction in 1..3 {
-        for j in 0..points.len() {
-            let wheel: f64 = ContactPoints::row(&points.opposing[j], direction)
+        for point in points {
+            let wheel: f64 = point
+                .row(Side::Opposing, direction)
                 .map(|(dof, w)| w * (wheel_free[dof] - wheel_before[dof]))
                 .sum();
-            let rail: f64 = ContactPoints::row(&points.base[j], direction)
+            let rail: f64 = point
+                .row(Side::Base, direction)
                 .map(|(dof, w)| w * (rail_free[dof] - rail_before[dof]))
                 .sum();
             free.push(wheel - rail);
