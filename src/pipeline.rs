@@ -31,7 +31,7 @@ use crate::results::{NewFile, Results, hash};
 use crate::springs;
 use crate::stages::{self, Calibration, Fields, Geometry, Meshes};
 use crate::study::{Study, StudyScenario};
-use crate::verify::{self, Kind, Line};
+use crate::verify::{self, Line};
 
 use stored::Stored;
 
@@ -542,46 +542,14 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
     let published = StiffnessLaw::published().tangent(COMPARED_AT_KN * 1e3) / KILONEWTON_PER_METRE;
     let foot = stiffness.references.iter().find(|reference| reference.reference == "foot");
     let difference = foot.map(|foot| (foot.law.tangent(COMPARED_AT_KN) / published - 1.0).abs());
+    let law_displacement =
+        stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp);
+    let spread = stiffness.horizontal.as_ref().map(|h| h.relative_spread);
     vec![
-        Line::check(
-            "law_max",
-            "Law against the solid's tangent stiffness, largest relative difference",
-            Kind::Consistency,
-            "1",
-            Some(stiffness.law.max_rel_error),
-            limits.law_max,
-        ),
-        Line::check(
-            "law_displacement",
-            "Integrated law against the solid's displacement, largest deviation of all references over the largest displacement",
-            Kind::Consistency,
-            "1",
-            stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp),
-            limits.law_displacement,
-        ),
-        Line::check(
-            "beam_missing",
-            "Rail beam against the solid rail, what it misses over the whole flexibility",
-            Kind::Consistency,
-            "1",
-            Some(stiffness.beam.missing),
-            limits.beam_missing,
-        ),
-        Line::check(
-            "horizontal_spread",
-            "Horizontal stiffness, relative spread over the preloads",
-            Kind::Consistency,
-            "1",
-            stiffness.horizontal.as_ref().map(|h| h.relative_spread),
-            limits.horizontal_spread,
-        ),
-        Line::check(
-            "published_stiffness",
-            "Foot-referenced tangent stiffness against the published law at 85 kN, relative difference",
-            Kind::CrossCode,
-            "1",
-            difference,
-            limits.published_stiffness,
-        ),
+        limits.law_max().line(Some(stiffness.law.max_rel_error)),
+        limits.law_displacement().line(law_displacement),
+        limits.beam_missing().line(Some(stiffness.beam.missing)),
+        limits.horizontal_spread().line(spread),
+        limits.published_stiffness().line(difference),
     ]
 }

@@ -9,8 +9,8 @@
 //! that of the times of separations where there are none, is no line: it is
 //! listed with its reason.
 
-mod limits;
 mod line;
+mod limits;
 mod signals;
 
 use railspring_calibrate::error::{InputError, Result};
@@ -18,7 +18,7 @@ use railspring_calibrate::history::{Ending, History, HistoryRow};
 use serde::{Deserialize, Serialize};
 
 pub use limits::Limits;
-pub use line::{Kind, Line, NotApplicable};
+pub use line::{Criterion, Kind, Line, NotApplicable};
 pub use signals::{Both, ModeFractions, Separation, averaged_ratio, mode_fractions, separations};
 
 use line::rounded;
@@ -48,28 +48,40 @@ pub struct Compared {
     pub mode_fractions: Both<ModeFractions>,
 }
 
+/// A check of the verdict: a line, or why the comparison cannot be made.
+type Check = std::result::Result<Line, NotApplicable>;
+
+/// How many of the runs do not reach their last step. There is no key for it: the limit is none.
+const RUNS_TO_END: Criterion = Criterion {
+    quantity: "runs_to_end",
+    meaning: "Models whose run ends before the last step",
+    kind: Kind::Verification,
+    unit: "1",
+    limit: 0.0,
+};
+
+/// In how many of the runs nothing touches.
+const TOUCHES: Criterion = Criterion {
+    quantity: "touches",
+    meaning: "Models in which the wheel never touches the rail",
+    kind: Kind::Verification,
+    unit: "1",
+    limit: 0.0,
+};
+
 /// Lines on the runs of a load case themselves: each reaches its last step, and the wheel touches the rail in each.
 /// Without them a load case that compares nothing would pass.
 pub fn run_lines(simple: &History, solid: Option<&History>) -> Vec<Line> {
-    let runs = || [("simple model", Some(simple)), ("solid model", solid)];
-    let count = |quantity: &str, meaning: &str, reasons: Vec<String>| {
-        let line = Line::check(quantity, meaning, Kind::Verification, "1", Some(reasons.len() as f64), 0.0);
+    let runs = [("simple model", Some(simple)), ("solid model", solid)];
+    let count = |criterion: Criterion, reason: fn(&History) -> Option<String>| {
+        let of = |&(name, run): &(&str, Option<&History>)| Some(format!("{name}: {}", reason(run?)?));
+        let reasons: Vec<String> = runs.iter().filter_map(of).collect();
+        let line = criterion.line(Some(reasons.len() as f64));
         if reasons.is_empty() { line } else { line.noted(reasons.join("; ")) }
     };
-    let of = |reason: fn(&History) -> Option<String>| {
-        runs().into_iter().filter_map(|(name, run)| Some(format!("{name}: {}", reason(run?)?))).collect()
-    };
     vec![
-        count(
-            "runs_to_end",
-            "Models whose run ends before the last step",
-            of(|run| (run.ending != Ending::Completed).then(|| run.ending.to_string())),
-        ),
-        count(
-            "touches",
-            "Models in which the wheel never touches the rail",
-            of(|run| (!touches(run)).then(|| "no contact at any step".into())),
-        ),
+        count(RUNS_TO_END, |run| (run.ending != Ending::Completed).then(|| run.ending.to_string())),
+        count(TOUCHES, |run| (!touches(run)).then(|| "no contact at any step".into())),
     ]
 }
 
@@ -85,188 +97,129 @@ fn touches(history: &History) -> bool {
 /// [`InputError`] with key `history` if the two have different time steps.
 pub fn compare(simple: &History, solid: &History, limits: &Limits) -> Result<Comparison> {
     check_times(simple, solid)?;
-    let mut lines = run_lines(simple, Some(solid));
-    let mut not_applicable = Vec::new();
-    let (departures, none_left) = departure_line(simple, solid, limits);
-    lines.extend(departures);
-    not_applicable.extend(none_left);
+    let runs = common_steps(simple, solid);
+    let vertical = runs.map(|run| column(run, |row| row.vertical_force));
+    let lateral = runs.map(|run| column(run, |row| row.lateral_force));
+    let (peak_p, peak_q) = (peak(&vertical.solid), peak(&lateral.solid));
+    let separations = runs.map(|run| separations(run, limits.separation_shortest_s));
+    let modes = runs.map(mode_fractions);
 
+    let mut checks: Vec<Check> = run_lines(simple, Some(solid)).into_iter().map(Ok).collect();
+    checks.push(departure_check(simple, solid, limits));
+    checks.extend(force_lines(&vertical, [limits.vertical_rms(), limits.vertical_max()]).map(Ok));
+    checks.extend(force_lines(&lateral, [limits.lateral_rms(), limits.lateral_max()]).map(Ok));
+    checks.extend(ratio_lines(&runs, peak_p, limits).map(Ok));
+    checks.extend(separation_checks(&separations, limits));
+    checks.extend(mode_lines(&modes, runs.solid.rows.len(), limits).map(Ok));
+    let (mut lines, mut not_applicable) = (Vec::new(), Vec::new());
+    for check in checks {
+        match check {
+            Ok(line) => lines.push(line),
+            Err(reason) => not_applicable.push(reason),
+        }
+    }
+    let compared = Compared {
+        solid_peak_p_kn: rounded(peak_p * 1e-3),
+        solid_peak_q_kn: rounded(peak_q * 1e-3),
+        separations,
+        mode_fractions: modes,
+    };
+    Ok(Comparison { lines, not_applicable, compared })
+}
+
+/// The steps that both models have.
+fn common_steps(simple: &History, solid: &History) -> Both<History> {
     let common = simple.rows.len().min(solid.rows.len());
-    let first = |history: &History| History { rows: history.rows[..common].to_vec(), ..history.clone() };
-    let (simple, solid) = (&first(simple), &first(solid));
-    let p = Both {
-        simple: column(simple, |row| row.vertical_force),
-        solid: column(solid, |row| row.vertical_force),
-    };
-    let q = Both {
-        simple: column(simple, |row| row.lateral_force),
-        solid: column(solid, |row| row.lateral_force),
-    };
-    let peak_p = peak(&p.solid);
-    let peak_q = peak(&q.solid);
-    let separations = Both {
-        simple: separations(simple, limits.separation_shortest_s),
-        solid: separations(solid, limits.separation_shortest_s),
-    };
-    let modes = Both { simple: mode_fractions(simple), solid: mode_fractions(solid) };
-
-    let line = |quantity: &str, meaning: &str, value: f64, limit: f64| {
-        Line::check(quantity, meaning, Kind::Verification, "1", (common > 1).then_some(value), limit)
-    };
-    // Without any force in the solid the two agree only if the simple model has none either;
-    // 0/0 counts as 0, and anything else over 0 is infinite and fails.
-    let over = |value: f64, peak: f64| if value == 0.0 { 0.0 } else { value / peak };
-    let delta_p = differences(&p);
-    let delta_q = differences(&q);
-    lines.extend([
-        line(
-            "vertical_rms",
-            "P, RMS difference over the solid's peak",
-            over(rms(&delta_p), peak_p),
-            limits.vertical_rms,
-        ),
-        line(
-            "vertical_max",
-            "P, largest difference over the solid's peak",
-            over(peak(&delta_p), peak_p),
-            limits.vertical_max,
-        ),
-        line(
-            "lateral_rms",
-            "Q, RMS difference over the solid's peak",
-            over(rms(&delta_q), peak_q),
-            limits.lateral_rms,
-        ),
-        line(
-            "lateral_max",
-            "Q, largest difference over the solid's peak",
-            over(peak(&delta_q), peak_q),
-            limits.lateral_max,
-        ),
-    ]);
-    lines.extend(ratio_lines(simple, solid, peak_p, limits));
-    let (times, without) = separation_lines(&separations, limits);
-    lines.extend(times);
-    not_applicable.extend(without);
-    lines.extend([
-        line(
-            "mode_fraction",
-            "Time sticking, difference of the fractions",
-            (modes.simple.stick - modes.solid.stick).abs(),
-            limits.mode_fraction,
-        ),
-        line(
-            "mode_fraction",
-            "Time sliding, difference of the fractions",
-            (modes.simple.slip - modes.solid.slip).abs(),
-            limits.mode_fraction,
-        ),
-        line(
-            "mode_fraction",
-            "Time separated, difference of the fractions",
-            (modes.simple.separated - modes.solid.separated).abs(),
-            limits.mode_fraction,
-        ),
-    ]);
-    Ok(Comparison {
-        lines,
-        not_applicable,
-        compared: Compared {
-            solid_peak_p_kn: rounded(peak_p * 1e-3),
-            solid_peak_q_kn: rounded(peak_q * 1e-3),
-            separations,
-            mode_fractions: modes,
-        },
+    Both { simple, solid }.map(|run| History {
+        rows: run.rows[..common].to_vec(),
+        degrees_of_freedom: run.degrees_of_freedom,
+        ending: run.ending.clone(),
     })
 }
 
 /// The times at which the two wheels leave the profile. Both of them have to, to the same side; a single one has failed
 /// in [`run_lines`] already, as both have: the times only say whether the models derail alike.
-fn departure_line(
-    simple: &History,
-    solid: &History,
-    limits: &Limits,
-) -> (Option<Line>, Option<NotApplicable>) {
-    const QUANTITY: &str = "departure_s";
-    const MEANING: &str = "Wheel leaves the profile, difference of the times";
+fn departure_check(simple: &History, solid: &History, limits: &Limits) -> Check {
+    let criterion = limits.departure_s();
     match (simple.ending.time(), solid.ending.time()) {
         (Some(a), Some(b)) => {
             let alike = simple.ending.name() == solid.ending.name();
-            let value = alike.then_some((a - b).abs());
-            let line = Line::check(QUANTITY, MEANING, Kind::Verification, "s", value, limits.departure_s);
-            (Some(if alike { line } else { line.noted("to different sides") }), None)
+            let line = criterion.line(alike.then_some((a - b).abs()));
+            Ok(if alike { line } else { line.noted("to different sides") })
         }
-        (None, None) => (None, Some(without(QUANTITY, MEANING, "neither model leaves the profile"))),
-        _ => (None, Some(without(QUANTITY, MEANING, "only one model leaves the profile"))),
+        (None, None) => Err(criterion.not_applicable("neither model leaves the profile")),
+        _ => Err(criterion.not_applicable("only one model leaves the profile")),
     }
+}
+
+/// A comparison needs a step after the initial state.
+fn has_steps(rows: usize) -> bool {
+    rows > 1
+}
+
+/// RMS and largest difference of a force over the solid's peak.
+fn force_lines(force: &Both<Vec<f64>>, [rms_limit, max_limit]: [Criterion; 2]) -> [Line; 2] {
+    let peak_of_solid = peak(&force.solid);
+    let differences: Vec<f64> = force.simple.iter().zip(&force.solid).map(|(a, b)| a - b).collect();
+    // Without any force in the solid the two agree only if the simple model has none either;
+    // 0/0 counts as 0, and anything else over 0 is infinite and fails.
+    let over = |value: f64| if value == 0.0 { 0.0 } else { value / peak_of_solid };
+    let value = |value: f64| has_steps(force.solid.len()).then_some(over(value));
+    [rms_limit.line(value(rms(&differences))), max_limit.line(value(peak(&differences)))]
 }
 
 /// The averaged ratio Q/P, at the steps at which it is defined in both models.
-fn ratio_lines(simple: &History, solid: &History, peak_p: f64, limits: &Limits) -> [Line; 2] {
+fn ratio_lines(runs: &Both<History>, peak_p: f64, limits: &Limits) -> [Line; 2] {
     let floor = limits.ratio_floor * peak_p;
-    let of = |history: &History| averaged_ratio(history, limits.ratio_window_s, floor);
-    let differences: Vec<f64> =
-        of(simple).iter().zip(of(solid)).filter_map(|(a, b)| Some((*a)? - b?)).collect();
-    let line = |quantity: &str, meaning: &str, measure: fn(&[f64]) -> f64, limit: f64| {
-        let value = (!differences.is_empty()).then(|| measure(&differences));
-        let line = Line::check(quantity, meaning, Kind::Verification, "1", value, limit);
-        if differences.len() == simple.rows.len() {
+    let ratios = runs.map(|run| averaged_ratio(run, limits.ratio_window_s, floor));
+    let defined = ratios.simple.iter().zip(&ratios.solid).filter_map(|(a, b)| Some((*a)? - (*b)?));
+    let (differences, steps): (Vec<f64>, usize) = (defined.collect(), runs.simple.rows.len());
+    let line = |criterion: Criterion, measure: fn(&[f64]) -> f64| {
+        let line = criterion.line((!differences.is_empty()).then(|| measure(&differences)));
+        if differences.len() == steps {
             return line;
         }
         line.noted(format!(
-            "both models have an averaged P above {} of the solid's peak at {} of {} steps",
+            "both models have an averaged P above {} of the solid's peak at {} of {steps} steps",
             limits.ratio_floor,
             differences.len(),
-            simple.rows.len()
         ))
     };
-    [
-        line("ratio_rms", "Averaged Q/P, RMS difference", rms, limits.ratio_rms),
-        line("ratio_max", "Averaged Q/P, largest difference", peak, limits.ratio_max),
-    ]
+    [line(limits.ratio_rms(), rms), line(limits.ratio_max(), peak)]
 }
 
 /// Times and number of the separations. Times can be compared only where both models separate.
-fn separation_lines(separations: &Both<Vec<Separation>>, limits: &Limits) -> (Vec<Line>, Vec<NotApplicable>) {
+fn separation_checks(separations: &Both<Vec<Separation>>, limits: &Limits) -> [Check; 3] {
     let (pairs, unmatched) = pair_separations(separations, limits.ratio_window_s);
-    let line = |quantity: &str, meaning: &str, unit: &str, value: f64, limit: f64| {
-        Line::check(quantity, meaning, Kind::Verification, unit, Some(value), limit)
-    };
-    let (mut lines, mut not_applicable) = (Vec::new(), Vec::new());
-    type Time = fn(&Separation) -> f64;
-    let times: [(&str, &str, Time, f64); 2] = [
-        (
-            "separation_begin_s",
-            "Separation begins, largest difference",
-            |s| s.begin_s,
-            limits.separation_begin_s,
-        ),
-        ("separation_end_s", "Separation ends, largest difference", |s| s.end_s, limits.separation_end_s),
-    ];
-    for (quantity, meaning, time, limit) in times {
-        match pairs.iter().map(|(a, b)| (time(a) - time(b)).abs()).max_by(f64::total_cmp) {
-            Some(value) => lines.push(line(quantity, meaning, "s", value, limit)),
-            None if unmatched == 0 => {
-                not_applicable.push(without(quantity, meaning, "neither model separates"));
-            }
-            None => {
-                let reason = "no separation of one model meets one of the other; each counts as unmatched";
-                not_applicable.push(without(quantity, meaning, reason));
-            }
+    let time_check = |criterion: Criterion, time: fn(&Separation) -> f64| {
+        let difference = pairs.iter().map(|(a, b)| (time(a) - time(b)).abs()).max_by(f64::total_cmp);
+        match difference {
+            Some(value) => Ok(criterion.line(Some(value))),
+            None if unmatched == 0 => Err(criterion.not_applicable("neither model separates")),
+            None => Err(criterion.not_applicable(
+                "no separation of one model meets one of the other; each counts as unmatched",
+            )),
         }
-    }
-    lines.push(line(
-        "separations_unmatched",
-        "Separations that only one model has",
-        "1",
-        unmatched as f64,
-        limits.separations_unmatched as f64,
-    ));
-    (lines, not_applicable)
+    };
+    [
+        time_check(limits.separation_begin_s(), |s| s.begin_s),
+        time_check(limits.separation_end_s(), |s| s.end_s),
+        Ok(limits.separations_unmatched().line(Some(unmatched as f64))),
+    ]
 }
 
-fn without(quantity: &str, meaning: &str, reason: &str) -> NotApplicable {
-    NotApplicable { quantity: quantity.into(), meaning: meaning.into(), reason: reason.into() }
+/// Fractions of time in each contact mode, over `rows` states.
+fn mode_lines(modes: &Both<ModeFractions>, rows: usize, limits: &Limits) -> [Line; 3] {
+    type Fraction = fn(&ModeFractions) -> f64;
+    let fractions: [(&str, Fraction); 3] = [
+        ("Time sticking, difference of the fractions", |m| m.stick),
+        ("Time sliding, difference of the fractions", |m| m.slip),
+        ("Time separated, difference of the fractions", |m| m.separated),
+    ];
+    fractions.map(|(meaning, of)| {
+        let difference = (of(&modes.simple) - of(&modes.solid)).abs();
+        Criterion { meaning, ..limits.mode_fraction() }.line(has_steps(rows).then_some(difference))
+    })
 }
 
 /// A time further from that of the other model than this share of a step belongs to another run.
@@ -294,10 +247,6 @@ fn check_times(simple: &History, solid: &History) -> Result<()> {
 
 fn column(history: &History, value: impl Fn(&HistoryRow) -> f64) -> Vec<f64> {
     history.rows.iter().map(value).collect()
-}
-
-fn differences(both: &Both<Vec<f64>>) -> Vec<f64> {
-    both.simple.iter().zip(&both.solid).map(|(a, b)| a - b).collect()
 }
 
 fn rms(values: &[f64]) -> f64 {

@@ -189,7 +189,8 @@ fn a_load_may_have_any_direction() {
             let response = hub_response(&problem, &solution, directions, false).unwrap();
             response.stiffness.fixed_view::<2, 2>(0, 0).into()
         };
-        (solution, stiffness(&directions), stiffness(&[Vector3::z_axis(), Vector3::y_axis()]))
+        let (turned, world) = (stiffness(&directions), stiffness(&[Vector3::z_axis(), Vector3::y_axis()]));
+        (solution, turned, world)
     };
     let angle = 40_f64.to_radians();
     let (level, local, _) = answer(0.0);

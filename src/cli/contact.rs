@@ -8,7 +8,8 @@ use railspring_calibrate::error::InputError;
 use railspring_calibrate::placement::{TrackGeometry, place_rail};
 use railspring_calibrate::profile::wheels::wheel_profile;
 use railspring_calibrate::rigid_contact::{
-    ContactPoint, Roll, RunningFunction, RunningPoint, WheelOnRail, Wheelset, WheelsetPosition,
+    ContactPoint, Roll, RunningFunction, RunningPoint, SideContact, WheelOnRail, Wheelset, WheelsetContact,
+    WheelsetPosition,
 };
 use railspring_calibrate::section::rail_section;
 use railspring_calibrate::units::MILLIMETRE;
@@ -75,10 +76,30 @@ impl ContactArgs {
     }
 }
 
+/// The contacts of a wheelset at each lateral shift, m.
+type Shifts = [(f64, WheelsetContact)];
+
 /// Runs the subcommand.
 pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
     let wheelset = args.wheelset()?;
-    let roll = if args.no_roll { Roll::Fixed(0.0) } else { Roll::Coupled };
+    let rows = contacts(args, &wheelset)?;
+    let function = running_function(&rows)?;
+    let conicity = conicity(&function, args.shift_mm);
+    say("shift mm   y rail mm   y wheel mm   angle rad   radius mm   difference mm   (right wheel)")?;
+    for line in whole_millimetres(&wheelset, &rows, &function) {
+        say(&line)?;
+    }
+    if let Some((amplitude, tangent)) = conicity.iter().find(|(a, _)| *a == 3.0) {
+        say(&format!("equivalent conicity at {amplitude} mm: {tangent:.4}"))?;
+    }
+    let (table, figure) = (args.output.with_extension("csv"), args.output.with_extension("svg"));
+    write(&table, &csv(&wheelset, &rows))?;
+    write(&figure, &picture(&wheelset, &rows, &function, conicity))?;
+    Ok(say(&format!("{}\n{}", table.display(), figure.display()))?)
+}
+
+/// The contacts at every shift that the arguments ask for.
+fn contacts(args: &ContactArgs, wheelset: &Wheelset) -> Result<Vec<(f64, WheelsetContact)>, Failure> {
     let parts = (2.0 * args.shift_mm / args.step_mm).round();
     if !(2.0..=100_000.0).contains(&parts) {
         return Err(InputError::new(
@@ -89,6 +110,7 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
         )
         .into());
     }
+    let roll = if args.no_roll { Roll::Fixed(0.0) } else { Roll::Coupled };
     let gap = args.gap_um.max(0.0) * 1e-3 * MILLIMETRE;
     let mut rows = Vec::new();
     for i in 0..=parts as usize {
@@ -96,23 +118,40 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
         let position = WheelsetPosition { lateral_shift, yaw: 1e-3 * args.yaw_mrad, roll };
         rows.push((lateral_shift, wheelset.contacts(&position, gap)?));
     }
-    let radius = |points: &[ContactPoint]| points[0].rolling_radius;
-    let differences = rows
-        .iter()
-        .map(|(shift, both)| RunningPoint {
-            shift: *shift,
-            difference: radius(&both.right.points) - radius(&both.left.points),
-        })
-        .collect();
-    let function = RunningFunction::from_points(differences)?;
+    Ok(rows)
+}
 
+/// Rolling-radius difference of the first contact points over the shift.
+fn running_function(rows: &Shifts) -> Result<RunningFunction, Failure> {
+    let radius = |side: &SideContact| side.points[0].rolling_radius;
+    let point = |(shift, both): &(f64, WheelsetContact)| RunningPoint {
+        shift: *shift,
+        difference: radius(&both.right) - radius(&both.left),
+    };
+    Ok(RunningFunction::from_points(rows.iter().map(point).collect())?)
+}
+
+/// Equivalent conicity at every half millimetre of amplitude, mm, up to the largest shift.
+fn conicity(function: &RunningFunction, largest_mm: f64) -> Vec<(f64, f64)> {
+    let amplitudes = (1..).map(|i| 0.5 * f64::from(i)).take_while(|a| *a <= largest_mm);
+    let of = |a: f64| function.equivalent_conicity(a * MILLIMETRE).map(|tangent| (a, tangent));
+    amplitudes.filter_map(of).collect()
+}
+
+/// Lateral position of a contact point in the wheel's profile frame, mm.
+fn on_wheel_mm(wheelset: &Wheelset, point: &ContactPoint) -> f64 {
+    wheelset.right.wheel.point(point.wheel_s).x / MILLIMETRE
+}
+
+/// All contact points of both wheels as CSV.
+fn csv(wheelset: &Wheelset, rows: &Shifts) -> String {
     let mut csv = String::from(
         "shift_mm,side,point,gap_um,height_mm,roll_mrad,x_mm,y_mm,z_mm,y_wheel_mm,contact_angle_rad,rolling_radius_mm,rail_curvature_per_m,wheel_curvature_per_m\n",
     );
-    for (shift, both) in &rows {
+    for (shift, both) in rows {
         for (name, side) in [("left", &both.left), ("right", &both.right)] {
             for (index, p) in side.points.iter().enumerate() {
-                let wheel_y = wheelset.right.wheel.point(p.wheel_s).x;
+                // Writing to a string cannot fail.
                 let _ = writeln!(
                     csv,
                     "{:.6},{name},{},{:.6},{:.6},{:.6},{:.6},{:.6},{:.6},{:.6},{:.8},{:.6},{:.6},{:.6}",
@@ -124,7 +163,7 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
                     p.point.x / MILLIMETRE,
                     p.point.y / MILLIMETRE,
                     p.point.z / MILLIMETRE,
-                    wheel_y / MILLIMETRE,
+                    on_wheel_mm(wheelset, p),
                     p.contact_angle,
                     p.rolling_radius / MILLIMETRE,
                     p.rail_curvature,
@@ -133,39 +172,32 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
             }
         }
     }
-    say("shift mm   y rail mm   y wheel mm   angle rad   radius mm   difference mm   (right wheel)")?;
-    for ((shift, both), point) in rows.iter().zip(function.points()) {
-        let millimetres = shift / MILLIMETRE;
-        if (millimetres - millimetres.round()).abs() < 1e-6 {
-            let p = &both.right.points[0];
-            let wheel_y = wheelset.right.wheel.point(p.wheel_s).x;
-            say(&format!(
-                "{millimetres:8.2} {:11.3} {:12.3} {:11.5} {:11.4} {:15.4}",
-                p.point.y / MILLIMETRE,
-                wheel_y / MILLIMETRE,
-                p.contact_angle,
-                p.rolling_radius / MILLIMETRE,
-                point.difference / MILLIMETRE,
-            ))?;
-        }
-    }
-    let amplitudes = (1..).map(|i| 0.5 * f64::from(i)).take_while(|a| *a <= args.shift_mm);
-    let conicity: Vec<(f64, f64)> = amplitudes
-        .filter_map(|a| function.equivalent_conicity(a * MILLIMETRE).map(|tangent| (a, tangent)))
-        .collect();
-    if let Some((amplitude, tangent)) = conicity.iter().find(|(a, _)| *a == 3.0) {
-        say(&format!("equivalent conicity at {amplitude} mm: {tangent:.4}"))?;
-    }
-    let (table, figure) = (args.output.with_extension("csv"), args.output.with_extension("svg"));
-    write(&table, &csv)?;
-    write(&figure, &picture(&wheelset, &rows, &function, conicity))?;
-    Ok(say(&format!("{}\n{}", table.display(), figure.display()))?)
+    csv
+}
+
+/// Lines of the table on the screen: the right wheel at the shifts that are whole millimetres.
+fn whole_millimetres(wheelset: &Wheelset, rows: &Shifts, function: &RunningFunction) -> Vec<String> {
+    let whole = |shift: f64| (shift / MILLIMETRE - (shift / MILLIMETRE).round()).abs() < 1e-6;
+    let rows = rows.iter().zip(function.points()).filter(|((shift, _), _)| whole(*shift));
+    rows.map(|((shift, both), point)| {
+        let p = &both.right.points[0];
+        format!(
+            "{:8.2} {:11.3} {:12.3} {:11.5} {:11.4} {:15.4}",
+            shift / MILLIMETRE,
+            p.point.y / MILLIMETRE,
+            on_wheel_mm(wheelset, p),
+            p.contact_angle,
+            p.rolling_radius / MILLIMETRE,
+            point.difference / MILLIMETRE,
+        )
+    })
+    .collect()
 }
 
 /// Wheel above rail with lines between the points that touch, rolling-radius difference and conicity.
 fn picture(
     wheelset: &Wheelset,
-    rows: &[(f64, railspring_calibrate::rigid_contact::WheelsetContact)],
+    rows: &Shifts,
     function: &RunningFunction,
     conicity: Vec<(f64, f64)>,
 ) -> String {

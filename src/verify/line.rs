@@ -36,28 +36,43 @@ pub struct Line {
     pub note: Option<String>,
 }
 
-impl Line {
-    /// A line that holds if it has a value, and the value is within the limit.
-    pub fn check(
-        quantity: &str,
-        meaning: &str,
-        kind: Kind,
-        unit: &str,
-        value: Option<f64>,
-        limit: f64,
-    ) -> Self {
-        Self {
-            quantity: quantity.into(),
-            meaning: meaning.into(),
-            kind,
-            unit: unit.into(),
+/// What a line of the verdict checks, before there is a value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Criterion {
+    /// Name of the quantity, the same as the key of its limit if it has one.
+    pub quantity: &'static str,
+    /// What is compared, in words.
+    pub meaning: &'static str,
+    /// What the line can prove.
+    pub kind: Kind,
+    /// Unit of value and limit; `1` for ratios.
+    pub unit: &'static str,
+    /// The limit.
+    pub limit: f64,
+}
+
+impl Criterion {
+    /// The line, which holds if it has a value, and the value is within the limit.
+    pub fn line(&self, value: Option<f64>) -> Line {
+        Line {
+            quantity: self.quantity.into(),
+            meaning: self.meaning.into(),
+            kind: self.kind,
+            unit: self.unit.into(),
             value: value.filter(|value| value.is_finite()).map(rounded),
-            limit,
-            holds: value.is_some_and(|value| value.is_finite() && value <= limit),
+            limit: self.limit,
+            holds: value.is_some_and(|value| value.is_finite() && value <= self.limit),
             note: None,
         }
     }
 
+    /// That the comparison cannot be made, and why.
+    pub fn not_applicable(&self, reason: &str) -> NotApplicable {
+        NotApplicable { quantity: self.quantity.into(), meaning: self.meaning.into(), reason: reason.into() }
+    }
+}
+
+impl Line {
     /// The same line with a note.
     pub fn noted(self, note: impl Into<String>) -> Self {
         Self { note: Some(note.into()), ..self }

@@ -32,6 +32,13 @@ pub struct Both<T> {
     pub solid: T,
 }
 
+impl<T> Both<T> {
+    /// The same of each model.
+    pub fn map<U>(&self, of: impl Fn(&T) -> U) -> Both<U> {
+        Both { simple: of(&self.simple), solid: of(&self.solid) }
+    }
+}
+
 /// Q averaged over a window of time, divided by P averaged over the same window
 /// (publication, equation 16); the window ends at the time of the value.
 ///

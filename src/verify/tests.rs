@@ -174,7 +174,9 @@ fn values_that_are_no_numbers_fail() {
 /// Goal: a line holds with a finite value within its limit, and in no other case; lines without a value are the worst.
 #[test]
 fn a_line_without_a_value_does_not_hold() {
-    let check = |value| Line::check("q", "m", Kind::Verification, "1", value, 0.5);
+    let criterion =
+        Criterion { quantity: "q", meaning: "m", kind: Kind::Verification, unit: "1", limit: 0.5 };
+    let check = |value| criterion.line(value);
     for (value, holds, excess) in [
         (Some(0.5), true, 1.0),
         (Some(0.75), false, 1.5),
@@ -185,7 +187,7 @@ fn a_line_without_a_value_does_not_hold() {
         let line = check(value);
         assert_eq!((line.holds, line.excess()), (holds, excess), "{value:?}");
     }
-    let exact = |value| Line::check("q", "m", Kind::Verification, "1", Some(value), 0.0).excess();
+    let exact = |value| Criterion { limit: 0.0, ..criterion }.line(Some(value)).excess();
     assert_eq!((exact(0.0), exact(1.0)), (0.0, f64::INFINITY));
 }
 

@@ -11,7 +11,7 @@ use nalgebra::Rotation2;
 use super::finding::{Action, Finding, FindingKind};
 use super::text::{DecimalMark, begins_like_a_number, decimal_mark, error_at, lines, number, row_numbers};
 use super::{Convention, MeasuredPoint, ProfileFormat, ProfileKind, Raw, push};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::units::MILLIMETRE;
 
 /// Keys whose value is a number.
@@ -62,144 +62,150 @@ struct Entry {
 }
 
 pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
-    let mut header: BTreeMap<String, Entry> = BTreeMap::new();
-    let mut type_of_profile = None;
-    let mut points = Vec::new();
-    let mut findings = Vec::new();
-    let mut block: Vec<&str> = Vec::new();
-    let mut point_block = None;
     let rows = lines(text).map(|(n, line)| (n, without_comment(line)));
     let mark = decimal_mark(name, rows.clone().filter(|(_, row)| begins_like_a_number(row)))?;
-    for (n, line) in rows {
-        let trimmed = line.trim();
-        let column = line.chars().take_while(|c| c.is_whitespace()).count() + 1;
-        let lower = trimmed.to_ascii_lowercase();
-        if trimmed.is_empty() {
-            continue;
-        }
-        match lower.as_str() {
-            "header.begin" => block.push("header"),
-            "spline.begin" => block.push("spline"),
-            "point.begin" => {
-                if point_block.replace(n).is_some() {
-                    return Err(error_at(
-                        name,
-                        n,
-                        column,
-                        trimmed,
-                        "a single block of points",
-                        "the file holds several profiles: give each a file of its own",
-                    ));
-                }
-                block.push("point");
-            }
-            "header.end" | "spline.end" | "point.end" => {
-                let ended = &lower[..lower.len() - ".end".len()];
-                if block.pop() != Some(ended) {
-                    return Err(error_at(
-                        name,
-                        n,
-                        column,
-                        trimmed,
-                        "the end of the block that is open",
-                        "make each .end match its .begin",
-                    ));
-                }
-            }
-            _ if block.last() == Some(&"point") => {
-                let numbers = row_numbers(name, n, line, mark, 2)?;
-                push(name, &mut points, numbers[0], numbers[1], n, numbers.get(2).copied().unwrap_or(1.0))?;
-            }
-            _ => {
-                let Some((key, value)) = trimmed.split_once('=') else {
-                    return Err(error_at(
-                        name,
-                        n,
-                        column,
-                        trimmed,
-                        "key = value, the begin or end of a block, or a comment",
-                        "put points between point.begin and point.end, and `!` before comments",
-                    ));
-                };
-                let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
-                let value_column = line.chars().take_while(|c| *c != '=').count() + 2;
-                let in_header = block.last() == Some(&"header");
-                if in_header && key == "type" {
-                    type_of_profile = Some(match value {
-                        "0" => ProfileKind::Rail,
-                        "1" => ProfileKind::Wheel,
-                        _ => {
-                            return Err(error_at(
-                                name,
-                                n,
-                                value_column,
-                                value,
-                                "0 for a rail or 1 for a wheel",
-                                "correct the type",
-                            ));
-                        }
-                    });
-                } else if !in_header && NUMERIC.contains(&key.as_str()) {
-                    let value = number(value, DecimalMark::Point)
-                        .or_else(|| number(value, DecimalMark::Comma))
-                        .ok_or_else(|| {
-                            error_at(name, n, value_column, value, "a finite number", "correct the value")
-                        })?;
-                    header.insert(key, Entry { value, line: n });
-                }
-            }
+    let mut file = Blocks::new(name, mark);
+    for (line, text) in rows {
+        file.row(&Row { line, text })?;
+    }
+    file.finish(lines(text).count(), ending)
+}
+
+/// A line of the file without its comment.
+struct Row<'a> {
+    line: usize,
+    text: &'a str,
+}
+
+/// What has been read of the file so far.
+struct Blocks<'a> {
+    name: &'a str,
+    mark: DecimalMark,
+    /// The blocks that are open, the innermost last.
+    open: Vec<&'static str>,
+    /// Whether the block of points has begun.
+    has_points: bool,
+    header: BTreeMap<String, Entry>,
+    kind: Option<ProfileKind>,
+    points: Vec<MeasuredPoint>,
+}
+
+impl<'a> Blocks<'a> {
+    fn new(name: &'a str, mark: DecimalMark) -> Self {
+        let (open, header, points) = (Vec::new(), BTreeMap::new(), Vec::new());
+        Self { name, mark, open, has_points: false, header, kind: None, points }
+    }
+
+    fn row(&mut self, row: &Row) -> Result<()> {
+        match row.text.trim().to_ascii_lowercase().as_str() {
+            "" => Ok(()),
+            "header.begin" => self.begin("header", row),
+            "spline.begin" => self.begin("spline", row),
+            "point.begin" => self.begin("point", row),
+            "header.end" => self.end("header", row),
+            "spline.end" => self.end("spline", row),
+            "point.end" => self.end("point", row),
+            _ if self.open.last() == Some(&"point") => self.point(row),
+            _ => self.entry(row),
         }
     }
-    if point_block.is_none() {
-        let last = lines(text).count();
-        return Err(error_at(
-            name,
-            last,
-            1,
-            "",
-            "a block of points from point.begin to point.end",
-            "complete the file",
-        ));
+
+    /// What is wrong with a whole row.
+    fn fault(&self, row: &Row, expected: &str, remedy: &str) -> Error {
+        let column = row.text.chars().take_while(|c| c.is_whitespace()).count() + 1;
+        error_at(self.name, row.line, column, row.text.trim(), expected, remedy)
     }
-    if let Some(open) = block.last() {
-        findings.push(Finding::new(
-            FindingKind::Header,
-            Action::Noted,
-            format!("the block {open} is not ended; the file may be cut off"),
-        ));
+
+    fn begin(&mut self, block: &'static str, row: &Row) -> Result<()> {
+        if block == "point" {
+            if self.has_points {
+                let remedy = "the file holds several profiles: give each a file of its own";
+                return Err(self.fault(row, "a single block of points", remedy));
+            }
+            self.has_points = true;
+        }
+        self.open.push(block);
+        Ok(())
     }
-    let kind = type_of_profile.or(match ending {
-        "prr" => Some(ProfileKind::Rail),
-        "prw" => Some(ProfileKind::Wheel),
-        _ => None,
-    });
-    let points = process(&header, points, &mut findings);
-    if let Some(entry) = header.get("approx.smooth").filter(|entry| entry.value != 0.0) {
-        findings.push(
-            Finding::new(
-                FindingKind::Header,
-                Action::Noted,
-                "approx.smooth is not applied: smoothing is asked for, and reported, in this program",
-            )
-            .on_lines(entry.line, entry.line),
-        );
+
+    fn end(&mut self, block: &str, row: &Row) -> Result<()> {
+        if self.open.pop() == Some(block) {
+            return Ok(());
+        }
+        Err(self.fault(row, "the end of the block that is open", "make each .end match its .begin"))
     }
-    let unit = match header.get("units.len.f") {
-        Some(entry) if entry.value > 0.0 => Some((1.0 / entry.value, entry.line)),
-        Some(entry) => {
-            let value = entry.value.to_string();
-            return Err(error_at(
-                name,
-                entry.line,
-                1,
-                &value,
-                "units.len.f above 0, in units a metre",
-                "give 1000 for mm",
+
+    fn point(&mut self, row: &Row) -> Result<()> {
+        let numbers = row_numbers(self.name, row.line, row.text, self.mark, 2)?;
+        let weight = numbers.get(2).copied().unwrap_or(1.0);
+        push(self.name, &mut self.points, numbers[0], numbers[1], row.line, weight)
+    }
+
+    /// Takes `key = value`, where the key matters.
+    fn entry(&mut self, row: &Row) -> Result<()> {
+        let Some((key, value)) = row.text.trim().split_once('=') else {
+            return Err(self.fault(
+                row,
+                "key = value, the begin or end of a block, or a comment",
+                "put points between point.begin and point.end, and `!` before comments",
             ));
+        };
+        let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
+        let column = row.text.chars().take_while(|c| *c != '=').count() + 2;
+        let fault = |expected, remedy| error_at(self.name, row.line, column, value, expected, remedy);
+        let in_header = self.open.last() == Some(&"header");
+        if in_header && key == "type" {
+            self.kind = Some(match value {
+                "0" => ProfileKind::Rail,
+                "1" => ProfileKind::Wheel,
+                _ => return Err(fault("0 for a rail or 1 for a wheel", "correct the type")),
+            });
+        } else if !in_header && NUMERIC.contains(&key.as_str()) {
+            let value = number(value, DecimalMark::Point)
+                .or_else(|| number(value, DecimalMark::Comma))
+                .ok_or_else(|| fault("a finite number", "correct the value"))?;
+            self.header.insert(key, Entry { value, line: row.line });
         }
-        None => None,
-    };
-    Ok(Raw { format: ProfileFormat::Simpack, kind, convention: Convention::Stated, unit, points, findings })
+        Ok(())
+    }
+
+    /// The profile of a file that ends with the line `last`; its kind is that of its header, or else of the `ending` of
+    /// its name.
+    fn finish(self, last: usize, ending: &str) -> Result<Raw> {
+        if !self.has_points {
+            let expected = "a block of points from point.begin to point.end";
+            return Err(error_at(self.name, last, 1, "", expected, "complete the file"));
+        }
+        let unit = self.unit()?;
+        let kind = self.kind.or(match ending {
+            "prr" => Some(ProfileKind::Rail),
+            "prw" => Some(ProfileKind::Wheel),
+            _ => None,
+        });
+        let note = |what: String| Finding::new(FindingKind::Header, Action::Noted, what);
+        let unended =
+            self.open.last().map(|b| format!("the block {b} is not ended; the file may be cut off"));
+        let mut findings: Vec<Finding> = unended.map(note).into_iter().collect();
+        let points = process(&self.header, self.points, &mut findings);
+        if let Some(entry) = self.header.get("approx.smooth").filter(|entry| entry.value != 0.0) {
+            let what = "approx.smooth is not applied: smoothing is asked for, and reported, in this program";
+            findings.push(note(what.into()).on_lines(entry.line, entry.line));
+        }
+        let (format, convention) = (ProfileFormat::Simpack, Convention::Stated);
+        Ok(Raw { format, kind, convention, unit, points, findings })
+    }
+
+    /// Length of the unit, m, and the line that says so.
+    fn unit(&self) -> Result<Option<(f64, usize)>> {
+        match self.header.get("units.len.f") {
+            None => Ok(None),
+            Some(entry) if entry.value > 0.0 => Ok(Some((1.0 / entry.value, entry.line))),
+            Some(entry) => {
+                let (value, expected) = (entry.value.to_string(), "units.len.f above 0, in units a metre");
+                Err(error_at(self.name, entry.line, 1, &value, expected, "give 1000 for mm"))
+            }
+        }
+    }
 }
 
 /// Applies the header's processing but for the unit.
