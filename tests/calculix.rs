@@ -1,4 +1,4 @@
-//! The deck for other programs, CalculiX on it, and studies that no judge can be asked about.
+//! The deck for other programs, CalculiX on it, and studies that no reference solver can be asked about.
 //!
 //! CalculiX (`ccx` on the path; Debian: `calculix-ccx`) is not needed to build or use the tool; without it the second
 //! test is counted as skipped. The long comparison is `cargo validate-calculix`.
@@ -84,10 +84,10 @@ fn calculix_finds_the_load() {
     assert!((reaction / LOAD - 1.0).abs() < DISCRETISATION, "{reaction}");
 }
 
-/// Goal: a study whose loads are all below the smallest judged one is refused by key, and so is a frictionless
+/// Goal: a study whose loads are all below the smallest one of the cross-validation is refused by key, and so is a frictionless
 /// calibration.
 #[test]
-fn studies_that_cannot_be_judged_are_told() {
+fn studies_that_cannot_be_cross_validated_are_refused() {
     let mut light = study().clone();
     light.calibration.loads = vec![1e3, 2e3, 3e3];
     let said = prepare(&light, &Settings::default(), &Silent).map(|_| ()).unwrap_err().to_string();

@@ -45,11 +45,11 @@ fn prepared() -> &'static Prepared {
 }
 
 /// Checks of the reference on a possibly spoilt exchange.
-fn judged(exchange: &Exchange) -> Vec<Check> {
-    judged_for(prepared(), exchange)
+fn compared(exchange: &Exchange) -> Vec<Check> {
+    compared_for(prepared(), exchange)
 }
 
-fn judged_for(prepared: &Prepared, exchange: &Exchange) -> Vec<Check> {
+fn compared_for(prepared: &Prepared, exchange: &Exchange) -> Vec<Check> {
     let root = tempfile::tempdir().unwrap();
     let folder = OutputFolder::create(&root.path().join("exchange")).unwrap();
     exchange.write(&folder).unwrap_or_else(|e| panic!("{e}"));
@@ -61,7 +61,7 @@ fn judged_for(prepared: &Prepared, exchange: &Exchange) -> Vec<Check> {
 /// Checks of the exchange as it is.
 fn right() -> &'static [Check] {
     static RIGHT: OnceLock<Vec<Check>> = OnceLock::new();
-    RIGHT.get_or_init(|| judged(&prepared().exchange))
+    RIGHT.get_or_init(|| compared(&prepared().exchange))
 }
 
 /// Quantities whose limit does not hold.
@@ -120,7 +120,7 @@ fn a_wrong_modulus_and_a_flipped_element_are_found() {
     let middle = exchange.bodies[1].mesh.hexes.len() / 2;
     let hex = &mut exchange.bodies[1].mesh.hexes[middle];
     *hex = [hex[4], hex[5], hex[6], hex[7], hex[0], hex[1], hex[2], hex[3]];
-    let checks = judged(&exchange);
+    let checks = compared(&exchange);
     let (rail, wheel): (Vec<&str>, Vec<&str>) =
         failing(&checks).into_iter().partition(|q| q.starts_with("rail"));
     assert!(rail.contains(&"rail: nodal displacements under given forces, largest difference"), "{rail:?}");
@@ -139,7 +139,7 @@ fn a_twisted_element_is_found() {
     let contact = exchange.bodies[0].mesh.contact.nodes[exchange.bodies[0].mesh.contact.nodes.len() / 2];
     let hex = exchange.bodies[0].mesh.hexes.iter_mut().find(|hex| hex.contains(&contact)).unwrap();
     hex.swap(0, 1);
-    let checks = judged(&exchange);
+    let checks = compared(&exchange);
     let names = failing(&checks);
     assert!(names.contains(&"rail: nodal displacements under given forces, largest difference"), "{names:?}");
     assert!(names.contains(&"rail: sign of the smallest Jacobian determinant"), "{names:?}");
@@ -157,7 +157,7 @@ fn a_wrong_load_is_found() {
     let largest = exchange.bodies[1].forces.iter_mut().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap();
     *largest *= 1.02;
     exchange.loads[2] *= 1.02;
-    let wrong = judged(&exchange);
+    let wrong = compared(&exchange);
     let names = failing(&wrong);
     assert!(
         names.contains(&"wheel: nodal displacements under given forces, largest difference"),
@@ -170,7 +170,7 @@ fn a_wrong_load_is_found() {
     };
     let (before, after) = (&hub(right())[2], &hub(&wrong)[2]);
     assert!(before.holds && !after.holds, "{before:?} {after:?}");
-    assert!(after.judged / before.judged > 1.01, "{before:?} {after:?}");
+    assert!(after.reference_value / before.reference_value > 1.01, "{before:?} {after:?}");
 }
 
 /// Largest difference of a quantity over all loads, and how many there are.
@@ -201,7 +201,7 @@ fn another_contact_formulation_agrees_and_converges() {
     study.mesh.contact_element = 4e-3;
     study.mesh.contact_element_along = 4e-3;
     let fine = prepare(&study, &[Case::SameMesh], None, &Silent).unwrap_or_else(|e| panic!("{e}"));
-    let fine = judged_for(&fine, &fine.exchange);
+    let fine = compared_for(&fine, &fine.exchange);
     let both = [coarse, &fine].map(|checks| largest(checks, frictionless, "hub displacement"));
     assert!(0.0 < both[1] && both[1] < both[0], "{both:?}");
     assert!(both[0] < 2.0 * HUB && both[1] < HUB, "{both:?}");

@@ -208,7 +208,7 @@ fn every_command_takes_a_mesh_file() {
         let deck = std::fs::read_to_string(place.path(&format!("out/{format}.inp"))).unwrap();
         assert!(deck.contains("*SURFACE"));
     }
-    // few loads and no friction: the judge takes its time with contact
+    // few loads and no friction: the reference solver takes its time with contact
     let short = study.replace("load_max_kn = 85", "load_max_kn = 40") + "[contact]\nfriction = 0\n";
     place.run(&["crosscheck", "-o", "out"], &short);
     let record: Value =

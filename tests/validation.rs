@@ -2,7 +2,7 @@
 //! tool as they are now.
 //!
 //! Source: the records themselves. Goal: input hash, hash of the reference package, hub displacement
-//! (mm) and tangent stiffness (kN/m) of the tool under every judged load, and the verdict. Accuracy:
+//! (mm) and tangent stiffness (kN/m) of the tool under every load of the record, and the verdict. Accuracy:
 //! hashes exactly, numbers to what the order of sums on another processor may change.
 
 use std::path::{Path, PathBuf};
@@ -89,7 +89,8 @@ fn kept_records_are_fresh() {
     let record = |name: &str| read(&folder("crosscheck").join(name));
     let second_order = record("uic60-s1002.json").questions.iter().any(|q| q.name == "second_order");
     assert!(second_order, "no second order; {REMEDY}");
-    let calculix = record("uic60-s1002-fine.json").checks.iter().any(|c| c.judge.starts_with("CalculiX"));
+    let calculix =
+        record("uic60-s1002-fine.json").checks.iter().any(|c| c.reference_solver.starts_with("CalculiX"));
     assert!(calculix, "no CalculiX; {REMEDY}");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder("crosscheck")).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -184,7 +185,7 @@ fn report_and_page_belong_together() {
     assert!(report.contains("of another study") && !report.contains(link));
 }
 
-/// Goal: `--keep` writes the record; it is found fresh, its failing limits are told, and so is each
+/// Goal: `--keep` writes the record; it is found fresh, its failing limits are reported, and so is each
 /// change of study, reference, tool and verdict, alone.
 #[test]
 fn every_kind_of_staleness_is_found() {

@@ -64,7 +64,7 @@ enum Command {
     Mesh(StudyArgs),
     /// Write the report again from the files of the output folder
     Report(StudyArgs),
-    /// Let independent judges repeat the solid model and compare
+    /// Let independent programs repeat the solid model and compare
     Crosscheck {
         #[command(flatten)]
         study: StudyArgs,
@@ -73,7 +73,7 @@ enum Command {
         second_order: bool,
         /// Ask another program too, if it is installed
         #[arg(long = "with", value_name = "PROGRAM")]
-        with: Option<OtherJudge>,
+        with: Option<OtherProgram>,
         /// Write a copy of the record to this file, to be kept with the study
         #[arg(long, value_name = "FILE")]
         keep: Option<PathBuf>,
@@ -134,9 +134,9 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A judge besides the reference.
+/// A program that repeats the contact besides the Python reference.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum OtherJudge {
+enum OtherProgram {
     /// CalculiX, run on the exported deck
     Calculix,
 }

@@ -1,4 +1,4 @@
-//! The tool's answers against a judge's: quantity by quantity, with limits
+//! The tool's answers against a reference solver's: quantity by quantity, with limits
 //! that say where a difference may come from.
 
 use std::path::Path;
@@ -36,7 +36,7 @@ pub const DISCRETISATION_ELEMENT: f64 = 2e-2;
 /// Another program's own contact between the same facets.
 pub const MODEL: f64 = 1e-2;
 
-/// The limits that the checks use, for whoever must judge them.
+/// The limits that the checks use, for whoever must assess them.
 pub fn limits(checks: &[Check]) -> Vec<Limit> {
     let contact = "another contact formulation on the same mesh and contact nodes";
     let surface = "contact forces on the nodes of the other surface";
@@ -167,8 +167,8 @@ impl ReferenceResult {
         &self.displacement[body]
     }
 
-    /// Name of the judge with its version.
-    pub fn judge(&self) -> String {
+    /// Name of the reference solver with its version.
+    pub fn solver_name(&self) -> String {
         let version = self.provenance.packages.get("scikit-fem").map_or("", String::as_str);
         format!("scikit-fem {version}")
     }
@@ -210,10 +210,17 @@ pub fn compare(
     cases: &[Case],
     reference: &ReferenceResult,
 ) -> Result<(Vec<Check>, Vec<Timing>)> {
-    let judge = reference.judge();
+    let reference_solver = reference.solver_name();
     let mut checks = Vec::new();
     for (k, (name, body)) in BODIES.iter().zip([&answers.rail, &answers.wheel]).enumerate() {
-        elastic_checks(name, body, reference.displacement(k), reference.elastic(name)?, &judge, &mut checks);
+        elastic_checks(
+            name,
+            body,
+            reference.displacement(k),
+            reference.elastic(name)?,
+            &reference_solver,
+            &mut checks,
+        );
     }
     let mut timings = Vec::new();
     for &case in cases {
@@ -231,19 +238,19 @@ pub fn compare(
                 &answers.own_element,
             ),
         };
-        let judged = reference
+        let theirs = reference
             .contact
             .get(case.name())
-            .filter(|judged| judged.rows.len() == curve.points.len())
+            .filter(|theirs| theirs.rows.len() == curve.points.len())
             .ok_or_else(|| incomplete("contact", case.name()))?;
-        curve_checks(&problem, case, curve, judged, contact_element, &judge, &mut checks);
+        curve_checks(&problem, case, curve, theirs, contact_element, &reference_solver, &mut checks);
         timings.push(Timing {
             problem,
-            judge: judge.clone(),
-            degrees_of_freedom: judged.degrees_of_freedom,
-            loads: judged.rows.len(),
+            reference_solver: reference_solver.clone(),
+            degrees_of_freedom: theirs.degrees_of_freedom,
+            loads: theirs.rows.len(),
             tool_seconds: curve.seconds,
-            judge_seconds: judged.seconds,
+            reference_seconds: theirs.seconds,
         });
     }
     Ok((checks, timings))
@@ -253,19 +260,19 @@ fn elastic_checks(
     name: &str,
     body: &AnsweredBody,
     displacement: &[Vector3<f64>],
-    judged: &ElasticResult,
-    judge: &str,
+    theirs: &ElasticResult,
+    reference_solver: &str,
     checks: &mut Vec<Check>,
 ) {
     let problem = format!("{name}, same mesh and element");
-    let jacobian = judged.smallest_jacobian;
+    let jacobian = theirs.smallest_jacobian;
     checks.push(Check::new(
         &problem,
         &format!("{name}: sign of the smallest Jacobian determinant"),
         None,
         "1",
         (1.0, jacobian.signum()),
-        judge,
+        reference_solver,
         (1.0 - jacobian.signum()).abs(),
         (ROUNDOFF, Cause::Roundoff),
     ));
@@ -282,13 +289,13 @@ fn elastic_checks(
         None,
         "mm",
         (scale / MILLIMETRE, largest(displacement) / MILLIMETRE),
-        judge,
+        reference_solver,
         difference / scale,
         (ROUNDOFF, Cause::Roundoff),
     ));
     for (k, own) in body.compliance.iter().enumerate() {
         let size = |column: &[f64]| column.iter().map(|v| v.abs()).fold(0.0, f64::max);
-        let theirs = judged.compliance_columns.get(k).map_or(&[][..], Vec::as_slice);
+        let theirs = theirs.compliance_columns.get(k).map_or(&[][..], Vec::as_slice);
         let difference = if theirs.len() == own.len() {
             own.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64_max)
         } else {
@@ -300,7 +307,7 @@ fn elastic_checks(
             None,
             "mm/kN",
             (size(own) * KILONEWTON / MILLIMETRE, size(theirs) * KILONEWTON / MILLIMETRE),
-            judge,
+            reference_solver,
             difference / size(own),
             (ROUNDOFF, Cause::Roundoff),
         ));
@@ -316,9 +323,9 @@ fn curve_checks(
     problem: &str,
     case: Case,
     curve: &AnsweredCurve,
-    judged: &CurveResult,
+    theirs: &CurveResult,
     contact_element: f64,
-    judge: &str,
+    reference_solver: &str,
     checks: &mut Vec<Check>,
 ) {
     let (displacement, tangent) = match case {
@@ -326,7 +333,7 @@ fn curve_checks(
         Case::OtherSurface => (DISCRETISATION_SURFACE, DISCRETISATION_NODES),
         Case::SameMesh | Case::SameMeshFriction => (DISCRETISATION_DISPLACEMENT, DISCRETISATION_TANGENT),
     };
-    for (own, theirs) in curve.points.iter().zip(&judged.rows) {
+    for (own, theirs) in curve.points.iter().zip(&theirs.rows) {
         let load = Some(own.force);
         let mut relative =
             |quantity: &str, unit: &str, factor: f64, values: (f64, f64), limit: (f64, Cause)| {
@@ -336,7 +343,7 @@ fn curve_checks(
                     load,
                     unit,
                     (values.0 / factor, values.1 / factor),
-                    judge,
+                    reference_solver,
                     (values.1 / values.0 - 1.0).abs(),
                     limit,
                 ));
@@ -365,7 +372,7 @@ fn curve_checks(
             load,
             "mm²",
             (own.contact_area / SQUARE_MILLIMETRE, theirs.area_m2 / SQUARE_MILLIMETRE),
-            judge,
+            reference_solver,
             (own.contact_area - theirs.area_m2).abs() / (perimeter(own) * contact_element),
             (DISCRETISATION_RINGS, Cause::Discretisation),
         ));

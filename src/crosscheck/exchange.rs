@@ -1,4 +1,4 @@
-//! The exchange folder: questions for a judge, as JSON and VTU files.
+//! The exchange folder: questions for a reference solver, as JSON and VTU files.
 //!
 //! Only data cross over: coordinates, materials, supports, forces, points of
 //! the profile curves. No matrix and no formulation does.
@@ -21,7 +21,7 @@ const CURVE_STEP: f64 = 0.1e-3;
 /// Name of the point data with the given forces.
 const FORCE: &str = "force (N)";
 
-/// What a judge is asked to solve besides the elastic bodies.
+/// What a reference solver is asked to solve besides the elastic bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Case {
     /// Frictionless contact on the same mesh and element.
@@ -68,7 +68,7 @@ pub struct Body {
     pub radius: f64,
 }
 
-/// Everything a judge gets.
+/// Everything a reference solver gets.
 #[derive(Debug, Clone)]
 pub struct Exchange {
     /// Rail and wheel.

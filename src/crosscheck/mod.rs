@@ -1,4 +1,4 @@
-//! Cross-validation: independent judges repeat what the tool computed.
+//! Cross-validation: independent programs repeat what the tool computed.
 //!
 //! * [`exchange`]: the questions, as files that know nothing of the tool's formulations;
 //! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
@@ -77,7 +77,7 @@ pub fn prepare(study: &Study, settings: &Settings<'_>, monitor: &dyn Monitor) ->
 }
 
 /// Writes a deck of the study's problem into `folder`: its own element and friction, a step for every
-/// judged load; the name of the file. `interpreter` is the Python that reads mesh files.
+/// load asked for; the name of the file. `interpreter` is the Python that reads mesh files.
 ///
 /// # Errors
 /// Those of meshing and calibration, sizes that the machine cannot hold, and a folder that cannot be written.
@@ -112,7 +112,7 @@ pub fn export(
 fn calculix_checks(
     study: &Study,
     prepared: &Prepared,
-    (program, judge): (&str, &str),
+    (program, reference_solver): (&str, &str),
     folder: &OutputFolder,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Check>, Timing)> {
@@ -134,26 +134,26 @@ fn calculix_checks(
         .points
         .iter()
         .map(|point| {
-            let judged = displacement_at(&steps, point.force).unwrap_or(f64::NAN);
+            let theirs = displacement_at(&steps, point.force).unwrap_or(f64::NAN);
             Check::new(
                 PROBLEM,
                 HUB_DISPLACEMENT,
                 Some(point.force),
                 "mm",
-                (point.displacement / MILLIMETRE, judged / MILLIMETRE),
-                judge,
-                (judged / point.displacement - 1.0).abs(),
+                (point.displacement / MILLIMETRE, theirs / MILLIMETRE),
+                reference_solver,
+                (theirs / point.displacement - 1.0).abs(),
                 (MODEL, Cause::Model),
             )
         })
         .collect();
     let timing = Timing {
         problem: PROBLEM.into(),
-        judge: judge.into(),
+        reference_solver: reference_solver.into(),
         degrees_of_freedom: 3 * (prepared.meshes.rail.nodes.len() + prepared.meshes.wheel.nodes.len()),
         loads: lowerings.len(),
         tool_seconds: curve.seconds,
-        judge_seconds: seconds,
+        reference_seconds: seconds,
     };
     Ok((checks, timing))
 }
@@ -195,7 +195,7 @@ pub fn crosscheck(
     monitor: &dyn Monitor,
 ) -> Result<CrosscheckRecord> {
     let begun = begin();
-    // first, so that whatever is missing is told before anything is computed
+    // first, so that whatever is missing is reported before anything is computed
     let keep = settings.keep.map(kept_in).transpose()?;
     let calculix = settings.calculix.then(calculix::version).transpose()?;
     let calculix_name = calculix.as_ref().map(|(_, name)| name.as_str());
@@ -211,8 +211,9 @@ pub fn crosscheck(
     let reference = ReferenceResult::read(&exchange_folder)?;
     let (mut checks, mut timings) =
         compare(&prepared.answers, prepared.meshes.contact_element(), settings.cases, &reference)?;
-    if let Some((program, judge)) = &calculix {
-        let (more, timing) = calculix_checks(study, &prepared, (program, judge), &exchange_folder, monitor)?;
+    if let Some((program, reference_solver)) = &calculix {
+        let (more, timing) =
+            calculix_checks(study, &prepared, (program, reference_solver), &exchange_folder, monitor)?;
         checks.extend(more);
         timings.push(timing);
     }
@@ -223,7 +224,12 @@ pub fn crosscheck(
         version: env!("CARGO_PKG_VERSION").into(),
         begun_utc: begun.begun_utc,
         host: begun.host,
-        questions: questions::questions(settings.cases, &prepared.answers, &reference.judge(), calculix_name),
+        questions: questions::questions(
+            settings.cases,
+            &prepared.answers,
+            &reference.solver_name(),
+            calculix_name,
+        ),
         calculix: calculix_name.map(str::to_owned),
         reference: Provenance { package_hash: python::package_hash(), ..reference.provenance.clone() },
         meshes: questions::meshes(&prepared.exchange),

@@ -1,10 +1,10 @@
-//! What the judges are asked, in words, and the meshes that they get.
+//! What the reference solvers are asked, in words, and the meshes that they get.
 
 use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::exchange::{BODIES, Case, Exchange};
-use crate::records::crosscheck::{JudgedMesh, Question, ToolCurve, ToolPoint};
+use crate::records::crosscheck::{ExchangedMesh, Question, ToolCurve, ToolPoint};
 use crate::stages::{AnsweredCurve, Answers};
 
 /// The questions to the reference, and to CalculiX if it is asked; `reference` and `calculix` are their names.
@@ -14,8 +14,11 @@ pub fn questions(
     reference: &str,
     calculix: Option<&str>,
 ) -> Vec<Question> {
-    let question =
-        |name: &str, judge: &str, text: String| Question { name: name.into(), judge: judge.into(), text };
+    let question = |name: &str, reference_solver: &str, text: String| Question {
+        name: name.into(),
+        reference_solver: reference_solver.into(),
+        text,
+    };
     let mut asked = vec![question(
         "elastic",
         reference,
@@ -62,15 +65,15 @@ pub fn questions(
 }
 
 /// Sizes of the meshes that are handed over.
-pub fn meshes(exchange: &Exchange) -> Vec<JudgedMesh> {
-    let size = |body: &str, mesh: &HexMesh, purpose: &str| JudgedMesh {
+pub fn meshes(exchange: &Exchange) -> Vec<ExchangedMesh> {
+    let size = |body: &str, mesh: &HexMesh, purpose: &str| ExchangedMesh {
         body: body.into(),
         purpose: purpose.into(),
         nodes: mesh.nodes.len(),
         elements: mesh.hexes.len(),
         degrees_of_freedom: 3 * mesh.nodes.len(),
     };
-    let mut sizes: Vec<JudgedMesh> =
+    let mut sizes: Vec<ExchangedMesh> =
         BODIES.iter().zip(&exchange.bodies).map(|(name, body)| size(name, &body.mesh, "same mesh")).collect();
     if let Some(bodies) = &exchange.second_order {
         let fine = BODIES.iter().zip(bodies);

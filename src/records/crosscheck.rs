@@ -1,4 +1,4 @@
-//! `crosscheck.json`: what independent judges say about the solid model.
+//! `crosscheck.json`: the comparison of the tool with independent programs on the solid model.
 
 use std::collections::BTreeMap;
 
@@ -29,10 +29,10 @@ pub struct CrosscheckRecord {
     pub reference: Provenance,
     /// CalculiX with its version, if it was asked.
     pub calculix: Option<String>,
-    /// What the judges were asked.
+    /// What the reference solvers were asked.
     pub questions: Vec<Question>,
     /// The meshes that they were given.
-    pub meshes: Vec<JudgedMesh>,
+    pub meshes: Vec<ExchangedMesh>,
     /// The limits and where their values come from.
     pub limits: Vec<Limit>,
     /// The tool's own load curves.
@@ -44,7 +44,7 @@ pub struct CrosscheckRecord {
 }
 
 impl CrosscheckRecord {
-    /// The worst check of each quantity of each problem and judge, in order of appearance, and
+    /// The worst check of each quantity of each problem and reference solver, in order of appearance, and
     /// whether all checks of that quantity hold.
     pub fn worst(&self) -> Vec<(&Check, bool)> {
         // a difference that is not a number is the worst of all
@@ -52,7 +52,9 @@ impl CrosscheckRecord {
         let mut found: Vec<(&Check, bool)> = Vec::new();
         for check in &self.checks {
             let same = |c: &Check| {
-                c.problem == check.problem && c.quantity == check.quantity && c.judge == check.judge
+                c.problem == check.problem
+                    && c.quantity == check.quantity
+                    && c.reference_solver == check.reference_solver
             };
             match found.iter_mut().find(|(c, _)| same(c)) {
                 Some((c, holds)) => {
@@ -73,20 +75,20 @@ impl CrosscheckRecord {
     }
 }
 
-/// A question to the judges.
+/// A question to the reference solvers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Question {
     /// Short name, as in the exchanged files.
     pub name: String,
-    /// The judge.
-    pub judge: String,
+    /// The reference solver.
+    pub reference_solver: String,
     /// The question in words.
     pub text: String,
 }
 
 /// Size of a mesh that was handed over.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct JudgedMesh {
+pub struct ExchangedMesh {
     /// `rail` or `wheel`.
     pub body: String,
     /// What it is for.
@@ -190,7 +192,7 @@ pub enum Cause {
     Model,
 }
 
-/// One quantity of the tool against one of a judge.
+/// One quantity of the tool compared with that of a reference solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// The problem, for instance `contact without friction`.
@@ -204,11 +206,11 @@ pub struct Check {
     /// The tool's value.
     #[serde(deserialize_with = "null_as_nan")]
     pub tool: f64,
-    /// Who judged.
-    pub judge: String,
-    /// The judge's value; not a number (`null`) if there is none.
+    /// Name and version of the reference solver.
+    pub reference_solver: String,
+    /// The reference solver's value; not a number (`null`) if there is none.
     #[serde(deserialize_with = "null_as_nan")]
-    pub judged: f64,
+    pub reference_value: f64,
     /// Difference by the measure of the limit (relative, unless the quantity says otherwise).
     #[serde(deserialize_with = "null_as_nan")]
     pub difference: f64,
@@ -240,8 +242,8 @@ impl Check {
         quantity: &str,
         load: Option<f64>,
         unit: &str,
-        (tool, judged): (f64, f64),
-        judge: &str,
+        (tool, reference_value): (f64, f64),
+        reference_solver: &str,
         difference: f64,
         (limit, cause): (f64, Cause),
     ) -> Self {
@@ -251,8 +253,8 @@ impl Check {
             load_kn: load.map(|l| l / KILONEWTON),
             unit: unit.into(),
             tool,
-            judge: judge.into(),
-            judged,
+            reference_solver: reference_solver.into(),
+            reference_value,
             difference,
             limit,
             cause,
@@ -283,21 +285,21 @@ pub struct Provenance {
     pub seconds: f64,
 }
 
-/// Time of one load curve, tool and judge.
+/// Time of one load curve, tool and reference solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// The problem.
     pub problem: String,
-    /// Who judged.
-    pub judge: String,
-    /// Degrees of freedom of the judge's model.
+    /// Name and version of the reference solver.
+    pub reference_solver: String,
+    /// Degrees of freedom of the reference solver's model.
     pub degrees_of_freedom: usize,
     /// Loads.
     pub loads: usize,
     /// Time of the tool, s.
     pub tool_seconds: f64,
-    /// Time of the judge, s.
-    pub judge_seconds: f64,
+    /// Time of the reference solver, s.
+    pub reference_seconds: f64,
 }
 
 /// JSON knows only finite numbers and writes `null` in the place of others.
@@ -342,12 +344,12 @@ mod tests {
         assert_eq!(seen(&own)[0], ("a".into(), Some(4.0), false));
     }
 
-    /// A judge without an answer: the file can be read again, and the check still fails.
+    /// A reference solver without an answer: the file can be read again, and the check still fails.
     #[test]
     fn an_answer_that_is_no_number_survives_the_file() {
         let own = record(vec![check("a", 1e3, f64::NAN)]);
         let read: CrosscheckRecord = serde_json::from_str(&serde_json::to_string(&own).unwrap()).unwrap();
         let check = &read.checks[0];
-        assert!(check.judged.is_nan() && check.difference.is_nan() && !check.holds, "{check:?}");
+        assert!(check.reference_value.is_nan() && check.difference.is_nan() && !check.holds, "{check:?}");
     }
 }

@@ -14,8 +14,8 @@ use crate::records::{
 };
 
 use crate::records::crosscheck::{
-    Cause, Check, CrosscheckRecord, HUB_DISPLACEMENT, JudgedMesh, Limit, Provenance, Question, SectionCell,
-    SectionDifference, TANGENT_STIFFNESS, Timing,
+    Cause, Check, CrosscheckRecord, ExchangedMesh, HUB_DISPLACEMENT, Limit, Provenance, Question,
+    SectionCell, SectionDifference, TANGENT_STIFFNESS, Timing,
 };
 
 use super::ProfilePair;
@@ -302,7 +302,7 @@ pub(crate) fn measured() -> Measured {
     }
 }
 
-/// Two judges, three problems, one load that fails and one without an answer.
+/// Two reference solvers, three problems, one load that fails and one without an answer.
 pub(crate) fn crosscheck() -> CrosscheckRecord {
     let mut checks = Vec::new();
     let loads = [5.0, 10.0, 20.0, 40.0, 60.0, 85.0, 120.0, 150.0];
@@ -322,36 +322,36 @@ pub(crate) fn crosscheck() -> CrosscheckRecord {
         7.7e-14,
         (1e-9, Cause::Roundoff),
     ));
-    for (k, (problem, judge, limit, cause)) in problems.into_iter().enumerate() {
+    for (k, (problem, reference_solver, limit, cause)) in problems.into_iter().enumerate() {
         for load in loads {
             let hub = (1.0 - 0.02 * f64::from(k == 2)) * 1.9e-3 * f64::powf(load, 0.85);
             let off = limit * (1.1 - 0.002 * load) * if k % 2 == 0 { -0.8 } else { 0.95 };
-            let judged = if k == 3 && load == 150.0 { f64::NAN } else { hub * (1.0 + off) };
-            let of = |quantity, unit, (tool, judged): (f64, f64), limit| {
-                let difference = (judged / tool - 1.0).abs();
+            let theirs = if k == 3 && load == 150.0 { f64::NAN } else { hub * (1.0 + off) };
+            let of = |quantity, unit, (tool, theirs): (f64, f64), limit| {
+                let difference = (theirs / tool - 1.0).abs();
                 Check::new(
                     problem,
                     quantity,
                     Some(load * 1e3),
                     unit,
-                    (tool, judged),
-                    judge,
+                    (tool, theirs),
+                    reference_solver,
                     difference,
                     (limit, cause),
                 )
             };
-            checks.push(of(HUB_DISPLACEMENT, "mm", (hub, judged), limit));
+            checks.push(of(HUB_DISPLACEMENT, "mm", (hub, theirs), limit));
             let tangent = 1e3 * load / hub / 0.85;
             checks.push(of(TANGENT_STIFFNESS, "kN/m", (tangent, tangent * (1.0 - 2.1 * off)), 2.0 * limit));
         }
     }
-    let timings = problems.map(|(problem, judge, ..)| Timing {
+    let timings = problems.map(|(problem, reference_solver, ..)| Timing {
         problem: problem.into(),
-        judge: judge.into(),
+        reference_solver: reference_solver.into(),
         degrees_of_freedom: 114_396,
         loads: loads.len(),
         tool_seconds: 5.4,
-        judge_seconds: 61.2,
+        reference_seconds: 61.2,
     });
     CrosscheckRecord {
         study: "sample".into(),
@@ -373,10 +373,10 @@ pub(crate) fn crosscheck() -> CrosscheckRecord {
         calculix: Some("CalculiX 2.20".into()),
         questions: vec![Question {
             name: "same_mesh".into(),
-            judge: "scikit-fem 11".into(),
+            reference_solver: "scikit-fem 11".into(),
             text: "Hub displacement?".into(),
         }],
-        meshes: vec![JudgedMesh {
+        meshes: vec![ExchangedMesh {
             body: "rail".into(),
             purpose: "same mesh".into(),
             nodes: 14_000,

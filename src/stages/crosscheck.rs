@@ -1,6 +1,6 @@
-//! The tool's own answers to the questions that independent judges are asked.
+//! The tool's own answers to the questions that independent programs are asked.
 //!
-//! Judges know full integration, so the tool answers with full integration
+//! The reference solvers know full integration, so the tool answers with full integration
 //! too, next to the study's own element.
 
 use std::time::Instant;
@@ -20,9 +20,9 @@ use railspring_calibrate::units::KILONEWTON;
 use super::{Geometry, Meshes, formulation};
 use crate::study::{ReferenceKey, Study};
 
-/// Loads at which judges are asked, kN; those above the study's largest load are left out.
+/// Loads at which reference solvers are asked, kN; those above the study's largest load are left out.
 const LOADS_KN: [f64; 8] = [5.0, 10.0, 20.0, 40.0, 60.0, 85.0, 120.0, 150.0];
-/// Number of compliance columns a body that judges repeat.
+/// Number of compliance columns a body that reference solvers repeat.
 const COLUMNS: usize = 6;
 
 /// One body with a question and the tool's answer.
@@ -78,8 +78,8 @@ pub fn rail_held<'a>(study: &Study, rail: &'a HexMesh) -> &'a [usize] {
     }
 }
 
-/// Loads at which judges are asked, N.
-fn judged_loads(study: &Study) -> Vec<f64> {
+/// Loads at which reference solvers are asked, N.
+fn asked_loads(study: &Study) -> Vec<f64> {
     let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
     LOADS_KN.iter().map(|l| l * KILONEWTON).filter(|l| *l <= largest * (1.0 + 1e-9)).collect()
 }
@@ -87,7 +87,7 @@ fn judged_loads(study: &Study) -> Vec<f64> {
 /// Answers all questions.
 ///
 /// # Errors
-/// Those of the calibration, and loads that are all below the smallest judged one.
+/// Those of the calibration, and loads that are all below the smallest load of the reference solvers.
 pub fn answers(
     study: &Study,
     geometry: &Geometry,
@@ -169,13 +169,13 @@ impl<'a> Asked<'a> {
         meshes: &'a Meshes,
         monitor: &'a dyn Monitor,
     ) -> Result<Self> {
-        let loads = judged_loads(study);
+        let loads = asked_loads(study);
         if loads.is_empty() {
             let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
             return Err(InputError::new(
                 "calibration.load_max_kn",
                 largest / KILONEWTON,
-                format!("a load of at least {} kN, the smallest at which judges are asked", LOADS_KN[0]),
+                format!("a load of at least {} kN, the smallest of the cross-validation", LOADS_KN[0]),
                 "raise it, or the last of loads_kn",
             )
             .into());

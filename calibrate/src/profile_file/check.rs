@@ -46,17 +46,17 @@ pub(super) fn remove_duplicates(points: &mut Vec<MeasuredPoint>, findings: &mut 
     });
 }
 
-/// Points of an evenly thinned profile on which the order is judged.
-const JUDGED: usize = 2000;
+/// Points of an evenly thinned profile by which the order is checked.
+const ORDER_SAMPLE: usize = 2000;
 /// Ratio of the length of the line to its extent above which the points lie in no order: a rail head has 2.
 const SCATTERED: f64 = 4.0;
 /// Most points that are put in order.
 const MOST_ORDERED: usize = 5000;
 
 fn scattered(points: &[MeasuredPoint]) -> bool {
-    let step = points.len().div_ceil(JUDGED);
-    let judged: Vec<Point2<f64>> = points.iter().step_by(step).map(|p| p.point).collect();
-    length(&judged) > SCATTERED * extent(&judged)
+    let step = points.len().div_ceil(ORDER_SAMPLE);
+    let sample: Vec<Point2<f64>> = points.iter().step_by(step).map(|p| p.point).collect();
+    length(&sample) > SCATTERED * extent(&sample)
 }
 
 fn length(points: &[Point2<f64>]) -> f64 {

@@ -1,4 +1,4 @@
-//! The judges' load curves beside the tool's.
+//! The reference solvers' load curves beside the tool's.
 
 use plotters::prelude::*;
 
@@ -7,18 +7,18 @@ use crate::report::figures::WIDTH;
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Dash, GREY, Marker, ORANGE, RED, Series};
 
-/// How the curves of one problem and judge look; the pairs repeat only after twelve.
+/// How the curves of one problem and reference solver look; the pairs repeat only after twelve.
 fn look(index: usize) -> (RGBColor, Marker) {
     const COLORS: [RGBColor; 4] = [DARK, RED, BLUE, ORANGE];
     const MARKERS: [Marker; 3] = [Marker::Circle, Marker::Square, Marker::Triangle];
     (COLORS[index % COLORS.len()], MARKERS[index % MARKERS.len()])
 }
 
-/// Problems and judges of a quantity, in order of appearance.
+/// Problems and reference solvers of a quantity, in order of appearance.
 fn pairs<'a>(record: &'a CrosscheckRecord, quantity: &str) -> Vec<(&'a str, &'a str)> {
     let mut found = Vec::new();
     for check in record.checks.iter().filter(|c| c.quantity == quantity && c.load_kn.is_some()) {
-        let pair = (check.problem.as_str(), check.judge.as_str());
+        let pair = (check.problem.as_str(), check.reference_solver.as_str());
         if !found.contains(&pair) {
             found.push(pair);
         }
@@ -30,9 +30,11 @@ fn pairs<'a>(record: &'a CrosscheckRecord, quantity: &str) -> Vec<(&'a str, &'a 
 fn of<'a>(
     record: &'a CrosscheckRecord,
     quantity: &'a str,
-    (problem, judge): (&'a str, &'a str),
+    (problem, reference_solver): (&'a str, &'a str),
 ) -> impl Iterator<Item = (f64, &'a Check)> {
-    let same = move |c: &&Check| c.problem == problem && c.judge == judge && c.quantity == quantity;
+    let same = move |c: &&Check| {
+        c.problem == problem && c.reference_solver == reference_solver && c.quantity == quantity
+    };
     record.checks.iter().filter(same).filter_map(|c| Some((c.load_kn?, c)))
 }
 
@@ -63,7 +65,7 @@ fn differences(record: &CrosscheckRecord, quantity: &str) -> String {
             for pair in pairs(record, quantity) {
                 let points: Vec<(f64, f64)> = of(record, quantity, pair)
                     .filter(|(_, check)| check.limit == limit)
-                    .map(|(load, check)| (load, 100.0 * (check.judged / check.tool - 1.0)))
+                    .map(|(load, check)| (load, 100.0 * (check.reference_value / check.tool - 1.0)))
                     .collect();
                 if points.is_empty() {
                     continue;
@@ -83,7 +85,7 @@ fn differences(record: &CrosscheckRecord, quantity: &str) -> String {
     stacked(WIDTH, 200, &panels)
 }
 
-/// Load over hub displacement: lines of the tool, marks of the judges.
+/// Load over hub displacement: lines of the tool, marks of the reference solvers.
 pub fn load_over_displacement(record: &CrosscheckRecord) -> String {
     let mut series: Vec<Series> = Vec::new();
     let mut marks = Vec::new();
@@ -95,8 +97,8 @@ pub fn load_over_displacement(record: &CrosscheckRecord) -> String {
             let dash = [Dash::Solid, Dash::Dashed, Dash::Dotted][series.len() % 3];
             series.push(Series::line(&format!("tool: {}", pair.0), tool, color, dash));
         }
-        let judged = of(record, HUB_DISPLACEMENT, pair).map(|(l, c)| (c.judged, l)).collect();
-        marks.push(Series::marks(&named(pair), judged, color, marker));
+        let theirs = of(record, HUB_DISPLACEMENT, pair).map(|(l, c)| (c.reference_value, l)).collect();
+        marks.push(Series::marks(&named(pair), theirs, color, marker));
     }
     series.extend(marks);
     stacked(
@@ -111,6 +113,6 @@ pub fn load_over_displacement(record: &CrosscheckRecord) -> String {
     )
 }
 
-fn named((problem, judge): (&str, &str)) -> String {
-    format!("{judge}: {problem}")
+fn named((problem, reference_solver): (&str, &str)) -> String {
+    format!("{reference_solver}: {problem}")
 }

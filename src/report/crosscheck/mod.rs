@@ -102,12 +102,12 @@ fn figures(
         collected.add(
             "crosscheck-load",
             curves::load_over_displacement(record),
-            "Load over hub displacement. Lines: the tool. Marks: the judges.".into(),
+            "Load over hub displacement. Lines: the tool. Marks: the reference solvers.".into(),
         ),
         collected.add(
             "crosscheck-displacement",
             curves::displacement(record),
-            "Hub displacement of each judge less that of the tool, relative to the tool, with the limits. A panel for each limit.".into(),
+            "Hub displacement of each reference solver less that of the tool, relative to the tool, with the limits. One panel per limit.".into(),
         ),
         collected.add(
             "crosscheck-tangent",
@@ -144,13 +144,15 @@ fn figures(
     found
 }
 
-/// Checks by problem and judge, in order of appearance, as text.
+/// Checks by problem and reference solver, in order of appearance, as text.
 fn groups<'a>(checks: impl Iterator<Item = (&'a Check, bool)>) -> Vec<Value> {
     let mut found: Vec<(&str, &str, Vec<Value>)> = Vec::new();
     for (check, holds) in checks {
-        let key = (check.problem.as_str(), check.judge.as_str());
-        let at =
-            found.iter().position(|(problem, judge, _)| (*problem, *judge) == key).unwrap_or_else(|| {
+        let key = (check.problem.as_str(), check.reference_solver.as_str());
+        let at = found
+            .iter()
+            .position(|(problem, reference_solver, _)| (*problem, *reference_solver) == key)
+            .unwrap_or_else(|| {
                 found.push((key.0, key.1, Vec::new()));
                 found.len() - 1
             });
@@ -158,7 +160,7 @@ fn groups<'a>(checks: impl Iterator<Item = (&'a Check, bool)>) -> Vec<Value> {
     }
     found
         .into_iter()
-        .map(|(problem, judge, rows)| json!({ "problem": problem, "judge": judge, "rows": rows }))
+        .map(|(problem, reference_solver, rows)| json!({ "problem": problem, "reference_solver": reference_solver, "rows": rows }))
         .collect()
 }
 
@@ -167,7 +169,7 @@ fn row(check: &Check, holds: bool) -> Value {
         "quantity": check.quantity,
         "load": check.load_kn.map_or_else(String::new, number),
         "tool": value(check.tool),
-        "judged": value(check.judged),
+        "reference_value": value(check.reference_value),
         "unit": check.unit,
         "difference": scientific(check.difference),
         "limit": scientific(check.limit),

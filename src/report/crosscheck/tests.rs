@@ -31,7 +31,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
     assert_eq!(html.matches("href=\"").count(), 1);
     assert_eq!(html.matches("href=\"report.html\"").count(), 1);
     assert!(!sample_page(false).contains("href=\""), "no report to point to");
-    assert!(!html.contains("NaN"), "a missing answer is told in words");
+    assert!(!html.contains("NaN"), "a missing answer is reported in words");
     let record = samples::crosscheck();
     let rows = html.split("<h2>Every check</h2>").nth(1).unwrap();
     assert_eq!(rows.matches(">holds<").count() + rows.matches(">fails<").count(), record.checks.len());
