@@ -304,7 +304,9 @@ fn accepted_reference(study: &Study, key: &str, reference: Option<&str>) -> Resu
         Some("foot") => {
             "against the rail's foot it has the rail's bending, which the beam adds a second time"
         }
-        Some("local") => "the approach of the surfaces alone leaves out what wheel and rail head give way",
+        Some("local") => {
+            "the approach of the surfaces alone leaves out the deflection of wheel and rail head"
+        }
         Some(other) => {
             return Err(InputError::new(
                 key,

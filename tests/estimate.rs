@@ -1,4 +1,4 @@
-//! What a study is expected to take, held against what it takes; and the refusal of what the machine cannot hold.
+//! The estimate of what a study takes, compared with what it takes; and the refusal of what the machine cannot hold.
 
 use std::path::PathBuf;
 use std::process::Output;

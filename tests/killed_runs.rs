@@ -126,7 +126,7 @@ fn a_killed_run_leaves_no_mixture() {
         if kill % 2 == 0 {
             std::thread::sleep(duration * random.below(1000) as u32 / 1000);
         } else {
-            // Every file is written under a temporary name and renamed: two changes a file, some forty files.
+            // Every file is written under a temporary name and renamed: two changes per file, some forty files.
             await_changes(&out, &mut child, 1 + random.below(80) as usize);
         }
         child.kill().unwrap();

@@ -1,5 +1,5 @@
 //! The modules stand in the order of the pipeline: a module uses only those above it, in a crate and inside a
-//! module. The file that lists them says the order; every path that starts with `crate::` or `super::` is held against it.
+//! module. The file that lists them says the order; every path that starts with `crate::` or `super::` is compared with it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

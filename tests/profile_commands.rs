@@ -16,7 +16,7 @@ fn railspring(folder: &Path, arguments: &[&str]) -> Output {
 }
 
 /// Standard output of a command that must succeed.
-fn told(folder: &Path, arguments: &[&str]) -> String {
+fn output_of(folder: &Path, arguments: &[&str]) -> String {
     let output = railspring(folder, arguments);
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
@@ -42,7 +42,7 @@ fn worn(name: &str) -> String {
 #[test]
 fn list_names_every_standard() {
     let place = tempfile::tempdir().unwrap();
-    let text = told(place.path(), &["list"]);
+    let text = output_of(place.path(), &["list"]);
     for name in ["60E1", "UIC60", "60E2", "54E1", "S1002", "EN13715-1in40", "straight-web", "s-web"] {
         assert!(text.contains(name), "{name} in {text}");
     }
@@ -56,22 +56,22 @@ fn show_prints_the_published_properties() {
     let published =
         [("60E1", 76.70, 3038.3, 512.3), ("60E2", 76.48, 3022.0, 510.5), ("54E1", 69.77, 2338.0, 419.2)];
     for (name, area, ixx, iyy) in published {
-        let text = told(place.path(), &["show", name]);
+        let text = output_of(place.path(), &["show", name]);
         for (key, value) in [("area", area), ("Ixx", ixx), ("Iyy", iyy)] {
             let line = text.lines().find(|line| line.starts_with(key)).unwrap();
             let shown: f64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
             assert!((shown / value - 1.0).abs() < 1e-3, "{name}: {line} against {value}");
         }
     }
-    let cone = told(place.path(), &["show", "EN13715-1in40"]);
+    let cone = output_of(place.path(), &["show", "EN13715-1in40"]);
     assert!(cone.contains("kink") && cone.contains("R 36.00"), "{cone}");
-    assert!(told(place.path(), &["show", &worn("worn-s1002.whl")]).contains("profile file"));
+    assert!(output_of(place.path(), &["show", &worn("worn-s1002.whl")]).contains("profile file"));
 }
 
 #[test]
 fn plot_draws_standards_over_each_other() {
     let place = tempfile::tempdir().unwrap();
-    told(place.path(), &["plot", "60E1", "60E2", "-o", "rails.svg"]);
+    output_of(place.path(), &["plot", "60E1", "60E2", "-o", "rails.svg"]);
     let figure = std::fs::read_to_string(place.path().join("rails.svg")).unwrap();
     assert!(figure.starts_with("<svg") && figure.trim_end().ends_with("</svg>"));
     assert!(figure.contains("60E1") && figure.contains("60E2") && figure.contains("curvature"));
@@ -92,7 +92,7 @@ fn plot_marks_the_findings_of_a_file() {
     lines.insert(400, twice);
     std::fs::write(place.path().join("spoiled.whl"), lines.join("\n") + "\n").unwrap();
 
-    told(place.path(), &["plot", "spoiled.whl", "-o", "found.svg"]);
+    output_of(place.path(), &["plot", "spoiled.whl", "-o", "found.svg"]);
     let figure = std::fs::read_to_string(place.path().join("found.svg")).unwrap();
     for part in [
         "finding, repaired",
@@ -103,7 +103,7 @@ fn plot_marks_the_findings_of_a_file() {
         assert!(figure.contains(part), "{part:?} in the figure");
     }
     // What the list says is what `check` says.
-    let check = told(place.path(), &["check", "spoiled.whl"]);
+    let check = output_of(place.path(), &["check", "spoiled.whl"]);
     let listed = figure.lines().filter(|line| line.trim_start().starts_with('[')).count();
     assert_eq!(listed, check.lines().count() - 1, "{check}");
 }
@@ -112,7 +112,7 @@ fn plot_marks_the_findings_of_a_file() {
 fn contact_writes_table_and_figure() {
     let place = tempfile::tempdir().unwrap();
     let arguments = ["contact", "S1002", "60E1", "--shift-mm", "4", "--step-mm", "0.5", "-o", "pair"];
-    let text = told(place.path(), &arguments);
+    let text = output_of(place.path(), &arguments);
     assert!(text.contains("equivalent conicity at 3 mm"), "{text}");
     let table = std::fs::read_to_string(place.path().join("pair.csv")).unwrap();
     assert!(table.starts_with("shift_mm,side,point,"), "{table}");

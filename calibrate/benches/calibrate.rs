@@ -1,8 +1,8 @@
 //! Time of the steps of a calibration: `cargo bench -p railspring-calibrate`.
 //!
-//! S1002 on 60E1, contact elements of 6 mm, so coarse that each step takes well below a second: assembly, factor and
+//! S1002 on 60E1, contact elements of 6 mm, coarse enough for each step to take well below a second: assembly, factor and
 //! condensation of the rail, pairing of the surfaces, pressing without and with friction. What counts is how the
-//! steps compare with each other, and with themselves before a change; the default mesh has thirty times the unknowns.
+//! steps compare with each other, and with themselves before a change.
 
 use std::hint::black_box;
 

@@ -165,7 +165,7 @@ impl fmt::Display for Ending {
 /// A whole run. Row 0 is the initial state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
-    /// States, one a time step, the initial one first.
+    /// States, one per time step, the initial one first.
     pub rows: Vec<HistoryRow>,
     /// Degrees of freedom of the model.
     pub degrees_of_freedom: usize,

@@ -10,10 +10,10 @@ use crate::field::InputField;
 /// Time steps that a period of a force must have at least.
 ///
 /// Average acceleration replaces the frequency ω of a motion by 2/Δt·tan(ωΔt/2), so that a force moves a free
-/// mass by the share (x/tan x)² of the right amplitude, x = ωΔt/2 = π/n with n steps a period. Twenty steps leave 0.984,
+/// mass by the share (x/tan x)² of the right amplitude, x = ωΔt/2 = π/n with n steps per period. Twenty steps leave 0.984,
 /// and the sampled force misses its peak by no more than 1 − cos x = 0.012; with ten it would be 0.934 and 0.049,
-/// and with one step a period the force vanishes.
-pub const LEAST_STEPS_A_PERIOD: f64 = 20.0;
+/// and with one step per period the force vanishes.
+pub const LEAST_STEPS_PER_PERIOD: f64 = 20.0;
 
 /// A force `constant + amplitude·sin(2π·frequency·t + phase)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,10 +40,10 @@ impl HarmonicForce {
         self.constant + self.amplitude * (TAU * self.frequency * t + self.phase).sin()
     }
 
-    /// Whether steps of `time_step` (s) follow the force: [`LEAST_STEPS_A_PERIOD`] a period.
+    /// Whether steps of `time_step` (s) follow the force: [`LEAST_STEPS_PER_PERIOD`] a period.
     fn is_resolved(&self, time_step: f64) -> bool {
         // A product of three factors may round up.
-        self.amplitude == 0.0 || LEAST_STEPS_A_PERIOD * self.frequency * time_step <= 1.0 + 1e-12
+        self.amplitude == 0.0 || LEAST_STEPS_PER_PERIOD * self.frequency * time_step <= 1.0 + 1e-12
     }
 }
 
@@ -57,7 +57,7 @@ pub struct Kelvin {
 }
 
 impl Kelvin {
-    /// Lengthening (m) at time `t` (s) under a `force` that it hands on, unloaded at t = 0: the solution of
+    /// Lengthening (m) at time `t` (s) under a `force` that it transmits, unloaded at t = 0: the solution of
     /// `damping·de/dt + stiffness·e = force`. Without stiffness and damping it is a rigid link.
     ///
     /// ```
@@ -97,7 +97,7 @@ pub struct Scenario {
     /// Gravity, m/s², acting on the wheel and the suspended mass; 0 leaves it out.
     pub gravity: f64,
     /// Suspended mass on the vertical spring and damper, kg. Without one the vertical force acts at the massless
-    /// end of spring and damper, which hand it on to the wheel centre unchanged.
+    /// end of spring and damper, which transmit it to the wheel centre unchanged.
     pub suspended_mass: f64,
     /// Vertical spring and damper between the wheel centre and the suspended mass.
     pub vertical_suspension: Kelvin,
@@ -145,11 +145,11 @@ impl Scenario {
                 return Err(InputError::new(field, value, "finite values", "correct the force"));
             }
             if !force.is_resolved(self.time_step) {
-                let longest = 1.0 / (LEAST_STEPS_A_PERIOD * force.frequency);
+                let longest = 1.0 / (LEAST_STEPS_PER_PERIOD * force.frequency);
                 return Err(InputError::new(
                     field,
                     format!("{} Hz at time steps of {} s", force.frequency, self.time_step),
-                    format!("a period of at least {LEAST_STEPS_A_PERIOD} time steps"),
+                    format!("a period of at least {LEAST_STEPS_PER_PERIOD} time steps"),
                     format!("lower `{}` to {longest:.3e} s or less, or the frequency", InputField::TimeStep),
                 ));
             }
@@ -202,7 +202,7 @@ mod tests {
     }
 
     /// Goal: a force of 1000 Hz at steps of 1 ms, which all its samples miss, is refused with its key and the step that
-    /// would do; twenty steps a period pass, with their rounding; no amplitude, no limit.
+    /// would do; twenty steps per period pass, with their rounding; no amplitude, no limit.
     #[test]
     fn a_force_must_be_resolved() {
         let quiet = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };

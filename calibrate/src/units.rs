@@ -1,5 +1,5 @@
 //! Units. Inside, every quantity is SI (N, m, kg, s, rad); these factors
-//! convert at the edges, where the unit is part of the name.
+//! convert in input and output, where the unit is part of the name.
 
 /// One millimetre in metres.
 pub const MILLIMETRE: f64 = 1e-3;

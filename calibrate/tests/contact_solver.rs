@@ -1,5 +1,5 @@
-//! The contact solver on small hard problems: every answer is held against the conditions of Signorini and Coulomb
-//! themselves, which know nothing of the way that led to it.
+//! The contact solver on small hard problems: every answer is checked against the conditions of Signorini and
+//! Coulomb themselves, which do not depend on how it was found.
 
 use faer::Mat;
 use nalgebra::{Matrix2, Unit, Vector2, Vector3};
@@ -68,7 +68,7 @@ fn along_z(force: f64) -> FreeDirection {
     FreeDirection { along: Vector3::z_axis(), force }
 }
 
-/// Goal: two points of a rim that gives way sideways ten times more than downwards, pressed with 1 kN at the friction
+/// Goal: two points of a rim that is ten times more flexible sideways than downwards, pressed with 1 kN at the friction
 /// 0.05: the points stick. A Newton iteration in full steps throws both to and fro between slipping one way and
 /// the other, the hub free. Units SI; the numbers are those of a coarse wheel on a coarse rail. Accuracy: SOLVER.
 #[test]

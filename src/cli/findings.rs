@@ -70,7 +70,7 @@ pub(super) fn marked(profile: &MeasuredProfile, prepared: &Prepared, listed: &mu
 fn gravity(action: Action) -> u8 {
     match action {
         Action::Noted => 0,
-        Action::Mended => 1,
+        Action::Repaired => 1,
         Action::Left => 2,
     }
 }
@@ -81,7 +81,7 @@ fn place(finding: &Finding, profile: &MeasuredProfile, prepared: &Prepared) -> O
     // A line of the header has no place.
     profile.points.iter().any(|p| (first..=last).contains(&p.line)).then_some(())?;
     let curve = &prepared.curve;
-    // The points as read: what was mended is often no longer among the prepared ones.
+    // The points as read: what was repaired is often no longer among the prepared ones.
     let on_curve = |line: usize| {
         let nearest = profile.points.iter().min_by_key(|p| p.line.abs_diff(line))?;
         Some(curve.closest(&nearest.point).0)

@@ -20,7 +20,7 @@ pub(super) enum ProfileCommand {
     ///
     /// Exit code 1 if something is left that could not be repaired.
     Check(FileArgs),
-    /// Write a profile file in another format, told by the ending: .prr .prw .ban .whl .txt .dat .csv
+    /// Write a profile file in another format, by its extension: .prr .prw .ban .whl .txt .dat .csv
     Convert {
         #[command(flatten)]
         file: FileArgs,

@@ -171,7 +171,7 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
     for (y, height, mark) in found {
         let (color, marker) = match mark.action {
             Action::Noted => (GREY, Marker::Disc),
-            Action::Mended => (BLUE, Marker::Square),
+            Action::Repaired => (BLUE, Marker::Square),
             Action::Left => (DARK_RED, Marker::Triangle),
         };
         let name = format!("finding, {}", mark.action.name());

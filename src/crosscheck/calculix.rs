@@ -78,10 +78,10 @@ pub fn run(program: &str, folder: &Path, name: &str, count: usize, monitor: &dyn
     let said = std::fs::read_to_string(&log).unwrap_or_default();
     let words = said.lines().find(|line| line.contains("*ERROR"));
     if !status.success() || words.is_some() || steps.len() != count {
-        let told = format!("{} of {count} steps", steps.len());
+        let reached = format!("{} of {count} steps", steps.len());
         return Err(InputError::new(
             "CalculiX",
-            words.map_or(told.as_str(), str::trim),
+            words.map_or(reached.as_str(), str::trim),
             "a run that ends",
             format!("see {}", log.display()),
         )

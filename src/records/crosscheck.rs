@@ -143,7 +143,7 @@ pub struct Differences {
     pub input_hash: String,
     /// When the cross-check began that they belong to.
     pub begun_utc: String,
-    /// One section a body.
+    /// One section per body.
     pub sections: Vec<SectionDifference>,
 }
 

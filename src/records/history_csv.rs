@@ -1,4 +1,4 @@
-//! `history.csv` and `solid_history.csv`: one row a time step.
+//! `history.csv` and `solid_history.csv`: one row per time step.
 //!
 //! Forces in kN, positions in mm, each in the frame that its name says. The
 //! contacts of a row follow each other from the gauge side to the field side;

@@ -273,7 +273,7 @@ fn spans(history: &History, on_flange: bool) -> Vec<(ContactMode, f64, f64)> {
     spans
 }
 
-/// Where the compliance sits, one bar a load.
+/// Where the compliance sits, one bar per load.
 pub fn compliance(rows: &[ComplianceRecord]) -> String {
     let rows = &some_loads(rows);
     const ROW: u32 = 34;

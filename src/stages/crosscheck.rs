@@ -22,7 +22,7 @@ use crate::study::{ReferenceKey, Study};
 
 /// Loads at which reference solvers are asked, kN; those above the study's largest load are left out.
 const LOADS_KN: [f64; 8] = [5.0, 10.0, 20.0, 40.0, 60.0, 85.0, 120.0, 150.0];
-/// Number of compliance columns a body that reference solvers repeat.
+/// Number of compliance columns per body that the reference solvers repeat.
 const COLUMNS: usize = 6;
 
 /// One body with a question and the tool's answer.

@@ -37,7 +37,7 @@ pub(super) fn rail(study: &Study) -> Result<(RailSection, Option<ProfileRecord>)
             motion.translation.y / MILLIMETRE,
             100.0 * motion.share,
         );
-        let action = if motion.share < ENOUGH_UNWORN { Action::Left } else { Action::Mended };
+        let action = if motion.share < ENOUGH_UNWORN { Action::Left } else { Action::Repaired };
         findings.push(Finding {
             kind: FindingKind::Aligned,
             lines: None,

@@ -245,7 +245,7 @@ mod tests {
     use super::*;
     use crate::stages;
 
-    /// Keeps what it is told in notes.
+    /// Keeps the notes that are reported to it.
     #[derive(Default)]
     struct Notes(Mutex<Vec<String>>);
 

@@ -1,6 +1,6 @@
 //! A rail beam made as flexible at midspan as the solid rail it stands for.
 //!
-//! The ends of a short solid rail are held against warping, and so is its middle by symmetry; Timoshenko's beam knows
+//! The ends of a short solid rail cannot warp, nor can its middle by symmetry; Timoshenko's beam knows
 //! nothing of it and is up to a sixth too flexible. The correction puts the difference into the shear and
 //! torsion stiffness, so that beam and stiffness law in series are the solid at the contact. With the length it goes to 1.
 
@@ -11,7 +11,7 @@ use nalgebra::{Matrix2, Matrix3, Rotation2, Vector2};
 use super::rail::RailBeam;
 use super::section::BeamCorrection;
 
-/// Share of shear (or twist) in the flexibility below which it cannot be told from the mesh's error in bending,
+/// Share of shear (or twist) in the flexibility below which it cannot be distinguished from the mesh's error in bending,
 /// which is one per cent of the whole (measured on 60E1, sections of 12 mm elements); the factor then stays 1.
 const LEAST_SHARE: f64 = 0.1;
 /// Factors outside would not be a correction any more: the rail is too short for a beam.

@@ -28,8 +28,8 @@ pub enum Reference {
     /// stands in series with a rail beam, whatever the rail's length.
     #[default]
     Beam,
-    /// The approach of the two surfaces alone, as half-space programs give it: the way of the hub less what the bodies
-    /// beyond their half-spaces give way to the growing load.
+    /// The approach of the two surfaces alone, as half-space programs give it: the displacement of the hub less
+    /// the deflection of the bodies beyond their half-spaces.
     Local,
 }
 

@@ -167,7 +167,7 @@ impl WheelOnRail<'_> {
                     }
                 }
                 Err(failed) => {
-                    // at a smaller load the patch is inside its zone; what is wrong is said of the load that was asked for
+                    // at a smaller load the patch is inside its zone; what is wrong is reported for the wanted load
                     error = failed;
                     break;
                 }
@@ -199,7 +199,7 @@ impl WheelOnRail<'_> {
                     let mut points = self.points_at(&hub, PAIRING_GAP);
                     let keep: Vec<bool> =
                         last.gaps_at(&points).iter().map(|gap| *gap < CANDIDATE_MARGIN).collect();
-                    // after a long way of the hub on a slope the last displacements say nothing of the new place
+                    // after a large displacement of the hub on a slope the last displacements say nothing of the new place
                     if keep.contains(&true) {
                         let mut keep = keep.into_iter();
                         points.retain(|_| keep.next().unwrap_or(false));

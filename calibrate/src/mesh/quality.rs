@@ -67,7 +67,7 @@ pub fn quality(mesh: &HexMesh) -> Result<Quality> {
                     middle.x, middle.y, middle.z
                 ),
                 "positive values",
-                "change the element sizes, or mend the profile there",
+                "change the element sizes, or repair the profile there",
             )
             .into());
         }

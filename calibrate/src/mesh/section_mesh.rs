@@ -114,7 +114,7 @@ pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<Se
             "section outline",
             format!("({}, {}) m", p.x, p.y),
             "finite coordinates",
-            "mend the profile",
+            "repair the profile",
         )
         .into());
     }

@@ -31,7 +31,7 @@ fn triangulate(points: &[Point2<f64>], boundary: usize) -> Result<Vec<[usize; 3]
             "section outline",
             format!("({:.4}, {:.4}) mm", p.x * 1e3, p.y * 1e3),
             "a simple closed outline",
-            format!("mend the outline: {what}"),
+            format!("repair the outline: {what}"),
         )
     };
     let mut cdt = ConstrainedDelaunayTriangulation::<spade::Point2<f64>>::new();

@@ -35,7 +35,7 @@ pub(super) fn remove_duplicates(points: &mut Vec<MeasuredPoint>, findings: &mut 
                 duplicates.add(
                     (before.line, p.line),
                     value,
-                    Action::Mended,
+                    Action::Repaired,
                     "on top of each other: the later dropped",
                 );
                 return false;
@@ -104,7 +104,7 @@ pub(super) fn restore_order(
     findings.push(
         Finding::new(
             FindingKind::OutOfOrder,
-            Action::Mended,
+            Action::Repaired,
             "points in no order: put in that of nearest neighbours",
         )
         .on_lines(first, last)
@@ -143,20 +143,20 @@ fn turn_at(points: &[MeasuredPoint], i: usize) -> f64 {
     turn(points[i].point - points[i - 1].point, points[i + 1].point - points[i].point)
 }
 
-/// Mends steps back: a short one, where two points have changed places, by the mean of the two; a long one, where
+/// Repairs steps back: a short one, where two points have changed places, by the mean of the two; a long one, where
 /// scans overlap, by dropping the later scan up to the end of the earlier.
-pub(super) fn mend_steps_back(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
+pub(super) fn repair_steps_back(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
     const MOST_PASSES: usize = 50;
     let mut zigzags = Findings::new(findings, FindingKind::ZigZag);
     let short = 3.0 * median_step(points);
     for _ in 0..MOST_PASSES {
-        let mut mended: Vec<MeasuredPoint> = Vec::with_capacity(points.len());
+        let mut repaired: Vec<MeasuredPoint> = Vec::with_capacity(points.len());
         let mut changed = false;
         let mut i = 0;
         while i < points.len() {
             let back = i >= 1 && i + 2 < points.len() && turn_at(points, i).abs() > STEP_BACK;
             if !back {
-                mended.push(points[i]);
+                repaired.push(points[i]);
                 i += 1;
                 continue;
             }
@@ -167,8 +167,8 @@ pub(super) fn mend_steps_back(points: &mut Vec<MeasuredPoint>, findings: &mut Ve
             if distance <= short && returns {
                 let value = (distance / MILLIMETRE, "mm");
                 let text = "two points in the wrong order: replaced by their mean";
-                zigzags.add((last.line, next.line), value, Action::Mended, text);
-                mended.push(MeasuredPoint { point: nalgebra::center(&last.point, &next.point), ..last });
+                zigzags.add((last.line, next.line), value, Action::Repaired, text);
+                repaired.push(MeasuredPoint { point: nalgebra::center(&last.point, &next.point), ..last });
                 i += 2;
                 changed = true;
                 continue;
@@ -183,18 +183,18 @@ pub(super) fn mend_steps_back(points: &mut Vec<MeasuredPoint>, findings: &mut Ve
                 travelled += step(points, beyond);
                 beyond += 1;
             }
-            mended.push(last);
+            repaired.push(last);
             if distance <= LONGEST_OVERLAP && beyond < points.len() && travelled < 2.0 * LONGEST_OVERLAP {
                 let value = (distance / MILLIMETRE, "mm");
                 let text = "a step back, as from overlapping scans: the later points dropped up to where it was left";
-                zigzags.add((next.line, points[beyond - 1].line), value, Action::Mended, text);
+                zigzags.add((next.line, points[beyond - 1].line), value, Action::Repaired, text);
                 i = beyond;
                 changed = true;
             } else {
                 i += 1;
             }
         }
-        *points = mended;
+        *points = repaired;
         if !changed {
             break;
         }
@@ -266,7 +266,7 @@ pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
                 spikes.add(
                     lines,
                     (height / MILLIMETRE, "mm"),
-                    Action::Mended,
+                    Action::Repaired,
                     "off the line of its neighbours: dropped",
                 );
                 i += m;
@@ -300,7 +300,7 @@ pub(super) fn thin_by_means(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
     *points = thinned;
     let text = format!("each {run} neighbouring points replaced by their mean");
     findings.push(
-        Finding::new(FindingKind::Thinned, Action::Mended, text)
+        Finding::new(FindingKind::Thinned, Action::Repaired, text)
             .with_value((before - points.len()) as f64, "points fewer"),
     );
 }

@@ -8,9 +8,9 @@ use std::fmt;
 pub enum FindingKind {
     /// The header disagrees with the content, or lacks something.
     Header,
-    /// The unit was told from the size.
+    /// The unit was inferred from the size.
     Unit,
-    /// The columns were told from their content.
+    /// The columns were inferred from their content.
     Columns,
     /// The wheel or rail that the file says it is does not have the shape of one.
     Shape,
@@ -85,7 +85,7 @@ pub enum Action {
     /// Worth knowing; nothing had to be done.
     Noted,
     /// Repaired as the text says.
-    Mended,
+    Repaired,
     /// Not repaired: the user should look at it.
     Left,
 }
@@ -95,7 +95,7 @@ impl Action {
     pub fn name(self) -> &'static str {
         match self {
             Self::Noted => "noted",
-            Self::Mended => "repaired",
+            Self::Repaired => "repaired",
             Self::Left => "left",
         }
     }

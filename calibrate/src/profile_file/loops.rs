@@ -49,7 +49,7 @@ pub(super) fn cut_loops(
         loops.add(
             lines,
             (length / MILLIMETRE, "mm"),
-            Action::Mended,
+            Action::Repaired,
             "the line crosses itself: the loop cut off",
         );
         let at = MeasuredPoint { point: crossing, ..points[i + 1] };

@@ -77,7 +77,7 @@ impl fmt::Display for ProfileFormat {
     }
 }
 
-/// What the reader is told about a file; everything that is `None` it finds out itself.
+/// What the caller knows about a file; the reader determines what is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ReadOptions {
     /// Wheel or rail.
@@ -256,7 +256,7 @@ enum Convention {
     Stated,
     /// MiniProf's: a rail's y counts towards the track centre, z upwards; a wheel's y from the flange back.
     MiniProf,
-    /// Unknown: y to the field side is assumed, the rest told from the shape.
+    /// Unknown: y to the field side is assumed, the rest inferred from the shape.
     Free,
 }
 

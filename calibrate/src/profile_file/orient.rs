@@ -146,7 +146,7 @@ fn drop_far_off(name: &str, raw: &mut Raw) -> Result<()> {
         spikes.add(
             (p.line, p.line),
             (distance(p) / MILLIMETRE, "mm"),
-            Action::Mended,
+            Action::Repaired,
             "far off the profile: dropped",
         );
     }
@@ -209,7 +209,7 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
             _ if options.mirror_y.is_some() => "y turned over as asked for",
             _ => "the flange is at the end of large y: turned over",
         };
-        note(FindingKind::Mirrored, Action::Mended, why);
+        note(FindingKind::Mirrored, Action::Repaired, why);
     }
     if flange_out {
         note(
@@ -228,7 +228,7 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
         } else {
             "z counts upwards: turned over"
         };
-        note(FindingKind::UpsideDown, Action::Mended, why);
+        note(FindingKind::UpsideDown, Action::Repaired, why);
     } else if upside_down == Some(true) {
         note(
             FindingKind::UpsideDown,
@@ -266,7 +266,7 @@ fn put_in_order(kind: ProfileKind, raw: &mut Raw) {
         // The wheels of Simpack files run from the field side by convention.
         if raw.convention != Convention::Stated || kind == ProfileKind::Rail {
             let text = "the points run towards the track centre: order reversed";
-            raw.findings.push(Finding::new(FindingKind::Reversed, Action::Mended, text));
+            raw.findings.push(Finding::new(FindingKind::Reversed, Action::Repaired, text));
         }
     }
 }
@@ -281,7 +281,7 @@ fn place_wheel(raw: &mut Raw) {
     if from_back && !TIP.contains(&tip(&raw.points)) && (-0.02..0.02).contains(&least_y) {
         raw.points.iter_mut().for_each(|p| p.point.x -= TAPE_CIRCLE_FROM_FLANGE_BACK);
         let text = "y counts from the flange back: 70 mm subtracted";
-        raw.findings.push(Finding::new(FindingKind::Origin, Action::Mended, text).with_value(-70.0, "mm"));
+        raw.findings.push(Finding::new(FindingKind::Origin, Action::Repaired, text).with_value(-70.0, "mm"));
     }
     let at = tip(&raw.points);
     if !TIP.contains(&at) {
@@ -298,7 +298,7 @@ fn place_wheel(raw: &mut Raw) {
         |action, text| Finding::new(FindingKind::Origin, action, text).with_value(height / MILLIMETRE, "mm");
     if height.abs() > ORIGIN && from_back {
         raw.points.iter_mut().for_each(|p| p.point.y -= height);
-        raw.findings.push(finding(Action::Mended, "height of the tread at the tape circle: moved to 0"));
+        raw.findings.push(finding(Action::Repaired, "height of the tread at the tape circle: moved to 0"));
     } else if height.abs() > ORIGIN {
         raw.findings
             .push(finding(Action::Left, "height of the tread at the tape circle: check the origin of z"));

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::check::{mend_steps_back, remove_duplicates, remove_spikes, restore_order, thin_by_means};
+use super::check::{remove_duplicates, remove_spikes, repair_steps_back, restore_order, thin_by_means};
 use super::finding::{Action, Finding, FindingKind};
 use super::kinks::{find_kinks, report_gaps, report_range};
 use super::loops::cut_loops;
@@ -29,7 +29,7 @@ pub struct PrepareOptions {
     pub smoothing: Option<f64>,
 }
 
-/// A profile that has been checked and mended.
+/// A profile that has been checked and repaired.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
     /// The points that are left, in order, m.
@@ -42,10 +42,10 @@ pub struct Prepared {
     pub findings: Vec<Finding>,
 }
 
-/// Checks and mends a profile and makes its curve.
+/// Checks and repairs a profile and makes its curve.
 ///
 /// # Errors
-/// [`crate::error::InputError`] with the line of the file for what cannot be mended: points in no order, long
+/// [`crate::error::InputError`] with the line of the file for what cannot be repaired: points in no order, long
 /// loops, too few points left.
 pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Prepared> {
     let name = &profile.name;
@@ -56,7 +56,7 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
     restore_order(name, &mut points, &mut findings)?;
     remove_spikes(&mut points, &mut findings);
     thin_by_means(&mut points, &mut findings);
-    mend_steps_back(&mut points, &mut findings);
+    repair_steps_back(&mut points, &mut findings);
     remove_duplicates(&mut points, &mut findings);
     enough(name, &points)?;
     cut_loops(name, &mut points, &mut findings)?;
@@ -76,7 +76,7 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
                 smoothed.rms / MICROMETRE
             );
             findings.push(
-                Finding::new(FindingKind::Smoothed, Action::Mended, text)
+                Finding::new(FindingKind::Smoothed, Action::Repaired, text)
                     .on_lines(line, line)
                     .with_value(smoothed.largest / MICROMETRE, "\u{b5}m"),
             );
@@ -127,7 +127,7 @@ fn thin_close(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
     if points.len() < before {
         let text = "closer than 0.01 mm to their predecessors: dropped";
         findings.push(
-            Finding::new(FindingKind::Thinned, Action::Mended, text)
+            Finding::new(FindingKind::Thinned, Action::Repaired, text)
                 .with_value((before - points.len()) as f64, "points"),
         );
     }

@@ -76,7 +76,7 @@ fn the_header_of_simpack_is_obeyed_in_its_order() {
     }
     assert_eq!(profile.points[3].weight, 0.5);
     assert_eq!(profile.points[3].line, 26);
-    let reversed = (FindingKind::Reversed, Action::Mended);
+    let reversed = (FindingKind::Reversed, Action::Repaired);
     assert!(kinds(&profile.findings).contains(&reversed));
 }
 
@@ -125,8 +125,8 @@ fn axes_and_kind_are_told_from_the_shape() {
             assert!((p.point - Point2::new(y, z) * MILLIMETRE).amax() < 1e-16, "{mirror} {turn}: {p:?}");
         }
         let found = kinds(&wheel.findings);
-        assert_eq!(found.contains(&(FindingKind::Mirrored, Action::Mended)), mirror < 0.0, "{found:?}");
-        assert_eq!(found.contains(&(FindingKind::UpsideDown, Action::Mended)), turn < 0.0, "{found:?}");
+        assert_eq!(found.contains(&(FindingKind::Mirrored, Action::Repaired)), mirror < 0.0, "{found:?}");
+        assert_eq!(found.contains(&(FindingKind::UpsideDown, Action::Repaired)), turn < 0.0, "{found:?}");
     }
     // Half a head may be anything: the kind is asked for.
     let half: Vec<_> = head_points().into_iter().filter(|p| p.0 > 0.0).collect();
@@ -213,28 +213,28 @@ fn damage_is_found_mended_and_reported_with_its_lines() {
     points[150].1 -= 0.4;
     points[151].1 -= 0.4;
     points.swap(200, 201);
-    let mended = prepared(&file(&points));
-    let lines = |kind| only(&mended.findings, kind).iter().map(|f| f.lines.unwrap()).collect::<Vec<_>>();
+    let repaired = prepared(&file(&points));
+    let lines = |kind| only(&repaired.findings, kind).iter().map(|f| f.lines.unwrap()).collect::<Vec<_>>();
     assert_eq!(lines(FindingKind::Duplicate), [(21, 22)]);
     assert_eq!(lines(FindingKind::Spike), [(101, 101), (151, 152)]);
     assert_eq!(lines(FindingKind::ZigZag), [(201, 202)]);
-    assert!(mended.findings.iter().all(|f| f.action == Action::Mended), "{:?}", mended.findings);
-    assert_eq!(mended.points.len(), 285 - 3 - 1);
-    let value = only(&mended.findings, FindingKind::Spike)[0].value.unwrap();
+    assert!(repaired.findings.iter().all(|f| f.action == Action::Repaired), "{:?}", repaired.findings);
+    assert_eq!(repaired.points.len(), 285 - 3 - 1);
+    let value = only(&repaired.findings, FindingKind::Spike)[0].value.unwrap();
     assert!((value.0 - 0.6).abs() < 0.05 && value.1 == "mm");
 
     // A second scan that begins 5 mm before the end of the first.
     let mut points = clean[..160].to_vec();
     points.extend(clean[140..].iter().map(|p| (p.0 + 0.1, p.1)));
-    let mended = prepared(&file(&points));
-    assert_eq!(only(&mended.findings, FindingKind::ZigZag).len(), 1, "{:?}", mended.findings);
-    assert!(only(&mended.findings, FindingKind::ZigZag)[0].lines.unwrap().0 == 161);
+    let repaired = prepared(&file(&points));
+    assert_eq!(only(&repaired.findings, FindingKind::ZigZag).len(), 1, "{:?}", repaired.findings);
+    assert!(only(&repaired.findings, FindingKind::ZigZag)[0].lines.unwrap().0 == 161);
 
     // Points in no order.
     let points: Vec<_> = (0..clean.len()).map(|i| clean[i * 101 % clean.len()]).collect();
-    let mended = prepared(&file(&points));
-    assert_eq!(only(&mended.findings, FindingKind::OutOfOrder).len(), 1);
-    let places: Vec<_> = mended.points.iter().map(|p| p.point.x).collect();
+    let repaired = prepared(&file(&points));
+    assert_eq!(only(&repaired.findings, FindingKind::OutOfOrder).len(), 1);
+    let places: Vec<_> = repaired.points.iter().map(|p| p.point.x).collect();
     assert!(places.windows(2).all(|w| w[0] < w[1]));
 }
 
@@ -252,9 +252,9 @@ fn loops_are_cut_off_or_refused() {
         points.extend(clean[143..].iter().copied());
         file(&points)
     };
-    let mended = prepared(&with_loop(0.4));
-    let loops = only(&mended.findings, FindingKind::Loop);
-    assert!(!loops.is_empty() && loops[0].action == Action::Mended, "{:?}", mended.findings);
+    let repaired = prepared(&with_loop(0.4));
+    let loops = only(&repaired.findings, FindingKind::Loop);
+    assert!(!loops.is_empty() && loops[0].action == Action::Repaired, "{:?}", repaired.findings);
     let profile = parsed("x.txt", &with_loop(3.0)).unwrap();
     let message = prepare(&profile, &PrepareOptions::default()).unwrap_err().to_string();
     assert!(message.starts_with("x.txt:1") && message.contains("loop"), "{message}");

@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Point3, SMatrix, SVector, Vector3};
 /// Which strain field the element uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Formulation {
-    /// Three quadratic modes a direction inside the element: exact in bending of a straight brick.
+    /// Three quadratic modes per direction inside the element: exact in bending of a straight brick.
     #[default]
     IncompatibleModes,
     /// Plain trilinear displacements with 2×2×2 Gauss points; too stiff in bending.

@@ -26,7 +26,7 @@ const HELD: usize = usize::MAX;
 pub type Term = (usize, f64);
 
 /// Equation numbers in elimination order: interior nodes in a nested-dissection
-/// order, then the contact nodes (three a node, in the order of the contact
+/// order, then the contact nodes (three per node, in the order of the contact
 /// grid), then the free motions of the master node.
 #[derive(Debug, Clone)]
 pub struct Numbering {

@@ -165,7 +165,7 @@ mod tests {
     /// Source: the wave equation (K.F. Graff, Wave Motion in Elastic Solids, 1975, section 2.2): the loaded end of a
     /// bar under a sudden constant force moves in a triangular wave between 0 and twice the static displacement, with
     /// the period 4·L/c. Goal: largest displacement within 2 %, period within 1 %; mean acceleration adds no
-    /// energy, 24 elements and 120 steps a period carry the corners of the wave. Units SI.
+    /// energy, 24 elements and 120 steps per period carry the corners of the wave. Units SI.
     #[test]
     fn a_bar_under_a_sudden_force_swings_as_the_wave_equation_says() {
         const DISCRETISATION: [f64; 2] = [0.02, 0.01];
@@ -190,7 +190,7 @@ mod tests {
         }
         let largest = track.iter().copied().fold(0.0, f64::max);
         assert!((largest / 2.0 - 1.0).abs() < DISCRETISATION[0], "largest {largest}");
-        // crossings of the static displacement come twice a period
+        // crossings of the static displacement come twice per period
         let crossings: Vec<f64> = track
             .windows(2)
             .enumerate()

@@ -5,7 +5,7 @@
 //! Mech. Div. ASCE 85 (1959), β = 1/4, γ = 1/2. The effective matrix
 //! `K + 4/Δt²·M` of each body is constant and factored once. A step eliminates
 //! the interior, solves the contact on the retained equations, and substitutes
-//! back: one solution a body and step, at full order.
+//! back: one solution per body and step, at full order.
 //!
 //! The contact nodes have no mass ([`System::with_massless_contact`]): a node with mass collides with every step, its
 //! force alternates between zero and a multiple of the true one, and the work of these forces adds energy.

@@ -89,7 +89,7 @@ pub struct SectionMotion {
 /// What a run leaves behind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovingRun {
-    /// States, one a time step, the initial one first.
+    /// States, one per time step, the initial one first.
     pub history: History,
     /// Motion of the rail at the wheel, one for each row of the history.
     pub rail: Vec<SectionMotion>,

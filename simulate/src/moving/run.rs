@@ -179,7 +179,7 @@ impl<'a> Run<'a> {
         self.start_x + self.scenario.speed * time
     }
 
-    /// State at t = 0: wheel centre and rail where they are told to be, the contact master in balance between them.
+    /// State at t = 0: wheel centre and rail where the initial motion puts them, the contact master in balance between them.
     fn start(&self, surface: &mut ContactSurface) -> Result<(State, Solution)> {
         let initial = &self.model.initial;
         let mut wheel = WheelState::default();

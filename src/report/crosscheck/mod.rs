@@ -1,4 +1,4 @@
-//! The cross-validation: a chapter of the report, and a page of its own for
+//! The cross-validation: a chapter of the report, and a separate page for
 //! whoever must trust the numbers.
 
 mod curves;
@@ -22,7 +22,7 @@ pub enum Crosscheck<'a> {
     Fresh(&'a CrosscheckRecord, &'a [SectionDifference]),
 }
 
-/// Everything that the page of its own shows.
+/// Everything that the separate page shows.
 #[derive(Debug, Clone, Copy)]
 pub struct PageData<'a> {
     /// What the study is about.

@@ -1,4 +1,4 @@
-//! The page of its own from made-up results, and its numbers as text.
+//! The separate page from made-up results, and its numbers as text.
 
 use super::*;
 use crate::report::samples;

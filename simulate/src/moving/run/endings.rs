@@ -105,7 +105,7 @@ fn a_wheel_runs_off_the_end() {
 }
 
 /// Source: statics. Goal: without a suspended mass the vertical force (N) reaches the rail, unchanged, whatever spring and damper
-/// hand it on, the first step included.
+/// transmit it, the first step included.
 /// SOLVER: the balance of forces. DISCRETISATION: the wheel's spline lies within a nanometre of its arc, 2e-6 of the spring's 0.5 mm.
 #[test]
 fn a_force_without_suspended_mass_reaches_the_rail() {
