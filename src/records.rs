@@ -35,7 +35,7 @@ pub struct StiffnessRecord {
     pub reference: String,
     /// The normal law in use.
     pub law: LawRecord,
-    /// Horizontal stiffness, kN/m; none where its calibration did not reach an answer.
+    /// Horizontal stiffness, kN/m; none where its calibration did not converge.
     pub horizontal_kn_per_m: Option<f64>,
     /// How constant the horizontal stiffness is.
     pub horizontal: Option<HorizontalRecord>,

@@ -86,7 +86,7 @@ pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> 
             InputError::new(
                 "simulation.horizontal_kn_per_m",
                 "(missing)",
-                "a horizontal stiffness, because the calibration has none",
+                "a horizontal stiffness, which the calibration did not find",
                 format!(
                     "give it; {}",
                     stiffness.horizontal_missing.as_deref().unwrap_or("or calibrate again")
@@ -322,7 +322,7 @@ fn accepted_reference(study: &Study, key: &str, reference: Option<&str>) -> Resu
         return Ok(Some(format!("reference of the law {reference}, accepted by {ACCEPTED}: {fault}")));
     }
     let remedy = format!(
-        "{fault}; use {:?}, or say that you know with {ACCEPTED} = [\"another-reference\"]",
+        "{fault}; use {:?}, or accept it with {ACCEPTED} = [\"another-reference\"]",
         ReferenceKey::Beam.name()
     );
     Err(InputError::new(key, reference, EXPECTED, remedy).into())
@@ -344,7 +344,7 @@ fn accepted_pair(study: &Study, name: &str, pair: Option<&PairRecord>) -> Result
         format!("{name}: pair"),
         &pair.name,
         format!("the study's pair, {} ({})", own.name, "profiles, bodies, track and elastic material"),
-        format!("calibrate this study, or say that you know with {ACCEPTED} = [\"another-pair\"]"),
+        format!("calibrate this study, or accept it with {ACCEPTED} = [\"another-pair\"]"),
     )
     .into())
 }

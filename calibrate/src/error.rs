@@ -12,7 +12,7 @@ pub enum Error {
     /// The input cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The input is fine, but the numerics did not reach an answer.
+    /// The input is valid, but the numerics did not converge.
     #[error(transparent)]
     Numerics(#[from] NumericsError),
     /// The user asked to stop.
@@ -123,7 +123,7 @@ pub enum StopReason {
     EndOfWindow,
 }
 
-/// An iteration that did not reach an answer.
+/// An iteration that did not converge.
 #[derive(Debug, Clone, Error)]
 #[error("{stage}{}: {reason} (iteration {iteration}, residual {residual:.3e}, {active} active contact points)",
     step.map(|s| format!(", step {s}")).unwrap_or_default())]

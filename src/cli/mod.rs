@@ -33,10 +33,10 @@ const EXIT_CODES: &str = "Exit codes:
   0    done, and every limit holds
   1    done, but a limit does not hold or the wheel has left the rail
   2    the input or the command line cannot be used, or the output cannot be written
-  3    the numerics did not reach an answer
+  3    the numerics did not converge
   130  stopped with Ctrl-C";
 
-/// Fits the contact springs between a railway wheel and a rail, and proves them.
+/// Fits the contact springs between a railway wheel and a rail, and verifies them against a solid model.
 #[derive(Debug, Parser)]
 #[command(name = "railspring", version, after_help = EXIT_CODES)]
 struct Cli {
@@ -64,14 +64,14 @@ enum Command {
     Mesh(StudyArgs),
     /// Write the report again from the files of the output folder
     Report(StudyArgs),
-    /// Let independent programs repeat the solid model and compare
+    /// Compare the solid model with reference solvers: scikit-fem, and CalculiX on request
     Crosscheck {
         #[command(flatten)]
         study: StudyArgs,
-        /// Ask for elements of second order too: some minutes, and 12 GB of memory with the default mesh
+        /// Compare with elements of second order, too: some minutes, and 12 GB of memory with the default mesh
         #[arg(long)]
         second_order: bool,
-        /// Ask another program too, if it is installed
+        /// Compare with another program, too, if it is installed
         #[arg(long = "with", value_name = "PROGRAM")]
         with: Option<OtherProgram>,
         /// Write a copy of the record to this file, to be kept with the study
@@ -88,7 +88,7 @@ enum Command {
     },
     /// Print the JSON schema of the study file
     Schema,
-    /// Look at profiles and their files
+    /// List, show, check and convert profiles and their files
     #[command(subcommand)]
     Profile(ProfileCommand),
 }
@@ -102,7 +102,7 @@ struct StudyArgs {
     /// Output folder; left out, out/<name of the study>
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long)]
     quiet: bool,
     /// Number of threads; left out, one for each core. The results do not depend on it
@@ -115,7 +115,7 @@ struct StudyArgs {
     /// Refuse what is expected to need more memory, GiB; left out, what the machine has available
     #[arg(long, value_name = "GIB", value_parser = positive)]
     memory_limit: Option<f64>,
-    /// Say what `run`, `calibrate`, `verify`, `export` or `crosscheck` would need, and stop
+    /// Print what `run`, `calibrate`, `verify`, `export` or `crosscheck` would need, and stop
     #[arg(long)]
     dry_run: bool,
 }

@@ -178,7 +178,7 @@ fn incomplete(section: &str, name: &str) -> InputError {
     InputError::new(
         "reference.json",
         format!("no {section}.{name}"),
-        "an answer to every question",
+        "a result for every question",
         "run `railspring crosscheck` again",
     )
 }

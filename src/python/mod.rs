@@ -68,7 +68,7 @@ const READER_START: Duration = Duration::from_secs(60);
 const READER_PER_MEGABYTE: Duration = Duration::from_secs(10);
 /// Largest answer of the reader: ten million nodes and hexahedra.
 const LARGEST_ANSWER: u64 = 1 << 30;
-/// Exit code of the reference where its numerics do not reach an answer.
+/// Exit code of the reference where its numerics do not converge.
 const NO_ANSWER: i32 = 3;
 
 /// What an environment is made for.
@@ -210,7 +210,7 @@ impl Python {
             }
         };
         if ended.output.is_empty() {
-            let cause = last_line(&ended.messages).unwrap_or("it said nothing");
+            let cause = last_line(&ended.messages).unwrap_or("no message");
             return Err(missing(&self.interpreter, cause).into());
         }
         Ok(ended.output)
@@ -298,7 +298,7 @@ fn answer(command: &mut Command, limits: &Limits, monitor: &dyn Monitor, stage: 
     child::run(command, limits, &|| monitor.progress(stage, 0, 1)).map_err(|stop| match stop {
         Stop::Asked(stop) => stop,
         Stop::Failed(cause) => missing(&program, &cause.to_string()).into(),
-        Stop::Time => missing(&program, &format!("no answer within {} s", limits.time.as_secs())).into(),
+        Stop::Time => missing(&program, &format!("no result within {} s", limits.time.as_secs())).into(),
         Stop::Output => missing(&program, "it writes without end").into(),
     })
 }

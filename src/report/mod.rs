@@ -96,7 +96,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
         collected.add(
             "compliance",
             figures::compliance(&stiffness.compliance_split),
-            "Where the tangent compliance sits. Local contact, wheel body and rail body together are the law in use; all parts together are the solid between the hub and what holds the rail.".into(),
+            "Parts of the tangent compliance. Local contact, wheel body and rail body together are the law in use; all parts together are the solid between the hub and the support of the rail.".into(),
         ),
         collected.add(
             "patch",

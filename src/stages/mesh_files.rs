@@ -99,8 +99,8 @@ fn given(section: &str, file: &MeshFile, answer: &[u8]) -> Result<GivenMesh> {
     let broken = || {
         InputError::new(
             format!("{section}.mesh_file"),
-            format!("{:?} (an answer of {} bytes)", file.file, answer.len()),
-            "the answer of the reader that belongs to this program",
+            format!("{:?} ({} bytes from the reader)", file.file, answer.len()),
+            "the output of the mesh reader of this version of the program",
             "remove the folders reference-* in the cache folder and run the command again",
         )
     };

@@ -6,6 +6,6 @@ mod element;
 mod rail;
 mod correction;
 
-pub use element::{BeamElement, deflection_functions, rotation_functions};
+pub use element::{BeamElement, deflection_functions};
 pub use rail::{End, RailBeam, RailModes};
 pub use section::{BeamCorrection, BeamSection, Torsion};

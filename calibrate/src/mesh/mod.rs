@@ -1,7 +1,7 @@
 //! Meshes of 8-node hexahedra of a rail, a wheel and a test block, graded
 //! towards the contact zone.
 //!
-//! A plane section is meshed with quadrilaterals ([`SectionMesh`]) and swept:
+//! A plane section is meshed with quadrilaterals (`SectionMesh`) and swept:
 //! the rail along the track, the wheel about its axle. Under the contact zone
 //! lie structured layers that follow the running surface; below them the
 //! elements grow towards the coarse sizes of [`MeshOptions`].
@@ -40,8 +40,8 @@ pub use bodies::{MeshSize, mesh_rail, mesh_wheel, rail_outline, rail_size, wheel
 pub use given::{GivenMesh, given_rail, given_wheel};
 pub(crate) use quality::CORNERS;
 pub use quality::{Quality, quality};
-pub use section_mesh::{SectionMesh, SectionOutline, SectionSizes, SurfacePoint, mesh_section};
-pub use sweep::{extrude, revolve};
+pub(crate) use section_mesh::{SectionMesh, SectionSizes, mesh_section};
+pub use section_mesh::{SectionOutline, SurfacePoint};
 pub use vtu::{Cells, Field, vtu};
 
 /// Tensor grid of the surface nodes in which contact can take place.
@@ -189,7 +189,7 @@ impl MeshOptions {
 impl MeshOptions {
     /// Sizes of a section whose largest element is `largest`.
     #[must_use]
-    pub fn sizes(&self, largest: f64) -> SectionSizes {
+    pub(crate) fn sizes(&self, largest: f64) -> SectionSizes {
         SectionSizes {
             layers: self.layers,
             first_layer: self.first_layer,

@@ -84,8 +84,8 @@ pub struct SectionMesh {
 
 impl SectionMesh {
     /// Area of the section, m².
-    #[must_use]
-    pub fn area(&self) -> f64 {
+    #[cfg(test)]
+    fn area(&self) -> f64 {
         self.quads
             .iter()
             .map(|&[a, b, c, d]| {

@@ -21,7 +21,7 @@ pub use super::flange::Flange;
 pub const WHEEL_NAMES: [&str; 2] = ["S1002", "EN13715-1in40"];
 
 /// Distance of the tape circle from the flange back, m.
-pub const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;
+pub(crate) const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;
 
 /// Largest step of the samples, mm.
 const STEP: f64 = 0.1;

@@ -199,14 +199,14 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
         _ => upside_down.unwrap_or(miniprof && kind == ProfileKind::Rail),
     };
     let mut note = |kind, action, text: &str| raw.findings.push(Finding::new(kind, action, text));
-    // A right wheel has its flange at small y, whatever was asked for.
+    // A right wheel has its flange at small y, whatever the options say.
     let flange_out = flange_wrong.is_some_and(|wrong| wrong != mirror_y);
     if mirror_y {
         let why = match kind {
             ProfileKind::Rail if options.mirror_y.is_none() => {
                 "y of a MiniProf rail counts towards the track centre: turned over"
             }
-            _ if options.mirror_y.is_some() => "y turned over as asked for",
+            _ if options.mirror_y.is_some() => "y turned over as requested",
             _ => "the flange is at the end of large y: turned over",
         };
         note(FindingKind::Mirrored, Action::Repaired, why);
@@ -218,13 +218,13 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
             if stated && !mirror_y {
                 "the flange is at the field side, as the header has it: the profile of a left wheel, or check mirror.y"
             } else {
-                "the flange is at the field side, as asked for"
+                "the flange is at the field side, as requested"
             },
         );
     }
     if mirror_z {
         let why = if options.mirror_z.is_some() {
-            "z turned over as asked for"
+            "z turned over as requested"
         } else {
             "z counts upwards: turned over"
         };
@@ -236,14 +236,14 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
             if stated {
                 "upside down, as the header has it: check mirror.z"
             } else {
-                "upside down, as asked for"
+                "upside down, as requested"
             },
         );
     } else if upside_down.is_none() {
         note(
             FindingKind::UpsideDown,
             Action::Left,
-            "the shape does not tell which side is up: z is taken as it stands",
+            "the shape does not show which side is up: z is taken as it is",
         );
     }
     for p in &mut raw.points {

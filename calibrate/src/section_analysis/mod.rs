@@ -32,7 +32,7 @@ pub struct StressSample {
 
 /// Torsion and shear of a section; points in the frame of the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SectionAnalysis {
+struct SectionAnalysis {
     /// Area of the mesh, m².
     pub area: f64,
     /// Its centroid (y, z), m.
@@ -151,10 +151,8 @@ fn nearest_on_outline(section: &RailSection, p: &Point2<f64>) -> Point2<f64> {
 ///
 /// # Errors
 /// [`crate::error::NumericsError`] for a mesh that falls into parts.
-pub fn analyse(
-    mesh: &SectionMesh,
-    on_outline: impl Fn(&Point2<f64>) -> Point2<f64>,
-) -> Result<SectionAnalysis> {
+#[cfg(test)]
+fn analyse(mesh: &SectionMesh, on_outline: impl Fn(&Point2<f64>) -> Point2<f64>) -> Result<SectionAnalysis> {
     Ok(Solved::new(mesh, on_outline)?.analysis)
 }
 

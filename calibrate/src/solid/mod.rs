@@ -4,7 +4,7 @@
 //! are held or follow the master node, and [`System`] numbers the equations
 //! and assembles them.
 
-pub mod brick;
+mod brick;
 mod numbering;
 mod assembly;
 mod locate;

@@ -74,7 +74,7 @@ fn the_library_quotes_no_key_of_a_study() {
     assert!(keys.len() > 60, "{}", keys.len());
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
-    for folder in ["calibrate/src", "src/beam", "src/moving"] {
+    for folder in ["calibrate/src", "simulate/src"] {
         sources(&root.join(folder), &mut files);
     }
     let mut quoted = Vec::new();
