@@ -133,7 +133,7 @@ fn common_steps(simple: &History, solid: &History) -> Both<History> {
     Both { simple, solid }.map(|run| History {
         rows: run.rows[..common].to_vec(),
         degrees_of_freedom: run.degrees_of_freedom,
-        ending: run.ending.clone(),
+        ending: run.ending,
     })
 }
 
