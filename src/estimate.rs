@@ -210,7 +210,9 @@ impl Estimate {
         if work.calibrate {
             let loads = &study.calibration.loads;
             let largest = loads.last().copied().unwrap_or(0.0);
-            let at = |gap| geometry.candidates(meshes, FLEXIBILITY * largest, gap) as f64;
+            let at = |gap| {
+                geometry.pair.candidates([&meshes.rail, &meshes.wheel], FLEXIBILITY * largest, gap) as f64
+            };
             let (first, kept) = (at(FIRST_GAP), at(KEPT_GAP));
             // patches grow with the cube root of the load in each direction
             let shares: Vec<f64> = loads.iter().map(|load| (load / largest).powf(2.0 / 3.0)).collect();
@@ -370,10 +372,10 @@ fn sizes(study: &Study, geometry: &Geometry) -> Result<Vec<MeshSize>> {
     let options = stages::mesh_options(study, geometry);
     let mut sizes = Vec::new();
     if study.rail.mesh.is_none() {
-        sizes.push(rail_size(&geometry.rail, study.rail.length, &options)?);
+        sizes.push(rail_size(&geometry.pair.rail, study.rail.length, &options)?);
     }
     if study.wheel.mesh.is_none() {
-        sizes.push(wheel_size(&geometry.wheel, &options)?);
+        sizes.push(wheel_size(&geometry.pair.wheel, &options)?);
     }
     Ok(sizes)
 }

@@ -283,7 +283,7 @@ fn wheel_mass(study: &Study, geometry: &Geometry, name: &str, written: Option<f6
     match written {
         Some(mass) => Ok(mass),
         None if study.wheel.mesh.is_none() || all_have_one => {
-            Ok(body_of_revolution(&geometry.wheel, study.material.density).mass)
+            Ok(body_of_revolution(&geometry.pair.wheel, study.material.density).mass)
         }
         None => Err(InputError::new(
             format!("{name}: wheel_mass_kg"),

@@ -14,8 +14,7 @@ use serde_json::Value;
 const PUBLISHED: [&str; 3] = ["railspring-calibrate", "railspring-simulate", "railspring"];
 
 /// Of the program only: arguments, figures, templates, TOML, progress bars, tables, signals.
-const OF_THE_PROGRAM: [&str; 8] =
-    ["clap", "plotters", "minijinja", "toml", "indicatif", "csv", "ctrlc", "tempfile"];
+const OF_THE_PROGRAM: [&str; 7] = ["clap", "plotters", "minijinja", "toml", "indicatif", "csv", "ctrlc"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

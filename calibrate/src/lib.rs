@@ -21,4 +21,5 @@ pub mod superelement;
 pub mod beam;
 pub mod contact;
 pub mod calibration;
+pub mod pair;
 pub mod transient;

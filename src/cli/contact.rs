@@ -68,9 +68,12 @@ impl ContactArgs {
         } else {
             let study = Study::read(self.pair[0].as_ref())?;
             let found = geometry(&study).map_err(|error| Failure::of_stage(&study, error))?;
-            let side =
-                WheelOnRail { rail: found.placed, wheel: found.wheel.running, radius: found.wheel.radius };
-            (side, found.tape_y - study.track.lateral_shift)
+            let side = WheelOnRail {
+                rail: found.pair.placed,
+                wheel: found.pair.wheel.running,
+                radius: found.pair.wheel.radius,
+            };
+            (side, found.pair.tape_y - study.track.lateral_shift)
         };
         Ok(Wheelset::symmetric(side, tape_y))
     }

@@ -53,8 +53,8 @@ impl Deck<'_> {
     /// [`InputError`] if a surface facet belongs to no hexahedron.
     pub fn text(&self, format: Format) -> Result<String> {
         let (rail, wheel) = (&self.meshes.rail, &self.meshes.wheel);
-        let tape = self.geometry.tape();
-        let axle = Vector3::new(0.0, tape.x, tape.y - self.geometry.wheel.radius);
+        let tape = self.geometry.pair.tape();
+        let axle = Vector3::new(0.0, tape.x, tape.y - self.geometry.pair.wheel.radius);
         let offset = rail.nodes.len();
         let hub = offset + wheel.nodes.len() + 1;
         let mut out = String::new();

@@ -103,9 +103,9 @@ impl Exchange {
                 if k == 0 { (&meshes.rail, &answers.rail) } else { (&meshes.wheel, &answers.wheel) };
             let held = if k == 0 { rail_held(study, mesh) } else { &mesh.bore };
             let (running, origin, radius) = if k == 0 {
-                (&geometry.placed.curve, Point2::origin(), 0.0)
+                (&geometry.pair.placed.curve, Point2::origin(), 0.0)
             } else {
-                (&geometry.wheel.running, Point2::from(geometry.tape()), geometry.wheel.radius)
+                (&geometry.pair.wheel.running, Point2::from(geometry.pair.tape()), geometry.pair.wheel.radius)
             };
             Body {
                 mesh: mesh.clone(),

@@ -2,16 +2,13 @@
 
 use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::calibration::{
-    HorizontalCalibration, LoadPoint, NormalCalibration, Reference, SectionMotion, WheelOnRail,
-    calibrate_horizontal, calibrate_normal, press_loads,
-};
+use railspring_calibrate::calibration::{HorizontalCalibration, LoadPoint, NormalCalibration, Reference};
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, REFERENCE_FORCE};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::solid::{Supports, System};
-use railspring_calibrate::superelement::Superelement;
+use railspring_calibrate::pair::{CondensedPair, ContactConditions, SeriesBeam};
+use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
@@ -23,7 +20,6 @@ use crate::records::{
     TangentRecord, TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, ReferenceKey, Study};
-use railspring_calibrate::beam::BeamCorrection;
 
 /// One m/N in µm/kN.
 const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
@@ -59,61 +55,29 @@ pub fn calibrate(
         )
         .into());
     }
-    let element = formulation(study);
-    let condense = |mesh, supports: Supports| -> Result<Superelement> {
-        Superelement::new(System::new(mesh, study.material, element, &supports)?)
+    let pair = &geometry.pair;
+    let (bodies, interiors) =
+        CondensedPair::new(pair, [&meshes.rail, &meshes.wheel], study.material, formulation(study), monitor)?;
+    let beam = SeriesBeam::new(pair, &bodies, &geometry.beam)?;
+    let contact = ContactConditions { friction: study.contact.friction, enforcement: enforcement(study) };
+    let pressed = bodies.press(pair, contact, &study.calibration.loads, monitor)?;
+    let foot = pressed.fit(Reference::Foot)?;
+    let beam_law = pressed.fit(Reference::Beam)?;
+    let local = pressed.fit(Reference::Local)?;
+    let (reference, in_use, rail) = match study.calibration.reference {
+        ReferenceKey::Beam => (Reference::Beam, &beam_law, &interiors.rail_on_ends),
+        ReferenceKey::Foot => (Reference::Foot, &foot, &interiors.rail_on_foot),
+        ReferenceKey::Local => (Reference::Local, &local, &interiors.rail_on_foot),
     };
-    let held = |nodes: &[usize]| Supports { held: nodes.to_vec(), ..Supports::default() };
-    monitor.progress("superelements", 0, 3)?;
-    let (wheel, rails) = rayon::join(
-        || {
-            let followers = meshes.wheel.bore.clone();
-            condense(&meshes.wheel, Supports { followers, ..Supports::default() })
-        },
-        || [&meshes.rail.foot, &meshes.rail.ends].map(|nodes| condense(&meshes.rail, held(nodes))),
-    );
-    let wheel = wheel?;
-    let [rail_on_foot, rail_on_ends] = rails;
-    let (rail_on_foot, rail_on_ends) = (rail_on_foot?, rail_on_ends?);
-    monitor.progress("superelements", 3, 3)?;
-
-    let section = SectionMotion::new(
-        &rail_on_ends,
-        &geometry.shear_stresses,
-        &geometry.placed,
-        geometry.node_line(),
-        0.0,
-    )?;
-    let against_section = section.relative(&rail_on_ends.compliance);
-    let beam = SeriesBeam::new(geometry, &section, &meshes.rail)?;
-    let wheel_on = |rail| WheelOnRail {
-        rail,
-        wheel: &wheel.compliance,
-        rail_surface: geometry.rail_surface(&meshes.rail),
-        wheel_surface: geometry.wheel_surface(&meshes.wheel),
-        friction: study.contact.friction,
-        enforcement: enforcement(study),
-    };
-    let (on_foot, on_section) = (wheel_on(&rail_on_foot.compliance), wheel_on(&against_section));
-    let loads = &study.calibration.loads;
-    let foot_states = press_loads(&on_foot, loads, "calibration, foot held", monitor)?;
-    let section_states = press_loads(&on_section, loads, "calibration, section held", monitor)?;
-    let foot = calibrate_normal(&on_foot, &foot_states, Reference::Foot, &study.material)?;
-    let beam_law = calibrate_normal(&on_section, &section_states, Reference::Beam, &study.material)?;
-    let local = calibrate_normal(&on_foot, &foot_states, Reference::Local, &study.material)?;
-    let (in_use, states, pair, rail) = match study.calibration.reference {
-        ReferenceKey::Beam => (&beam_law, &section_states, &on_section, &rail_on_ends),
-        ReferenceKey::Foot => (&foot, &foot_states, &on_foot, &rail_on_foot),
-        ReferenceKey::Local => (&local, &foot_states, &on_foot, &rail_on_foot),
-    };
-    let in_series = (study.calibration.reference == ReferenceKey::Beam).then_some(&beam);
-    let largest = states.last().expect("a study has loads");
+    let in_series = (reference == Reference::Beam).then_some(&beam);
+    let largest = pressed.states(reference).last().expect("a study has loads");
     let on_wheel = largest.force_on_wheel();
     let along = in_series.map_or_else(Default::default, |beam| beam.solid * -on_wheel.yz());
-    let fields = PressedFields::new(largest, [rail, &wheel], along, geometry, meshes);
+    let solids = [(bodies.rail(reference), rail), (&bodies.wheel, &interiors.wheel)];
+    let fields = PressedFields::new(largest, solids, along, geometry, meshes);
 
     let (horizontal, horizontal_failure) =
-        match calibrate_horizontal(pair, &study.calibration.horizontal_preloads, monitor) {
+        match pressed.horizontal(reference, &study.calibration.horizontal_preloads, monitor) {
             Ok(horizontal) => (Some(horizontal), None),
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             Err(failure) => (None, Some(failure)),
@@ -126,7 +90,7 @@ pub fn calibrate(
         horizontal_kn_per_m: stiffness.map(|k| k / KILONEWTON_PER_METRE),
         horizontal: horizontal.as_ref().map(horizontal_record),
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
-        beam: beam.record(geometry, &beam_law, stiffness.filter(|_| in_series.is_some())),
+        beam: beam_record(&beam, geometry, &beam_law, stiffness.filter(|_| in_series.is_some())),
         references: [("foot", &foot), ("beam", &beam_law), ("local", &local)]
             .map(|(name, calibration)| reference_record(name, calibration))
             .into(),
@@ -142,8 +106,20 @@ pub fn calibrate(
                 .then(|| in_use.points.iter().map(|p| p.penalty_error).fold(0.0, f64::max)),
         },
         mesh: vec![
-            mesh_record("rail", &meshes.rail, &study.rail.mesh, meshes.contact_elements[0], &rail_on_ends)?,
-            mesh_record("wheel", &meshes.wheel, &study.wheel.mesh, meshes.contact_elements[1], &wheel)?,
+            mesh_record(
+                "rail",
+                &meshes.rail,
+                &study.rail.mesh,
+                meshes.contact_elements[0],
+                &bodies.rail_on_ends,
+            )?,
+            mesh_record(
+                "wheel",
+                &meshes.wheel,
+                &study.wheel.mesh,
+                meshes.contact_elements[1],
+                &bodies.wheel,
+            )?,
         ],
         profiles: geometry.profiles.clone(),
         touch: touch_record(study, geometry),
@@ -156,45 +132,22 @@ pub fn calibrate(
     Ok((Calibration { stiffness: record, load_curve, horizontal_failure }, fields))
 }
 
-/// The rail beam in series with the law, and the solid rail that it stands for, at midspan at the first touch
-/// (y, z; m/N).
-struct SeriesBeam {
-    correction: BeamCorrection,
-    solid: Matrix2<f64>,
-    uncorrected: Matrix2<f64>,
-    corrected: Matrix2<f64>,
-}
-
-impl SeriesBeam {
-    fn new(geometry: &Geometry, section: &SectionMotion, rail: &HexMesh) -> Result<Self> {
-        let solid = section.carried(&geometry.touch_weights(rail));
-        let offset = geometry.touch.point - geometry.node_line();
-        let beam = &geometry.beam;
-        let correction = BeamCorrection::fit(beam, offset, &solid, &section.flexibility)?;
-        Ok(Self {
-            correction,
-            solid,
-            uncorrected: beam.static_flexibility(offset),
-            corrected: beam.corrected(&correction)?.static_flexibility(offset),
-        })
-    }
-
-    /// `horizontal` is the stiffness in series with the beam, N/m.
-    fn record(&self, geometry: &Geometry, law: &NormalCalibration, horizontal: Option<f64>) -> BeamRecord {
-        let missing = self.solid - self.corrected;
-        let stiffest = law.points.iter().map(|p| p.solid_tangent).fold(0.0, f64::max);
-        let share = |axis: usize, spring: f64| {
-            (missing[(axis, axis)] / (self.solid[(axis, axis)] + 1.0 / spring)).abs()
-        };
-        let diagonal = |m: &Matrix2<f64>| [m[(0, 0)], m[(1, 1)]].map(|v| v / MICROMETRE_PER_KILONEWTON);
-        BeamRecord {
-            length_m: geometry.beam.length(),
-            factors: self.correction.into(),
-            solid_um_per_kn: diagonal(&self.solid),
-            uncorrected_um_per_kn: diagonal(&self.uncorrected),
-            corrected_um_per_kn: diagonal(&self.corrected),
-            missing: share(1, stiffest).max(horizontal.map_or(0.0, |k| share(0, k))),
-        }
+/// `horizontal` is the stiffness in series with the beam, N/m.
+fn beam_record(
+    beam: &SeriesBeam,
+    geometry: &Geometry,
+    law: &NormalCalibration,
+    horizontal: Option<f64>,
+) -> BeamRecord {
+    let stiffest = law.points.iter().map(|p| p.solid_tangent).fold(0.0, f64::max);
+    let diagonal = |m: &Matrix2<f64>| [m[(0, 0)], m[(1, 1)]].map(|v| v / MICROMETRE_PER_KILONEWTON);
+    BeamRecord {
+        length_m: geometry.beam.length(),
+        factors: beam.correction.into(),
+        solid_um_per_kn: diagonal(&beam.solid),
+        uncorrected_um_per_kn: diagonal(&beam.uncorrected),
+        corrected_um_per_kn: diagonal(&beam.corrected),
+        missing: beam.missing(1, stiffest).max(horizontal.map_or(0.0, |k| beam.missing(0, k))),
     }
 }
 
@@ -284,7 +237,7 @@ fn mesh_record(
     mesh: &HexMesh,
     file: &Option<MeshFile>,
     contact_element: f64,
-    element: &Superelement,
+    condensed: &CondensedBody,
 ) -> Result<BodyMeshRecord> {
     let quality = quality(mesh)?;
     Ok(BodyMeshRecord {
@@ -292,24 +245,24 @@ fn mesh_record(
         file: file.as_ref().map(|file| file.file.clone()),
         nodes: mesh.nodes.len(),
         elements: mesh.hexes.len(),
-        degrees_of_freedom: element.system.numbering.equations,
+        degrees_of_freedom: condensed.equations,
         contact_nodes: mesh.contact.nodes.len(),
         contact_element_mm: contact_element / MILLIMETRE,
         min_scaled_jacobian: quality.min_scaled_jacobian,
         mean_scaled_jacobian: quality.mean_scaled_jacobian,
-        mass_kg: element.system.nodal_mass().total(),
+        mass_kg: condensed.mass,
     })
 }
 
 fn touch_record(study: &Study, geometry: &Geometry) -> TouchRecord {
-    let touch = &geometry.touch;
-    let rail = geometry.rail.running.point(touch.rail_s);
-    let wheel = geometry.wheel.running.point(touch.wheel_s);
-    let rail_curvature = geometry.placed.curve.curvature(touch.rail_s);
+    let touch = &geometry.pair.touch;
+    let rail = geometry.pair.rail.running.point(touch.rail_s);
+    let wheel = geometry.pair.wheel.running.point(touch.wheel_s);
+    let rail_curvature = geometry.pair.placed.curve.curvature(touch.rail_s);
     // the wheel's material lies above its curve, so a bulge of the wheel has negative curvature
-    let wheel_curvature = -geometry.wheel.running.curvature(touch.wheel_s);
-    let rolling_radius = geometry.wheel.radius + wheel.y;
-    let [along, across] = geometry.relative_radii();
+    let wheel_curvature = -geometry.pair.wheel.running.curvature(touch.wheel_s);
+    let rolling_radius = geometry.pair.wheel.radius + wheel.y;
+    let [along, across] = geometry.pair.relative_radii();
     let hertz = point_contact(KILONEWTON, along, across, study.material.contact_modulus());
     TouchRecord {
         rail_y_mm: rail.x / MILLIMETRE,

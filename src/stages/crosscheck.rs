@@ -212,8 +212,14 @@ impl<'a> Asked<'a> {
         let pair = WheelOnRail {
             rail: &bodies.rail.compliance,
             wheel: &bodies.wheel.compliance,
-            rail_surface: Surface { between_nodes, ..self.geometry.rail_surface(&self.meshes.rail) },
-            wheel_surface: Surface { between_nodes, ..self.geometry.wheel_surface(&self.meshes.wheel) },
+            rail_surface: Surface {
+                between_nodes,
+                ..self.geometry.pair.rail_surface(&self.meshes.rail.contact)
+            },
+            wheel_surface: Surface {
+                between_nodes,
+                ..self.geometry.pair.wheel_surface(&self.meshes.wheel.contact)
+            },
             friction,
             enforcement: Enforcement::Exact,
         };
@@ -234,7 +240,7 @@ impl<'a> Asked<'a> {
 /// Displacements under the contact forces of a state, and compliance columns under its most loaded nodes.
 fn answer(mesh: &HexMesh, element: &Superelement, state: &Pressed, side: Side) -> AnsweredBody {
     let contact_nodes = mesh.contact.nodes.len();
-    let retained = state.body_forces(side, element);
+    let retained = state.body_forces(side, element.compliance.nrows());
     let mut forces = vec![Vector3::zeros(); mesh.nodes.len()];
     for (n, &node) in mesh.contact.nodes.iter().enumerate() {
         forces[node] = Vector3::new(retained[3 * n], retained[3 * n + 1], retained[3 * n + 2]);

@@ -6,7 +6,7 @@ use railspring_calibrate::contact::Side;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
 use railspring_calibrate::solid::nodal_stress;
-use railspring_calibrate::superelement::Superelement;
+use railspring_calibrate::superelement::{CondensedBody, Interior};
 
 use super::{Geometry, Meshes};
 
@@ -47,13 +47,14 @@ impl PressedFields {
     /// the wheel moves along with the rail's section, beside the hub's motion against it.
     pub(super) fn new(
         state: &Pressed,
-        [rail, wheel]: [&Superelement; 2],
+        [rail, wheel]: [(&CondensedBody, &Interior); 2],
         carried: Vector2<f64>,
         geometry: &Geometry,
         meshes: &Meshes,
     ) -> Self {
         let hub = Vector3::new(0.0, state.hub.x + carried.x, state.hub.y + carried.y);
-        let axle = Vector3::new(0.0, geometry.tape_y, geometry.touch.tape_z - geometry.wheel.radius);
+        let axle =
+            Vector3::new(0.0, geometry.pair.tape_y, geometry.pair.touch.tape_z - geometry.pair.wheel.radius);
         Self {
             rail: BodyFields::new(&meshes.rail, rail, state, Side::Base, Vector3::zeros(), Vector3::zeros()),
             wheel: BodyFields::new(&meshes.wheel, wheel, state, Side::Opposing, axle, hub),
@@ -65,17 +66,18 @@ impl PressedFields {
 impl BodyFields {
     fn new(
         mesh: &HexMesh,
-        element: &Superelement,
+        (body, interior): (&CondensedBody, &Interior),
         state: &Pressed,
         side: Side,
         origin: Vector3<f64>,
         rigid: Vector3<f64>,
     ) -> Self {
-        let displacement = element.displacement(&state.body_forces(side, element));
+        let forces = state.body_forces(side, body.compliance.nrows());
+        let displacement = interior.displacement(body, &forces);
         Self {
             points: mesh.nodes.iter().map(|p| p + origin).collect(),
             hexes: mesh.hexes.clone(),
-            stress: nodal_stress(mesh, &element.system.material, &displacement),
+            stress: nodal_stress(mesh, &interior.system.material, &displacement),
             displacement: displacement
                 .chunks_exact(3)
                 .map(|u| Vector3::new(u[0], u[1], u[2]) + rigid)

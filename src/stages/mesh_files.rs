@@ -55,18 +55,18 @@ impl<'a> Files<'a> {
         options: &MeshOptions,
     ) -> Result<HexMesh> {
         let given = self.read("rail", file)?;
-        let curve = &geometry.placed.curve;
+        let curve = &geometry.pair.placed.curve;
         let mesh = given_rail(given, curve, study.rail.length, options)?;
-        check_touch("rail", &mesh, curve, geometry.touch.rail_s)?;
+        check_touch("rail", &mesh, curve, geometry.pair.touch.rail_s)?;
         Ok(mesh)
     }
 
     /// The wheel of a mesh file.
     pub fn wheel(&mut self, file: &MeshFile, geometry: &Geometry, options: &MeshOptions) -> Result<HexMesh> {
         let given = self.read("wheel", file)?;
-        let curve = &geometry.wheel.running;
-        let mesh = given_wheel(given, curve, geometry.wheel.radius, options)?;
-        check_touch("wheel", &mesh, curve, geometry.touch.wheel_s)?;
+        let curve = &geometry.pair.wheel.running;
+        let mesh = given_wheel(given, curve, geometry.pair.wheel.radius, options)?;
+        check_touch("wheel", &mesh, curve, geometry.pair.touch.wheel_s)?;
         Ok(mesh)
     }
 

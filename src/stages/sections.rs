@@ -201,7 +201,7 @@ mod tests {
         assert_eq!(geometry.profiles.len(), 2);
         assert!(geometry.profiles.iter().flat_map(|p| &p.findings).all(|f| f.action != "left"));
         // Worn off: the crown's 1.5 mm, of which 8/15 over 68 mm, and a little of the gauge corner.
-        let area = geometry.rail.area.area;
+        let area = geometry.pair.rail.area.area;
         assert!((76.70e-4 - 0.65e-4..76.70e-4 - 0.54e-4).contains(&area), "{area}");
     }
 }

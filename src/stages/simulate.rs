@@ -4,13 +4,12 @@ use railspring_calibrate::error::Result;
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::transient::TransientModel;
 
 use super::{Geometry, Meshes, enforcement, formulation};
 use crate::study::{SlidingMatrixKey, Study, StudyScenario};
 use railspring_calibrate::beam::BeamCorrection;
-use railspring_simulate::moving::{MovingModel, RailSupport, SlidingMatrix, WheelSprings};
+use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
 
 /// The springs and the mass that the simple model runs with.
 #[derive(Debug, Clone, Copy)]
@@ -36,30 +35,14 @@ pub fn simulate(
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<History> {
-    let support = RailSupport::Beam {
-        beam: geometry.beam.corrected(&springs.beam)?,
-        node_line: geometry.node_line(),
-        damping: study.material.damping,
-    };
     let wheel_springs = WheelSprings {
         horizontal: springs.horizontal,
         normal: springs.normal,
         longitudinal: springs.horizontal,
     };
-    let mut model = MovingModel::new(
-        geometry.placed.clone(),
-        geometry.wheel.running.clone(),
-        geometry.wheel.radius,
-        geometry.tape_y,
-        &geometry.touch,
-        support,
-        wheel_springs,
-        springs.wheel_mass,
-    );
-    let body = body_of_revolution(&geometry.wheel, study.material.density);
-    let scale = springs.wheel_mass / body.mass;
-    model.wheel_inertia =
-        [body.diameter_inertia, body.axle_inertia, body.diameter_inertia].map(|i| i * scale);
+    let beam = geometry.beam.corrected(&springs.beam)?;
+    let mut model =
+        MovingModel::of_pair(&geometry.pair, beam, &study.material, wheel_springs, springs.wheel_mass);
     model.penalty = study.simulation.contact_penalty;
     model.node_spacing = study.simulation.rail_node_spacing;
     model.sliding = match study.simulation.sliding_matrix {
@@ -85,9 +68,9 @@ pub fn simulate_solid(
         wheel_mesh: &meshes.wheel,
         material: study.material,
         formulation: formulation(study),
-        placed_rail: &geometry.placed,
-        rail_surface: geometry.rail_surface(&meshes.rail),
-        wheel_surface: geometry.wheel_surface(&meshes.wheel),
+        placed_rail: &geometry.pair.placed,
+        rail_surface: geometry.pair.rail_surface(&meshes.rail.contact),
+        wheel_surface: geometry.pair.wheel_surface(&meshes.wheel.contact),
         enforcement: enforcement(study),
     };
     Ok(model.run(&scenario.scenario, monitor)?.history)

@@ -62,7 +62,7 @@ pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) ->
             window_for(study, patch) / MILLIMETRE,
             window / MILLIMETRE,
             load / KILONEWTON,
-            geometry.touch.contact_angle.to_degrees(),
+            geometry.pair.touch.contact_angle.to_degrees(),
             patch / MILLIMETRE
         ));
         return Ok(());
@@ -73,7 +73,7 @@ pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) ->
         format!(
             "loads whose contact patch fits the fine zone of \u{b1}{:.1} mm along the track; at a contact angle of {:.0}\u{b0} this one is about \u{b1}{:.1} mm long",
             most / MILLIMETRE,
-            geometry.touch.contact_angle.to_degrees(),
+            geometry.pair.touch.contact_angle.to_degrees(),
             patch / MILLIMETRE
         ),
         "lower the load, or enlarge `window_half_length`",
@@ -105,8 +105,8 @@ fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
             "bring `lateral_shift` nearer to zero, or check `gauge` and `flange_back`",
         ))
     };
-    let touch = &geometry.touch;
-    let (rail, wheel) = (&geometry.rail, &geometry.wheel);
+    let touch = &geometry.pair.touch;
+    let (rail, wheel) = (&geometry.pair.rail, &geometry.pair.wheel);
     if study.rail.mesh.is_none()
         && let Some(error) = outside(&rail_outline(rail, &options)?, &rail.running, touch.rail_s, "rail")
     {
@@ -137,13 +137,13 @@ fn window_for(study: &Study, patch: f64) -> f64 {
 
 /// Half length of the longest window that leaves most of the rail, and of the wheel below its axle, to the coarser mesh.
 fn longest_window(study: &Study, geometry: &Geometry) -> f64 {
-    (0.25 * study.rail.length).min(0.25 * geometry.wheel.radius)
+    (0.25 * study.rail.length).min(0.25 * geometry.pair.wheel.radius)
 }
 
 /// The load with the longest Hertz patch along the track at the first touch: its field, the load (N) and the
 /// semi-axis (m). Pressed down on a slope, the contact carries the load over the cosine of the contact angle.
 fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64, f64)> {
-    let [along, across] = geometry.relative_radii();
+    let [along, across] = geometry.pair.relative_radii();
     let largest = |loads: &[f64]| loads.iter().copied().fold(0.0, f64::max);
     let settings = &study.calibration;
     let (field, load) = [
@@ -152,7 +152,7 @@ fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64,
     ]
     .into_iter()
     .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-    let normal = load / geometry.touch.contact_angle.cos();
+    let normal = load / geometry.pair.touch.contact_angle.cos();
     let patch = point_contact(normal, along, across, study.material.contact_modulus()).ok()?;
     Some((field, load, patch.semi_axis_x))
 }
@@ -219,8 +219,10 @@ fn larger(
         if !meshes_are_ours(study) {
             return None;
         }
-        let sections =
-            [(&mut next.rail_zone, &geometry.rail.running), (&mut next.wheel_zone, &geometry.wheel.running)];
+        let sections = [
+            (&mut next.rail_zone, &geometry.pair.rail.running),
+            (&mut next.wheel_zone, &geometry.pair.wheel.running),
+        ];
         for (zone, curve) in sections {
             let (depth, field) = reach(curve);
             zone.face_depth = (zone.face_depth + LONGER).min(depth).max(zone.face_depth);
@@ -297,9 +299,9 @@ mod tests {
         study.rail.length = 0.555;
         study.calibration.loads = vec![85e3];
         let geometry = stages::geometry(&study).unwrap();
-        let [along, across] = geometry.relative_radii();
+        let [along, across] = geometry.pair.relative_radii();
         let hertz = |load| point_contact(load, along, across, study.material.contact_modulus()).unwrap();
-        let patch = hertz(85e3 / geometry.touch.contact_angle.cos()).semi_axis_x;
+        let patch = hertz(85e3 / geometry.pair.touch.contact_angle.cos()).semi_axis_x;
         assert!(patch > 1.3 * hertz(85e3).semi_axis_x, "{patch}");
         let notes = Notes::default();
         check_loads(&study, &geometry, &notes).unwrap();

@@ -6,7 +6,7 @@ use crate::contact::{
 };
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
-use crate::superelement::{Superelement, times};
+use crate::superelement::times;
 use faer::Mat;
 use nalgebra::{Vector2, Vector3};
 
@@ -309,9 +309,9 @@ impl Pressed {
         resultant(&self.points, &self.solution.forces)
     }
 
-    /// Forces on the retained equations of one body, N.
-    pub fn body_forces(&self, side: Side, body: &Superelement) -> Vec<f64> {
-        nodal_forces(&self.points, side, &self.solution.forces, body.compliance.nrows())
+    /// Forces on the retained `equations` of one body, N.
+    pub fn body_forces(&self, side: Side, equations: usize) -> Vec<f64> {
+        nodal_forces(&self.points, side, &self.solution.forces, equations)
     }
 }
 

@@ -6,7 +6,9 @@
 
 mod factor;
 mod size;
+mod condensed;
 
+pub use condensed::{CondensedBody, Interior, body_key};
 pub use factor::Factor;
 pub use size::FactorSize;
 
@@ -63,12 +65,17 @@ impl<'a> Superelement<'a> {
 
     /// Displacements of all nodes (`3·node + direction`, m) under forces on the retained equations (N).
     pub fn displacement(&self, retained_forces: &[f64]) -> Vec<f64> {
-        let numbering = &self.system.numbering;
-        let mut x = vec![0.0; numbering.equations];
-        x[numbering.interior..].copy_from_slice(&times(&self.compliance, retained_forces));
-        self.factor.backward_interior(&mut x);
-        numbering.expand(self.system.mesh, &x)
+        interior_displacement(&self.system, &self.factor, &times(&self.compliance, retained_forces))
     }
+}
+
+/// Displacements of all nodes (`3·node + direction`, m) from those of the retained equations (m).
+fn interior_displacement(system: &System, factor: &Factor, retained: &[f64]) -> Vec<f64> {
+    let numbering = &system.numbering;
+    let mut x = vec![0.0; numbering.equations];
+    x[numbering.interior..].copy_from_slice(retained);
+    factor.backward_interior(&mut x);
+    numbering.expand(system.mesh, &x)
 }
 
 /// Dense matrix times vector.

@@ -2,13 +2,17 @@
 
 use nalgebra::Point2;
 
+use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::{PlacedRail, Touch};
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::section::body_of_revolution;
+use railspring_calibrate::solid::Material;
 
 use super::support::RailSupport;
 use super::surface::SlidingMatrix;
@@ -132,6 +136,26 @@ impl MovingModel {
             dissipation: 0.0,
             initial: InitialMotion::default(),
         }
+    }
+
+    /// The wheel of a calibrated pair on its rail as a beam, the wheel's inertia that of a solid body of `wheel_mass` (kg).
+    pub fn of_pair(
+        pair: &Pair,
+        beam: RailBeam,
+        material: &Material,
+        springs: WheelSprings,
+        wheel_mass: f64,
+    ) -> Self {
+        let support = RailSupport::Beam { beam, node_line: pair.node_line(), damping: material.damping };
+        let (rail, wheel) = (pair.placed.clone(), pair.wheel.running.clone());
+        let radius = pair.wheel.radius;
+        let mut model =
+            Self::new(rail, wheel, radius, pair.tape_y, &pair.touch, support, springs, wheel_mass);
+        let body = body_of_revolution(&pair.wheel, material.density);
+        let scale = wheel_mass / body.mass;
+        model.wheel_inertia =
+            [body.diameter_inertia, body.axle_inertia, body.diameter_inertia].map(|i| i * scale);
+        model
     }
 
     /// Whether the model can run a scenario.

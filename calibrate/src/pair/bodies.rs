@@ -1,0 +1,207 @@
+//! The bodies reduced to their contact nodes, and pressed together.
+
+use super::geometry::{Pair, PairMeshes};
+use crate::calibration::{
+    Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference, SectionMotion, WheelOnRail,
+    calibrate_horizontal, calibrate_normal, press_loads,
+};
+use crate::error::Result;
+use crate::mesh::HexMesh;
+use crate::monitor::Monitor;
+use crate::solid::{Formulation, Material, Supports, System};
+use crate::superelement::{CondensedBody, Interior, Superelement, body_key};
+use faer::Mat;
+
+/// How wheel and rail meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactConditions {
+    /// Coulomb friction coefficient; 0 leaves friction out.
+    pub friction: f64,
+    /// How the contact conditions are enforced.
+    pub enforcement: Enforcement,
+}
+
+/// Both bodies condensed. It borrows nothing.
+pub struct CondensedPair {
+    /// The wheel against its hub.
+    pub wheel: CondensedBody,
+    /// The rail with its foot fixed.
+    pub rail_on_foot: CondensedBody,
+    /// The rail with its ends fixed.
+    pub rail_on_ends: CondensedBody,
+    /// The motion of that rail's section at the contact.
+    pub section: SectionMotion,
+    /// The material of both.
+    pub material: Material,
+    /// Compliance of the rail's contact nodes against that section, m/N.
+    against_section: Mat<f64>,
+}
+
+/// The insides of the bodies, which only fields need.
+pub struct PairInteriors<'a> {
+    /// Of the wheel.
+    pub wheel: Interior<'a>,
+    /// Of the rail with its foot fixed.
+    pub rail_on_foot: Interior<'a>,
+    /// Of the rail with its ends fixed.
+    pub rail_on_ends: Interior<'a>,
+}
+
+impl PairMeshes {
+    /// Factors and condenses both bodies, and lets the factors go.
+    ///
+    /// # Errors
+    /// An inverted element, and a rail without an element at the contact.
+    pub fn condense(
+        &self,
+        pair: &Pair,
+        material: Material,
+        element: Formulation,
+        monitor: &dyn Monitor,
+    ) -> Result<CondensedPair> {
+        CondensedPair::new(pair, [&self.rail, &self.wheel], material, element, monitor)
+            .map(|(bodies, _)| bodies)
+    }
+}
+
+impl CondensedPair {
+    /// Factors and condenses the meshes of rail and wheel; the interiors are for fields.
+    ///
+    /// # Errors
+    /// An inverted element, and a rail without an element at the contact.
+    pub fn new<'a>(
+        pair: &Pair,
+        [rail, wheel]: [&'a HexMesh; 2],
+        material: Material,
+        element: Formulation,
+        monitor: &dyn Monitor,
+    ) -> Result<(Self, PairInteriors<'a>)> {
+        let condense = |mesh: &'a HexMesh, supports: Supports| -> Result<(Superelement<'a>, String)> {
+            let key = body_key(mesh, &material, element, &supports);
+            Ok((Superelement::new(System::new(mesh, material, element, &supports)?)?, key))
+        };
+        let held = |nodes: &[usize]| Supports { held: nodes.to_vec(), ..Supports::default() };
+        monitor.progress("superelements", 0, 3)?;
+        let (on_hub, rails) = rayon::join(
+            || {
+                let followers = wheel.bore.clone();
+                condense(wheel, Supports { followers, ..Supports::default() })
+            },
+            || [&rail.foot, &rail.ends].map(|nodes| condense(rail, held(nodes))),
+        );
+        let (on_hub, wheel_key) = on_hub?;
+        let [on_foot, on_ends] = rails;
+        let ((on_foot, foot_key), (on_ends, ends_key)) = (on_foot?, on_ends?);
+        monitor.progress("superelements", 3, 3)?;
+        let section =
+            SectionMotion::new(&on_ends, &pair.shear_stresses, &pair.placed, pair.node_line(), 0.0)?;
+        let against_section = section.relative(&on_ends.compliance);
+        let (wheel, wheel_interior) = on_hub.split(wheel_key);
+        let (rail_on_foot, foot_interior) = on_foot.split(foot_key);
+        let (rail_on_ends, ends_interior) = on_ends.split(ends_key);
+        let interiors =
+            PairInteriors { wheel: wheel_interior, rail_on_foot: foot_interior, rail_on_ends: ends_interior };
+        Ok((Self { wheel, rail_on_foot, rail_on_ends, section, material, against_section }, interiors))
+    }
+
+    /// The rail's body under the law of a reference.
+    pub fn rail(&self, reference: Reference) -> &CondensedBody {
+        match reference {
+            Reference::Beam => &self.rail_on_ends,
+            Reference::Foot | Reference::Local => &self.rail_on_foot,
+        }
+    }
+
+    /// Presses the wheel on the rail with every load (N, ascending) in turn, the rail's foot fixed, and again with its
+    /// section at the contact fixed.
+    ///
+    /// # Errors
+    /// Those of [`press_loads`].
+    pub fn press<'a>(
+        &'a self,
+        pair: &'a Pair,
+        contact: ContactConditions,
+        loads: &[f64],
+        monitor: &dyn Monitor,
+    ) -> Result<PressedPair<'a>> {
+        let on_foot = press_loads(
+            &self.wheel_on_rail(pair, Reference::Foot, contact),
+            loads,
+            "calibration, foot held",
+            monitor,
+        )?;
+        let on_section = press_loads(
+            &self.wheel_on_rail(pair, Reference::Beam, contact),
+            loads,
+            "calibration, section held",
+            monitor,
+        )?;
+        Ok(PressedPair { pair, bodies: self, contact, on_foot, on_section })
+    }
+
+    fn wheel_on_rail<'a>(
+        &'a self,
+        pair: &'a Pair,
+        reference: Reference,
+        ContactConditions { friction, enforcement }: ContactConditions,
+    ) -> WheelOnRail<'a> {
+        let rail = self.rail(reference);
+        WheelOnRail {
+            rail: if reference == Reference::Beam { &self.against_section } else { &rail.compliance },
+            wheel: &self.wheel.compliance,
+            rail_surface: pair.rail_surface(&rail.grid),
+            wheel_surface: pair.wheel_surface(&self.wheel.grid),
+            friction,
+            enforcement,
+        }
+    }
+}
+
+/// The states of a pair under its loads.
+pub struct PressedPair<'a> {
+    pair: &'a Pair,
+    bodies: &'a CondensedPair,
+    contact: ContactConditions,
+    on_foot: Vec<Pressed>,
+    on_section: Vec<Pressed>,
+}
+
+impl PressedPair<'_> {
+    /// The states under the loads, with what the reference fixes of the rail.
+    pub fn states(&self, reference: Reference) -> &[Pressed] {
+        match reference {
+            Reference::Beam => &self.on_section,
+            Reference::Foot | Reference::Local => &self.on_foot,
+        }
+    }
+
+    /// Fits the normal law of a reference.
+    ///
+    /// # Errors
+    /// Numerical errors of tangent and fit.
+    pub fn fit(&self, reference: Reference) -> Result<NormalCalibration> {
+        calibrate_normal(
+            &self.wheel_on_rail(reference),
+            self.states(reference),
+            reference,
+            &self.bodies.material,
+        )
+    }
+
+    /// The horizontal stiffness of a sticking wheel under the preloads (N, ascending).
+    ///
+    /// # Errors
+    /// Those of [`calibrate_horizontal`].
+    pub fn horizontal(
+        &self,
+        reference: Reference,
+        preloads: &[f64],
+        monitor: &dyn Monitor,
+    ) -> Result<HorizontalCalibration> {
+        calibrate_horizontal(&self.wheel_on_rail(reference), preloads, monitor)
+    }
+
+    fn wheel_on_rail(&self, reference: Reference) -> WheelOnRail<'_> {
+        self.bodies.wheel_on_rail(self.pair, reference, self.contact)
+    }
+}

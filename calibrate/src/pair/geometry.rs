@@ -1,0 +1,126 @@
+//! The two sections in place.
+
+use crate::beam::{RailBeam, Torsion};
+use crate::contact::{PairingLimits, Surface, pair};
+use crate::error::Result;
+use crate::mesh::{HexMesh, MeshOptions, SurfaceGrid, mesh_rail, mesh_wheel};
+use crate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
+use crate::section::{RailSection, WheelSection};
+use crate::section_analysis::{RailAnalysis, SectionProperties, StressSample, rail_analysis};
+use crate::solid::Material;
+use nalgebra::{Point2, Vector2};
+
+/// A wheel on a rail, as two sections in a track.
+#[derive(Debug, Clone)]
+pub struct Pair {
+    /// Section of the rail, in its profile frame.
+    pub rail: RailSection,
+    /// Section of the wheel, in its profile frame.
+    pub wheel: WheelSection,
+    /// The rail's section as that of a beam.
+    pub properties: SectionProperties,
+    /// Shear stresses of the beam's forces on that section, in the profile frame.
+    pub shear_stresses: Vec<StressSample>,
+    /// The rail in the track.
+    pub placed: PlacedRail,
+    /// Lateral world position of the tape circle, m.
+    pub tape_y: f64,
+    /// Where the lowered wheel first touches.
+    pub touch: Touch,
+}
+
+/// The meshes of both bodies.
+#[derive(Debug, Clone)]
+pub struct PairMeshes {
+    /// The rail, in the world frame.
+    pub rail: HexMesh,
+    /// The wheel, in its body frame.
+    pub wheel: HexMesh,
+}
+
+impl Pair {
+    /// Places both sections in the track and lowers the wheel until it touches.
+    ///
+    /// # Errors
+    /// A wheel that misses the rail, and a section that cannot be analysed.
+    pub fn new(rail: RailSection, wheel: WheelSection, track: &TrackGeometry) -> Result<Self> {
+        let placed = place_rail(&rail, track)?;
+        let touch = touch(&placed, &wheel.running, track.tape_y())?;
+        let RailAnalysis { properties, stresses: shear_stresses } = rail_analysis(&rail)?;
+        Ok(Self { rail, wheel, properties, shear_stresses, placed, tape_y: track.tape_y(), touch })
+    }
+
+    /// The rail as a beam of a length (m), fixed at both ends, of so many elements.
+    ///
+    /// # Errors
+    /// A length that is no length, and no element.
+    pub fn beam(&self, material: &Material, length: f64, elements: usize) -> Result<RailBeam> {
+        let torsion = Torsion::RestrainedWarping;
+        RailBeam::rail(&self.properties, material, length, elements, self.placed.angle, torsion)
+    }
+
+    /// Meshes of both bodies, the rail of a length (m) centred at the contact.
+    ///
+    /// # Errors
+    /// Settings that give an inverted or flat element.
+    pub fn mesh(&self, rail_length: f64, options: &MeshOptions) -> Result<PairMeshes> {
+        Ok(PairMeshes {
+            rail: mesh_rail(&self.rail, &self.placed, rail_length, options)?,
+            wheel: mesh_wheel(&self.wheel, options)?,
+        })
+    }
+
+    /// World position (y, z) of the wheel profile's origin when it just touches, m.
+    pub fn tape(&self) -> Vector2<f64> {
+        Vector2::new(self.tape_y, self.touch.tape_z)
+    }
+
+    /// World position (y, z) at which the beam's node line, the line of shear centres, passes, m.
+    pub fn node_line(&self) -> Point2<f64> {
+        self.placed.to_world(&Point2::new(0.0, self.rail.height - self.properties.shear_centre_height))
+    }
+
+    /// Relative radii of curvature along the track and across at the first touch, m.
+    pub fn relative_radii(&self) -> [f64; 2] {
+        let rail = self.placed.curve.curvature(self.touch.rail_s);
+        // The wheel's material lies above its curve, so a bulge of the wheel has negative curvature.
+        let wheel = -self.wheel.running.curvature(self.touch.wheel_s);
+        let rolling_radius = self.wheel.radius + self.wheel.running.point(self.touch.wheel_s).y;
+        [rolling_radius / self.touch.contact_angle.cos(), 1.0 / (rail + wheel)]
+    }
+
+    /// Number of contact points whose gap is smaller than `largest_gap` (m) with the wheel lowered from first touch, m.
+    pub fn candidates(&self, meshes: [&HexMesh; 2], lowering: f64, largest_gap: f64) -> usize {
+        let [rail, wheel] = meshes;
+        let mut wheel = self.wheel_surface(&wheel.contact);
+        wheel.origin.y += lowering;
+        pair(&self.rail_surface(&rail.contact), &wheel, PairingLimits { largest_gap }).len()
+    }
+
+    /// Contact surface of the rail at rest.
+    pub fn rail_surface<'a>(&'a self, grid: &'a SurfaceGrid) -> Surface<'a> {
+        Surface::extruded(&self.placed.curve, grid)
+    }
+
+    /// Contact surface of the wheel where it just touches.
+    pub fn wheel_surface<'a>(&'a self, grid: &'a SurfaceGrid) -> Surface<'a> {
+        Surface::revolved(&self.wheel.running, grid, self.wheel.radius, self.tape())
+    }
+
+    /// Weights of the rail's contact nodes whose mean is the point of the first touch, at x = 0.
+    pub(super) fn touch_weights(&self, grid: &SurfaceGrid) -> Vec<f64> {
+        // the two grid lines around a coordinate and their weights; the nearest line beside the grid
+        let around = |lines: &[f64], at: f64| {
+            let upper = lines.partition_point(|line| *line < at).clamp(1, lines.len() - 1);
+            let t = ((at - lines[upper - 1]) / (lines[upper] - lines[upper - 1])).clamp(0.0, 1.0);
+            [(upper - 1, 1.0 - t), (upper, t)]
+        };
+        let mut weights = vec![0.0; grid.nodes.len()];
+        for (i, u) in around(&grid.along_profile, self.touch.rail_s) {
+            for (k, v) in around(&grid.along_track, 0.0) {
+                weights[i * grid.along_track.len() + k] += u * v;
+            }
+        }
+        weights
+    }
+}

@@ -1,0 +1,104 @@
+//! Condensed bodies outlive their meshes and travel as files.
+
+use railspring_calibrate::calibration::{Enforcement, Reference};
+use railspring_calibrate::mesh::{MeshOptions, mesh_wheel};
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::pair::{CondensedPair, ContactConditions, Pair};
+use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::solid::{Formulation, Material, Supports};
+use railspring_calibrate::superelement::{CondensedBody, body_key};
+
+fn coarse() -> MeshOptions {
+    MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() }
+}
+
+fn pair() -> Pair {
+    Pair::new(
+        rail_section("60E1").unwrap(),
+        wheel_section("S1002", 0.858).unwrap(),
+        &TrackGeometry::standard(),
+    )
+    .unwrap()
+}
+
+fn condensed(pair: &Pair) -> CondensedPair {
+    let meshes = pair.mesh(0.3, &coarse()).unwrap();
+    meshes.condense(pair, Material::STEEL, Formulation::FullIntegration, &Silent).unwrap()
+}
+
+/// Source: the bodies that were not written. Goal: bodies that were written and read are the same to the bit, and so are the
+/// tangents (N/m) of the wheel pressed with them.
+#[test]
+fn a_body_is_the_same_after_its_file() {
+    let pair = pair();
+    let mut bodies = condensed(&pair);
+    let contact = ContactConditions { friction: 0.3, enforcement: Enforcement::Exact };
+    let tangents = |bodies: &CondensedPair| -> Vec<f64> {
+        let pressed = bodies.press(&pair, contact, &[20e3, 40e3, 60e3, 80e3], &Silent).unwrap();
+        pressed.fit(Reference::Beam).unwrap().points.iter().map(|p| p.solid_tangent).collect()
+    };
+    let before = tangents(&bodies);
+    for body in [&mut bodies.wheel, &mut bodies.rail_on_foot, &mut bodies.rail_on_ends] {
+        let file = body.write();
+        assert_eq!(file, body.write(), "the same body gives the same bytes");
+        let read = CondensedBody::read(&file).unwrap();
+        assert_eq!(read, *body);
+        *body = read;
+    }
+    assert_eq!(tangents(&bodies), before);
+}
+
+/// Goal: a file that was cut, extended or changed, or is of another kind, is refused in words; none gives a body.
+#[test]
+fn files_that_are_no_bodies_are_refused() {
+    let body = condensed(&pair()).wheel;
+    let file = body.write();
+    let header = 8 + u64::from_le_bytes(file[..8].try_into().unwrap()) as usize;
+    let mut endless = body.clone();
+    endless.compliance[(0, 0)] = f64::INFINITY;
+    let endless = endless.write();
+    let other = String::from_utf8_lossy(&file[..header]).replace("body 1", "body 9").into_bytes();
+    let other = [&other, &file[header..]].concat();
+    let cases: [(&[u8], &str); 5] = [
+        (&[], "condensed body"),
+        (&file[..file.len() - 8], "condensed body"),
+        (&[&file[..], &[0; 8]].concat(), "condensed body"),
+        (&endless, "inf"),
+        (&other, "body 9"),
+    ];
+    for (bytes, part) in cases {
+        let said = CondensedBody::read(bytes).map(|_| ()).unwrap_err().to_string();
+        assert!(said.contains(part) && said.contains("condense the body again"), "{said}");
+    }
+}
+
+/// Goal: the key changes with mesh, material, element and supports, and with nothing else: the lateral shift of the wheel
+/// leaves both bodies alone.
+#[test]
+fn a_body_knows_what_made_it() {
+    let wheel = wheel_section("S1002", 0.858).unwrap();
+    let mesh = mesh_wheel(&wheel, &coarse()).unwrap();
+    let supports = Supports { followers: mesh.bore.clone(), ..Supports::default() };
+    let (steel, full) = (Material::STEEL, Formulation::FullIntegration);
+    let key = body_key(&mesh, &steel, full, &supports);
+    assert_eq!(key.len(), 64);
+    let mut moved = mesh.clone();
+    moved.nodes[0].x += 1e-9;
+    let softer = Material { young: 209e9, ..steel };
+    let others = [
+        body_key(&moved, &steel, full, &supports),
+        body_key(&mesh, &softer, full, &supports),
+        body_key(&mesh, &steel, Formulation::IncompatibleModes, &supports),
+        body_key(&mesh, &steel, full, &Supports::default()),
+    ];
+    assert!(others.iter().all(|other| *other != key), "{others:?}");
+
+    let shifted = TrackGeometry { lateral_shift: 3e-3, ..TrackGeometry::standard() };
+    let there = Pair::new(rail_section("60E1").unwrap(), wheel, &shifted).unwrap();
+    let (here, there) = (condensed(&pair()), condensed(&there));
+    assert_eq!(here.wheel.key, key);
+    assert_eq!(here.wheel.key, there.wheel.key);
+    assert_eq!(here.rail_on_foot.key, there.rail_on_foot.key);
+    assert_ne!(here.rail_on_foot.key, here.rail_on_ends.key);
+}
