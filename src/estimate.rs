@@ -92,7 +92,7 @@ pub struct Work {
     pub calibrate: bool,
     /// Load cases of the solid model: name and steps.
     pub solids: Vec<(String, usize)>,
-    /// What the reference is asked.
+    /// The questions to the reference.
     pub reference: Option<ReferenceElements>,
 }
 

@@ -1,4 +1,4 @@
-//! The content of the result files: the values that the stages hand to the
+//! The content of the result files: the values that the stages return to the
 //! report and to later commands, in the units that the files name.
 
 use serde::{Deserialize, Serialize};

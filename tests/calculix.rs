@@ -1,4 +1,4 @@
-//! The deck for other programs, CalculiX on it, and studies that no reference solver can be asked about.
+//! The deck for other programs, CalculiX on it, and studies that cannot be cross-validated.
 //!
 //! CalculiX (`ccx` on the path; Debian: `calculix-ccx`) is not needed to build or use the tool; without it the second
 //! test is counted as skipped. The long comparison is `cargo validate-calculix`.

@@ -390,7 +390,7 @@ fn profiles_are_checked_and_converted() {
 
     let ending = place.run(&["profile", "convert", worn, "wheel.prr"]);
     assert_eq!(ending.status.code(), Some(2));
-    assert!(message(&ending).contains("wheel.prr = the ending of a rail"), "{}", message(&ending));
+    assert!(message(&ending).contains("wheel.prr = the extension of a rail"), "{}", message(&ending));
 
     std::fs::write(place.root.path().join("bad.csv"), "y_mm,z_mm\n1,2\n1,x\n").unwrap();
     let bad = place.run(&["profile", "check", "bad.csv"]);

@@ -21,7 +21,7 @@ use railspring_testing::{Need, needs};
 /// Coarse enough for a few seconds, fine enough for a contact.
 const STUDY: &str = include_str!("studies/coarse.toml");
 
-/// What the reference is asked on the coarse mesh.
+/// The questions to the reference on the coarse mesh.
 const CASES: [Case; 3] = [Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface];
 
 /// One environment and one set of answers for all tests of this file.

@@ -313,7 +313,7 @@ fn files_that_cannot_be_used_are_refused() {
     has(&broken, &["study.toml:4: rail.mesh_file = \"broken.msh\" (", "expected a mesh that meshio reads"]);
 }
 
-/// Goal: without mesh files no Python is asked for; with one a missing Python is reported, exit code 2.
+/// Goal: without mesh files no Python is needed; with one a missing Python is reported, exit code 2.
 #[test]
 fn python_is_needed_for_mesh_files_only() {
     if !railspring_testing::python() {

@@ -1,6 +1,6 @@
 //! The fields of this library that an [`InputError`](crate::error::InputError) can name.
 //!
-//! The library knows nothing of the files from which its values come. Its errors name the field, in the key and,
+//! The library is independent of the files from which its values come. Its errors name the field, in the key and,
 //! in backticks, in the remedy; a program that read the value from a file translates the name into its own.
 
 use std::fmt;

@@ -1,4 +1,4 @@
-//! What a run leaves behind, step by step; the same for the solid model and
+//! The history of a run, step by step; the same for the solid model and
 //! the moving solver, so that they can be compared line by line.
 
 use std::fmt;

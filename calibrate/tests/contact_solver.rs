@@ -69,7 +69,7 @@ fn along_z(force: f64) -> FreeDirection {
 }
 
 /// Goal: two points of a rim that is ten times more flexible sideways than downwards, pressed with 1 kN at the friction
-/// 0.05: the points stick. A Newton iteration in full steps throws both to and fro between slipping one way and
+/// 0.05: the points stick. A Newton iteration in full steps makes both alternate between slipping one way and
 /// the other, the hub free. Units SI; the numbers are those of a coarse wheel on a coarse rail. Accuracy: SOLVER.
 #[test]
 fn points_between_two_directions_of_slip_stick() {
@@ -88,7 +88,7 @@ fn points_between_two_directions_of_slip_stick() {
         compliance[(r, c)] = coupling;
         compliance[(c, r)] = coupling;
     }
-    // gaps and slips with the hub where full steps throw it to and fro, and forces that belong to it
+    // gaps and slips with the hub where full steps make it oscillate, and forces that belong to it
     let lowered = 4.2775e-6;
     let mut free = vec![2.3834e-6, 2.4853e-6, 0.0, 0.0, 0.0, 0.0];
     for row in 0..6 {

@@ -15,7 +15,7 @@ const SOLVER: f64 = 1e-8;
 
 /// Goal: tread, gauge corner and flange reach their answer on both standard wheels with friction from 0.05 to 0.6: the
 /// wanted vertical load is carried, the hub goes down with the load, and friction stays in its cone. The shifts are
-/// those at which full Newton steps went to and fro (1 kN in the middle, 5 mm on the conical wheel) or that
+/// those at which full Newton steps oscillated (1 kN in the middle, 5 mm on the conical wheel) or that
 /// lie on the gauge corner (6 mm) and on the flange (7 mm). Lengths in m, forces in N.
 #[test]
 fn tread_corner_and_flange_reach_their_answer() {

@@ -58,7 +58,7 @@ fn benchmark_wheel_is_s1002() {
 }
 
 /// Source: the benchmark's rail file, inclined 1:40 with its origin at the highest point. Goal: the UIC60 head after
-/// turning it back; the inclination itself found by the alignment. Accuracy: 0.05 mm as asked for; the file's
+/// turning it back; the inclination itself found by the alignment. Accuracy: 0.05 mm as required; the file's
 /// crown is exact to 1e-6 mm. Below 35.2 mm the file has no corner of a standard.
 #[test]
 fn benchmark_rail_is_the_uic60_head() {

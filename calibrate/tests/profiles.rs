@@ -375,7 +375,7 @@ fn cone_1_in_40_meets_the_published_points() {
     assert!((wheel.point(wheel.kinks()[0]) - Point2::new(35e-3, -0.875e-3)).norm() < ROUNDOFF);
 }
 
-/// The other heights of S1002 keep its tread, bit for bit up to the arc length, and have the height asked for; the
+/// The other heights of S1002 keep its tread, bit for bit up to the arc length, and have the requested height; the
 /// nominal flange solved for agrees with the published one to its digits.
 #[test]
 fn s1002_has_the_heights_of_the_standard() {

@@ -16,7 +16,7 @@ use super::{Failure, say, shapes};
 /// What can be done with a profile.
 #[derive(Debug, Subcommand)]
 pub(super) enum ProfileCommand {
-    /// Say what is wrong with a profile file, and what can be repaired
+    /// Check a profile file: what is wrong with it, and what can be repaired
     ///
     /// Exit code 1 if something is left that could not be repaired.
     Check(FileArgs),
@@ -174,9 +174,9 @@ fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
     if let Some(kind) = kind.filter(|kind| *kind != profile.kind) {
         return Err(InputError::new(
             out.display().to_string(),
-            format!("the ending of a {}", kind.name()),
-            format!("the ending of a {}", profile.kind.name()),
-            "choose another ending, or say with --kind what the profile is",
+            format!("the extension of a {}", kind.name()),
+            format!("the extension of a {}", profile.kind.name()),
+            "choose another extension, or say with --kind what the profile is",
         )
         .into());
     }

@@ -1,5 +1,5 @@
 //! Progress on the terminal, or as plain lines where there is none; and the
-//! wish to stop.
+//! interruption with Ctrl-C.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;

@@ -39,7 +39,7 @@ pub fn version() -> Result<(&'static str, String)> {
 /// Runs the deck `name.inp` of `count` steps in `folder` and returns its steps; what the solver says goes to `name.log`.
 ///
 /// # Errors
-/// [`InputError`] with the solver's last words if it fails; the user's wish to stop.
+/// [`InputError`] with the solver's last words if it fails; an interruption by the user.
 pub fn run(program: &str, folder: &Path, name: &str, count: usize, monitor: &dyn Monitor) -> Result<Steps> {
     const PAUSE: Duration = Duration::from_millis(200);
     let [log, results] = ["log", "dat"].map(|ending| folder.join(format!("{name}.{ending}")));

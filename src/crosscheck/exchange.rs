@@ -21,7 +21,7 @@ const CURVE_STEP: f64 = 0.1e-3;
 /// Name of the point data with the given forces.
 const FORCE: &str = "force (N)";
 
-/// What a reference solver is asked to solve besides the elastic bodies.
+/// The problems of a reference solver besides the elastic bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Case {
     /// Frictionless contact on the same mesh and element.
@@ -47,7 +47,7 @@ impl Case {
     }
 }
 
-/// One body as it is handed over.
+/// One body as it is exported.
 #[derive(Debug, Clone)]
 pub struct Body {
     /// The mesh.
@@ -68,18 +68,18 @@ pub struct Body {
     pub radius: f64,
 }
 
-/// Everything a reference solver gets.
+/// The whole input of a reference solver.
 #[derive(Debug, Clone)]
 pub struct Exchange {
     /// Rail and wheel.
     pub bodies: [Body; 2],
-    /// Rail and wheel for elements of second order, if they are asked for.
+    /// Rail and wheel for elements of second order, if they are wanted.
     pub second_order: Option<[Body; 2]>,
     /// Loads, N.
     pub loads: Vec<f64>,
     /// Coulomb friction coefficient.
     pub friction: f64,
-    /// What is asked.
+    /// The problems to solve.
     pub cases: Vec<Case>,
     /// Hash of the study.
     pub input_hash: String,
@@ -89,7 +89,7 @@ pub struct Exchange {
 pub const BODIES: [&str; 2] = ["rail", "wheel"];
 
 impl Exchange {
-    /// Collects the questions; `fine` are the meshes for elements of second order, if they are asked for.
+    /// Collects the questions; `fine` are the meshes for elements of second order, if they are wanted.
     pub fn new(
         study: &Study,
         geometry: &Geometry,

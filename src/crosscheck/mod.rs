@@ -1,9 +1,9 @@
 //! Cross-validation: independent programs repeat what the tool computed.
 //!
-//! * [`exchange`]: the questions, as files that know nothing of the tool's formulations;
+//! * [`exchange`]: the questions, as files without the tool's formulations;
 //! * [`deck`] and [`calculix`]: the same problem as a deck for CalculiX or Abaqus, and running it;
 //! * [`mod@compare`]: answers against answers, with limits and their causes;
-//! * [`questions`]: what was asked, in words and numbers;
+//! * [`questions`]: the questions in words and numbers;
 //! * [`mod@sections`]: where on the bodies the answers differ.
 
 pub mod calculix;
@@ -54,7 +54,7 @@ pub struct Prepared {
 
 /// Computes the tool's answers and collects the questions, within the memory of `settings`.
 ///
-/// Elements of second order are asked for on finer meshes; a mesh from a file stays as it is.
+/// Elements of second order are on finer meshes; a mesh from a file stays as it is.
 ///
 /// # Errors
 /// Those of meshing and calibration, and sizes that the machine cannot hold.
@@ -77,7 +77,7 @@ pub fn prepare(study: &Study, settings: &Settings<'_>, monitor: &dyn Monitor) ->
 }
 
 /// Writes a deck of the study's problem into `folder`: its own element and friction, a step for every
-/// load asked for; the name of the file. `interpreter` is the Python that reads mesh files.
+/// wanted load; the name of the file. `interpreter` is the Python that reads mesh files.
 ///
 /// # Errors
 /// Those of meshing and calibration, sizes that the machine cannot hold, and a folder that cannot be written.
@@ -158,14 +158,14 @@ fn calculix_checks(
     Ok((checks, timing))
 }
 
-/// What is asked of whom, and where a copy goes.
+/// Which questions, to which programs, and where a copy goes.
 #[derive(Debug, Clone, Default)]
 pub struct Settings<'a> {
     /// Python with the packages of the reference; `None`: the virtual environment of the cache folder.
     pub interpreter: Option<&'a Path>,
-    /// What the reference is asked.
+    /// The questions to the reference.
     pub cases: &'a [Case],
-    /// Whether CalculiX is asked too.
+    /// Whether CalculiX runs, too.
     pub calculix: bool,
     /// File that gets a copy of the record.
     pub keep: Option<&'a Path>,

@@ -1,4 +1,4 @@
-//! What the reference solvers are asked, in words, and the meshes that they get.
+//! The questions to the reference solvers, in words, and the meshes that they get.
 
 use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
@@ -7,7 +7,7 @@ use super::exchange::{BODIES, Case, Exchange};
 use crate::records::crosscheck::{ExchangedMesh, Question, ToolCurve, ToolPoint};
 use crate::stages::{AnsweredCurve, Answers};
 
-/// The questions to the reference, and to CalculiX if it is asked; `reference` and `calculix` are their names.
+/// The questions to the reference, and to CalculiX if it runs; `reference` and `calculix` are their names.
 pub fn questions(
     cases: &[Case],
     answers: &Answers,
@@ -64,7 +64,7 @@ pub fn questions(
     asked
 }
 
-/// Sizes of the meshes that are handed over.
+/// Sizes of the exported meshes.
 pub fn meshes(exchange: &Exchange) -> Vec<ExchangedMesh> {
     let size = |body: &str, mesh: &HexMesh, purpose: &str| ExchangedMesh {
         body: body.into(),

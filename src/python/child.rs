@@ -43,7 +43,7 @@ pub(super) enum Stop {
     Asked(Error),
 }
 
-/// Runs a program to its end. It is killed when it exceeds a limit or when `go_on` fails, which is asked while it runs.
+/// Runs a program to its end. It is killed when it exceeds a limit or when `go_on` fails, which is called while it runs.
 pub(super) fn run(
     command: &mut Command,
     limits: &Limits,

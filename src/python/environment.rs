@@ -19,8 +19,8 @@ const SECOND_ORDER_LOCK: &str = include_str!("../../reference/requirements-secon
 const LIMITS: Limits = Limits { time: Duration::from_secs(1800), output: 64 << 20 };
 /// Shown while that goes on.
 const STAGE: &str = "making the Python environment";
-/// Settings of pip that say where packages come from and how to get there. With hashes it does not matter who hands the
-/// packages over. All others could install something else or elsewhere, so they are not handed on.
+/// Settings of pip that say where packages come from and how to get there. With hashes the source of the
+/// packages does not matter. All other settings could install something else or elsewhere, so they are not passed on.
 const NETWORK: [&str; 16] = [
     "CACHE_DIR",
     "CERT",

@@ -94,7 +94,7 @@ impl Python {
     /// packages if none is there yet.
     ///
     /// # Errors
-    /// [`InputError`] with key `--python` that says what is missing and how to get it; the user's wish to stop.
+    /// [`InputError`] with key `--python` that says what is missing and how to get it; an interruption by the user.
     pub fn prepare(
         given: Option<&Path>,
         cache: &Path,
@@ -151,7 +151,7 @@ impl Python {
     ///
     /// # Errors
     /// [`InputError`] with key `--python` if the reader does not run, and with `key` if the file takes it too long or
-    /// holds too much; the user's wish to stop. A file that it refuses is no such error.
+    /// holds too much; an interruption by the user. A file that it refuses is no such error.
     pub fn read_mesh(
         &self,
         key: &str,
@@ -220,7 +220,7 @@ impl Python {
     ///
     /// # Errors
     /// [`NumericsError`] where an iteration of the reference does not converge; [`InputError`] with what the
-    /// reference said when it failed otherwise; the user's wish to stop.
+    /// reference said when it failed otherwise; an interruption by the user.
     pub fn run(&self, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
         let failed = |cause: std::io::Error| missing(&self.interpreter, &cause.to_string());
         let mut child = self

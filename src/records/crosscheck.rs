@@ -27,11 +27,11 @@ pub struct CrosscheckRecord {
     pub host: String,
     /// Where the reference's numbers come from.
     pub reference: Provenance,
-    /// CalculiX with its version, if it was asked.
+    /// CalculiX with its version, if it ran.
     pub calculix: Option<String>,
-    /// What the reference solvers were asked.
+    /// The questions to the reference solvers.
     pub questions: Vec<Question>,
-    /// The meshes that they were given.
+    /// The exported meshes.
     pub meshes: Vec<ExchangedMesh>,
     /// The limits and where their values come from.
     pub limits: Vec<Limit>,
@@ -86,7 +86,7 @@ pub struct Question {
     pub text: String,
 }
 
-/// Size of a mesh that was handed over.
+/// Size of an exported mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ExchangedMesh {
     /// `rail` or `wheel`.
@@ -328,7 +328,7 @@ mod tests {
         CrosscheckRecord { checks, ..CrosscheckRecord::default() }
     }
 
-    /// The largest difference stands for its quantity, one that is not a number before all others,
+    /// The largest difference represents its quantity, one that is not a number before all others,
     /// whatever its sign; one failing load makes the quantity fail.
     #[test]
     fn the_worst_load_of_each_quantity_is_found() {

@@ -175,7 +175,7 @@ pub fn text(height: u32, color: RGBColor) -> TextStyle<'static> {
     (FONT, f64::from(height * SCALE) * 1.24).into_font().color(&color)
 }
 
-/// Text of labels, anchored as asked.
+/// Text of labels, anchored as given.
 pub fn label(height: u32, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
     text(height, BLACK).pos(Pos::new(horizontal, vertical))
 }
@@ -279,7 +279,7 @@ mod tests {
         }
     }
 
-    /// Goal: ranges and ticks are finite for whatever stands in a history.
+    /// Goal: ranges and ticks are finite for whatever is in a history.
     #[test]
     fn any_values_have_an_axis() {
         for values in [&[][..], &[0.0], &[f64::NAN], &[5e-324], &[1e300, -1e300], &[f64::INFINITY, 1.0]] {

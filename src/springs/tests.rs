@@ -46,7 +46,7 @@ fn the_reference_force_scales_the_power() {
     assert!((unscaled.normal.tangent(85e3) / expected - 1.0).abs() < ROUNDOFF);
 }
 
-/// Goal: a law written by hand is taken with what is not known about it said; wrong ones name the key and what it needs.
+/// Goal: a law written by hand is taken, and the result says what is unknown about it; wrong ones name the key and what it needs.
 #[test]
 fn a_law_written_by_hand_is_checked() {
     let study = study("");

@@ -1,6 +1,6 @@
-//! The tool's own answers to the questions that independent programs are asked.
+//! The tool's own results for the questions to the reference solvers.
 //!
-//! The reference solvers know full integration, so the tool answers with full integration
+//! The reference solvers use full integration, so the tool answers with full integration
 //! too, next to the study's own element.
 
 use std::time::Instant;
@@ -20,7 +20,7 @@ use railspring_calibrate::units::KILONEWTON;
 use super::{Geometry, Meshes, formulation};
 use crate::study::{ReferenceKey, Study};
 
-/// Loads at which reference solvers are asked, kN; those above the study's largest load are left out.
+/// Loads of the cross-validation, kN; those above the study's largest load are left out.
 const LOADS_KN: [f64; 8] = [5.0, 10.0, 20.0, 40.0, 60.0, 85.0, 120.0, 150.0];
 /// Number of compliance columns per body that the reference solvers repeat.
 const COLUMNS: usize = 6;
@@ -78,7 +78,7 @@ pub fn rail_held<'a>(study: &Study, rail: &'a HexMesh) -> &'a [usize] {
     }
 }
 
-/// Loads at which reference solvers are asked, N.
+/// Loads of the cross-validation, N.
 fn asked_loads(study: &Study) -> Vec<f64> {
     let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
     LOADS_KN.iter().map(|l| l * KILONEWTON).filter(|l| *l <= largest * (1.0 + 1e-9)).collect()

@@ -1,4 +1,4 @@
-//! The study as it stands in its TOML file: keys with units in their names,
+//! The study as it is in its TOML file: keys with units in their names,
 //! defaults, and the ranges that the file is checked against.
 //!
 //! The JSON schema is derived from these structures, and the file is checked
@@ -30,7 +30,7 @@ pub struct StudyDocument {
     pub rail: RailKeys,
     /// The wheel.
     pub wheel: WheelKeys,
-    /// Where the wheel stands on the track.
+    /// Where the wheel is on the track.
     #[serde(default)]
     pub track: TrackKeys,
     /// The material of both bodies.
@@ -56,7 +56,7 @@ pub struct StudyDocument {
     pub verification: Limits,
 }
 
-/// Where the wheel stands on the track.
+/// Where the wheel is on the track.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackKeys {
@@ -365,7 +365,7 @@ pub struct ScenarioKeys {
     #[serde(default = "default_steps")]
     #[schemars(range(min = 1, max = 1000000))]
     pub steps: usize,
-    /// Time step, s; the wheel on the contact spring swings at 100 to 300 Hz, which 0.0005 s resolves and 0.01 s no longer.
+    /// Time step, s; the wheel on the contact spring oscillates at 100 to 300 Hz, which 0.0005 s resolves and 0.01 s no longer.
     #[serde(default = "default_time_step")]
     #[schemars(range(min = 1e-7, max = 0.01))]
     pub time_step_s: f64,

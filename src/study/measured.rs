@@ -132,7 +132,7 @@ impl SurfaceKeys<'_> {
 }
 
 impl MeasuredSurface {
-    /// What stands for the file in the hash of the study: its ending, which can tell the format, and its content.
+    /// What represents the file in the hash of the study: its extension, which can determine the format, and its content.
     pub(super) fn fingerprint(&self) -> String {
         let ending = self.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         format!("{}.{ending}", blake3::hash(&self.content).to_hex())

@@ -98,7 +98,7 @@ impl MeshUnitKey {
 }
 
 impl MeshFile {
-    /// What stands for the file in the hash of the study: its ending, which names the format, and its content.
+    /// What represents the file in the hash of the study: its extension, which determines the format, and its content.
     pub(super) fn fingerprint(&self) -> String {
         let ending = self.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         format!("{}.{ending}", self.hash)

@@ -50,7 +50,7 @@ pub struct Study {
     pub rail: Rail,
     /// The wheel.
     pub wheel: Wheel,
-    /// Where the wheel stands on the track.
+    /// Where the wheel is on the track.
     pub track: Track,
     /// Material of both bodies.
     pub material: Material,
@@ -146,7 +146,7 @@ pub struct MeshFile {
     pub held: String,
 }
 
-/// Where the wheel stands on the track; lengths in m.
+/// Where the wheel is on the track; lengths in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Track {
     /// Track gauge.

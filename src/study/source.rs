@@ -9,7 +9,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::check::join;
 
-/// What stands in a message for the value of a key that has to be given.
+/// Shown in a message as the value of a key that has to be given.
 pub(super) const MISSING: &str = "(missing)";
 
 /// An input error with the place where it stands.

@@ -1,5 +1,5 @@
 //! What tests need that is not part of the project (tables of other programs, Python, CalculiX), and counting the tests
-//! that go without.
+//! that are skipped without it.
 //!
 //! A test cannot tell cargo at run time that it was skipped: it counts as passed. So it says so on a line of its own that
 //! cargo does not hold back, and leaves a mark in the target folder, which it takes away when it finds what it needs.
@@ -65,7 +65,7 @@ pub fn python() -> bool {
     needs(Need::Python, "Python 3.11 or newer with venv", there)
 }
 
-/// Notes whether the running test has the `item` that it needs, and hands the answer back.
+/// Notes whether the running test has the `item` that it needs, and returns the answer.
 pub fn needs(need: Need, item: &str, there: bool) -> bool {
     let thread = std::thread::current();
     let name = format!("{}: {}", program(), thread.name().unwrap_or("unnamed"));
@@ -113,7 +113,7 @@ fn file_name(text: &str) -> String {
 mod tests {
     use super::*;
 
-    /// Goal: a test that goes without is counted until it has what it needs.
+    /// Goal: a skipped test is counted until it has what it needs.
     #[test]
     fn a_skipped_test_is_counted_until_it_runs() {
         let here =

@@ -1,4 +1,4 @@
-//! A rail beam made as flexible at midspan as the solid rail it stands for.
+//! A rail beam made as flexible at midspan as the solid rail that it represents.
 //!
 //! The ends of a short solid rail cannot warp, nor can its middle by symmetry; Timoshenko's beam knows
 //! nothing of it and is up to a sixth too flexible. The correction puts the difference into the shear and

@@ -1,4 +1,4 @@
-//! What a beam element needs to know of a cross-section.
+//! The cross-section of a beam element.
 
 use crate::analytic::beam::restrained_warping_factor;
 use crate::error::{InputError, Result};

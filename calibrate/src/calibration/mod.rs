@@ -62,7 +62,7 @@ pub struct LoadPoint {
     pub active_points: usize,
 }
 
-/// The fitted normal law with the points it stands on.
+/// The fitted normal law with its points.
 #[derive(Debug, Clone)]
 pub struct NormalCalibration {
     /// What the displacement is measured against.

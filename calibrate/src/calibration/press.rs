@@ -85,7 +85,7 @@ const CANDIDATE_MARGIN: f64 = 20e-6;
 /// The hub is found when pairing it again moves it by less, m.
 const HUB_TOLERANCE: f64 = 1e-10;
 const PAIRING_LIMIT: usize = 40;
-/// Least part of its way that the hub goes where pairings throw it to and fro, and largest where they creep.
+/// Smallest factor on the step of the hub where pairings make it oscillate, and largest where they creep.
 const LEAST_SHARE: f64 = 1.0 / 16.0;
 const LARGEST_SHARE: f64 = 2.0;
 /// Intermediate loads tried, and the least step between them, of the whole.

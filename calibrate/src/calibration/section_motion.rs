@@ -1,11 +1,11 @@
 //! The motion of a rail's cross-section as that of a beam, and the rail's compliance against it.
 //!
-//! A beam knows of its section two displacements and a twist. In the solid these are the means over the section that
+//! The section of a beam has two displacements and a twist. In the solid these are the means over the section that
 //! are conjugate in energy to the beam's forces: displacements weighted by the shear stresses of a unit force
 //! through the shear centre and of a unit torque. The same stresses, as loads on that section, are the beam's
 //! forces. A contact force less its beam forces is in equilibrium with itself within the section; what it does fades
 //! along the rail (Saint-Venant) and does not depend on where and how the rail is held. That is the rail's compliance
-//! against its section. The rest is what a rail beam stands for, and what it misses.
+//! against its section. The rest is the part of a rail beam, and what that beam misses.
 
 use crate::error::{InputError, Result};
 use crate::field::InputField;

@@ -19,7 +19,7 @@ use crate::units::MILLIMETRE;
 pub use departure::{departure, lateral_extent};
 pub use touch::{Touch, touch};
 
-/// Where rails and wheels stand in the track.
+/// Where rails and wheels are in the track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackGeometry {
     /// Distance of the gauge faces, m.

@@ -54,7 +54,7 @@ const LEAST_WEB: f64 = 20.0;
 const OVERLAP: f64 = 10.0;
 /// Least wall of the hub, mm.
 const LEAST_HUB_WALL: f64 = 10.0;
-/// Longest piece of the polygon that stands for the side of an S web, mm.
+/// Longest piece of the polygon that approximates the side of an S web, mm.
 const WEB_STEP: f64 = 2.0;
 
 /// Straight web: middle plane, and thickness at hub and rim, mm.

@@ -437,7 +437,7 @@ impl HubMotion {
     /// With the accelerations of the rigid bodies under the forces of t = 0.
     fn at_start(scenario: &Scenario, velocity: &Vector2<f64>, wheel_mass: f64) -> Self {
         let (mass, force) = (scenario.suspended_mass, scenario.vertical_force.at(0.0));
-        // a suspension without mass hands the force on at once
+        // a suspension without mass transmits the force at once
         let (suspended, handed_on) =
             if mass > 0.0 { (force / mass + scenario.gravity, 0.0) } else { (0.0, force / wheel_mass) };
         Self {

@@ -262,7 +262,7 @@ fn a_bar_rebounds_from_a_wall() {
     assert!((rebound + 1.0).abs() < front(ELEMENTS), "{rebound}");
 }
 
-/// Source: Graff, section 2.4. Goal: a bar that strikes an equal one at rest stops and hands its speed (m/s) on; the force
+/// Source: Graff, section 2.4. Goal: a bar that strikes an equal one at rest stops and transfers its speed (m/s); the force
 /// is ρ·c·v·A/2 (N), the contact lasts 2·L/c (s); momentum (N·s) is kept to SOLVER in every step.
 #[test]
 fn equal_bars_exchange_their_velocities() {

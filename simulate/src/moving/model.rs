@@ -90,7 +90,7 @@ pub struct SectionMotion {
     pub rotation: f64,
 }
 
-/// What a run leaves behind.
+/// The result of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovingRun {
     /// States, one per time step, the initial one first.

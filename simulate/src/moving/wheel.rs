@@ -81,7 +81,7 @@ impl WheelDynamics<'_> {
     pub fn start(&self, state: &mut WheelState, contact: Vector2<f64>, moment: f64) {
         let s = self.scenario;
         let (wheel, suspended) = self.loads(0.0);
-        // Without a suspended mass spring and damper hand its load on from the first moment.
+        // Without a suspended mass spring and damper transmit the load from the first moment.
         let relative = if s.suspended_mass > 0.0 {
             s.vertical_suspension.stiffness * (state.suspended.u - state.centre[1].u)
                 + s.vertical_suspension.damping * (state.suspended.v - state.centre[1].v)

@@ -11,7 +11,7 @@ use super::{Collector, Figure, html};
 use crate::records::ResolvedKey;
 use crate::records::crosscheck::{Check, CrosscheckRecord, SectionDifference};
 
-/// What the output folder knows of the cross-validation.
+/// The state of the cross-validation in the output folder.
 #[derive(Debug, Clone, Copy)]
 pub enum Crosscheck<'a> {
     /// Nothing.

@@ -230,7 +230,7 @@ fn the_symmetric_matrix_runs_the_published_cases() {
             assert!((a.vertical_force - b.vertical_force).abs() < SOLVER * largest, "{} s", a.time);
             assert!((a.lateral_force - b.lateral_force).abs() < SOLVER * largest, "{} s", a.time);
         }
-        // It does end steps; the others are handed over.
+        // It does end steps; the others are done with equation (3).
         let by_symmetric = 550 - symmetric.statistics.consistent_steps;
         assert!((50..550).contains(&by_symmetric), "{:?}", symmetric.statistics);
         assert!(symmetric.statistics.iterations > consistent.statistics.iterations, "another matrix");
