@@ -19,7 +19,7 @@ fn main() -> Result<()> {
     let pressed = bodies.press(&pair, contact, &[10e3, 25e3, 45e3, 65e3, 85e3, 120e3], &Silent)?;
     for reference in [Reference::Foot, Reference::Beam, Reference::Local] {
         let law = pressed.fit(reference)?.fit.law;
-        println!("{reference:?}: k(f) = {:.4e} + {:.4e}·f^{:.3} N/m", law.a, law.b, law.c);
+        println!("{reference:?}: k(f) = {:.4e} + {:.4e}·(f/kN)^{:.3} N/m", law.a, law.b, law.c);
     }
     let horizontal = pressed.horizontal(Reference::Beam, &[20e3, 60e3, 85e3], &Silent)?;
     println!("horizontal: {:.4e} N/m, {:.1} % apart", horizontal.stiffness, 100.0 * horizontal.spread);

@@ -121,7 +121,49 @@ pub struct Scenario {
     pub rotations_held: bool,
 }
 
+impl HarmonicForce {
+    /// No force.
+    pub const NONE: Self = Self { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
+
+    /// A constant force, N.
+    pub fn constant(force: f64) -> Self {
+        Self { constant: force, ..Self::NONE }
+    }
+}
+
 impl Scenario {
+    /// A load case without forces, gravity, suspension and speed, the wheel's rotations held: so many steps of
+    /// `time_step` (s) with Coulomb friction. The load is added with the update of a structure.
+    ///
+    /// ```
+    /// use railspring_calibrate::scenario::{HarmonicForce, Scenario};
+    /// let pushed = Scenario {
+    ///     vertical_force: HarmonicForce::constant(60e3),
+    ///     lateral_force: HarmonicForce::constant(20e3),
+    ///     ..Scenario::new(100, 5e-4, 0.5)
+    /// };
+    /// assert_eq!(pushed.lateral_force.at(0.01), 20e3);
+    /// ```
+    pub fn new(steps: usize, time_step: f64, friction: f64) -> Self {
+        let rigid = Kelvin { stiffness: 0.0, damping: 0.0 };
+        Self {
+            steps,
+            time_step,
+            friction,
+            gravity: 0.0,
+            suspended_mass: 0.0,
+            vertical_suspension: rigid,
+            vertical_force: HarmonicForce::NONE,
+            lateral_suspension: rigid,
+            lateral_force: HarmonicForce::NONE,
+            rail_torsion: None,
+            wheel_mass: None,
+            start_x: None,
+            speed: 0.0,
+            rotations_held: true,
+        }
+    }
+
     /// Displacement (m) since t = 0 of the point where the lateral force acts, positive towards the field side, from that of
     /// the wheel centre.
     pub fn load_travel(&self, time: f64, wheel_y: f64) -> f64 {

@@ -63,15 +63,12 @@ pub fn simulate_solid(
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<History> {
-    let model = TransientModel {
-        rail_mesh: &meshes.rail,
-        wheel_mesh: &meshes.wheel,
-        material: study.material,
-        formulation: formulation(study),
-        placed_rail: &geometry.pair.placed,
-        rail_surface: geometry.pair.rail_surface(&meshes.rail.contact),
-        wheel_surface: geometry.pair.wheel_surface(&meshes.wheel.contact),
-        enforcement: enforcement(study),
-    };
+    let model = TransientModel::of_pair(
+        &geometry.pair,
+        [&meshes.rail, &meshes.wheel],
+        study.material,
+        formulation(study),
+        enforcement(study),
+    );
     Ok(model.run(&scenario.scenario, monitor)?.history)
 }

@@ -24,6 +24,7 @@ use crate::field::InputField;
 use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use crate::mesh::HexMesh;
 use crate::monitor::Monitor;
+use crate::pair::Pair;
 use crate::placement::{PlacedRail, departure, lateral_extent};
 use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Supports, System};
@@ -48,6 +49,28 @@ pub struct TransientModel<'a> {
     pub wheel_surface: Surface<'a>,
     /// How the contact conditions are enforced.
     pub enforcement: Enforcement,
+}
+
+impl<'a> TransientModel<'a> {
+    /// The solid model of a pair, its rail held at the ends.
+    pub fn of_pair(
+        pair: &'a Pair,
+        [rail, wheel]: [&'a HexMesh; 2],
+        material: Material,
+        formulation: Formulation,
+        enforcement: Enforcement,
+    ) -> Self {
+        Self {
+            rail_mesh: rail,
+            wheel_mesh: wheel,
+            material,
+            formulation,
+            placed_rail: &pair.placed,
+            rail_surface: pair.rail_surface(&rail.contact),
+            wheel_surface: pair.wheel_surface(&wheel.contact),
+            enforcement,
+        }
+    }
 }
 
 /// A finished transient run of the solid model.
