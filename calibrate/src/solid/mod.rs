@@ -1,6 +1,6 @@
 //! Linear elastic solids of eight-node bricks.
 //!
-//! [`Material`] and [`brick`] give the element, [`Supports`] says which nodes
+//! [`Material`] and its `Formulation` give the element, [`Supports`] says which nodes
 //! are held or follow the master node, and [`System`] numbers the equations
 //! and assembles them.
 
