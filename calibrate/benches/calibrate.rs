@@ -9,55 +9,32 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector2;
 use railspring_calibrate::calibration::{Enforcement, WheelOnRail};
-use railspring_calibrate::contact::Surface;
-use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
-use railspring_calibrate::placement::{PlacedRail, TrackGeometry, place_rail, touch};
-use railspring_calibrate::section::{WheelSection, rail_section, wheel_section};
+use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::pair::{Pair, PairMeshes};
+use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
-use railspring_calibrate::superelement::{Factor, Superelement};
+use railspring_calibrate::superelement::Factor;
 
 /// Load of the benchmark, N.
 const LOAD: f64 = 25e3;
 
-struct Bodies {
-    placed: PlacedRail,
-    wheel: WheelSection,
-    tape: Vector2<f64>,
-    rail_mesh: HexMesh,
-    wheel_mesh: HexMesh,
-}
+const ELEMENT: Formulation = Formulation::IncompatibleModes;
 
-impl Bodies {
-    fn new() -> Self {
-        let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.860).unwrap());
-        let track = TrackGeometry::standard();
-        let placed = place_rail(&rail, &track).unwrap();
-        let first = touch(&placed, &wheel.running, track.tape_y()).unwrap();
-        let options =
-            MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() };
-        let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
-        let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
-        Self { placed, wheel, tape: Vector2::new(track.tape_y(), first.tape_z), rail_mesh, wheel_mesh }
-    }
-
-    fn rail(&self) -> System<'_> {
-        let held = self.rail_mesh.foot.clone();
-        system(&self.rail_mesh, &Supports { held, ..Supports::default() })
-    }
-
-    fn wheel(&self) -> System<'_> {
-        let followers = self.wheel_mesh.bore.clone();
-        system(&self.wheel_mesh, &Supports { followers, ..Supports::default() })
-    }
-}
-
-fn system<'a>(mesh: &'a HexMesh, supports: &Supports) -> System<'a> {
-    System::new(mesh, Material::STEEL, Formulation::IncompatibleModes, supports).unwrap()
+fn pair() -> (Pair, PairMeshes) {
+    let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.860).unwrap());
+    let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
+    let options =
+        MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() };
+    let meshes = pair.mesh(0.555, &options).unwrap();
+    (pair, meshes)
 }
 
 fn body(criterion: &mut Criterion) {
-    let bodies = Bodies::new();
-    let rail = bodies.rail();
+    let (_, meshes) = pair();
+    let supports = Supports { held: meshes.rail.foot.clone(), ..Supports::default() };
+    let rail = System::new(&meshes.rail, Material::STEEL, ELEMENT, &supports).unwrap();
     let interior = rail.numbering.interior;
     let matrix = rail.matrix(1.0, 0.0, &[]).unwrap();
     let factor = Factor::new(&matrix, interior).unwrap();
@@ -70,19 +47,13 @@ fn body(criterion: &mut Criterion) {
 }
 
 fn contact(criterion: &mut Criterion) {
-    let bodies = Bodies::new();
-    let rail = Superelement::new(bodies.rail()).unwrap();
-    let wheel = Superelement::new(bodies.wheel()).unwrap();
+    let (pair, meshes) = pair();
+    let bodies = meshes.condense(&pair, Material::STEEL, ELEMENT, &Silent).unwrap();
     let with_friction = |friction| WheelOnRail {
-        rail: &rail.compliance,
-        wheel: &wheel.compliance,
-        rail_surface: Surface::extruded(&bodies.placed.curve, &bodies.rail_mesh.contact),
-        wheel_surface: Surface::revolved(
-            &bodies.wheel.running,
-            &bodies.wheel_mesh.contact,
-            bodies.wheel.radius,
-            bodies.tape,
-        ),
+        rail: &bodies.rail_on_foot.compliance,
+        wheel: &bodies.wheel.compliance,
+        rail_surface: pair.rail_surface(&bodies.rail_on_foot.grid),
+        wheel_surface: pair.wheel_surface(&bodies.wheel.grid),
         friction,
         enforcement: Enforcement::Exact,
     };

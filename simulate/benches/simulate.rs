@@ -4,13 +4,12 @@
 //! elements and on a rigid rail. What the beam costs is the ratio of the two.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use railspring_calibrate::beam::{RailBeam, Torsion};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
+use railspring_calibrate::pair::Pair;
+use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::Material;
 use railspring_simulate::moving::{MovingModel, RailSupport, WheelSprings};
 
@@ -18,19 +17,15 @@ const STEPS: usize = 200;
 
 fn model(rigid: bool) -> MovingModel {
     let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.860).unwrap());
-    let track = TrackGeometry::standard();
-    let placed = place_rail(&rail, &track).unwrap();
-    let first = touch(&placed, &wheel.running, track.tape_y()).unwrap();
-    let properties = rail_properties(&rail).unwrap();
-    let beam =
-        RailBeam::rail(&properties, &Material::STEEL, 0.555, 10, placed.angle, Torsion::RestrainedWarping)
-            .unwrap();
-    let node_line =
-        placed.to_world(&nalgebra::Point2::new(0.0, rail.height - properties.shear_centre_height));
-    let support =
-        if rigid { RailSupport::Rigid } else { RailSupport::Beam { beam, node_line, damping: 6e-6 } };
+    let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
+    let steel = Material { damping: 6e-6, ..Material::STEEL };
+    let beam = pair.beam(&steel, 0.555, 10).unwrap();
     let springs = WheelSprings { horizontal: 9e8, normal: StiffnessLaw::published(), longitudinal: 9e8 };
-    MovingModel::new(placed, wheel.running, wheel.radius, track.tape_y(), &first, support, springs, 300.0)
+    let mut model = MovingModel::of_pair(&pair, beam, &steel, springs, 300.0);
+    if rigid {
+        model.support = RailSupport::Rigid;
+    }
+    model
 }
 
 fn scenario() -> Scenario {
