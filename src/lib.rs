@@ -16,6 +16,7 @@ pub mod results;
 pub mod report;
 pub mod study;
 pub mod python;
+pub mod store;
 pub mod stages;
 pub mod springs;
 pub mod estimate;

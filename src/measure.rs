@@ -19,14 +19,15 @@ impl Stopwatch {
         Self { begun: Instant::now() }
     }
 
-    /// The measure of the stage; `key` is the hash of what its result was made from.
-    pub fn stop(self, stage: &str, key: &str) -> StageMeasure {
+    /// The measure of the stage; `key` is the hash of what its result was made from, `taken` whether the store had it.
+    pub fn stop(self, stage: &str, key: &str, taken: bool) -> StageMeasure {
         let seconds = self.begun.elapsed().as_secs_f64();
         StageMeasure {
             stage: stage.into(),
             key: key.into(),
             seconds: (seconds * 1e3).round() / 1e3,
             peak_memory_mib: peak_memory_mib().map(|mib| (mib * 10.0).round() / 10.0),
+            taken,
         }
     }
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Begin of the temporary names.
-const TEMPORARY: &str = ".railspring-";
+pub(crate) const TEMPORARY: &str = ".railspring-";
 
 /// A folder that files are written to, each under a temporary name first.
 #[derive(Debug)]

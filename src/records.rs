@@ -410,6 +410,9 @@ pub struct StageMeasure {
     pub seconds: f64,
     /// Largest resident memory of the process during the stage, MiB; `None` where the system does not say.
     pub peak_memory_mib: Option<f64>,
+    /// Whether the result was taken from the store and not made.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub taken: bool,
 }
 
 /// Writes rows as CSV with a heading.

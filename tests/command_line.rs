@@ -14,13 +14,15 @@ const GOOD: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile =
 /// A folder with a study, removed at the end.
 struct Place {
     root: tempfile::TempDir,
+    /// Beside the folder, so that what is left in that can be counted.
+    cache: tempfile::TempDir,
 }
 
 impl Place {
     fn with_study(text: &str) -> Self {
         let root = tempfile::tempdir().unwrap();
         std::fs::write(root.path().join("study.toml"), text).unwrap();
-        Self { root }
+        Self { root, cache: tempfile::tempdir().unwrap() }
     }
 
     fn out(&self) -> PathBuf {
@@ -31,6 +33,7 @@ impl Place {
         Command::cargo_bin("railspring")
             .unwrap()
             .current_dir(self.root.path())
+            .env("RAILSPRING_CACHE", self.cache.path())
             .args(arguments)
             .output()
             .unwrap()

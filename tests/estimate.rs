@@ -25,6 +25,7 @@ impl Place {
         let Output { status, stdout, stderr } = assert_cmd::Command::cargo_bin("railspring")
             .unwrap()
             .current_dir(self.0.path())
+            .env("RAILSPRING_CACHE", self.path("cache"))
             .args(arguments)
             .output()
             .unwrap();

@@ -19,6 +19,7 @@ fn calibrate(mesh: &str, calibration: &str) -> (i32, String, Value) {
     let output = Command::cargo_bin("railspring")
         .unwrap()
         .current_dir(root.path())
+        .env("RAILSPRING_CACHE", root.path().join("cache"))
         .args(["calibrate", "study.toml", "-o", "out"])
         .output()
         .unwrap();

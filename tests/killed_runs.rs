@@ -1,8 +1,10 @@
-//! Runs that are killed over an older result of another study in the same folder.
+//! Runs that are killed over an older result of another study in the same folder, and while they write to the store.
 //!
 //! Goal: whenever a run is killed, no later command uses a mixture: `verify` and `report` of either study refuse, or
-//! come to the very bytes of a clean run of that study. Half of the kills come at a random time, half right after a
-//! random change in the folder, where a result stands between two files. `RAILSPRING_KILLS` says how many
+//! come to the very bytes of a clean run of that study; so does a run after it with the store that the killed one has left,
+//! and no entry of that store is damaged. The store is empty, has the results of the other study, or is replaced with
+//! `--fresh`. Half of the kills come at a random time, half right after a
+//! random change in the folder or in the store, where a result stands between two files. `RAILSPRING_KILLS` says how many
 //! (`cargo kills` runs 100).
 #![cfg(unix)]
 
@@ -20,9 +22,10 @@ fn study(which: usize) -> String {
     )
 }
 
-fn command(root: &Path, name: &str, which: usize, out: &Path) -> Command {
+fn command(root: &Path, name: &str, which: usize, out: &Path, store: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_railspring"));
-    command.arg(name).arg(root.join(format!("{which}.toml"))).arg("-o").arg(out).arg("--quiet");
+    command.arg(name).arg(root.join(format!("{which}.toml"))).arg("-o").arg(out);
+    command.arg("--cache").arg(store);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
     command
 }
@@ -61,9 +64,9 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Names and times of change of the files of a folder.
-fn state(out: &Path) -> Vec<(String, Option<SystemTime>)> {
-    let mut files: Vec<_> = [out.to_path_buf(), out.join("figures")]
+/// Names and times of change of the files of an output folder and of a store.
+fn state(out: &Path, store: &Path) -> Vec<(String, Option<SystemTime>)> {
+    let mut files: Vec<_> = [out.to_path_buf(), out.join("figures"), store.to_path_buf()]
         .iter()
         .flat_map(|folder| std::fs::read_dir(folder).into_iter().flatten().flatten())
         .map(|entry| {
@@ -75,11 +78,11 @@ fn state(out: &Path) -> Vec<(String, Option<SystemTime>)> {
     files
 }
 
-/// Waits until the folder has changed `changes` times, or the process has ended.
-fn await_changes(out: &Path, child: &mut Child, changes: usize) {
-    let (mut last, mut seen) = (state(out), 0);
+/// Waits until folder or store have changed `changes` times, or the process has ended.
+fn await_changes(out: &Path, store: &Path, child: &mut Child, changes: usize) {
+    let (mut last, mut seen) = (state(out, store), 0);
     while seen < changes && child.try_wait().unwrap().is_none() {
-        let now = state(out);
+        let now = state(out, store);
         seen += usize::from(now != last);
         last = now;
         std::thread::sleep(Duration::from_micros(200));
@@ -110,24 +113,36 @@ fn a_killed_run_leaves_no_mixture() {
         std::fs::write(root.join(format!("{which}.toml")), study(which)).unwrap();
         let out = root.join(format!("clean-{which}"));
         let begun = Instant::now();
-        assert!(done(&command(root, "run", which, &out).output().unwrap()));
+        let store = root.join(format!("store-{which}"));
+        assert!(done(&command(root, "run", which, &out, &store).output().unwrap()));
         duration = begun.elapsed();
         clean.push(results(&out));
     }
     assert!(clean[0].iter().all(|(name, content)| name.contains("figures") || *content != clean[1][name]));
 
     let mut random = Random(kills as u64);
-    let mut used = BTreeMap::new();
+    let (mut used, mut found) = (BTreeMap::new(), BTreeMap::new());
     for kill in 0..kills {
         let out = root.join("out");
         let _ = std::fs::remove_dir_all(&out);
         copy(&root.join("clean-0"), &out);
-        let mut child = command(root, "run", 1, &out).spawn().unwrap();
+        let store = root.join("store");
+        let _ = std::fs::remove_dir_all(&store);
+        let mut run = command(root, "run", 1, &out, &store);
+        match kill % 3 {
+            0 => {}
+            1 => copy(&root.join("store-0"), &store),
+            _ => {
+                copy(&root.join("store-1"), &store);
+                run.arg("--fresh");
+            }
+        }
+        let mut child = run.stderr(Stdio::null()).spawn().unwrap();
         if kill % 2 == 0 {
             std::thread::sleep(duration * random.below(1000) as u32 / 1000);
         } else {
-            // Every file is written under a temporary name and renamed: two changes per file, some forty files.
-            await_changes(&out, &mut child, 1 + random.below(80) as usize);
+            // Every file is written under a temporary name and renamed: two changes per file, some forty-five files.
+            await_changes(&out, &store, &mut child, 1 + random.below(90) as usize);
         }
         child.kill().unwrap();
         child.wait().unwrap();
@@ -136,11 +151,16 @@ fn a_killed_run_leaves_no_mixture() {
                 let later = root.join("copy");
                 let _ = std::fs::remove_dir_all(&later);
                 copy(&out, &later);
-                let took = done(&command(root, name, which, &later).output().unwrap());
+                let stored = root.join("stored");
+                let _ = std::fs::remove_dir_all(&stored);
+                if store.exists() {
+                    copy(&store, &stored);
+                }
+                let took = done(&command(root, name, which, &later, &stored).output().unwrap());
                 *used.entry((name, which, took)).or_insert(0) += 1;
                 if took {
                     if name == "verify" {
-                        assert!(done(&command(root, "report", which, &later).output().unwrap()));
+                        assert!(done(&command(root, "report", which, &later, &stored).output().unwrap()));
                     }
                     for (file, content) in results(&later) {
                         assert!(
@@ -151,11 +171,15 @@ fn a_killed_run_leaves_no_mixture() {
                 }
             }
         }
-        assert!(done(&command(root, "run", 1, &out).output().unwrap()), "kill {kill}: a run after it");
+        let after = command(root, "run", 1, &out, &store).output().unwrap();
+        let said = String::from_utf8_lossy(&after.stderr);
+        assert!(done(&after) && !said.contains("damaged"), "kill {kill}: a run after it: {said}");
+        *found.entry(said.matches("taken from the store").count()).or_insert(0) += 1;
         assert!(results(&out) == clean[1], "kill {kill}: a run after it differs from a clean one");
         let left: Vec<_> =
-            state(&out).into_iter().filter(|(name, _)| name.starts_with(".railspring-")).collect();
+            state(&out, &out).into_iter().filter(|(name, _)| name.starts_with(".railspring-")).collect();
         assert!(left.is_empty(), "kill {kill}: {left:?}");
     }
     println!("{kills} kills; (command, study, took results): {used:?}");
+    println!("stages that the run after a kill took from the store, and how often: {found:?}");
 }

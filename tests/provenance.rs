@@ -67,6 +67,7 @@ fn railspring(root: &Path, study: &str, arguments: &[&str]) -> Output {
     Command::cargo_bin("railspring")
         .unwrap()
         .current_dir(root)
+        .env("RAILSPRING_CACHE", root.join("cache"))
         .args(arguments)
         .args(["study.toml", "-o", "out"])
         .output()

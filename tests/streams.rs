@@ -11,7 +11,10 @@ const STUDY: &str = include_str!("studies/coarse.toml");
 
 fn railspring(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_railspring"));
-    command.args(arguments).stdin(Stdio::null());
+    command
+        .env("RAILSPRING_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/streams"))
+        .args(arguments)
+        .stdin(Stdio::null());
     command
 }
 
@@ -73,7 +76,7 @@ fn progress_goes_on_without_a_reader() {
     let arguments = ["mesh", study.to_str().unwrap(), "-o", out.to_str().unwrap()];
     let output = railspring(&arguments).stderr(closed()).stdout(closed()).output().unwrap();
     assert_eq!(code(&output), Some(0));
-    let arguments = ["calibrate", study.to_str().unwrap(), "-o", out.to_str().unwrap()];
+    let arguments = ["calibrate", study.to_str().unwrap(), "-o", out.to_str().unwrap(), "--fresh"];
     for lost in [closed, full] {
         let output = railspring(&arguments).stderr(lost()).stdout(closed()).output().unwrap();
         assert_eq!(code(&output), Some(0), "many lines of progress");

@@ -58,7 +58,13 @@ struct Finished {
 }
 
 fn railspring(root: &Path, arguments: &[&str]) -> std::process::Output {
-    Command::cargo_bin("railspring").unwrap().current_dir(root).args(arguments).output().unwrap()
+    Command::cargo_bin("railspring")
+        .unwrap()
+        .current_dir(root)
+        .env("RAILSPRING_CACHE", root.join("cache"))
+        .args(arguments)
+        .output()
+        .unwrap()
 }
 
 fn run_with(threads: &str) -> Finished {

@@ -6,6 +6,7 @@ mod progress;
 mod shapes;
 mod contact;
 mod profile;
+mod cache;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -13,6 +14,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::history::Ending;
+use railspring_calibrate::monitor::Monitor;
 
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
@@ -22,8 +24,10 @@ use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT};
 use crate::records::crosscheck::CrosscheckRecord;
 use crate::records::{RunRecord, VerificationRecord, with_unit};
+use crate::store::{self, Store};
 use crate::study::{LocatedError, Mistakes, Study, schema};
 
+use cache::CacheCommand;
 use output::{remark, say};
 use profile::ProfileCommand;
 use progress::Progress;
@@ -91,6 +95,9 @@ enum Command {
     /// List, show, check and convert profiles and their files
     #[command(subcommand)]
     Profile(ProfileCommand),
+    /// Look at the store of what was made before, and make room
+    #[command(subcommand)]
+    Cache(CacheCommand),
 }
 
 /// What every stage needs to know.
@@ -118,6 +125,12 @@ struct StudyArgs {
     /// Print what `run`, `calibrate`, `verify`, `export` or `crosscheck` would need, and stop
     #[arg(long)]
     dry_run: bool,
+    /// Folder of the store, in which results are kept and found again; left out, one in the user's cache folder
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Make again what `run`, `calibrate`, `simulate` or `verify` would take from the store, and replace it there
+    #[arg(long)]
+    fresh: bool,
 }
 
 impl StudyArgs {
@@ -240,6 +253,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
             return say(&text).map(|()| true).map_err(Failure::Plain);
         }
         Command::Profile(command) => return profile::run(command),
+        Command::Cache(command) => return cache::run(command).map(|()| true).map_err(Failure::Plain),
         Command::Simulate { study, law } => (study, law.as_deref()),
         Command::Crosscheck { study, .. } | Command::Export { study, .. } => (study, None),
         Command::Run(study)
@@ -260,6 +274,14 @@ fn staged(
 ) -> Result<bool, Error> {
     if args.dry_run {
         return dry_run(command, args, study).map(|()| true);
+    }
+    let keeps = matches!(
+        command,
+        Command::Run(_) | Command::Calibrate(_) | Command::Simulate { .. } | Command::Verify(_)
+    );
+    if args.fresh && !keeps {
+        let expected = "one of the commands `run`, `calibrate`, `simulate` and `verify`";
+        return Err(InputError::new("--fresh", "given", expected, "leave it out").into());
     }
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
     let makes_its_own = matches!(
@@ -283,7 +305,10 @@ fn staged(
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
     let python = args.python.as_deref();
-    let pipeline = Pipeline::new(study, &folder, python, &progress).within(args.budget());
+    let store = if keeps { open_store(args, &progress)? } else { None };
+    let pipeline = Pipeline::new(study, &folder, python, &progress)
+        .within(args.budget())
+        .keeping(store.as_ref(), args.fresh);
     let mut verdict = None;
     let holds = match command {
         Command::Run(_) => verdict.insert(pipeline.run()?).holds,
@@ -320,7 +345,7 @@ fn staged(
             }
             record.holds
         }
-        Command::Schema | Command::Profile(_) => unreachable!("done without a study"),
+        Command::Schema | Command::Profile(_) | Command::Cache(_) => unreachable!("done without a study"),
     };
     progress.finish();
     if !args.quiet {
@@ -344,6 +369,18 @@ fn crosscheck_work(second_order: bool) -> Work {
     } else {
         ReferenceElements::FirstOrder
     })
+}
+
+/// The store. One that was named must be there; without the default one everything is made, which is said.
+fn open_store(args: &StudyArgs, progress: &Progress) -> Result<Option<Store>, Error> {
+    match (Store::open(&args.cache.clone().unwrap_or_else(store::default_folder)), &args.cache) {
+        (Ok(store), _) => Ok(Some(store)),
+        (Err(error), Some(_)) => Err(error),
+        (Err(error), None) => {
+            progress.notice(&format!("nothing is taken from the store or kept there: {error}"));
+            Ok(None)
+        }
+    }
 }
 
 /// Says what a command would need.

@@ -3,7 +3,9 @@
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::history::{Ending, History};
 
-use super::{LOAD_CURVE, Pipeline, Run, Runs, STIFFNESS, VERIFICATION};
+use super::runs::Run;
+use super::verdict::{Runs, inputs};
+use super::{LOAD_CURVE, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
 use crate::records::{
     LoadCurveRow, RunRecord, SpringsSource, StiffnessRecord, VerificationRecord, history_csv,
@@ -36,24 +38,17 @@ impl Pipeline<'_> {
     fn stored_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
         let text = self.results.text(LOAD_CURVE, "calibrate")?;
         self.results.check(LOAD_CURVE, &text, &self.study.keys.calibration, "calibrate")?;
-        let rows =
-            csv::Reader::from_reader(text.as_bytes()).deserialize().collect::<std::result::Result<_, _>>();
-        rows.map_err(|cause| {
-            InputError::new(
-                self.folder.file(LOAD_CURVE).display().to_string(),
-                cause,
-                "a load curve as `railspring calibrate` writes it",
-                "write it again with that command",
-            )
-            .into()
-        })
+        load_curve(&self.folder.file(LOAD_CURVE).display().to_string(), &text)
     }
 
     /// The runs of the simple model, and the study's springs if one of them ran with them.
     pub(super) fn stored_simple_runs(&self) -> Result<(Option<StiffnessRecord>, Vec<Run>)> {
         let all_from_files = !self.study.scenarios.is_empty()
             && self.study.scenarios.keys().all(|name| {
-                let run = self.results.entry(&self.file(name, "history")).and_then(|entry| entry.run);
+                let run = self
+                    .results
+                    .entry(&history_file(self.study, name, "history"))
+                    .and_then(|entry| entry.run);
                 run.is_some_and(|run| from_file(&run))
             });
         let stiffness = if all_from_files { None } else { Some(self.stored_stiffness()?) };
@@ -74,7 +69,7 @@ impl Pipeline<'_> {
         name: &str,
         scenario: &StudyScenario,
     ) -> Result<Run> {
-        let file = self.file(name, "history");
+        let file = history_file(self.study, name, "history");
         let noted = self.results.entry(&file).and_then(|entry| entry.run).filter(from_file);
         let springs = match (noted.and_then(|run| run.springs), stiffness) {
             (Some(springs), _) => springs,
@@ -87,7 +82,7 @@ impl Pipeline<'_> {
 
     /// A run of the solid model.
     pub(super) fn stored_solid_run(&self, name: &str, scenario: &StudyScenario) -> Result<Run> {
-        let file = self.file(name, "solid_history");
+        let file = history_file(self.study, name, "solid_history");
         self.stored_run(&file, scenario, &self.study.keys.solid(name), "verify")
     }
 
@@ -116,7 +111,7 @@ impl Pipeline<'_> {
     fn stored_verdict(&self, with_stiffness: bool) -> Result<VerificationRecord> {
         let text = self.results.text(VERIFICATION, "verify")?;
         let verdict = parse_json(&self.folder.file(VERIFICATION), &text, "verify")?;
-        let key = self.study.keys.verdict(&self.verdict_inputs(with_stiffness));
+        let key = self.study.keys.verdict(&inputs(self.study, &self.results, with_stiffness));
         self.results.check(VERIFICATION, &text, &key, "verify")?;
         Ok(verdict)
     }

@@ -293,6 +293,7 @@ pub(crate) fn measured() -> Measured {
         key: String::new(),
         seconds,
         peak_memory_mib: Some(812.0),
+        taken: false,
     };
     Measured {
         begun_utc: "2016-01-31T12:00:00Z".into(),

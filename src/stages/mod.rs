@@ -112,7 +112,11 @@ pub fn remeshed(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<M
     remeshed_with(study, geometry, meshes, mesh_options(study, geometry))
 }
 
-fn remeshed_with(
+/// The same with given sizes and zones.
+///
+/// # Errors
+/// As [`remeshed`].
+pub fn remeshed_with(
     study: &Study,
     geometry: &Geometry,
     meshes: &Meshes,
@@ -144,6 +148,11 @@ impl Meshes {
             contact_elements,
             options,
         })
+    }
+
+    /// Sizes and fine zones of the tool's own meshes.
+    pub fn options(&self) -> &MeshOptions {
+        &self.options
     }
 
     /// The larger edge of the two, m.

@@ -20,6 +20,9 @@ pub struct Keys {
     pub study: String,
     /// What the load curve, the laws and the horizontal stiffness depend on.
     pub calibration: String,
+    /// The same without the study's name, which its files only carry, and without the damping, which nothing at rest
+    /// has.
+    pub springs: String,
     /// The pair that a law belongs to: profiles, bodies, their places and the elastic material; not the rail's length.
     pub pair: String,
     /// What a run of the simple model depends on besides its springs, by scenario.
@@ -47,9 +50,14 @@ impl Keys {
         numeric.verification = Default::default();
         let whole = serde_json::to_value(&numeric).expect("a study is plain data");
 
-        let calibration = without(&whole, &["scenario", "simulation", "verification"]);
         // The deflection of the beam is part of the calibration, and the beam is that of the simulation.
-        let calibration = hash(&(calibration, numeric.simulation.rail_elements));
+        let calibrated = |sections: &Value| hash(&(sections, numeric.simulation.rail_elements));
+        let calibration = without(&whole, &["scenario", "simulation", "verification"]);
+        let mut springs = without(&calibration, &["name"]);
+        for key in ["damping_ratio", "damping_frequency_hz"] {
+            remove(&mut springs, "material", key);
+        }
+        let (calibration, springs) = (calibrated(&calibration), calibrated(&springs));
         let mut pair = without(
             &whole,
             &[
@@ -91,6 +99,7 @@ impl Keys {
         Self {
             study: hash(&whole),
             calibration,
+            springs,
             pair: hash(&pair),
             simple: each(&simple),
             solid: each(&solid),

@@ -1,0 +1,138 @@
+//! The calibration as a stage.
+
+use railspring_calibrate::error::{Error, InputError, Result, StopReason};
+use railspring_calibrate::field::InputField;
+use railspring_calibrate::units::MILLIMETRE;
+
+use super::stage::{Made, REACH, Stage};
+use super::{LOAD_CURVE, OF_THE_RUNS, Pipeline, STIFFNESS, load_curve, part_json, part_text};
+use crate::estimate::Work;
+use crate::output::to_json;
+use crate::records::{StiffnessRecord, to_csv};
+use crate::results::NewFile;
+use crate::stages::{self, Calibration, Fields, Geometry, Meshes};
+use crate::store::{Address, Artefact, Kind};
+use crate::study::Study;
+
+/// The springs of the study, its load curve and the fields under its largest load.
+pub(super) struct Calibrate;
+
+/// The fields and their files.
+const FIELDS: [(Fields, &str); 3] =
+    [(Fields::Rail, "rail.vtu"), (Fields::Wheel, "wheel.vtu"), (Fields::Contact, "contact.vtu")];
+
+impl Stage for Calibrate {
+    type Value = Calibration;
+
+    fn name(&self) -> String {
+        "calibration".into()
+    }
+
+    fn key(&self, at: &Pipeline<'_>) -> String {
+        at.study.keys.calibration.clone()
+    }
+
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        Ok(at.store.map(|store| store.address(Kind::Calibration, &at.study.keys.springs)))
+    }
+
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+        let geometry = at.geometry()?;
+        let mut meshes = at.meshes(|at| {
+            let mut work = at.solid_work()?;
+            work.calibrate = true;
+            Ok(work)
+        })?;
+        let (study, monitor, budget) = (at.study, at.monitor, at.budget);
+        let accept = |larger: &Meshes| {
+            budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
+        };
+        let (Calibration { stiffness, load_curve, horizontal_failure }, pressed) = stages::within_zones(
+            study,
+            &geometry,
+            &mut meshes,
+            monitor,
+            accept,
+            |meshes| stages::calibrate(study, &geometry, meshes, monitor),
+            |(calibration, _)| calibration.horizontal_failure.as_ref(),
+        )
+        .map_err(|error| uncarried(study, error))?;
+        let reach = at.go_on_with(meshes);
+        let mut artefact = Artefact::default()
+            .with(REACH, to_json(&reach))
+            .with(STIFFNESS, to_json(&stiffness))
+            .with(LOAD_CURVE, to_csv(&load_curve));
+        for (fields, name) in FIELDS {
+            artefact = artefact.with(name, stages::fields_vtu(&pressed, fields)?);
+        }
+        let complete = horizontal_failure.is_none();
+        // what the calibration has finished is written; a study with a stiffness goes on with it
+        let failure = horizontal_failure.filter(|_| study.simulation.horizontal.is_none());
+        Ok(Made { artefact, complete, failure })
+    }
+
+    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Calibration> {
+        let mut stiffness: StiffnessRecord = part_json(artefact, STIFFNESS)?;
+        label(&mut stiffness, at.study, &*at.geometry()?);
+        let load_curve = load_curve(LOAD_CURVE, part_text(artefact, LOAD_CURVE)?)?;
+        at.go_on_with_reach(artefact)?;
+        Ok(Calibration { stiffness, load_curve, horizontal_failure: None })
+    }
+
+    fn files(&self, artefact: &Artefact, value: &Calibration, at: &Pipeline<'_>) -> Vec<NewFile> {
+        let part = |name| (name, artefact.part(name).unwrap_or_default().to_vec());
+        let fields = FIELDS.map(|(_, name)| part(name));
+        let records = [(STIFFNESS, to_json(&value.stiffness)), part(LOAD_CURVE)];
+        let files = records.into_iter().chain(fields);
+        files.map(|(name, content)| NewFile::new(name, content, &self.key(at))).collect()
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_RUNS
+    }
+}
+
+/// Puts in what a calibration carries of the study that asks for it and does not depend on: names of the study and of
+/// files, with the hash that has the study's name in it.
+fn label(stiffness: &mut StiffnessRecord, study: &Study, geometry: &Geometry) {
+    stiffness.study.clone_from(&study.name);
+    stiffness.input_hash.clone_from(&study.keys.calibration);
+    stiffness.pair = study.pair();
+    stiffness.profiles.clone_from(&geometry.profiles);
+    for (mesh, file) in stiffness.mesh.iter_mut().zip([&study.rail.mesh, &study.wheel.mesh]) {
+        mesh.file = file.as_ref().map(|file| file.file.clone());
+    }
+}
+
+/// A contact at the end of a fine zone that cannot be made larger means a load too large for the study; on a
+/// profile under the smallest load, a place at which the two profiles have no room for a contact.
+fn uncarried(study: &Study, error: Error) -> Error {
+    let Error::Numerics(cause) = &error else { return error };
+    let given = study.rail.mesh.is_some() || study.wheel.mesh.is_some();
+    let load = cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}"));
+    match cause.reason {
+        StopReason::EdgeOfCandidates if cause.step.is_none_or(|step| step == 1) => InputError::new(
+            InputField::LateralShift,
+            format!("{} mm", study.track.lateral_shift / MILLIMETRE),
+            "a place at which the contact of the smallest load lies inside both running surfaces",
+            if given {
+                "move the wheel, or enlarge the contact surfaces of the mesh files"
+            } else {
+                "move the wheel, or check gauge and flange back distance"
+            },
+        )
+        .into(),
+        StopReason::EdgeOfCandidates | StopReason::EndOfWindow => InputError::new(
+            InputField::Loads,
+            load,
+            "loads whose contact patch stays within the fine zone of the mesh",
+            if given {
+                "lower the load, or enlarge `window_half_length` and the contact surfaces of the mesh files"
+            } else {
+                "lower the load, or enlarge `window_half_length`"
+            },
+        )
+        .into(),
+        _ => error,
+    }
+}

@@ -1,0 +1,151 @@
+//! The report as a stage, and the page of the cross-check beside it.
+
+use railspring_calibrate::error::Result;
+
+use super::stage::{Made, Stage};
+use super::verdict::Runs;
+use super::{CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, Pipeline, REPORT, STIFFNESS};
+use crate::records::VerificationRecord;
+use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
+use crate::report::crosscheck::{Crosscheck, PageData, page};
+use crate::report::{self, ReportData, ScenarioRun};
+use crate::results::NewFile;
+use crate::stages::{self, Calibration};
+use crate::store::{Address, Artefact};
+
+/// The report on all results.
+pub(super) struct Report<'a> {
+    pub calibration: &'a Calibration,
+    pub runs: &'a [(String, Runs)],
+    pub verdict: &'a VerificationRecord,
+}
+
+impl Stage for Report<'_> {
+    type Value = ();
+
+    fn name(&self) -> String {
+        "report".into()
+    }
+
+    fn key(&self, _: &Pipeline<'_>) -> String {
+        self.verdict.input_hash.clone()
+    }
+
+    fn address(&self, _: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        Ok(None)
+    }
+
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+        let profiles = stages::profiles(&*at.geometry()?);
+        let scenarios = self
+            .runs
+            .iter()
+            .map(|(name, runs)| {
+                let scenario = &at.study.scenarios[name];
+                ScenarioRun {
+                    name,
+                    description: &scenario.description,
+                    snapshots: &scenario.snapshots,
+                    simple: &runs.simple.history,
+                    solid: runs.solid.as_ref().map(|run| &run.history),
+                }
+            })
+            .collect();
+        let crosscheck = at.own_crosscheck();
+        let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| at.differences(record));
+        // The folder may have runs of other load cases.
+        let inputs = std::iter::once(STIFFNESS).chain(self.verdict.inputs.keys().map(String::as_str));
+        let keys: Vec<String> = inputs.filter_map(|name| Some(at.results.entry(name)?.key)).collect();
+        let mut measured = at.measured.clone();
+        measured.stages.retain(|stage| keys.contains(&stage.key));
+        let data = ReportData {
+            name: &at.study.name,
+            description: &at.study.description,
+            inputs: &at.study.resolved,
+            stiffness: &self.calibration.stiffness,
+            load_curve: &self.calibration.load_curve,
+            profiles: &profiles,
+            scenarios,
+            ratio_window: at.study.limits.ratio_window_s,
+            ratio_floor: at.study.limits.ratio_floor,
+            verdict: self.verdict,
+            measured: &measured,
+            crosscheck: match &crosscheck {
+                Some(record) => Crosscheck::Fresh(record, &sections),
+                None if at.folder.file(CROSSCHECK).exists() => Crosscheck::Stale,
+                None => Crosscheck::Absent,
+            },
+        };
+        let built = report::build(&data);
+        let figures = built.figures.into_iter().map(|(name, svg)| (format!("{FIGURES}{name}.svg"), svg));
+        let artefact = figures.fold(Artefact::default(), |all, (name, svg)| all.with(name, svg));
+        Ok(Made::whole(artefact.with(REPORT, built.html)))
+    }
+
+    fn value(&self, _: &Artefact, _: &mut Pipeline<'_>) -> Result<()> {
+        Ok(())
+    }
+
+    fn files(&self, artefact: &Artefact, (): &(), at: &Pipeline<'_>) -> Vec<NewFile> {
+        let file = |(name, content): (&str, &[u8])| {
+            // The page shows seconds and the host.
+            NewFile { reproducible: name != REPORT, ..NewFile::new(name, content.to_vec(), &self.key(at)) }
+        };
+        artefact.parts().map(file).collect()
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn is_measured(&self) -> bool {
+        false
+    }
+}
+
+impl Pipeline<'_> {
+    /// The report, and the page of this study's cross-check again, because it now has a report to point to.
+    pub(super) fn report_stage(&mut self, report: &Report<'_>) -> Result<()> {
+        self.get(report)?;
+        let Some(record) = self.own_crosscheck() else { return Ok(()) };
+        self.crosscheck_page(&record, &self.differences(&record), true)
+    }
+
+    /// The page of the folder's cross-check where there is no report.
+    pub(super) fn crosscheck_alone(&self) -> Result<()> {
+        let record = self.folder.read_json(CROSSCHECK, "crosscheck")?;
+        self.crosscheck_page(&record, &self.differences(&record), false)
+    }
+
+    /// The cross-check of the folder if it is one of this study: `None` if it is of another study
+    /// or has another layout.
+    fn own_crosscheck(&self) -> Option<CrosscheckRecord> {
+        let record: CrosscheckRecord = self.folder.read_json(CROSSCHECK, "crosscheck").ok()?;
+        (record.input_hash == self.study.keys.study).then_some(record)
+    }
+
+    /// The sections of that very cross-check; none if they are not there.
+    fn differences(&self, record: &CrosscheckRecord) -> Vec<SectionDifference> {
+        self.folder
+            .read_json::<Differences>(DIFFERENCES, "crosscheck")
+            .ok()
+            .filter(|d| d.input_hash == record.input_hash && d.begun_utc == record.begun_utc)
+            .map_or_else(Vec::new, |d| d.sections)
+    }
+
+    fn crosscheck_page(
+        &self,
+        record: &CrosscheckRecord,
+        sections: &[SectionDifference],
+        report: bool,
+    ) -> Result<()> {
+        let data = PageData {
+            description: &self.study.description,
+            inputs: &self.study.resolved,
+            record,
+            sections,
+            report,
+        };
+        self.folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
+    }
+}

@@ -1,0 +1,165 @@
+//! The load cases as stages: a run of the simple model and one of the solid model.
+
+use std::path::Path;
+
+use railspring_calibrate::error::Result;
+use railspring_calibrate::history::{Ending, History};
+
+use super::stage::{Made, REACH, Stage};
+use super::{OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};
+use crate::estimate::Work;
+use crate::output::to_json;
+use crate::records::{RunRecord, SpringsRecord, history_csv};
+use crate::results::NewFile;
+use crate::springs;
+use crate::stages::{self, Meshes};
+use crate::store::{Address, Artefact, Kind};
+use crate::study::StudyScenario;
+
+/// Part of an artefact: the rows as the output folder has them.
+const ROWS: &str = "history.csv";
+/// Part of an artefact: the model's size, its springs and how the run ended.
+const RECORD: &str = "run.json";
+
+/// A history and what belongs to it.
+pub(super) struct Run {
+    pub history: History,
+    pub record: RunRecord,
+}
+
+/// A load case on the simple model.
+pub(super) struct Simulate<'a> {
+    pub name: &'a str,
+    pub scenario: &'a StudyScenario,
+    pub springs: &'a SpringsRecord,
+}
+
+/// A load case on the solid model.
+pub(super) struct SimulateSolid<'a> {
+    pub name: &'a str,
+    pub scenario: &'a StudyScenario,
+}
+
+impl Stage for Simulate<'_> {
+    type Value = Run;
+
+    fn name(&self) -> String {
+        format!("simple model, {}", self.name)
+    }
+
+    fn key(&self, at: &Pipeline<'_>) -> String {
+        at.study.keys.simple(self.name, self.springs)
+    }
+
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        Ok(at.store.map(|store| store.address(Kind::SimpleRun, &self.key(at))))
+    }
+
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+        let used = springs::springs(self.springs)?;
+        let geometry = at.geometry()?;
+        let history = stages::simulate(at.study, &geometry, &used, self.scenario, at.monitor)
+            .map_err(|error| at.study.in_scenario(self.name, error))?;
+        let notes = springs::range_note(self.springs, &history).into_iter().collect();
+        Ok(Made::whole(artefact(&history, &RunRecord::new(&history, Some(self.springs), notes))))
+    }
+
+    fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<Run> {
+        run(artefact)
+    }
+
+    fn files(&self, artefact: &Artefact, value: &Run, at: &Pipeline<'_>) -> Vec<NewFile> {
+        file(history_file(at.study, self.name, "history"), artefact, value, &self.key(at))
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_RUNS
+    }
+}
+
+impl SimulateSolid<'_> {
+    /// The store's address of the run on meshes as they are now.
+    fn standing(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        let (reach, key) = (at.reach()?, self.key(at));
+        Ok(at.store.map(|store| store.address(Kind::SolidRun, &(key, reach))))
+    }
+}
+
+impl Stage for SimulateSolid<'_> {
+    type Value = Run;
+
+    fn name(&self) -> String {
+        format!("solid model, {}", self.name)
+    }
+
+    fn key(&self, at: &Pipeline<'_>) -> String {
+        at.study.keys.solid(self.name)
+    }
+
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        self.standing(at)
+    }
+
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+        let geometry = at.geometry()?;
+        let mut meshes = at.meshes(Pipeline::solid_work)?;
+        let (study, monitor, budget) = (at.study, at.monitor, at.budget);
+        let accept = |larger: &Meshes| {
+            budget.check(study, &geometry, larger, &Work::of(study, false, true)).map(|_| ())
+        };
+        let run = |meshes: &Meshes| stages::simulate_solid(study, &geometry, meshes, self.scenario, monitor);
+        let history = stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, |_| None)
+            .map_err(|error| study.in_scenario(self.name, error))?;
+        let reach = at.go_on_with(meshes);
+        let artefact = artefact(&history, &RunRecord::new(&history, None, Vec::new()));
+        Ok(Made::whole(artefact.with(REACH, to_json(&reach))))
+    }
+
+    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Run> {
+        let run = run(artefact)?;
+        at.go_on_with_reach(artefact)?;
+        Ok(run)
+    }
+
+    fn files(&self, artefact: &Artefact, value: &Run, at: &Pipeline<'_>) -> Vec<NewFile> {
+        file(history_file(at.study, self.name, "solid_history"), artefact, value, &self.key(at))
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_RUNS
+    }
+}
+
+impl Pipeline<'_> {
+    /// The runs on the solids that the store does not have, as far as that can be said now.
+    pub(super) fn solid_work(&mut self) -> Result<Work> {
+        let mut work = Work::of(self.study, false, true);
+        if let (Some(store), false) = (self.store, self.fresh) {
+            let study = self.study;
+            for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
+                let address = SimulateSolid { name, scenario }.standing(self)?;
+                if address.is_some_and(|address| store.has(&address)) {
+                    work.solids.retain(|(other, _)| other != name);
+                }
+            }
+        }
+        Ok(work)
+    }
+}
+
+fn artefact(history: &History, record: &RunRecord) -> Artefact {
+    Artefact::default().with(ROWS, history_csv::write(history)).with(RECORD, to_json(record))
+}
+
+fn run(artefact: &Artefact) -> Result<Run> {
+    let record: RunRecord = part_json(artefact, RECORD)?;
+    let ending: Ending = record.ending().ok_or_else(|| unreadable(RECORD, "an unknown ending"))?;
+    let rows = part_text(artefact, ROWS)?;
+    let history = history_csv::read(Path::new(ROWS), rows, record.degrees_of_freedom, ending)?;
+    Ok(Run { history, record })
+}
+
+fn file(name: String, artefact: &Artefact, run: &Run, key: &str) -> Vec<NewFile> {
+    let rows = artefact.part(ROWS).unwrap_or_default().to_vec();
+    vec![NewFile { run: Some(run.record.clone()), ..NewFile::new(name, rows, key) }]
+}

@@ -1,0 +1,223 @@
+//! What a stage is, and how its result is had: taken from the store, or made and kept there.
+
+use std::sync::Arc;
+
+use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::mesh::MeshOptions;
+use serde::{Deserialize, Serialize};
+
+use super::{MEASURED, Pipeline};
+use crate::estimate::{self, Work};
+use crate::measure::Stopwatch;
+use crate::results::NewFile;
+use crate::stages::{self, Geometry, Meshes};
+use crate::store::{Address, Artefact, Found};
+
+/// Part of an artefact: how far the fine zones reached in the end.
+pub(super) const REACH: &str = "reach.json";
+
+/// A stage: what its result is made from, how it is made, and the files that it becomes.
+pub(super) trait Stage {
+    /// What the stage hands on.
+    type Value;
+
+    /// What the terminal and the measures call it.
+    fn name(&self) -> String;
+
+    /// Hash of its inputs, which the files of the output folder are listed with.
+    fn key(&self, at: &Pipeline<'_>) -> String;
+
+    /// Where the store keeps it; `None` for what is made from its inputs sooner than it is read.
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>>;
+
+    /// Makes it.
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made>;
+
+    /// What an artefact holds; the same whether it was taken or made.
+    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Self::Value>;
+
+    /// The files that it becomes in the output folder.
+    fn files(&self, artefact: &Artefact, value: &Self::Value, at: &Pipeline<'_>) -> Vec<NewFile>;
+
+    /// Files that are made from these, and go when one of these changes.
+    fn outdates(&self) -> &'static [&'static str];
+
+    /// Whether it takes so long that time, memory and where it came from are said.
+    fn is_measured(&self) -> bool {
+        true
+    }
+}
+
+/// What a stage has made.
+pub(super) struct Made {
+    pub artefact: Artefact,
+    /// Whether it is the whole result, which follows from its inputs alone.
+    pub complete: bool,
+    /// Why the command ends here all the same.
+    pub failure: Option<Error>,
+}
+
+impl Made {
+    /// A complete result.
+    pub fn whole(artefact: Artefact) -> Self {
+        Self { artefact, complete: true, failure: None }
+    }
+}
+
+/// How far the fine zones of the tool's own meshes reach, m. Runs make them larger where the contact goes on, and what
+/// comes later begins with the larger ones, so that this is an input of a run on the solids.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct Reach {
+    window_half_length: f64,
+    rail_face_depth: f64,
+    rail_field_y: f64,
+    wheel_face_depth: f64,
+    wheel_field_y: f64,
+}
+
+impl Reach {
+    pub fn of(options: &MeshOptions) -> Self {
+        Self {
+            window_half_length: options.window_half_length,
+            rail_face_depth: options.rail_zone.face_depth,
+            rail_field_y: options.rail_zone.field_y,
+            wheel_face_depth: options.wheel_zone.face_depth,
+            wheel_field_y: options.wheel_zone.field_y,
+        }
+    }
+
+    fn apply(self, options: &mut MeshOptions) {
+        options.window_half_length = self.window_half_length;
+        options.rail_zone.face_depth = self.rail_face_depth;
+        options.rail_zone.field_y = self.rail_field_y;
+        options.wheel_zone.face_depth = self.wheel_face_depth;
+        options.wheel_zone.field_y = self.wheel_field_y;
+    }
+}
+
+impl Pipeline<'_> {
+    /// The result of a stage, and its files in the output folder.
+    ///
+    /// # Errors
+    /// Those of making it and of writing its files.
+    pub(super) fn get<S: Stage>(&mut self, stage: &S) -> Result<S::Value> {
+        self.watch = Some(Stopwatch::start());
+        let address = stage.address(self)?;
+        let taken = match &address {
+            Some(address) if !self.fresh => self.take(stage, address),
+            _ => None,
+        };
+        let is_taken = taken.is_some();
+        let (artefact, value, failure) = match taken {
+            Some((artefact, value)) => (artefact, value, None),
+            None => {
+                let Made { artefact, complete, failure } = stage.make(self)?;
+                if let Some(address) = address.filter(|_| complete) {
+                    self.keep(&address, &stage.name(), &artefact);
+                }
+                let value = stage.value(&artefact, self)?;
+                (artefact, value, failure)
+            }
+        };
+        self.results.write(stage.files(&artefact, &value, self), stage.outdates())?;
+        if stage.is_measured() {
+            self.note(&stage.name(), &stage.key(self), is_taken)?;
+            let whence = if is_taken { "taken from the store" } else { "made" };
+            self.monitor.notice(&format!("{}: {whence}", stage.name()));
+        }
+        failure.map_or(Ok(value), Err)
+    }
+
+    /// What the store has for a stage; an entry that cannot be used is said and removed.
+    fn take<S: Stage>(&mut self, stage: &S, address: &Address) -> Option<(Artefact, S::Value)> {
+        let store = self.store?;
+        let found = match store.take(address) {
+            Found::Whole(artefact) => match stage.value(&artefact, self) {
+                Ok(value) => return Some((artefact, value)),
+                Err(cause) => store.discard(address, cause.to_string()),
+            },
+            found => found,
+        };
+        if let Found::Damaged(reason) = found {
+            let name = stage.name();
+            self.monitor.notice(&format!("{name}: the entry of the store is damaged ({reason}): made again"));
+        }
+        None
+    }
+
+    /// Keeps an artefact. A store that cannot be written takes nothing from the result.
+    fn keep(&self, address: &Address, name: &str, artefact: &Artefact) {
+        let Some(store) = self.store else { return };
+        if let Err(cause) = store.put(address, name, &self.study.name, artefact) {
+            self.monitor.notice(&format!("{name}: not kept in the store: {cause}"));
+        }
+    }
+
+    /// Adds a measure, and drops those of results that the folder has no longer.
+    fn note(&mut self, stage: &str, key: &str, taken: bool) -> Result<()> {
+        let watch = self.watch.take().unwrap_or_else(Stopwatch::start);
+        self.measured.note(watch.stop(stage, key, taken));
+        let results = &self.results;
+        self.measured.stages.retain(|stage| results.has(&stage.key));
+        self.folder.write_json(MEASURED, &self.measured)
+    }
+
+    /// Sections and first touch.
+    pub(super) fn geometry(&mut self) -> Result<Arc<Geometry>> {
+        if let Some(geometry) = &self.geometry {
+            return Ok(geometry.clone());
+        }
+        let geometry = Arc::new(stages::geometry(self.study)?);
+        Ok(self.geometry.insert(geometry).clone())
+    }
+
+    /// How far the fine zones reach now.
+    pub(super) fn reach(&mut self) -> Result<Reach> {
+        if let Some(reach) = self.reach {
+            return Ok(reach);
+        }
+        let geometry = self.geometry()?;
+        Ok(*self.reach.insert(Reach::of(&stages::mesh_options(self.study, &geometry))))
+    }
+
+    /// Goes on with the zones that an artefact has ended with.
+    pub(super) fn go_on_with_reach(&mut self, artefact: &Artefact) -> Result<()> {
+        let reach: Reach = super::part_json(artefact, REACH)?;
+        if self.reach != Some(reach) {
+            self.reach = Some(reach);
+            self.meshes = None;
+        }
+        Ok(())
+    }
+
+    /// The meshes with zones that reach as far as they have to by now; made for `work`, which must be within the budget.
+    /// They are the caller's until [`Pipeline::go_on_with`].
+    pub(super) fn meshes(&mut self, work: impl FnOnce(&mut Self) -> Result<Work>) -> Result<Meshes> {
+        if let Some(meshes) = self.meshes.take() {
+            return Ok(meshes);
+        }
+        let watch = Stopwatch::start();
+        let (study, geometry, reach) = (self.study, self.geometry()?, self.reach()?);
+        let work = work(self)?;
+        let mut meshes =
+            estimate::meshes(study, &geometry, &work, self.budget, self.interpreter, self.monitor)?;
+        if Reach::of(meshes.options()) != reach {
+            let mut options = meshes.options().clone();
+            reach.apply(&mut options);
+            meshes = stages::remeshed_with(study, &geometry, &meshes, options)?;
+            self.budget.check(study, &geometry, &meshes, &work)?;
+        }
+        // Kept until there is a result: a study that is refused later leaves no file behind.
+        self.measured.note(watch.stop("meshes", &study.keys.calibration, false));
+        // The stage that needs them is measured without them.
+        self.watch = Some(Stopwatch::start());
+        Ok(meshes)
+    }
+
+    /// Hands back the meshes that a run has ended with.
+    pub(super) fn go_on_with(&mut self, meshes: Meshes) -> Reach {
+        let reach = Reach::of(meshes.options());
+        self.meshes = Some(meshes);
+        *self.reach.insert(reach)
+    }
+}

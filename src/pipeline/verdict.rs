@@ -1,0 +1,131 @@
+//! The verdict as a stage.
+
+use std::collections::BTreeMap;
+
+use railspring_calibrate::error::Result;
+use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::units::KILONEWTON_PER_METRE;
+
+use super::runs::Run;
+use super::stage::{Made, Stage};
+use super::{OF_THE_VERDICT, Pipeline, STIFFNESS, VERIFICATION, history_file, part_json};
+use crate::output::to_json;
+use crate::records::{ScenarioVerdict, StiffnessRecord, VerificationRecord};
+use crate::results::{NewFile, Results};
+use crate::store::{Address, Artefact};
+use crate::study::Study;
+use crate::verify::{self, Line};
+
+/// Both runs of a scenario.
+pub(super) struct Runs {
+    pub simple: Run,
+    pub solid: Option<Run>,
+}
+
+/// The comparison of both models; `stiffness` is that of the study, if one of the simple models ran with it.
+pub(super) struct Verify<'a> {
+    pub stiffness: Option<&'a StiffnessRecord>,
+    pub runs: &'a [(String, Runs)],
+}
+
+impl Stage for Verify<'_> {
+    type Value = VerificationRecord;
+
+    fn name(&self) -> String {
+        "verdict".into()
+    }
+
+    fn key(&self, at: &Pipeline<'_>) -> String {
+        at.study.keys.verdict(&inputs(at.study, &at.results, self.stiffness.is_some()))
+    }
+
+    fn address(&self, _: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        Ok(None)
+    }
+
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+        let study = at.study;
+        let mut scenarios = Vec::new();
+        for (name, Runs { simple, solid }) in self.runs {
+            let comparison = solid
+                .as_ref()
+                .map(|solid| verify::compare(&simple.history, &solid.history, &study.limits))
+                .transpose()?;
+            let (lines, not_applicable, compared) = match comparison {
+                Some(c) => (c.lines, c.not_applicable, Some(c.compared)),
+                None => (verify::run_lines(&simple.history, None), Vec::new(), None),
+            };
+            scenarios.push(ScenarioVerdict {
+                scenario: name.clone(),
+                simple: simple.record.clone(),
+                solid: solid.as_ref().map(|run| run.record.clone()),
+                lines,
+                not_applicable,
+                compared,
+            });
+        }
+        let mut verdict = VerificationRecord {
+            study: study.name.clone(),
+            holds: false,
+            calibration: self.stiffness.map_or_else(Vec::new, |record| calibration_lines(study, record)),
+            scenarios,
+            input_hash: self.key(at),
+            inputs: inputs(study, &at.results, self.stiffness.is_some()),
+            version: env!("CARGO_PKG_VERSION").into(),
+        };
+        let holds = verdict.lines().all(|(_, line)| line.holds);
+        verdict.holds = holds;
+        Ok(Made::whole(Artefact::default().with(VERIFICATION, to_json(&verdict))))
+    }
+
+    fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<VerificationRecord> {
+        part_json(artefact, VERIFICATION)
+    }
+
+    fn files(&self, artefact: &Artefact, value: &VerificationRecord, _: &Pipeline<'_>) -> Vec<NewFile> {
+        let content = artefact.part(VERIFICATION).unwrap_or_default().to_vec();
+        vec![NewFile::new(VERIFICATION, content, &value.input_hash)]
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_VERDICT
+    }
+
+    fn is_measured(&self) -> bool {
+        false
+    }
+}
+
+/// The files that a verdict is made from, with the hashes of their contents.
+pub(super) fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMap<String, String> {
+    let histories = study.scenarios.iter().flat_map(|(name, scenario)| {
+        let solid = scenario.solid.then(|| history_file(study, name, "solid_history"));
+        [Some(history_file(study, name, "history")), solid].into_iter().flatten()
+    });
+    let stiffness = with_stiffness.then(|| STIFFNESS.to_owned());
+    stiffness
+        .into_iter()
+        .chain(histories)
+        .filter_map(|name| results.entry(&name)?.blake3.map(|hash| (name, hash)))
+        .collect()
+}
+
+/// Lines of the verdict on the springs themselves.
+fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
+    /// Load at which the published law is compared, kN.
+    const COMPARED_AT_KN: f64 = 85.0;
+    let limits = &study.limits;
+    let published = StiffnessLaw::published().tangent(COMPARED_AT_KN * 1e3) / KILONEWTON_PER_METRE;
+    let foot = stiffness.references.iter().find(|reference| reference.reference == "foot");
+    let difference = foot.map(|foot| (foot.law.tangent(COMPARED_AT_KN) / published - 1.0).abs());
+    let law_displacement =
+        stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp);
+    let spread = stiffness.horizontal.as_ref().map(|h| h.relative_spread);
+    vec![
+        limits.law_max().line(Some(stiffness.law.max_rel_error)),
+        limits.law_displacement().line(law_displacement),
+        limits.beam_missing().line(Some(stiffness.beam.missing)),
+        limits.horizontal_spread().line(spread),
+        limits.published_stiffness().line(difference),
+    ]
+}
