@@ -77,14 +77,6 @@ impl Stage for Simulate<'_> {
     }
 }
 
-impl SimulateSolid<'_> {
-    /// The store's address of the run on meshes as they are now.
-    fn standing(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        let (reach, key) = (at.reach()?, self.key(at));
-        Ok(at.store.map(|store| store.address(Kind::SolidRun, &(key, reach))))
-    }
-}
-
 impl Stage for SimulateSolid<'_> {
     type Value = Run;
 
@@ -97,7 +89,8 @@ impl Stage for SimulateSolid<'_> {
     }
 
     fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        self.standing(at)
+        let (reach, key) = (at.reach()?, self.key(at));
+        Ok(at.store.map(|store| store.address(Kind::SolidRun, &(key, reach))))
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
@@ -137,7 +130,7 @@ impl Pipeline<'_> {
         if let (Some(store), false) = (self.store, self.fresh) {
             let study = self.study;
             for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
-                let address = SimulateSolid { name, scenario }.standing(self)?;
+                let address = SimulateSolid { name, scenario }.address(self)?;
                 if address.is_some_and(|address| store.has(&address)) {
                     work.solids.retain(|(other, _)| other != name);
                 }
