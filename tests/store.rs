@@ -238,7 +238,8 @@ fn a_damaged_entry_is_made_again() {
     let clean = place.run(&study(), "store", "clean", &[]);
     let whole: Vec<(PathBuf, Vec<u8>)> =
         place.entries("store").into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect();
-    let damage: [(&str, fn(&[u8]) -> Vec<u8>); 4] = [
+    type Damage = fn(&[u8]) -> Vec<u8>;
+    let damage: [(&str, Damage); 4] = [
         ("cut", |bytes| bytes[..bytes.len() - 1].to_vec()),
         ("changed", |bytes| {
             let mut bytes = bytes.to_vec();

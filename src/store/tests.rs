@@ -130,7 +130,7 @@ fn pruning_removes_entries_alone() {
     assert_eq!(names(), [&a.key, &c.key].map(String::clone));
     let small = Prune { larger_than: Some(entry.bytes + 1), ..Prune::default() };
     assert_eq!(store.prune(small).unwrap().len(), 1);
-    assert_eq!(names(), [a.key.clone()]);
+    assert_eq!(names(), [a.key.as_str()]);
 
     std::fs::write(store.folder.file(&b.file()), "half").unwrap();
     assert_eq!(store.list().iter().filter(|entry| entry.made.is_none()).count(), 1);
