@@ -1,6 +1,6 @@
 //! From a study to its result files: which stages a command wants. A stage is
 //! what it needs, its key, how it is made and which files it becomes
-//! ([`stage::Stage`]); it is taken from the store or made.
+//! (`stage::Stage`); it is taken from the store or made.
 //!
 //! Every stage writes its files as soon as it has ended, each complete or not
 //! at all, so that a later failure takes nothing away. What a stage reads, it
