@@ -13,6 +13,7 @@ use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::FactorSize;
 use railspring_calibrate::units::MILLIMETRE;
 
+use crate::python::Purpose;
 use crate::stages::{self, Geometry, Meshes};
 use crate::study::Study;
 
@@ -55,34 +56,23 @@ const SECONDS_PAIR: f64 = 3e-7;
 /// Seconds of contact in a time step.
 const SECONDS_STEP: f64 = 0.03;
 
-/// Elements with which the reference repeats the solids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ReferenceElements {
-    /// Those of the study, on its meshes.
-    FirstOrder,
-    /// Elements of second order on finer meshes, besides.
-    SecondOrder,
+/// Memory of the reference's Python, bytes, for the values of the study's factors; measured on studies of 20 and
+/// 113 million values.
+fn reference_memory(purpose: Purpose, values: f64) -> f64 {
+    let per_value = match purpose {
+        Purpose::FirstOrder => 22.0,
+        Purpose::SecondOrder => 104.0,
+    };
+    PYTHON + per_value * values
 }
 
-impl ReferenceElements {
-    /// Memory of Python, bytes, for a value of the study's own factors; measured on studies of 20 and 113 million values.
-    fn memory(self, values: f64) -> f64 {
-        PYTHON
-            + values
-                * match self {
-                    Self::FirstOrder => 22.0,
-                    Self::SecondOrder => 104.0,
-                }
-    }
-
-    /// Time of the same, s.
-    fn seconds(self, values: f64) -> f64 {
-        values
-            * match self {
-                Self::FirstOrder => 0.6e-6,
-                Self::SecondOrder => 3e-6,
-            }
-    }
+/// Time of the same, s.
+fn reference_seconds(purpose: Purpose, values: f64) -> f64 {
+    let per_value = match purpose {
+        Purpose::FirstOrder => 0.6e-6,
+        Purpose::SecondOrder => 3e-6,
+    };
+    per_value * values
 }
 
 /// What a command is going to do with the solids.
@@ -93,7 +83,7 @@ pub struct Work {
     /// Load cases of the solid model: name and steps.
     pub solids: Vec<(String, usize)>,
     /// The questions to the reference.
-    pub reference: Option<ReferenceElements>,
+    pub reference: Option<Purpose>,
 }
 
 impl Work {
@@ -105,7 +95,7 @@ impl Work {
     }
 
     /// The tool's part of a cross-check, and that of the reference.
-    pub fn of_crosscheck(reference: ReferenceElements) -> Self {
+    pub fn of_crosscheck(reference: Purpose) -> Self {
         Self { calibrate: true, reference: Some(reference), ..Self::default() }
     }
 }
@@ -231,12 +221,12 @@ impl Estimate {
                 seconds: wheel.seconds() + 2.0 * rail.seconds() + 2.0 * pressing,
             });
         }
-        if let Some(elements) = work.reference {
+        if let Some(purpose) = work.reference {
             let values = (rail.size.values + wheel.size.values) as f64;
             stages.push(StageEstimate {
                 stage: "reference".into(),
-                memory: elements.memory(values),
-                seconds: elements.seconds(values),
+                memory: reference_memory(purpose, values),
+                seconds: reference_seconds(purpose, values),
             });
         }
         let both = [&rail, &wheel];
@@ -389,7 +379,7 @@ fn first_look(size: &MeshSize, work: &Work) -> f64 {
     let dense = (3.0 * size.contact as f64).powi(2);
     let factors = if work.calibrate { 1.5 } else { 1.0 };
     let own = VALUE * (factors * values + (factors + 1.0) * dense);
-    let factored = work.reference.map_or(own, |elements| own.max(elements.memory(values)));
+    let factored = work.reference.map_or(own, |purpose| own.max(reference_memory(purpose, values)));
     factored.max(ASSEMBLY * size.hexes as f64) + NODE * size.nodes as f64
 }
 

@@ -247,24 +247,14 @@ mod tests {
     /// would do; twenty steps per period pass, with their rounding; no amplitude, no limit.
     #[test]
     fn a_force_must_be_resolved() {
-        let quiet = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
-        let fast = HarmonicForce { amplitude: 1e3, frequency: 1000.0, ..quiet };
+        let fast = HarmonicForce { amplitude: 1e3, frequency: 1000.0, ..HarmonicForce::NONE };
         let spring = Kelvin { stiffness: 1.2e6, damping: 40e3 };
         let scenario = Scenario {
-            steps: 10,
-            time_step: 1e-3,
-            friction: 0.3,
-            gravity: 0.0,
             suspended_mass: 6250.0,
             vertical_suspension: spring,
-            vertical_force: quiet,
             lateral_suspension: spring,
             lateral_force: fast,
-            rail_torsion: None,
-            wheel_mass: None,
-            start_x: None,
-            speed: 0.0,
-            rotations_held: true,
+            ..Scenario::new(10, 1e-3, 0.3)
         };
         let message = scenario.check().unwrap_err().to_string();
         assert!(message.starts_with("lateral_force = 1000 Hz"), "{message}");
@@ -275,10 +265,10 @@ mod tests {
         }
         let lateral_force = HarmonicForce { amplitude: 0.0, ..fast };
         Scenario { lateral_force, ..scenario.clone() }.check().unwrap();
-        let lateral_force = HarmonicForce { constant: f64::NAN, ..quiet };
+        let lateral_force = HarmonicForce { constant: f64::NAN, ..HarmonicForce::NONE };
         assert!(Scenario { lateral_force, ..scenario.clone() }.check().is_err());
         let loose = Kelvin { stiffness: 0.0, damping: 0.0 };
-        let slow = Scenario { lateral_force: quiet, vertical_suspension: loose, ..scenario };
+        let slow = Scenario { lateral_force: HarmonicForce::NONE, vertical_suspension: loose, ..scenario };
         assert!(slow.check().unwrap_err().to_string().contains("vertical_suspension"));
         Scenario { suspended_mass: 0.0, ..slow }.check().unwrap();
     }

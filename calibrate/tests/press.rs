@@ -1,6 +1,6 @@
 //! S1002 pressed on UIC60 and 60E1 against a half-space program and the published law.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
     Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
 };
@@ -8,10 +8,11 @@ use railspring_calibrate::contact::{
     FreeDirection, HalfSpace, PairingLimits, Problem, Surface, gaps, hub_response, pair, solve, total,
 };
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::placement::{PlacedRail, TrackGeometry, place_rail, touch};
-use railspring_calibrate::section::{WheelSection, rail_section, wheel_section};
+use railspring_calibrate::pair::{Pair, PairMeshes};
+use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
 
@@ -25,33 +26,25 @@ struct Case {
 
 /// Both bodies of a case in place, meshed as by default.
 struct Bodies {
-    placed: PlacedRail,
-    wheel: WheelSection,
-    /// World position (y, z) of the tape circle at the first touch, m.
-    tape: Vector2<f64>,
-    rail_mesh: HexMesh,
-    wheel_mesh: HexMesh,
+    pair: Pair,
+    meshes: PairMeshes,
 }
 
 impl Bodies {
     fn new(case: &Case) -> Self {
         let track = TrackGeometry { lateral_shift: case.lateral_shift, ..TrackGeometry::standard() };
-        let rail = rail_section(case.rail).unwrap();
-        let wheel = wheel_section("S1002", case.tape_diameter).unwrap();
-        let placed = place_rail(&rail, &track).unwrap();
-        let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
-        let options = MeshOptions::default();
-        let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
-        let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
-        Self { placed, wheel, tape: Vector2::new(track.tape_y(), touching.tape_z), rail_mesh, wheel_mesh }
+        let (rail, wheel) = (rail_section(case.rail), wheel_section("S1002", case.tape_diameter));
+        let pair = Pair::new(rail.unwrap(), wheel.unwrap(), &track).unwrap();
+        let meshes = pair.mesh(0.555, &MeshOptions::default()).unwrap();
+        Self { pair, meshes }
     }
 
     fn rail_surface(&self) -> Surface<'_> {
-        Surface::extruded(&self.placed.curve, &self.rail_mesh.contact)
+        self.pair.rail_surface(&self.meshes.rail.contact)
     }
 
     fn wheel_surface(&self) -> Surface<'_> {
-        Surface::revolved(&self.wheel.running, &self.wheel_mesh.contact, self.wheel.radius, self.tape)
+        self.pair.wheel_surface(&self.meshes.wheel.contact)
     }
 }
 
@@ -65,14 +58,14 @@ fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadP
     let (rail_element, wheel_element) = rayon::join(
         || {
             condense(
-                &bodies.rail_mesh,
-                Supports { held: bodies.rail_mesh.foot.clone(), ..Default::default() },
+                &bodies.meshes.rail,
+                Supports { held: bodies.meshes.rail.foot.clone(), ..Default::default() },
             )
         },
         || {
             condense(
-                &bodies.wheel_mesh,
-                Supports { followers: bodies.wheel_mesh.bore.clone(), ..Default::default() },
+                &bodies.meshes.wheel,
+                Supports { followers: bodies.meshes.wheel.bore.clone(), ..Default::default() },
             )
         },
     );

@@ -1,17 +1,17 @@
 //! The law against the rail's own section belongs to the pair: it does not know how long the rail is, its parts are
 //! its sum, and its tangent is the slope of its displacement.
 
-use nalgebra::{Matrix2, Point2, Vector2, Vector3};
+use nalgebra::{Matrix2, Vector3};
 use railspring_calibrate::calibration::{
     Enforcement, LoadPoint, Pressed, Reference, SectionMotion, WheelOnRail, calibrate_horizontal,
     load_points, press_loads,
 };
-use railspring_calibrate::contact::{Problem, Side, Surface, hub_response, nodal_forces};
+use railspring_calibrate::contact::{Problem, Side, hub_response, nodal_forces};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::placement::{PlacedRail, TrackGeometry, place_rail, touch};
-use railspring_calibrate::section::{RailSection, WheelSection, rail_section, wheel_section};
-use railspring_calibrate::section_analysis::{RailAnalysis, rail_analysis};
+use railspring_calibrate::pair::Pair;
+use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
 use std::sync::OnceLock;
@@ -20,37 +20,21 @@ use std::sync::OnceLock;
 const LOADS: [f64; 6] = [20e3, 40e3, 60e3, 85e3, 120e3, 150e3];
 
 /// S1002 on 60E1 on a coarse mesh, with everything that does not depend on the rail's length.
-struct Pair {
-    rail: RailSection,
-    analysis: RailAnalysis,
-    placed: PlacedRail,
-    wheel: WheelSection,
-    tape: Vector2<f64>,
+struct Coarse {
+    pair: Pair,
     options: MeshOptions,
     wheel_mesh: HexMesh,
 }
 
-fn pair() -> &'static Pair {
-    static PAIR: OnceLock<Pair> = OnceLock::new();
-    PAIR.get_or_init(|| {
-        let track = TrackGeometry::standard();
-        let rail = rail_section("60E1").unwrap();
-        let wheel = wheel_section("S1002", 0.858).unwrap();
-        let placed = place_rail(&rail, &track).unwrap();
-        let tape_z = touch(&placed, &wheel.running, track.tape_y()).unwrap().tape_z;
+fn coarse() -> &'static Coarse {
+    static COARSE: OnceLock<Coarse> = OnceLock::new();
+    COARSE.get_or_init(|| {
+        let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.858).unwrap());
+        let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
         let options =
             MeshOptions { contact_element: 3e-3, contact_element_along: 2.5e-3, ..MeshOptions::default() };
-        let analysis = rail_analysis(&rail).unwrap();
-        let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
-        Pair {
-            rail,
-            analysis,
-            placed,
-            wheel,
-            tape: Vector2::new(track.tape_y(), tape_z),
-            options,
-            wheel_mesh,
-        }
+        let wheel_mesh = mesh_wheel(&pair.wheel, &options).unwrap();
+        Coarse { pair, options, wheel_mesh }
     })
 }
 
@@ -62,7 +46,7 @@ fn condense(mesh: &HexMesh, supports: Supports) -> Superelement<'_> {
 fn wheel() -> &'static Superelement<'static> {
     static WHEEL: OnceLock<Superelement<'static>> = OnceLock::new();
     WHEEL.get_or_init(|| {
-        let mesh = &pair().wheel_mesh;
+        let mesh = &coarse().wheel_mesh;
         condense(mesh, Supports { followers: mesh.bore.clone(), ..Default::default() })
     })
 }
@@ -82,18 +66,17 @@ struct Found {
 }
 
 fn found(length: f64, loads: &[f64]) -> Found {
-    let Pair { rail, analysis, placed, wheel: section, tape, options, wheel_mesh } = pair();
-    let mesh = mesh_rail(rail, placed, length, options).unwrap();
+    let Coarse { pair, options, wheel_mesh } = coarse();
+    let mesh = mesh_rail(&pair.rail, &pair.placed, length, options).unwrap();
     let element = condense(&mesh, Supports { held: mesh.ends.clone(), ..Default::default() });
-    let shear_centre =
-        placed.to_world(&Point2::new(0.0, rail.height - analysis.properties.shear_centre_height));
-    let motion = SectionMotion::new(&element, &analysis.stresses, placed, shear_centre, 0.0).unwrap();
+    let motion =
+        SectionMotion::new(&element, &pair.shear_stresses, &pair.placed, pair.node_line(), 0.0).unwrap();
     let relative = motion.relative(&element.compliance);
     let wheel_on = |rail| WheelOnRail {
         rail,
         wheel: &wheel().compliance,
-        rail_surface: Surface::extruded(&placed.curve, &mesh.contact),
-        wheel_surface: Surface::revolved(&section.running, &wheel_mesh.contact, section.radius, *tape),
+        rail_surface: pair.rail_surface(&mesh.contact),
+        wheel_surface: pair.wheel_surface(&wheel_mesh.contact),
         friction: 0.5,
         enforcement: Enforcement::Exact,
     };
@@ -196,7 +179,7 @@ fn the_parts_are_the_whole() {
 /// half-space of the same nodes, counted as a body's.
 const SHARE_DISCRETISATION: f64 = 0.03;
 
-/// Goal: a tangent is the slope of its own displacement, taken over a thousandth of the load (N/m), for the hub against
+/// Goal: a tangent is the slope of the displacement that belongs to it, taken over a thousandth of the load (N/m), for the hub against
 /// the section and for the approach of the surfaces. SOLVER: the curvature of the curve over that step, where no point
 /// comes into contact, 1e-4, and points that begin to slip within it (at 40 kN, 0.4 %). With half-spaces of uniform pressure the
 /// slope of the approach was 13 to 28 % above its tangent.

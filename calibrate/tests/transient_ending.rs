@@ -13,25 +13,13 @@ use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
 use railspring_calibrate::transient::TransientModel;
 
-const NO_FORCE: HarmonicForce = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
-
 /// A wheel at rest, just touching, without a suspended mass, under constant forces (N; to the field side, and down).
 fn scenario(lateral: f64, vertical: f64, steps: usize, time_step: f64) -> Scenario {
     Scenario {
-        steps,
-        time_step,
-        friction: 0.0,
-        gravity: 0.0,
-        suspended_mass: 0.0,
-        vertical_suspension: Kelvin { stiffness: 0.0, damping: 0.0 },
-        vertical_force: HarmonicForce { constant: vertical, ..NO_FORCE },
+        vertical_force: HarmonicForce::constant(vertical),
         lateral_suspension: Kelvin { stiffness: 1.2e6, damping: 4e4 },
-        lateral_force: HarmonicForce { constant: lateral, ..NO_FORCE },
-        rail_torsion: None,
-        wheel_mass: None,
-        start_x: None,
-        speed: 0.0,
-        rotations_held: true,
+        lateral_force: HarmonicForce::constant(lateral),
+        ..Scenario::new(steps, time_step, 0.0)
     }
 }
 

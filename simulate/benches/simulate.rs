@@ -8,7 +8,7 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::Material;
 use railspring_simulate::moving::{MovingModel, RailSupport, WheelSprings};
@@ -29,23 +29,10 @@ fn model(rigid: bool) -> MovingModel {
 }
 
 fn scenario() -> Scenario {
-    let constant = |force| HarmonicForce { constant: force, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
-    let free = Kelvin { stiffness: 0.0, damping: 0.0 };
     Scenario {
-        steps: STEPS,
-        time_step: 1e-4,
-        friction: 0.3,
-        gravity: 0.0,
-        suspended_mass: 0.0,
-        vertical_suspension: free,
-        vertical_force: constant(10e3),
-        lateral_suspension: free,
-        lateral_force: constant(2e3),
-        rail_torsion: None,
-        wheel_mass: None,
-        start_x: None,
-        speed: 0.0,
-        rotations_held: true,
+        vertical_force: HarmonicForce::constant(10e3),
+        lateral_force: HarmonicForce::constant(2e3),
+        ..Scenario::new(STEPS, 1e-4, 0.3)
     }
 }
 

@@ -19,9 +19,10 @@ use railspring_calibrate::monitor::Monitor;
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
 use crate::crosscheck::{Settings, crosscheck, export};
-use crate::estimate::{self, Budget, ReferenceElements, Work};
+use crate::estimate::{self, Budget, Work};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT};
+use crate::python::Purpose;
 use crate::records::crosscheck::CrosscheckRecord;
 use crate::records::{RunRecord, VerificationRecord, with_unit};
 use crate::store::{self, Store};
@@ -362,15 +363,6 @@ fn staged(
     Ok(holds)
 }
 
-/// What a cross-check takes.
-fn crosscheck_work(second_order: bool) -> Work {
-    Work::of_crosscheck(if second_order {
-        ReferenceElements::SecondOrder
-    } else {
-        ReferenceElements::FirstOrder
-    })
-}
-
 /// The store. One that was named must be there; without the default one everything is made, which is said.
 fn open_store(args: &StudyArgs, progress: &Progress) -> Result<Option<Store>, Error> {
     match (Store::open(&args.cache.clone().unwrap_or_else(store::default_folder)), &args.cache) {
@@ -390,7 +382,10 @@ fn dry_run(command: &Command, args: &StudyArgs, study: &Study) -> Result<(), Err
         Command::Calibrate(_) => Work::of(study, true, false),
         Command::Verify(_) => Work::of(study, false, true),
         Command::Export { .. } => Work::of(study, true, false),
-        Command::Crosscheck { second_order, .. } => crosscheck_work(*second_order),
+        Command::Crosscheck { second_order, .. } => {
+            let purpose = if *second_order { Purpose::SecondOrder } else { Purpose::FirstOrder };
+            Work::of_crosscheck(purpose)
+        }
         _ => {
             let expected = "a command that solves: `run`, `calibrate`, `verify`, `export` or `crosscheck`";
             return Err(InputError::new("--dry-run", "given", expected, "leave it out").into());

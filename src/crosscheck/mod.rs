@@ -20,7 +20,7 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::MILLIMETRE;
 
-use crate::estimate::{self, Budget, ReferenceElements, Work};
+use crate::estimate::{self, Budget, Work};
 use crate::measure::begin;
 use crate::output::OutputFolder;
 use crate::pipeline::{CROSSCHECK, DIFFERENCES, Pipeline};
@@ -61,7 +61,7 @@ pub struct Prepared {
 pub fn prepare(study: &Study, settings: &Settings<'_>, monitor: &dyn Monitor) -> Result<Prepared> {
     let Settings { cases, interpreter, budget, .. } = *settings;
     let geometry = stages::geometry(study)?;
-    let work = Work::of_crosscheck(settings.elements());
+    let work = Work::of_crosscheck(settings.purpose());
     let meshes = estimate::meshes(study, &geometry, &work, budget, interpreter, monitor)?;
     let answers = stages::answers(study, &geometry, &meshes, monitor)?;
     let fine = if cases.contains(&Case::SecondOrder) {
@@ -174,12 +174,8 @@ pub struct Settings<'a> {
 }
 
 impl Settings<'_> {
-    fn elements(&self) -> ReferenceElements {
-        if self.cases.contains(&Case::SecondOrder) {
-            ReferenceElements::SecondOrder
-        } else {
-            ReferenceElements::FirstOrder
-        }
+    fn purpose(&self) -> Purpose {
+        if self.cases.contains(&Case::SecondOrder) { Purpose::SecondOrder } else { Purpose::FirstOrder }
     }
 }
 
@@ -199,11 +195,7 @@ pub fn crosscheck(
     let keep = settings.keep.map(kept_in).transpose()?;
     let calculix = settings.calculix.then(calculix::version).transpose()?;
     let calculix_name = calculix.as_ref().map(|(_, name)| name.as_str());
-    let purpose = match settings.elements() {
-        ReferenceElements::FirstOrder => Purpose::FirstOrder,
-        ReferenceElements::SecondOrder => Purpose::SecondOrder,
-    };
-    let python = Python::prepare(settings.interpreter, &python::cache_folder(), purpose, monitor)?;
+    let python = Python::prepare(settings.interpreter, &python::cache_folder(), settings.purpose(), monitor)?;
     let prepared = prepare(study, settings, monitor)?;
     let exchange_folder = OutputFolder::create(&folder.file(EXCHANGE_FOLDER))?;
     prepared.exchange.write(&exchange_folder)?;

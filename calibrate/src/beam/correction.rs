@@ -70,9 +70,9 @@ fn too_short(length: f64, factor: f64) -> InputError {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rail::tests::properties;
     use super::*;
     use crate::beam::Torsion;
-    use crate::section_analysis::SectionProperties;
     use crate::solid::Material;
 
     /// Condition of the assembled stiffness times 1e-16, as for the beam itself.
@@ -80,18 +80,7 @@ mod tests {
 
     /// 60E1, inclined as in the track.
     fn beam(length: f64) -> RailBeam {
-        let properties = SectionProperties {
-            area: 76.7e-4,
-            centroid_height: 80.92e-3,
-            ixx: 3038.3e-8,
-            iyy: 512.3e-8,
-            torsion_constant: 221.2e-8,
-            warping_constant: 1.6e-8,
-            shear_centre_height: 46.3e-3,
-            shear_coefficient_vertical: 0.393,
-            shear_coefficient_lateral: 0.54,
-        };
-        RailBeam::rail(&properties, &Material::STEEL, length, 20, -0.025, Torsion::default()).unwrap()
+        RailBeam::rail(&properties(), &Material::STEEL, length, 20, -0.025, Torsion::default()).unwrap()
     }
 
     /// Goal: a stub whose solid is 10 to 20 % stiffer than its beam gets factors with which the beam has the solid's

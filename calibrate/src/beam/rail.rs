@@ -283,4 +283,4 @@ fn singular(unknowns: usize) -> NumericsError {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

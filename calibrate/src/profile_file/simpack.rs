@@ -119,7 +119,7 @@ impl<'a> Blocks<'a> {
     fn begin(&mut self, block: &'static str, row: &Row) -> Result<()> {
         if block == "point" {
             if self.has_points {
-                let remedy = "the file holds several profiles: give each a file of its own";
+                let remedy = "the file holds several profiles: save each of them to a separate file";
                 return Err(self.fault(row, "a single block of points", remedy));
             }
             self.has_points = true;

@@ -20,7 +20,6 @@ const AREA: f64 = WIDTH * WIDTH;
 const LENGTH: f64 = 0.24;
 /// Speed at the impact, m/s.
 const SPEED: f64 = 1.0;
-const NO_FORCE: HarmonicForce = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
 
 fn bar(length: f64, elements: usize) -> HexMesh {
     mesh_block(&BlockOptions::uniform([WIDTH, WIDTH, length], [1, 1, elements])).unwrap()
@@ -65,23 +64,7 @@ fn wave_force() -> f64 {
 
 /// A bar alone, without forces.
 fn quiet(steps: usize, time_step: f64) -> Scenario {
-    let nothing = Kelvin { stiffness: 0.0, damping: 0.0 };
-    Scenario {
-        steps,
-        time_step,
-        friction: 0.0,
-        gravity: 0.0,
-        suspended_mass: 0.0,
-        vertical_suspension: nothing,
-        vertical_force: NO_FORCE,
-        lateral_suspension: nothing,
-        lateral_force: NO_FORCE,
-        rail_torsion: None,
-        wheel_mass: None,
-        start_x: None,
-        speed: 0.0,
-        rotations_held: true,
-    }
+    Scenario::new(steps, time_step, 0.0)
 }
 
 /// One finished step as the tests see it.
@@ -323,7 +306,7 @@ fn energy_is_kept_while_a_bar_bounces() {
         gravity: 9.81,
         suspended_mass: 0.5,
         vertical_suspension: Kelvin { stiffness: 5e6, damping: 100.0 },
-        vertical_force: HarmonicForce { constant: 2e3, ..NO_FORCE },
+        vertical_force: HarmonicForce::constant(2e3),
         ..quiet(1500, dt)
     };
     let records = collide([&wall(), &upper], steel(0.0), 1e-6, &scenario);
@@ -425,7 +408,7 @@ fn a_force_on_a_suspension_without_mass_reaches_the_wheel() {
         let force = 2e3;
         let scenario = Scenario {
             vertical_suspension: Kelvin { stiffness, damping },
-            vertical_force: HarmonicForce { constant: force, ..NO_FORCE },
+            vertical_force: HarmonicForce::constant(force),
             ..quiet(40, 1e-6)
         };
         let records = collide([&wall(), &upper], steel(0.0), 0.1, &scenario);

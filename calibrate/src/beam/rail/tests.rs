@@ -8,7 +8,7 @@ const ROUNDOFF: f64 = 1e-8;
 const LENGTH: f64 = 0.555;
 
 /// 60E1, from its published properties.
-fn properties() -> SectionProperties {
+pub(in crate::beam) fn properties() -> SectionProperties {
     SectionProperties {
         area: 76.7e-4,
         centroid_height: 80.92e-3,

@@ -1,16 +1,11 @@
 //! Runs that end before their last step, and load cases without a suspended mass.
 
-use super::tests::{NO_FORCE, flat, published, published_scenario, quiet, relative};
+use super::tests::{bridge, flat, published, published_scenario, quiet, relative};
 use super::*;
-use railspring_calibrate::beam::{BeamSection, End, RailBeam};
 use railspring_calibrate::history::{Departure, Ending};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
-
-fn constant(force: f64) -> HarmonicForce {
-    HarmonicForce { constant: force, ..NO_FORCE }
-}
 
 /// How far the wheel of `history` got to the side at its last state, m.
 fn last_y(run: &MovingRun) -> f64 {
@@ -24,7 +19,7 @@ fn last_y(run: &MovingRun) -> f64 {
 #[test]
 fn a_wheel_pulled_into_the_track_falls_off() {
     const MODEL: f64 = 0.05;
-    let run = published().run(&published_scenario(constant(-500e3)), &Silent).unwrap();
+    let run = published().run(&published_scenario(HarmonicForce::constant(-500e3)), &Silent).unwrap();
     let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
     assert_eq!(departure, Departure::GaugeSide);
     let fall = |y: f64| (2.0 * y * 283.0 / 500e3).sqrt();
@@ -41,7 +36,7 @@ fn a_wheel_pulled_into_the_track_falls_off() {
 /// (Q/P = 20 against 0.95): the wheel rises by its flange of 28 mm and goes over the rail to the field side.
 #[test]
 fn a_wheel_beyond_nadal_climbs_out() {
-    let run = published().run(&published_scenario(constant(200e3)), &Silent).unwrap();
+    let run = published().run(&published_scenario(HarmonicForce::constant(200e3)), &Silent).unwrap();
     let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
     assert_eq!(departure, Departure::FieldSide);
     assert!((0.02..0.2).contains(&time), "{time}");
@@ -49,7 +44,7 @@ fn a_wheel_beyond_nadal_climbs_out() {
     assert!(highest > 27e-3, "{highest}");
     assert!(run.history.rows.iter().all(|r| r.wheel_y < 0.12), "no state is off the rail");
     // Below the limit the same flange holds it.
-    let held = published().run(&published_scenario(constant(20e3)), &Silent).unwrap();
+    let held = published().run(&published_scenario(HarmonicForce::constant(20e3)), &Silent).unwrap();
     assert_eq!(held.history.ending, Ending::Completed);
 }
 
@@ -58,7 +53,7 @@ fn a_wheel_beyond_nadal_climbs_out() {
 #[test]
 fn work_is_bounded() {
     for a in [StiffnessLaw::published().a, 0.0] {
-        let mut scenario = published_scenario(constant(500e3));
+        let mut scenario = published_scenario(HarmonicForce::constant(500e3));
         scenario.steps = 200;
         let mut model = published();
         model.springs.normal.a = a;
@@ -95,7 +90,7 @@ fn a_wheel_slides_off_the_profile() {
 /// Goal: a wheel at 0.5 m/s that starts 55 mm from the rail's end leaves it after 0.11 s: 220 steps of 0.5 ms are on the rail.
 #[test]
 fn a_wheel_runs_off_the_end() {
-    let mut scenario = published_scenario(NO_FORCE);
+    let mut scenario = published_scenario(HarmonicForce::NONE);
     (scenario.start_x, scenario.speed) = (Some(0.5), 0.5);
     let run = published().run(&scenario, &Silent).unwrap();
     let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
@@ -116,7 +111,7 @@ fn a_force_without_suspended_mass_reaches_the_rail() {
         let mut model = flat(StiffnessLaw { a: 1e8, b: 0.0, c: 0.0 }, 283.0);
         model.initial.displacement[1] = 50e3 / 1e8 + 50e3 / model.penalty;
         let mut scenario = quiet(50, 1e-4);
-        scenario.vertical_force = constant(50e3);
+        scenario.vertical_force = HarmonicForce::constant(50e3);
         scenario.vertical_suspension = Kelvin { stiffness, damping };
         let run = model.run(&scenario, &Silent).unwrap();
         for row in &run.history.rows[1..] {
@@ -127,7 +122,7 @@ fn a_force_without_suspended_mass_reaches_the_rail() {
     // From a force that sets in at once every chain gives the same motion.
     let sudden = |stiffness, damping| {
         let mut scenario = quiet(50, 1e-4);
-        scenario.vertical_force = constant(50e3);
+        scenario.vertical_force = HarmonicForce::constant(50e3);
         scenario.vertical_suspension = Kelvin { stiffness, damping };
         flat(StiffnessLaw::published(), 283.0).run(&scenario, &Silent).unwrap().history
     };
@@ -146,13 +141,13 @@ fn load_cases_without_sense_are_named() {
     loose.suspended_mass = 1000.0;
     let message = model.run(&loose, &Silent).unwrap_err().to_string();
     assert!(message.contains("vertical_suspension.stiffness"), "{message}");
-    let endless = Scenario { lateral_force: constant(f64::INFINITY), ..quiet(1, 1e-4) };
+    let endless = Scenario { lateral_force: HarmonicForce::constant(f64::INFINITY), ..quiet(1, 1e-4) };
     assert!(model.run(&endless, &Silent).unwrap_err().to_string().contains("lateral_force"));
     let mut lost = model.clone();
     lost.initial.velocity[0] = f64::NAN;
     assert!(lost.run(&quiet(1, 1e-4), &Silent).unwrap_err().to_string().contains("initial motion"));
     // A finite force beyond what the numbers hold.
-    let huge = Scenario { lateral_force: constant(1e308), ..quiet(3, 1.0) };
+    let huge = Scenario { lateral_force: HarmonicForce::constant(1e308), ..quiet(3, 1.0) };
     assert!(model.run(&huge, &Silent).unwrap_err().to_string().contains("not finite"));
 }
 
@@ -161,7 +156,7 @@ fn load_cases_without_sense_are_named() {
 #[test]
 fn lateral_suspension_moves_the_loading_point_only() {
     const ROUNDOFF: f64 = 1e-15;
-    let mut scenario = published_scenario(constant(20e3));
+    let mut scenario = published_scenario(HarmonicForce::constant(20e3));
     scenario.steps = 40;
     let soft = published().run(&scenario, &Silent).unwrap().history;
     scenario.lateral_suspension = Kelvin { stiffness: 0.0, damping: 0.0 };
@@ -183,20 +178,7 @@ fn lateral_suspension_moves_the_loading_point_only() {
 fn penalty_error_does_not_depend_on_the_beam() {
     const DISCRETISATION: f64 = 1e-3;
     let (young, inertia, density, length): (f64, f64, f64, f64) = (3.5e10, 1.3901, 18358.0, 25.0);
-    let section = BeamSection {
-        axial: 1e12,
-        bending_y: young * inertia,
-        bending_z: young * inertia,
-        shear_y: f64::INFINITY,
-        shear_z: f64::INFINITY,
-        torsion: 1e12,
-        mass: density,
-        rotary_y: 0.0,
-        rotary_z: 0.0,
-        polar: density,
-        centroid: [0.0, 0.0],
-    };
-    let beam = RailBeam::new(section, length, 10, 0.0, [End::Pinned; 2]).unwrap();
+    let beam = bridge(young, inertia, density, length, 10);
     let frequency = std::f64::consts::PI / 2.0 * (young * inertia / density).sqrt() / (length * length);
     let mut model = flat(StiffnessLaw::published(), 1000.0);
     model.support = RailSupport::Beam { beam, node_line: nalgebra::Point2::origin(), damping: 0.0 };
@@ -217,7 +199,10 @@ fn penalty_error_does_not_depend_on_the_beam() {
 #[test]
 fn the_symmetric_matrix_runs_the_published_cases() {
     const SOLVER: f64 = 1e-6;
-    let lateral = [constant(20e3), HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..NO_FORCE }];
+    let lateral = [
+        HarmonicForce::constant(20e3),
+        HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..HarmonicForce::NONE },
+    ];
     for lateral in lateral {
         let scenario = published_scenario(lateral);
         let consistent = published().run(&scenario, &Silent).unwrap();

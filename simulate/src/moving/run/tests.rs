@@ -43,28 +43,27 @@ pub(super) fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
     rigid(profile(|_| 0.0, &[]), profile(arc(0.3), &[]), 0.0, law, mass)
 }
 
-pub(super) const NO_FORCE: HarmonicForce =
-    HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
+/// A simply supported bridge without shear deflection: E (Pa), I (m⁴), mass per metre (kg/m), length (m), elements.
+pub(super) fn bridge(young: f64, inertia: f64, density: f64, length: f64, elements: usize) -> RailBeam {
+    let section = BeamSection {
+        axial: 1e12,
+        bending_y: young * inertia,
+        bending_z: young * inertia,
+        shear_y: f64::INFINITY,
+        shear_z: f64::INFINITY,
+        torsion: 1e12,
+        mass: density,
+        rotary_y: 0.0,
+        rotary_z: 0.0,
+        polar: density,
+        centroid: [0.0, 0.0],
+    };
+    RailBeam::new(section, length, elements, 0.0, [End::Pinned; 2]).unwrap()
+}
 
 /// A wheel alone, without forces.
 pub(super) fn quiet(steps: usize, time_step: f64) -> Scenario {
-    let nothing = Kelvin { stiffness: 0.0, damping: 0.0 };
-    Scenario {
-        steps,
-        time_step,
-        friction: 0.5,
-        gravity: 0.0,
-        suspended_mass: 0.0,
-        vertical_suspension: nothing,
-        vertical_force: NO_FORCE,
-        lateral_suspension: nothing,
-        lateral_force: NO_FORCE,
-        rail_torsion: None,
-        wheel_mass: None,
-        start_x: None,
-        speed: 0.0,
-        rotations_held: true,
-    }
+    Scenario::new(steps, time_step, 0.5)
 }
 
 fn peak(run: &MovingRun, value: impl Fn(&HistoryRow) -> f64) -> f64 {
@@ -169,7 +168,7 @@ fn pulled_wheel_sticks_and_then_slides() {
     let friction = 0.3 * 1000.0 * GRAVITY;
     let mut scenario = quiet(200, 2.5e-4);
     (scenario.gravity, scenario.friction) = (GRAVITY, 0.3);
-    scenario.lateral_force = HarmonicForce { amplitude, frequency, ..NO_FORCE };
+    scenario.lateral_force = HarmonicForce { amplitude, frequency, ..HarmonicForce::NONE };
     let run = model.run(&scenario, &Silent).unwrap();
     let omega = std::f64::consts::TAU * frequency;
     let breakaway = f64::asin(friction / amplitude) / omega;
@@ -261,20 +260,7 @@ fn sprung_mass_crosses_a_simply_supported_beam() {
         (3.5e10, 1.3901, 18358.0, 25.0, 3.6733e-4, None),
         (2.87e9, 2.90, 2303.0, 100.0 / 3.6, 2.0133e-3, Some((55.590e3, 57.258e3))),
     ] {
-        let section = BeamSection {
-            axial: 1e12,
-            bending_y: young * inertia,
-            bending_z: young * inertia,
-            shear_y: f64::INFINITY,
-            shear_z: f64::INFINITY,
-            torsion: 1e12,
-            mass: density,
-            rotary_y: 0.0,
-            rotary_z: 0.0,
-            polar: density,
-            centroid: [0.0, 0.0],
-        };
-        let beam = RailBeam::new(section, length, 20, 0.0, [End::Pinned; 2]).unwrap();
+        let beam = bridge(young, inertia, density, length, 20);
         let mut model = flat(StiffnessLaw { a: stiffness, b: 0.0, c: 0.0 }, mass);
         model.support = RailSupport::Beam { beam, node_line: Point2::origin(), damping: 0.0 };
         model.initial.displacement[1] = mass * GRAVITY / stiffness;
@@ -327,7 +313,7 @@ pub(super) fn published_scenario(lateral_force: HarmonicForce) -> Scenario {
 #[test]
 fn constant_force_presses_the_flange_on_the_rail() {
     const MODEL: f64 = 0.05;
-    let scenario = published_scenario(HarmonicForce { constant: 20e3, ..NO_FORCE });
+    let scenario = published_scenario(HarmonicForce::constant(20e3));
     let run = published().run(&scenario, &Silent).unwrap();
     let rows = &run.history.rows;
     assert_eq!(rows.len(), 551);
@@ -349,7 +335,8 @@ fn constant_force_presses_the_flange_on_the_rail() {
 /// way back), with sliding, sticking and separation.
 #[test]
 fn alternating_force_swings_the_wheel() {
-    let scenario = published_scenario(HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..NO_FORCE });
+    let scenario =
+        published_scenario(HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..HarmonicForce::NONE });
     let run = published().run(&scenario, &Silent).unwrap();
     let rows = &run.history.rows;
     assert!((6.5e-3..7.1e-3).contains(&peak(&run, |r| r.wheel_y)));
@@ -370,8 +357,9 @@ fn alternating_force_swings_the_wheel() {
 #[test]
 fn torsion_twists_the_rail_under_the_moving_wheel() {
     let mut scenario =
-        published_scenario(HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..NO_FORCE });
-    scenario.rail_torsion = Some(HarmonicForce { amplitude: 183.25e3, frequency: 5.0, ..NO_FORCE });
+        published_scenario(HarmonicForce { amplitude: 10.4125e3, frequency: 10.0, ..HarmonicForce::NONE });
+    scenario.rail_torsion =
+        Some(HarmonicForce { amplitude: 183.25e3, frequency: 5.0, ..HarmonicForce::NONE });
     scenario.speed = 0.5;
     scenario.start_x = Some(0.2775);
     let model = published();
