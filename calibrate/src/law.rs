@@ -10,6 +10,7 @@ use argmin::solver::brent::BrentOpt;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
+use crate::quadrature::GAUSS_12;
 
 /// Force to which the power in the law refers, N.
 pub const REFERENCE_FORCE: f64 = 1e3;
@@ -147,8 +148,9 @@ impl StiffnessLaw {
         }
         let (panel_weight, panel_power) = ((-PANEL * rate).exp(), (-PANEL * self.c).exp());
         let points: [(f64, f64); 12] = std::array::from_fn(|i| {
-            let y = 0.5 * PANEL * (1.0 + gauss_abscissa(i));
-            (0.5 * PANEL * GAUSS_WEIGHT[i % 6] * (-rate * y).exp(), stiffness * (-self.c * y).exp())
+            let (x, w) = GAUSS_12[i];
+            let y = 0.5 * PANEL * (1.0 + x);
+            (0.5 * PANEL * w * (-rate * y).exp(), stiffness * (-self.c * y).exp())
         });
         // What follows a panel is less than a geometric series of its value.
         let ratio = (-PANEL * (rate - self.c)).exp();
@@ -168,30 +170,6 @@ impl StiffnessLaw {
 
 /// Length of a quadrature panel in `ln f`.
 const PANEL: f64 = 2.0;
-
-/// Positive abscissae of the 12-point Gauss rule (Abramowitz and Stegun, table 25.4).
-const GAUSS_ABSCISSA: [f64; 6] = [
-    0.125_233_408_511_468_9,
-    0.367_831_498_998_180_2,
-    0.587_317_954_286_617_5,
-    0.769_902_674_194_304_7,
-    0.904_117_256_370_474_9,
-    0.981_560_634_246_719_3,
-];
-
-/// Weights that belong to [`GAUSS_ABSCISSA`].
-const GAUSS_WEIGHT: [f64; 6] = [
-    0.249_147_045_813_402_8,
-    0.233_492_536_538_354_8,
-    0.203_167_426_723_065_9,
-    0.160_078_328_543_346_2,
-    0.106_939_325_995_318_4,
-    0.047_175_336_386_511_8,
-];
-
-fn gauss_abscissa(i: usize) -> f64 {
-    if i < 6 { GAUSS_ABSCISSA[i] } else { -GAUSS_ABSCISSA[i - 6] }
-}
 
 /// A law fitted to points of tangent stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,6 +2,7 @@
 //! time by quadrature. Gravity during the contact is left out.
 
 use crate::law::StiffnessLaw;
+use crate::root::bisection;
 
 /// Largest compression, force and duration of the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,15 +40,7 @@ pub fn displacement_of_energy(law: &StiffnessLaw, energy: f64) -> f64 {
     while law.energy(high) < energy && high < 1e6 {
         (low, high) = (high, 2.0 * high);
     }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if law.energy(middle) < energy {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
+    bisection(low, high, |displacement| !(law.energy(displacement) < energy))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 use std::f64::consts::PI;
 
 use crate::error::{InputError, Result};
+use crate::root::bisection;
 
 /// Contact modulus E* (N/m²) of two materials: `1/E* = (1 − ν1²)/E1 + (1 − ν2²)/E2`.
 ///
@@ -83,19 +84,12 @@ pub fn sphere_approach(force: f64, radius: f64, contact_modulus: f64) -> f64 {
 /// Ratio b/a of the semi-axes for a ratio of radii B/A ≥ 1, by bisection of its
 /// logarithm: B/A falls from infinity to 1 as b/a rises to 1.
 fn axis_ratio(curvature_ratio: f64) -> f64 {
-    let (mut low, mut high) = (-700f64, 0f64);
-    // 100 halvings of 700 end far below the spacing of floats.
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        let k = middle.exp();
+    let rounder = |logarithm: f64| {
+        let k = logarithm.exp();
         let integrals = Elliptic::new(k);
-        if integrals.k_minus_d() / (k * k * integrals.d) > curvature_ratio {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    (0.5 * (low + high)).exp()
+        !(integrals.k_minus_d() / (k * k * integrals.d) > curvature_ratio)
+    };
+    bisection(-700.0, 0.0, rounder).exp()
 }
 
 /// Complete elliptic integrals at complementary modulus k (e² = 1 − k²).

@@ -9,6 +9,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector};
 
 use super::section::BeamSection;
+use crate::quadrature::gauss_4_unit;
 
 type Matrix12 = SMatrix<f64, 12, 12>;
 type Vector12 = SVector<f64, 12>;
@@ -96,7 +97,7 @@ impl BeamElement<'_> {
     pub fn mass(&self) -> Matrix12 {
         let s = self.section;
         let mut m = Matrix12::zeros();
-        for (xi, weight) in gauss_points() {
+        for (xi, weight) in gauss_4_unit() {
             let [u, v, w, twist, tilt_y, tilt_z] = self.interpolation(xi);
             let sway = v - twist * s.centroid[1];
             let heave = w + twist * s.centroid[0];
@@ -169,20 +170,6 @@ impl BeamElement<'_> {
         }
         turn * local * turn.transpose()
     }
-}
-
-/// Four Gauss points on 0..1: exact for the sixth-degree products of cubic functions.
-fn gauss_points() -> [(f64, f64); 4] {
-    let root = (6.0f64 / 5.0).sqrt();
-    let outer = ((3.0 + 2.0 * root) / 7.0).sqrt();
-    let inner = ((3.0 - 2.0 * root) / 7.0).sqrt();
-    let weight = 30.0f64.sqrt() / 72.0;
-    [
-        (0.5 * (1.0 - outer), 0.25 - weight),
-        (0.5 * (1.0 - inner), 0.25 + weight),
-        (0.5 * (1.0 + inner), 0.25 + weight),
-        (0.5 * (1.0 + outer), 0.25 - weight),
-    ]
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 
 use super::Compliance;
 use super::point::ContactPoint;
+use crate::quadrature::GAUSS_5;
 use faer::Mat;
 use nalgebra::Vector2;
 use std::collections::HashMap;
@@ -61,7 +62,7 @@ fn mean_inverse_distance(d: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>) -
         cuts.sort_by(f64::total_cmp);
         let panel = |ends: &[f64]| {
             let (middle, reach) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-            GAUSS.map(|(t, w)| {
+            GAUSS_5.map(|(t, w)| {
                 let at = middle + t * reach;
                 (at, w * reach / half * (1.0 - at.abs() / half))
             })
@@ -80,15 +81,6 @@ fn mean_inverse_distance(d: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>) -
 
 /// Distance, in widths, beyond which two hats are seen by their moments.
 const FAR: f64 = 16.0;
-
-/// Gauss-Legendre rule on -1..1 with five points.
-const GAUSS: [(f64, f64); 5] = [
-    (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
-    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
-    (0.0, 0.568_888_888_888_888_9),
-    (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
-    (0.906_179_845_938_664, 0.236_926_885_056_189_1),
-];
 
 /// ∫∫ p dA/r seen from (x, y), with p the bilinear hat at the origin with the half widths `half` and ∫∫ p dA = 1.
 ///

@@ -3,6 +3,8 @@
 
 use super::point::{ContactPoint, NodeWeight};
 use super::surface::{Projection, Surface, corners};
+use crate::quadrature::gauss_2_on;
+use crate::root::regula_falsi;
 use nalgebra::{Point2, Vector2};
 
 /// Which points are worth an unknown.
@@ -131,10 +133,10 @@ impl<'a> Pairing<'a> {
     fn integrate_strip(&mut self, cell: (usize, usize), ends: (f64, f64), guess: f64) {
         let (x, opposing) = (&self.base.grid.along_track, self.opposing);
         let lines = opposing.grid.along_track.iter().map(|&t| opposing.x(guess, t));
-        let (profile_points, half_s) = gauss(ends.0, ends.1);
+        let (profile_points, half_s) = gauss_2_on(ends.0, ends.1);
         let profile_lines = profile_points.map(|s| Line::new(self.base, s));
         for part in breakpoints(x[cell.1], x[cell.1 + 1], lines).windows(2) {
-            let (track_points, half_x) = gauss(part[0], part[1]);
+            let (track_points, half_x) = gauss_2_on(part[0], part[1]);
             for line in &profile_lines {
                 for x in track_points {
                     match self.hit(line, x, guess) {
@@ -205,13 +207,6 @@ impl<'a> Pairing<'a> {
     }
 }
 
-/// Two-point Gauss rule on an interval: points and weight.
-fn gauss(a: f64, b: f64) -> ([f64; 2], f64) {
-    let (mid, half) = (0.5 * (a + b), 0.5 * (b - a));
-    let off = half / 3.0_f64.sqrt();
-    ([mid - off, mid + off], half)
-}
-
 /// Sorted breakpoints within [a, b], ends included, without slivers.
 fn breakpoints(a: f64, b: f64, inner: impl Iterator<Item = f64>) -> Vec<f64> {
     let sliver = 1e-9 * (b - a);
@@ -262,30 +257,11 @@ fn profile_intervals(
         let lines = opposing.grid.along_profile.iter().copied().chain(opposing.curve.breakpoints());
         for line in lines.filter(|&l| l > low && l < high) {
             let root =
-                crossing((s0, a - line), (s1, b - line), |s| Some(facing(s, line)?.along_profile - line));
+                regula_falsi((s0, a - line), (s1, b - line), |s| Some(facing(s, line)?.along_profile - line));
             cuts.extend(root);
         }
     }
     breakpoints(s0, s1, cuts.into_iter()).windows(2).map(|w| (w[0], w[1])).collect()
-}
-
-/// Root of a smooth, almost linear function between two points of opposite sign, by regula falsi with halving
-/// (M. Dowell, P. Jarratt, "A modified regula falsi method", BIT 11 (1971)); `None` if it cannot be evaluated.
-fn crossing(mut left: (f64, f64), mut right: (f64, f64), f: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-    for _ in 0..60 {
-        let s = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
-        let value = f(s)?;
-        if value.abs() < 1e-13 || (right.0 - left.0).abs() < 1e-14 {
-            return Some(s);
-        }
-        if value * right.1 < 0.0 {
-            left = right;
-        } else {
-            left.1 *= 0.5;
-        }
-        right = (s, value);
-    }
-    Some(right.0)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::HexMesh;
 use crate::error::{InputError, Result};
+use crate::quadrature::GAUSS_2;
 
 /// Corner neighbours along the three local axes, in right-handed order.
 const NEIGHBOURS: [[usize; 3]; 8] =
@@ -100,8 +101,7 @@ pub(super) fn is_sound(corner: &[Point3<f64>; 8]) -> bool {
 
 /// Smallest determinant of the Jacobian at the 2x2x2 Gauss points, and the volume, m³.
 fn gauss_jacobian(corner: &[Point3<f64>; 8]) -> (f64, f64) {
-    let gauss = 1.0 / 3.0_f64.sqrt();
-    let determinants = CORNERS.map(|local| jacobian(corner, &(Vector3::from(local) * gauss)).determinant());
+    let determinants = CORNERS.map(|local| jacobian(corner, &(Vector3::from(local) * GAUSS_2)).determinant());
     (determinants.into_iter().fold(f64::INFINITY, f64::min), determinants.iter().sum())
 }
 

@@ -11,8 +11,8 @@ use nalgebra::{Point2, Rotation2, Vector2};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::ProfileCurve;
-use crate::profile::root::bracketed_newton;
 use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
+use crate::root::bracketed_newton;
 use crate::section::RailSection;
 use crate::units::MILLIMETRE;
 

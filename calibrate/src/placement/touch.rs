@@ -10,7 +10,7 @@ use super::PlacedRail;
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::ProfileCurve;
-use crate::profile::root::bracketed_newton;
+use crate::root::bracketed_newton;
 use crate::units::MILLIMETRE;
 
 /// Where a lowered wheel first touches the rail.

@@ -2,9 +2,10 @@
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
-use super::root::bracketed_newton;
-use super::spline::{Cubic, GAUSS, Piece, fit};
+use super::spline::{Cubic, Piece, fit};
 use crate::error::{InputError, Result};
+use crate::quadrature::GAUSS_5_UNIT;
+use crate::root::bracketed_newton;
 use crate::units::MILLIMETRE;
 
 /// Points closer than this count as the same point, m.
@@ -413,7 +414,7 @@ impl ProfileCurve {
         let mut sum = [0.0; N];
         for (cubic, s) in self.cubics.iter().zip(self.knots.windows(2)) {
             let h = s[1] - s[0];
-            for (x, w) in GAUSS {
+            for (x, w) in GAUSS_5_UNIT {
                 let value = f(&cubic.point(x * h), &cubic.derivative(x * h));
                 for (total, v) in sum.iter_mut().zip(value) {
                     *total += w * h * v;

@@ -4,7 +4,6 @@
 //! rail on its axis; a wheel's is the tape circle, 70 mm from the flange back. Both curves run in the direction
 //! of increasing y. Sources, units and axes: `data/profiles/README.md`.
 
-pub(crate) mod root;
 mod spline;
 mod curve;
 mod segment;

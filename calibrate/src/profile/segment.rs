@@ -3,7 +3,8 @@
 use nalgebra::{Point2, Vector2};
 
 use super::curve::ProfileCurve;
-use super::spline::{GAUSS, Piece};
+use super::spline::Piece;
+use crate::quadrature::GAUSS_5_UNIT;
 
 /// A straight line or a circular arc, with a direction of travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -160,7 +161,7 @@ impl Segment {
         let length = self.length() / parts as f64;
         let mut sum = [0.0; N];
         for part in 0..parts {
-            for (x, w) in GAUSS {
+            for (x, w) in GAUSS_5_UNIT {
                 let t = (part as f64 + x) / parts as f64;
                 for (total, v) in sum.iter_mut().zip(f(&self.point(t), &self.tangent(t))) {
                     *total += w * length * v;

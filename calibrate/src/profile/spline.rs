@@ -2,14 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-/// Abscissae and weights of the five-point Gauss-Legendre rule on `[0, 1]`.
-pub(crate) const GAUSS: [(f64, f64); 5] = [
-    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
-    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
-    (0.5, 0.284_444_444_444_444_44),
-    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
-    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
-];
+use crate::quadrature::GAUSS_5_UNIT;
 
 /// Relative change of the knot distances at which they count as arc lengths.
 const ARC_LENGTH_CONVERGED: f64 = 1e-14;
@@ -55,7 +48,7 @@ impl Cubic {
     }
 
     fn arc_length(&self, h: f64) -> f64 {
-        GAUSS.iter().map(|&(x, w)| w * h * self.derivative(x * h).norm()).sum()
+        GAUSS_5_UNIT.iter().map(|&(x, w)| w * h * self.derivative(x * h).norm()).sum()
     }
 
     /// Largest | |dp/du| - 1 | seen at nine points of the interval.

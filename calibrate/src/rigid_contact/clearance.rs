@@ -3,7 +3,7 @@
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::ProfileCurve;
-use crate::profile::root::bracketed_newton;
+use crate::root::bracketed_newton;
 use crate::units::MILLIMETRE;
 
 /// Lateral step at which the clearance is sampled for its minima, m. Two minima between the same two samples count as one.

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::{Roll, Wheelset, WheelsetPosition};
 use crate::error::{InputError, Result};
+use crate::root::bisection;
 use crate::units::MILLIMETRE;
 
 /// Rolling radii at one lateral shift.
@@ -111,16 +112,12 @@ impl RunningFunction {
             return None;
         }
         // Turning points have the same potential: the one on the left, by bisection.
-        let (mut low, mut high) = (first, last - 2.0 * amplitude);
+        let (low, high) = (first, last - 2.0 * amplitude);
         let climbs = |left: f64| self.potential(left + 2.0 * amplitude) - self.potential(left);
         if climbs(low) > 0.0 || climbs(high) < 0.0 {
             return None;
         }
-        while high - low > 1e-12 {
-            let half = 0.5 * (low + high);
-            if climbs(half) > 0.0 { high = half } else { low = half }
-        }
-        let left = 0.5 * (low + high);
+        let left = bisection(low, high, |left| climbs(left) > 0.0);
         let (middle, top) = (left + amplitude, self.potential(left));
         // With y = middle + amplitude sin θ the integrand is finite at the turning points.
         const PARTS: usize = 4000;

@@ -7,6 +7,7 @@ use nalgebra::{Matrix5, Point2, Vector2, Vector5};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::{EndlessLine, Segment, fillet};
+use crate::root::bisection;
 use crate::units::MILLIMETRE;
 
 /// Course of the web between hub and rim.
@@ -183,18 +184,13 @@ fn s_sides(levels: &Levels) -> [Vec<Segment>; 2] {
     };
     [1.0, -1.0].map(|side| {
         // Where the centre of the fillet, its radius off the web's side, has its radius' distance from the level.
-        let touching = |z: f64, [mut low, mut high]: [f64; 2]| {
+        let touching = |z: f64, [low, high]: [f64; 2]| {
             let above = |t: f64| {
                 let (point, normal) = edge(side, t);
                 point.y + FILLET * normal.y > z
             };
             let falling = above(low);
-            // 60 halvings leave a fraction below round-off.
-            for _ in 0..60 {
-                let half = 0.5 * (low + high);
-                if above(half) == falling { low = half } else { high = half }
-            }
-            0.5 * (low + high)
+            bisection(low, high, |t| above(t) != falling)
         };
         let at_hub = touching(levels.hub + FILLET, [0.0, 0.5]);
         let at_rim = touching(levels.rim - FILLET, [0.5, 1.0]);

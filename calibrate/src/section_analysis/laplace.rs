@@ -11,10 +11,7 @@ use nalgebra::{Matrix2, Point2, Vector2, center};
 
 use crate::error::{NumericsError, Result, StopReason};
 use crate::mesh::SectionMesh;
-
-/// Gauss points and weights on -1..1, exact to the fifth degree.
-const GAUSS: [(f64, f64); 3] =
-    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+use crate::quadrature::GAUSS_3;
 
 /// Right-hand sides at a point: ∫ ∇v·`flow`, and ∫ v `supply` for the other two problems.
 pub(super) struct Source {
@@ -216,7 +213,7 @@ impl Laplace {
 
 /// Values at the Gauss point `g` of the element with the given nodes.
 fn sample(nodes: &[Point2<f64>; 9], g: usize) -> Sample {
-    let ((xi, w_xi), (eta, w_eta)) = (GAUSS[g % 3], GAUSS[g / 3]);
+    let ((xi, w_xi), (eta, w_eta)) = (GAUSS_3[g % 3], GAUSS_3[g / 3]);
     let (along_xi, along_eta) = (quadratic(xi), quadratic(eta));
     let mut point = Point2::origin();
     let mut jacobian = Matrix2::zeros();

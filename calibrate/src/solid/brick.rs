@@ -9,6 +9,7 @@
 
 use super::Material;
 use crate::mesh::CORNERS;
+use crate::quadrature::GAUSS_2;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, Vector3};
 
 /// Which strain field the element uses.
@@ -24,12 +25,9 @@ pub enum Formulation {
 /// Stiffness of a brick, N/m; degree of freedom `3·node + direction`.
 pub type Stiffness = SMatrix<f64, 24, 24>;
 
-/// Coordinate of the two-point Gauss rule, 1/√3; both weights are 1.
-const GAUSS: f64 = 0.577_350_269_189_625_8;
-
 /// The 2×2×2 Gauss points, one towards each corner.
 fn gauss_points() -> impl Iterator<Item = Vector3<f64>> {
-    CORNERS.iter().map(|c| Vector3::from(*c) * GAUSS)
+    CORNERS.iter().map(|c| Vector3::from(*c) * GAUSS_2)
 }
 
 /// Shape functions at a reference point.

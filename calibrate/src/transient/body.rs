@@ -1,6 +1,7 @@
 //! One elastic body in time: prediction without contact, correction with it.
 
 use crate::error::Result;
+use crate::newmark::{Motion, Newmark};
 use crate::solid::{NodalMass, Numbering, System};
 use crate::superelement::{Superelement, times};
 use faer::Mat;
@@ -25,7 +26,7 @@ pub(super) struct Body<'a> {
 impl<'a> Body<'a> {
     /// Factors the effective matrix `K·(1 + 2β/Δt) + 4/Δt²·M` of a material with the damping β;
     /// `hub_stiffness` is added to the hub's vertical motion.
-    pub(super) fn new(system: System<'a>, dt: f64, hub_stiffness: Option<f64>) -> Result<Self> {
+    pub(super) fn new(system: System<'a>, scheme: &Newmark, hub_stiffness: Option<f64>) -> Result<Self> {
         let mass = system.nodal_mass();
         let diagonal: Vec<(usize, f64)> =
             hub_stiffness.and_then(|k| Some((system.numbering.master_equation(2)?, k))).into_iter().collect();
@@ -33,7 +34,8 @@ impl<'a> Body<'a> {
         let contact = system.numbering.contact;
         let beta = system.material.damping;
         let damping = (beta > 0.0).then(|| system.matrix(beta, 0.0, &[])).transpose()?;
-        let element = Superelement::effective(system, 1.0 + 2.0 * beta / dt, 4.0 / (dt * dt), &diagonal)?;
+        let element =
+            Superelement::effective(system, 1.0 + beta * scheme.velocity, scheme.acceleration, &diagonal)?;
         Ok(Self {
             element,
             mass,
@@ -56,6 +58,12 @@ impl<'a> Body<'a> {
         self.contact_step = before[interior..interior + contact].to_vec();
     }
 
+    /// Motion of an equation at the last finished step.
+    fn motion(&self, equation: usize) -> Motion {
+        let (u, v) = (self.displacement[equation], self.velocity[equation]);
+        Motion { u, v, a: self.acceleration[equation] }
+    }
+
     pub(super) fn equations(&self) -> usize {
         self.element.system.numbering.equations
     }
@@ -71,17 +79,16 @@ impl<'a> Body<'a> {
 
     /// Eliminates the interior for the step and returns the retained displacements without contact
     /// forces. `hub_force` (y, z) acts on the master node, `gravity` on the whole body.
-    pub(super) fn predict(&mut self, dt: f64, hub_force: &[f64; 2], gravity: f64) -> Vec<f64> {
-        let combine = |du: f64, dv: f64, da: f64| -> Vec<f64> {
-            let states = self.displacement.iter().zip(&self.velocity).zip(&self.acceleration);
-            states.map(|((u, v), a)| du * u + dv * v + da * a).collect()
+    pub(super) fn predict(&mut self, scheme: &Newmark, hub_force: &[f64; 2], gravity: f64) -> Vec<f64> {
+        let carried_over = |of: fn(&Newmark, &Motion) -> f64| -> Vec<f64> {
+            (0..self.displacement.len()).map(|i| of(scheme, &self.motion(i))).collect()
         };
         let System { mesh, numbering, .. } = &self.element.system;
-        let mut inertia = numbering.expand(mesh, &combine(4.0 / (dt * dt), 4.0 / dt, 1.0));
+        let mut inertia = numbering.expand(mesh, &carried_over(Newmark::inertia));
         inertia.iter_mut().skip(2).step_by(3).for_each(|h| *h += gravity);
         self.work = numbering.gather(mesh, &self.mass.times(&inertia));
         if let Some(damping) = &self.damping {
-            add_symmetric_product(damping, &combine(2.0 / dt, 1.0, 0.0), &mut self.work);
+            add_symmetric_product(damping, &carried_over(Newmark::damping), &mut self.work);
         }
         for (motion, force) in [1, 2].into_iter().zip(hub_force) {
             if let Some(e) = numbering.master_equation(motion) {
@@ -93,7 +100,7 @@ impl<'a> Body<'a> {
     }
 
     /// Finishes the step under contact forces on the retained equations.
-    pub(super) fn correct(&mut self, dt: f64, contact_forces: &[f64]) {
+    pub(super) fn correct(&mut self, scheme: &Newmark, contact_forces: &[f64]) {
         let Numbering { interior, contact, .. } = self.element.system.numbering;
         let mut end = std::mem::take(&mut self.work);
         end[interior..].iter_mut().zip(contact_forces).for_each(|(r, f)| *r += f);
@@ -101,15 +108,13 @@ impl<'a> Body<'a> {
         end[interior..].copy_from_slice(&retained);
         self.element.factor.backward_interior(&mut end);
         for (i, u) in end.iter().enumerate() {
-            let moved = u - self.displacement[i];
-            let v = self.velocity[i];
-            self.velocity[i] = 2.0 / dt * moved - v;
-            self.acceleration[i] = 4.0 / (dt * dt) * moved - 4.0 / dt * v - self.acceleration[i];
+            let Motion { v, a, .. } = scheme.advance(&self.motion(i), *u);
+            (self.velocity[i], self.acceleration[i]) = (v, a);
         }
         // nothing carries the velocity of a node without mass on: it is that of its last two steps, of second order
         let steps: Vec<f64> = (interior..interior + contact).map(|i| end[i] - self.displacement[i]).collect();
         for ((v, now), before) in self.velocity[interior..].iter_mut().zip(&steps).zip(&self.contact_step) {
-            *v = (1.5 * now - 0.5 * before) / dt;
+            *v = (1.5 * now - 0.5 * before) / scheme.step();
         }
         self.contact_step = steps;
         self.displacement = end;
@@ -176,7 +181,8 @@ mod tests {
         let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
         let period = 4.0 * length / (material.young / material.density).sqrt();
         let dt = period / 120.0;
-        let mut body = Body::new(system, dt, None).unwrap();
+        let scheme = Newmark::new(dt, 0.0);
+        let mut body = Body::new(system, &scheme, None).unwrap();
         let force = 1e3;
         // four corner nodes share the end face
         let mut forces = vec![0.0; body.compliance().nrows()];
@@ -184,8 +190,8 @@ mod tests {
         let static_displacement = force * length / (material.young * width * width);
         let mut track = Vec::new();
         for _ in 0..360 {
-            body.predict(dt, &[0.0; 2], 0.0);
-            body.correct(dt, &forces);
+            body.predict(&scheme, &[0.0; 2], 0.0);
+            body.correct(&scheme, &forces);
             track.push(body.contact_displacement()[2] / static_displacement);
         }
         let largest = track.iter().copied().fold(0.0, f64::max);
@@ -215,13 +221,14 @@ mod tests {
         let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
         let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
         let dt = period / 120.0;
-        let mut body = Body::new(system, dt, None).unwrap();
+        let scheme = Newmark::new(dt, 0.0);
+        let mut body = Body::new(system, &scheme, None).unwrap();
         let mut forces = vec![0.0; body.compliance().nrows()];
         forces.iter_mut().skip(2).step_by(3).for_each(|f| *f = 250.0);
         let swing: Vec<f64> = (0..480)
             .map(|_| {
-                body.predict(dt, &[0.0; 2], 0.0);
-                body.correct(dt, &forces);
+                body.predict(&scheme, &[0.0; 2], 0.0);
+                body.correct(&scheme, &forces);
                 body.contact_displacement()[2]
             })
             .collect();

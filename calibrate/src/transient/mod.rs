@@ -1,11 +1,9 @@
 //! The transient solid model: Newmark average acceleration on both condensed
 //! bodies, contact solved at every step.
 //!
-//! N.M. Newmark, "A method of computation for structural dynamics", J. Eng.
-//! Mech. Div. ASCE 85 (1959), β = 1/4, γ = 1/2. The effective matrix
-//! `K + 4/Δt²·M` of each body is constant and factored once. A step eliminates
-//! the interior, solves the contact on the retained equations, and substitutes
-//! back: one solution per body and step, at full order.
+//! The effective matrix `K + 4/Δt²·M` of each body is constant and factored
+//! once. A step eliminates the interior, solves the contact on the retained
+//! equations, and substitutes back: one solution per body and step, at full order.
 //!
 //! The contact nodes have no mass ([`System::with_massless_contact`]): a node with mass collides with every step, its
 //! force alternates between zero and a multiple of the true one, and the work of these forces adds energy.
@@ -24,10 +22,12 @@ use crate::field::InputField;
 use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use crate::mesh::HexMesh;
 use crate::monitor::Monitor;
+use crate::newmark::{Motion, Newmark};
 use crate::pair::Pair;
 use crate::placement::{PlacedRail, departure, lateral_extent};
 use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Supports, System};
+use crate::suspension::{Suspension, SuspensionStep};
 use body::Body;
 use nalgebra::{Point2, Point3, Vector2};
 
@@ -94,13 +94,6 @@ const PAIRING_GAP: f64 = 0.25e-3;
 const HUB_TOLERANCE: f64 = 1e-7;
 const PAIRING_LIMIT: usize = 12;
 
-/// Mass on the vertical suspension, integrated with the same rule and condensed into the hub.
-struct SuspendedMass {
-    z: f64,
-    v: f64,
-    a: f64,
-}
-
 impl TransientModel<'_> {
     /// Runs `scenario` from just touching and at rest.
     ///
@@ -125,16 +118,17 @@ impl TransientModel<'_> {
         observe: &mut dyn FnMut(&Step) -> Result<()>,
     ) -> Result<TransientRun> {
         let dt = scenario.time_step;
-        let suspension = Suspension::new(scenario);
+        let scheme = Newmark::new(dt, 0.0);
+        let suspension = Suspension::new(scenario, &scheme);
         let (rail, wheel) = rayon::join(
-            || Body::new(self.rail_system()?, dt, None),
-            || Body::new(self.wheel_system(scenario)?, dt, Some(suspension.series())),
+            || Body::new(self.rail_system()?, &scheme, None),
+            || Body::new(self.wheel_system(scenario)?, &scheme, Some(suspension.stiffness())),
         );
         let (mut rail, mut wheel) = (rail?, wheel?);
         let wheel_mass = wheel.mass.total();
         let mut hub_motion = HubMotion::at_start(scenario, &initial.wheel, wheel_mass);
         rail.start(dt, &initial.rail, &Vector2::zeros());
-        wheel.start(dt, &hub_motion.velocity, &hub_motion.acceleration);
+        wheel.start(dt, &hub_motion.velocity(), &hub_motion.acceleration());
         let mut contact = LastContact::default();
         let mut rows = vec![HistoryRow {
             time: 0.0,
@@ -152,10 +146,10 @@ impl TransientModel<'_> {
         for step in 1..=scenario.steps {
             monitor.progress("transient solid model", step - 1, scenario.steps)?;
             let t = step as f64 * dt;
-            let (hub_force, suspended_rhs) = hub_motion.forces(scenario, t, &suspension);
+            let (hub_force, suspended) = hub_motion.forces(scenario, t, &suspension);
             let (rail_free, wheel_free) = rayon::join(
-                || rail.predict(dt, &[0.0; 2], 0.0),
-                || wheel.predict(dt, &hub_force, scenario.gravity),
+                || rail.predict(&scheme, &[0.0; 2], 0.0),
+                || wheel.predict(&scheme, &hub_force, scenario.gravity),
             );
             let solved = self
                 .contact_step(
@@ -172,7 +166,7 @@ impl TransientModel<'_> {
             most_active = most_active.max(solution.active());
             let rail_forces = nodal_forces(points, Side::Base, &solution.forces, rail_free.len());
             let wheel_forces = nodal_forces(points, Side::Opposing, &solution.forces, wheel_free.len());
-            rayon::join(|| rail.correct(dt, &rail_forces), || wheel.correct(dt, &wheel_forces));
+            rayon::join(|| rail.correct(&scheme, &rail_forces), || wheel.correct(&scheme, &wheel_forces));
             let hub = wheel.hub();
             if !(hub.x.is_finite() && hub.y.is_finite()) {
                 return Err(failure(f64::NAN, solution.active(), StopReason::NotFinite).at_step(step));
@@ -181,7 +175,7 @@ impl TransientModel<'_> {
                 ending = Ending::Departed { time: t, departure };
                 break;
             }
-            hub_motion.advance(dt, &hub, suspended_rhs, &suspension);
+            hub_motion.advance(&scheme, &hub, &suspension, &suspended);
             let force = resultant(points, &solution.forces);
             rows.push(HistoryRow {
                 time: t,
@@ -414,94 +408,64 @@ fn add_slips(
     }
 }
 
-/// Effective stiffnesses of the vertical suspension, N/m: of spring and damper, and of the mass on them.
-struct Suspension {
-    coupling: f64,
-    inertia: f64,
-}
-
-impl Suspension {
-    fn new(scenario: &Scenario) -> Self {
-        let (dt, spring) = (scenario.time_step, scenario.vertical_suspension);
-        Self {
-            coupling: 2.0 * spring.damping / dt + spring.stiffness,
-            inertia: 4.0 * scenario.suspended_mass / (dt * dt),
-        }
-    }
-
-    /// Share of a force on the suspended mass that reaches the hub. Without mass and suspension the force acts on
-    /// the hub.
-    fn share(&self) -> f64 {
-        let sum = self.coupling + self.inertia;
-        if sum > 0.0 { self.coupling / sum } else { 1.0 }
-    }
-
-    /// Suspension and mass in series, as the hub feels them.
-    fn series(&self) -> f64 {
-        self.share() * self.inertia
-    }
-
-    /// Position of the suspended mass under its right-hand side.
-    fn position(&self, rhs: f64, hub: f64) -> f64 {
-        let sum = self.coupling + self.inertia;
-        if sum > 0.0 { (rhs + self.coupling * hub) / sum } else { hub }
-    }
-}
-
-/// Motion of the hub and of the suspended mass.
+/// Motion of the hub and of the suspended mass, positive down and to the field side.
 struct HubMotion {
-    position: Vector2<f64>,
-    velocity: Vector2<f64>,
-    acceleration: Vector2<f64>,
-    suspended: SuspendedMass,
+    /// Of the hub along y and z.
+    hub: [Motion; 2],
+    /// Of the suspended mass along z.
+    suspended: Motion,
 }
 
 impl HubMotion {
     /// With the accelerations of the rigid bodies under the forces of t = 0.
     fn at_start(scenario: &Scenario, velocity: &Vector2<f64>, wheel_mass: f64) -> Self {
-        let (mass, force) = (scenario.suspended_mass, scenario.vertical_force.at(0.0));
-        // a suspension without mass transmits the force at once
-        let (suspended, handed_on) =
-            if mass > 0.0 { (force / mass + scenario.gravity, 0.0) } else { (0.0, force / wheel_mass) };
-        Self {
-            position: Vector2::zeros(),
-            velocity: *velocity,
-            acceleration: Vector2::new(
-                scenario.lateral_force.at(0.0) / wheel_mass,
-                scenario.gravity + handed_on,
-            ),
-            suspended: SuspendedMass { z: 0.0, v: velocity.y, a: suspended },
-        }
+        let mut hub = [velocity.x, velocity.y].map(|v| Motion { v, ..Motion::default() });
+        let mut suspended = hub[1];
+        let (force, acceleration) = Suspension::start(scenario, &hub[1], &suspended, load(scenario, 0.0));
+        hub[0].a = scenario.lateral_force.at(0.0) / wheel_mass;
+        hub[1].a = scenario.gravity + force / wheel_mass;
+        suspended.a = acceleration;
+        Self { hub, suspended }
+    }
+
+    fn position(&self) -> Vector2<f64> {
+        Vector2::new(self.hub[0].u, self.hub[1].u)
+    }
+
+    fn velocity(&self) -> Vector2<f64> {
+        Vector2::new(self.hub[0].v, self.hub[1].v)
+    }
+
+    fn acceleration(&self) -> Vector2<f64> {
+        Vector2::new(self.hub[0].a, self.hub[1].a)
     }
 
     /// Position at the end of a step of constant acceleration.
     fn predicted(&self, dt: f64) -> Vector2<f64> {
-        self.position + self.velocity * dt + self.acceleration * (0.5 * dt * dt)
+        self.position() + self.velocity() * dt + self.acceleration() * (0.5 * dt * dt)
     }
 
-    /// Forces (y, z) on the hub at time `t` with the suspended mass condensed, and that mass's right-hand side.
-    fn forces(&self, scenario: &Scenario, t: f64, suspension: &Suspension) -> ([f64; 2], f64) {
-        let dt = scenario.time_step;
-        let m = &self.suspended;
-        let inertia = scenario.suspended_mass * (4.0 * m.z / (dt * dt) + 4.0 * m.v / dt + m.a);
-        let damper = scenario.vertical_suspension.damping
-            * (2.0 * m.z / dt + m.v - 2.0 * self.position.y / dt - self.velocity.y);
-        let weight = scenario.suspended_mass * scenario.gravity;
-        let rhs = scenario.vertical_force.at(t) + weight + inertia + damper;
-        ([scenario.lateral_force.at(t), suspension.share() * rhs - damper], rhs)
+    /// Forces (y, z) on the hub at time `t` with the suspended mass condensed, and the step of the suspension.
+    fn forces(&self, scenario: &Scenario, t: f64, suspension: &Suspension) -> ([f64; 2], SuspensionStep) {
+        let step = suspension.step(&self.hub[1], &self.suspended, load(scenario, t));
+        ([scenario.lateral_force.at(t), step.transmitted + step.damper], step)
     }
 
-    fn advance(&mut self, dt: f64, hub: &Vector2<f64>, rhs: f64, suspension: &Suspension) {
-        let velocity = (hub - self.position) * (2.0 / dt) - self.velocity;
-        let acceleration =
-            (hub - self.position) * (4.0 / (dt * dt)) - self.velocity * (4.0 / dt) - self.acceleration;
-        (self.position, self.velocity, self.acceleration) = (*hub, velocity, acceleration);
-        let m = &mut self.suspended;
-        let z = suspension.position(rhs, hub.y);
-        let a = (z - m.z) * 4.0 / (dt * dt) - m.v * 4.0 / dt - m.a;
-        let v = (z - m.z) * 2.0 / dt - m.v;
-        *m = SuspendedMass { z, v, a };
+    fn advance(
+        &mut self,
+        scheme: &Newmark,
+        hub: &Vector2<f64>,
+        suspension: &Suspension,
+        step: &SuspensionStep,
+    ) {
+        self.hub = [0, 1].map(|i| scheme.advance(&self.hub[i], hub[i]));
+        self.suspended = suspension.finish(step, &self.suspended, hub.y);
     }
+}
+
+/// Vertical load on the suspended mass at time `t`, its weight included, N.
+fn load(scenario: &Scenario, t: f64) -> f64 {
+    scenario.vertical_force.at(t) + scenario.suspended_mass * scenario.gravity
 }
 
 fn refuse_moving(scenario: &Scenario) -> Result<()> {

@@ -156,19 +156,19 @@ impl Ledger {
             }
             *before = (forces.to_vec(), moved.to_vec());
         }
-        let (suspended, hub) = (&step.hub.suspended, step.hub.position.y);
+        let (suspended, hub) = (&step.hub.suspended, step.hub.position().y);
         let (mass, spring) = (scenario.suspended_mass, scenario.vertical_suspension);
-        energy += 0.5 * mass * suspended.v.powi(2) + 0.5 * spring.stiffness * (suspended.z - hub).powi(2);
+        energy += 0.5 * mass * suspended.v.powi(2) + 0.5 * spring.stiffness * (suspended.u - hub).powi(2);
         let system = &step.wheel.element.system;
         let moment = downwards(
             &step.wheel.mass.times(&system.numbering.expand(system.mesh, &step.wheel.displacement)),
         );
         let [moment_before, z_before, hub_before] = self.before;
         let weight = scenario.vertical_force.constant + mass * scenario.gravity;
-        let stroke = suspended.z - hub - (z_before - hub_before);
-        self.outer_work += scenario.gravity * (moment - moment_before) + weight * (suspended.z - z_before)
+        let stroke = suspended.u - hub - (z_before - hub_before);
+        self.outer_work += scenario.gravity * (moment - moment_before) + weight * (suspended.u - z_before)
             - spring.damping * stroke * stroke / scenario.time_step;
-        self.before = [moment, suspended.z, hub];
+        self.before = [moment, suspended.u, hub];
         Record {
             force: -downwards(step.wheel_forces),
             momentum,

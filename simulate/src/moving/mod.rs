@@ -21,7 +21,6 @@
 //! steps of h times it. The default of 0.25 mm leaves 0.6 µm at the gauge
 //! corner (radius 13 mm), which is below one per cent of the contact's deflection.
 
-mod newmark;
 pub mod element;
 mod surface;
 mod wheel;

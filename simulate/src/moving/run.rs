@@ -7,12 +7,12 @@ use nalgebra::{Point2, Vector2, Vector3};
 use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
 use railspring_calibrate::history::{ContactMode, ContactState, Departure, Ending, History, HistoryRow};
 use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::newmark::{Motion, Newmark};
 use railspring_calibrate::scenario::Scenario;
 
 use super::departure::Outline;
 use super::element::to_plane;
 use super::model::{MovingModel, MovingRun, RunStatistics, SectionMotion};
-use super::newmark::{Motion, Newmark};
 use super::solve::{Solution, StepSystem, Surroundings};
 use super::support::{RailDynamics, RailState, RailStep, RailSupport};
 use super::surface::{ActiveNode, ContactLaw, ContactSurface, Pose, SlidingMatrix};

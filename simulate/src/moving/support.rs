@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector, Matrix3, Point2, Vector3};
 
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
+use railspring_calibrate::newmark::{Motion, Newmark};
 
-use super::newmark::{Motion, Newmark};
 use railspring_calibrate::beam::{RailBeam, RailModes};
 
 /// What carries the rail.

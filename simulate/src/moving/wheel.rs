@@ -3,9 +3,9 @@
 use nalgebra::Vector2;
 
 use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::newmark::{Motion, Newmark};
 use railspring_calibrate::scenario::Scenario;
-
-use super::newmark::{Motion, Newmark};
+use railspring_calibrate::suspension::{Suspension, SuspensionStep};
 
 /// The springs k1, k2 and k3 between the wheel centre A and the contact master B.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,8 +65,8 @@ pub(super) struct WheelStep {
     pub free: [f64; 2],
     /// `None` while the rotation is held.
     pub roll: Option<(f64, f64)>,
-    /// Effective suspension, effective suspended mass and its load: for the back substitution.
-    suspension: (f64, f64, f64),
+    /// For the state of the suspended mass at the end.
+    suspension: (Suspension, SuspensionStep),
 }
 
 impl WheelDynamics<'_> {
@@ -79,42 +79,25 @@ impl WheelDynamics<'_> {
 
     /// Accelerations at t = 0 under the contact's force and moment on the wheel.
     pub fn start(&self, state: &mut WheelState, contact: Vector2<f64>, moment: f64) {
-        let s = self.scenario;
-        let (wheel, suspended) = self.loads(0.0);
-        // Without a suspended mass spring and damper transmit the load from the first moment.
-        let relative = if s.suspended_mass > 0.0 {
-            s.vertical_suspension.stiffness * (state.suspended.u - state.centre[1].u)
-                + s.vertical_suspension.damping * (state.suspended.v - state.centre[1].v)
-        } else {
-            suspended
-        };
+        let (wheel, load) = self.loads(0.0);
+        let (force, acceleration) =
+            Suspension::start(self.scenario, &state.centre[1], &state.suspended, load);
         state.centre[0].a = (wheel.x + contact.x) / self.mass;
-        state.centre[1].a = (wheel.y + contact.y + relative) / self.mass;
-        state.suspended.a =
-            if s.suspended_mass > 0.0 { (suspended - relative) / s.suspended_mass } else { 0.0 };
+        state.centre[1].a = (wheel.y + contact.y + force) / self.mass;
+        state.suspended.a = acceleration;
         state.roll.a = self.roll_inertia.map_or(0.0, |inertia| moment / inertia);
     }
 
     /// Sets up one step that ends at `time`.
     pub fn step(&self, scheme: &Newmark, state: &WheelState, time: f64) -> WheelStep {
-        let s = self.scenario;
-        let (k, c) = (s.vertical_suspension.stiffness, s.vertical_suspension.damping);
-        let (wheel, suspended) = self.loads(time);
-        let coupling = scheme.velocity * c + k;
-        let damper = c * (scheme.damping(&state.centre[1]) - scheme.damping(&state.suspended));
-        let lateral = wheel.x + self.mass * scheme.inertia(&state.centre[0]);
-        let vertical = wheel.y + self.mass * scheme.inertia(&state.centre[1]) + damper;
+        let (wheel, load) = self.loads(time);
+        let suspension = Suspension::new(self.scenario, scheme);
+        let suspended = suspension.step(&state.centre[1], &state.suspended, load);
         let own = self.mass * scheme.acceleration;
-        let mass = s.suspended_mass * scheme.acceleration + coupling;
-        let load = suspended + s.suspended_mass * scheme.inertia(&state.suspended) - damper;
-        // Eliminate the suspended mass; without one and without suspension its load acts on the wheel.
-        let (stiffness, vertical) = if mass > 0.0 {
-            // coupling − coupling²/mass without its cancellation.
-            let series = coupling * (s.suspended_mass * scheme.acceleration) / mass;
-            (own + series, vertical + coupling / mass * load)
-        } else {
-            (own, vertical + load)
-        };
+        let stiffness = own + suspension.stiffness();
+        let lateral = wheel.x + self.mass * scheme.inertia(&state.centre[0]);
+        let vertical =
+            wheel.y + self.mass * scheme.inertia(&state.centre[1]) + suspended.damper + suspended.transmitted;
         WheelStep {
             stiffness: [own, stiffness],
             free: [lateral / own, vertical / stiffness],
@@ -122,7 +105,7 @@ impl WheelDynamics<'_> {
                 let own = inertia * scheme.acceleration;
                 (own, inertia * scheme.inertia(&state.roll) / own)
             }),
-            suspension: (coupling, mass, load),
+            suspension: (suspension, suspended),
         }
     }
 }
@@ -130,12 +113,11 @@ impl WheelDynamics<'_> {
 impl WheelStep {
     /// State at the end of the step from the displacements of the centre and its rotation.
     pub fn finish(&self, scheme: &Newmark, state: &WheelState, centre: [f64; 2], roll: f64) -> WheelState {
-        let (coupling, mass, load) = self.suspension;
-        let suspended = if mass > 0.0 { (load + coupling * centre[1]) / mass } else { centre[1] };
+        let (suspension, step) = &self.suspension;
         WheelState {
             centre: [0, 1].map(|i| scheme.advance(&state.centre[i], centre[i])),
             roll: if self.roll.is_some() { scheme.advance(&state.roll, roll) } else { state.roll },
-            suspended: scheme.advance(&state.suspended, suspended),
+            suspended: suspension.finish(step, &state.suspended, centre[1]),
         }
     }
 }

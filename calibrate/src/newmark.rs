@@ -1,8 +1,10 @@
-//! Newmark's scheme for scalar and modal coordinates.
+//! Newmark's scheme: N.M. Newmark, "A method of computation for structural dynamics", J. Eng. Mech. Div. ASCE 85 (1959).
+//!
+//! A step solves for the displacement at its end. What the last state carries over stands on the right-hand side.
 
 /// Coefficients of Newmark's scheme for one step length.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Newmark {
+pub struct Newmark {
     step: f64,
     gamma: f64,
     /// Acceleration a metre of displacement, 1/(β·Δt²).
@@ -14,13 +16,17 @@ pub(super) struct Newmark {
 
 /// Displacement, velocity and acceleration of one coordinate.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Motion {
+pub struct Motion {
+    /// Displacement.
     pub u: f64,
+    /// Velocity.
     pub v: f64,
+    /// Acceleration.
     pub a: f64,
 }
 
 impl Motion {
+    /// Whether all three are numbers.
     pub fn is_finite(&self) -> bool {
         self.u.is_finite() && self.v.is_finite() && self.a.is_finite()
     }
@@ -33,6 +39,11 @@ impl Newmark {
         let gamma = 0.5 + dissipation;
         let beta = 0.25 * (1.0 + dissipation).powi(2);
         Self { step, gamma, beta, acceleration: 1.0 / (beta * step * step), velocity: gamma / (beta * step) }
+    }
+
+    /// Length of the step, s.
+    pub fn step(&self) -> f64 {
+        self.step
     }
 
     /// What a unit mass carries over from the last state: the acceleration is `self.acceleration`·u − this.
