@@ -7,9 +7,11 @@ use railspring_calibrate::beam::BeamCorrection;
 
 pub mod crosscheck;
 pub mod history_csv;
+mod law;
 mod run;
 mod verdict;
 
+pub use law::LawConstants;
 pub use run::{PairRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};
 
@@ -75,14 +77,9 @@ impl StiffnessRecord {
 /// A fitted law `k(f) = a + b·(f/f0)^c`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LawRecord {
-    /// Constant part, kN/m.
-    pub a_kn_per_m: f64,
-    /// Factor of the power, kN/m.
-    pub b_kn_per_m: f64,
-    /// Exponent.
-    pub c: f64,
-    /// Reference force, kN.
-    pub f0_kn: f64,
+    /// Its constants.
+    #[serde(flatten)]
+    pub constants: LawConstants,
     /// Smallest and largest load of the fit, kN.
     pub range_kn: [f64; 2],
     /// RMS relative deviation of the law from the solid.
@@ -111,13 +108,6 @@ pub struct BoundRecord {
     pub b: bool,
     /// The exponent, at the largest that is searched, or at 0 with the factor.
     pub c: bool,
-}
-
-impl LawRecord {
-    /// Tangent stiffness at a force, kN/m and kN.
-    pub fn tangent(&self, force_kn: f64) -> f64 {
-        self.a_kn_per_m + self.b_kn_per_m * (force_kn / self.f0_kn).powf(self.c)
-    }
 }
 
 /// The law with one reference.

@@ -10,14 +10,16 @@ use std::path::Path;
 
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::History;
-use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
+use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::output::read_text;
-use crate::records::{BeamFactors, PairRecord, SpringsRecord, SpringsSource, StiffnessRecord, with_unit};
+use crate::records::{
+    BeamFactors, LawConstants, PairRecord, SpringsRecord, SpringsSource, StiffnessRecord, with_unit,
+};
 use crate::results::hash;
 use crate::stages::{Geometry, Springs};
 use crate::study::{LawAcceptedKey, LawKey, ReferenceKey, Study};
@@ -78,10 +80,7 @@ pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> 
     let horizontal = study.simulation.horizontal.map(|k| k / KILONEWTON_PER_METRE);
     let common = SpringsRecord {
         source: SpringsSource::Calibrated,
-        a_kn_per_m: stiffness.law.a_kn_per_m,
-        b_kn_per_m: stiffness.law.b_kn_per_m,
-        c: stiffness.law.c,
-        f0_kn: stiffness.law.f0_kn,
+        law: stiffness.law.constants,
         horizontal_kn_per_m: horizontal.or(stiffness.horizontal_kn_per_m).ok_or_else(|| {
             InputError::new(
                 "simulation.horizontal_kn_per_m",
@@ -100,13 +99,9 @@ pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> 
         notes: Vec::new(),
     };
     if study.simulation.law == LawKey::Published {
-        let law = StiffnessLaw::published();
         return Ok(SpringsRecord {
             source: SpringsSource::Published,
-            a_kn_per_m: law.a / KILONEWTON_PER_METRE,
-            b_kn_per_m: law.b / KILONEWTON_PER_METRE,
-            c: law.c,
-            f0_kn: REFERENCE_FORCE / KILONEWTON,
+            law: StiffnessLaw::published().into(),
             reference: None,
             range_kn: None,
             notes: vec!["the law is the published one, of UIC 60 and SKS-700, and not of this pair".into()],
@@ -168,10 +163,12 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     ));
     let record = SpringsRecord {
         source: SpringsSource::File { name: name.clone(), blake3: hash(text.as_bytes()) },
-        a_kn_per_m: given(&name, "a_kn_per_m", law.a_kn_per_m)?,
-        b_kn_per_m: given(&name, "b_kn_per_m", law.b_kn_per_m)?,
-        c: given(&name, "c", law.c)?,
-        f0_kn: given(&name, "f0_kn", law.f0_kn)?,
+        law: LawConstants {
+            a_kn_per_m: given(&name, "a_kn_per_m", law.a_kn_per_m)?,
+            b_kn_per_m: given(&name, "b_kn_per_m", law.b_kn_per_m)?,
+            c: given(&name, "c", law.c)?,
+            f0_kn: given(&name, "f0_kn", law.f0_kn)?,
+        },
         horizontal_kn_per_m: match study.simulation.horizontal {
             Some(horizontal) => horizontal / KILONEWTON_PER_METRE,
             None => given(&name, "horizontal_kn_per_m", law.horizontal_kn_per_m)?,
@@ -191,11 +188,8 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
 /// # Errors
 /// [`InputError`] with key `law` for constants that are no law.
 pub fn springs(record: &SpringsRecord) -> Result<Springs> {
-    let [a, b] = [record.a_kn_per_m, record.b_kn_per_m].map(|k| k * KILONEWTON_PER_METRE);
-    // b·(f/f0)^c = b·(r/f0)^c·(f/r)^c with the reference force r of `StiffnessLaw`.
-    let b = b * (REFERENCE_FORCE / (record.f0_kn * KILONEWTON)).powf(record.c);
     Ok(Springs {
-        normal: StiffnessLaw::new(a, b, record.c)?,
+        normal: record.law.try_into()?,
         horizontal: record.horizontal_kn_per_m * KILONEWTON_PER_METRE,
         wheel_mass: record.wheel_mass_kg,
         beam: record.beam.into(),
@@ -249,24 +243,25 @@ fn given(name: &str, key: &str, value: Option<f64>) -> Result<f64> {
 
 /// Constants that are a law: k is positive and does not fall, and its displacement is finite.
 fn check(name: &str, record: &SpringsRecord) -> Result<()> {
+    let law = &record.law;
     let wrong = |key: &str, value: String, expected: &str| {
         InputError::new(format!("{name}: {key}"), value, expected, "correct the file")
     };
     let positive = |key: &str, value: f64| {
         if value > 0.0 { Ok(()) } else { Err(wrong(key, value.to_string(), "a number above 0")) }
     };
-    for (key, value) in [("a_kn_per_m", record.a_kn_per_m), ("b_kn_per_m", record.b_kn_per_m)] {
+    for (key, value) in [("a_kn_per_m", law.a_kn_per_m), ("b_kn_per_m", law.b_kn_per_m)] {
         if !(value >= 0.0) {
             return Err(wrong(key, value.to_string(), "a number of at least 0").into());
         }
     }
-    if !(0.0..1.0).contains(&record.c) {
-        return Err(wrong("c", record.c.to_string(), "a number from 0 to below 1").into());
+    if !(0.0..1.0).contains(&law.c) {
+        return Err(wrong("c", law.c.to_string(), "a number from 0 to below 1").into());
     }
-    if record.a_kn_per_m + record.b_kn_per_m == 0.0 {
+    if law.a_kn_per_m + law.b_kn_per_m == 0.0 {
         return Err(wrong("b_kn_per_m", "0".into(), "a number above 0, because a_kn_per_m is 0").into());
     }
-    positive("f0_kn", record.f0_kn)?;
+    positive("f0_kn", law.f0_kn)?;
     positive("horizontal_kn_per_m", record.horizontal_kn_per_m)?;
     positive("wheel_mass_kg", record.wheel_mass_kg)?;
     if let Some([low, high]) = record.range_kn

@@ -110,11 +110,15 @@ fn a_wheel_that_misses_the_rail() {
 
 /// The wheel touches, but where no mesh is fine enough for a contact: the shift is to blame and not the load.
 #[test]
-fn a_shift_beyond_the_fine_zone_speaks_of_the_shift() {
+fn a_shift_beyond_the_contact_zone_speaks_of_the_shift() {
     for shift in ["60", "40", "20", "-60"] {
         let study = format!("{GOOD}[track]\nlateral_shift_mm = {shift}\n");
         let start = format!("study.toml:7: track.lateral_shift_mm = {shift} mm, at which the ");
-        refused("calibrate", &study, &[&start, "in the fine zone of the mesh", "`track.lateral_shift_mm`"]);
+        refused(
+            "calibrate",
+            &study,
+            &[&start, "in the contact zone of the mesh", "`track.lateral_shift_mm`"],
+        );
     }
 }
 

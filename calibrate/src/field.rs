@@ -115,13 +115,13 @@ fields! {
     RailLengthElement = "rail_length_element",
     /// Largest element around the wheel.
     WheelArcElement = "wheel_arc_element",
-    /// Depth to which the fine zone goes down the rail's gauge face.
+    /// Depth to which the contact zone goes down the rail's gauge face.
     RailZoneFaceDepth = "rail_zone.face_depth",
-    /// Lateral end of the rail's fine zone.
+    /// Lateral end of the rail's contact zone.
     RailZoneFieldY = "rail_zone.field_y",
-    /// Depth to which the fine zone goes down the flange.
+    /// Depth to which the contact zone goes down the flange.
     WheelZoneFaceDepth = "wheel_zone.face_depth",
-    /// Lateral end of the wheel's fine zone.
+    /// Lateral end of the wheel's contact zone.
     WheelZoneFieldY = "wheel_zone.field_y",
     /// Loads of the load curve.
     Loads = "loads",

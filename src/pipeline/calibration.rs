@@ -104,7 +104,7 @@ fn label(stiffness: &mut StiffnessRecord, study: &Study, geometry: &Geometry) {
     }
 }
 
-/// A contact at the end of a fine zone that cannot be made larger means a load too large for the study; on a
+/// A contact at the end of a contact zone that cannot be made larger means a load too large for the study; on a
 /// profile under the smallest load, a place at which the two profiles have no room for a contact.
 fn uncarried(study: &Study, error: Error) -> Error {
     let Error::Numerics(cause) = &error else { return error };
@@ -125,7 +125,7 @@ fn uncarried(study: &Study, error: Error) -> Error {
         StopReason::EdgeOfCandidates | StopReason::EndOfWindow => InputError::new(
             InputField::Loads,
             load,
-            "loads whose contact patch stays within the fine zone of the mesh",
+            "loads whose contact patch stays within the contact zone of the mesh",
             if given {
                 "lower the load, or enlarge `window_half_length` and the contact surfaces of the mesh files"
             } else {

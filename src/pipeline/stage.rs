@@ -13,7 +13,7 @@ use crate::results::NewFile;
 use crate::stages::{self, Geometry, Meshes};
 use crate::store::{Address, Artefact, Found};
 
-/// Part of an artefact: how far the fine zones reached in the end.
+/// Part of an artefact: how far the contact zones reached in the end.
 pub(super) const REACH: &str = "reach.json";
 
 /// A stage: what its result is made from, how it is made, and the files that it becomes.
@@ -64,7 +64,7 @@ impl Made {
     }
 }
 
-/// How far the fine zones of the tool's own meshes reach, m. Runs make them larger where the contact goes on, and what
+/// How far the contact zones of the tool's own meshes reach, m. Runs make them larger where the contact goes on, and what
 /// comes later begins with the larger ones, so that this is an input of a run on the solids.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Reach {
@@ -171,7 +171,7 @@ impl Pipeline<'_> {
         Ok(self.geometry.insert(geometry).clone())
     }
 
-    /// How far the fine zones reach now.
+    /// How far the contact zones reach now.
     pub(super) fn reach(&mut self) -> Result<Reach> {
         if let Some(reach) = self.reach {
             return Ok(reach);

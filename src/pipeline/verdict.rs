@@ -117,7 +117,7 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
     let limits = &study.limits;
     let published = StiffnessLaw::published().tangent(COMPARED_AT_KN * 1e3) / KILONEWTON_PER_METRE;
     let foot = stiffness.references.iter().find(|reference| reference.reference == "foot");
-    let difference = foot.map(|foot| (foot.law.tangent(COMPARED_AT_KN) / published - 1.0).abs());
+    let difference = foot.map(|foot| (foot.law.constants.tangent(COMPARED_AT_KN) / published - 1.0).abs());
     let law_displacement =
         stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp);
     let spread = stiffness.horizontal.as_ref().map(|h| h.relative_spread);

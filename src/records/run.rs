@@ -3,7 +3,7 @@
 use railspring_calibrate::history::{Ending, History};
 use serde::{Deserialize, Serialize};
 
-use super::BeamFactors;
+use super::{BeamFactors, LawConstants};
 
 /// A run of one of the models.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,14 +46,9 @@ impl RunRecord {
 pub struct SpringsRecord {
     /// Where the normal law is from.
     pub source: SpringsSource,
-    /// Constant part of the law `k(f) = a + b·(f/f0)^c`, kN/m.
-    pub a_kn_per_m: f64,
-    /// Factor of the power, kN/m.
-    pub b_kn_per_m: f64,
-    /// Exponent.
-    pub c: f64,
-    /// Reference force, kN.
-    pub f0_kn: f64,
+    /// The normal law.
+    #[serde(flatten)]
+    pub law: LawConstants,
     /// Horizontal stiffness, kN/m.
     pub horizontal_kn_per_m: f64,
     /// Mass of the solid wheel, which scenarios without a wheel mass take, kg.

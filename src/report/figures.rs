@@ -40,7 +40,7 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
     for reference in &stiffness.references {
         let (marker, color) = reference_style(&reference.reference);
         let name = format!("solid and its law: {}", reference_name(&reference.reference));
-        series.push(Series::line("", curve(&|f| reference.law.tangent(f)), color, Dash::Solid));
+        series.push(Series::line("", curve(&|f| reference.law.constants.tangent(f)), color, Dash::Solid));
         let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
         marks.push(Series::marks(&name, points, color, marker).sampled(Dash::Solid));
     }

@@ -8,9 +8,9 @@ use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, 
 
 use crate::records::{
     BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord,
-    FindingRecord, HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow, Measured, PairRecord,
-    PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey, StageMeasure, StiffnessRecord, TangentRecord,
-    TouchRecord,
+    FindingRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, Measured,
+    PairRecord, PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey, StageMeasure, StiffnessRecord,
+    TangentRecord, TouchRecord,
 };
 
 use crate::records::crosscheck::{
@@ -72,10 +72,7 @@ pub(crate) fn history(shift: f64) -> History {
 
 fn law(a: f64, b: f64, c: f64) -> LawRecord {
     LawRecord {
-        a_kn_per_m: a,
-        b_kn_per_m: b,
-        c,
-        f0_kn: 1.0,
+        constants: LawConstants { a_kn_per_m: a, b_kn_per_m: b, c, f0_kn: 1.0 },
         range_kn: [1.0, 150.0],
         rms_rel_error: 0.0031,
         max_rel_error: 0.0084,
@@ -97,9 +94,9 @@ fn reference(name: &str, law: LawRecord) -> ReferenceRecord {
         .into_iter()
         .enumerate()
         .map(|(n, force_kn)| {
-            displacement += (force_kn - before) / law.tangent(0.5 * (force_kn + before)) * 1e3;
+            displacement += (force_kn - before) / law.constants.tangent(0.5 * (force_kn + before)) * 1e3;
             before = force_kn;
-            let tangent_kn_per_m = law.tangent(force_kn) * (1.0 + 0.008 * (n as f64).sin());
+            let tangent_kn_per_m = law.constants.tangent(force_kn) * (1.0 + 0.008 * (n as f64).sin());
             TangentRecord { force_kn, displacement_mm: displacement, tangent_kn_per_m }
         })
         .collect();
@@ -217,7 +214,7 @@ pub(crate) fn load_curve() -> Vec<LoadCurveRow> {
             displacement_mm: p.displacement_mm,
             law_displacement_mm: 1.01 * p.displacement_mm,
             solid_tangent_kn_per_m: p.tangent_kn_per_m,
-            law_tangent_kn_per_m: in_use.law.tangent(p.force_kn),
+            law_tangent_kn_per_m: in_use.law.constants.tangent(p.force_kn),
             contact_area_mm2: 6.0 * p.force_kn.powf(2.0 / 3.0),
             max_pressure_mpa: 260.0 * p.force_kn.cbrt(),
             semi_axis_along_mm: 1.4 * p.force_kn.cbrt(),

@@ -4,7 +4,7 @@ use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{HorizontalCalibration, LoadPoint, NormalCalibration, Reference};
 use railspring_calibrate::error::{Error, InputError, Result};
-use railspring_calibrate::law::{LawFit, REFERENCE_FORCE};
+use railspring_calibrate::law::LawFit;
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, ContactConditions, SeriesBeam};
@@ -172,10 +172,7 @@ fn horizontal_record(horizontal: &HorizontalCalibration) -> HorizontalRecord {
 fn law_record(fit: &LawFit) -> LawRecord {
     let [a, b, c] = fit.standard_error;
     LawRecord {
-        a_kn_per_m: fit.law.a / KILONEWTON_PER_METRE,
-        b_kn_per_m: fit.law.b / KILONEWTON_PER_METRE,
-        c: fit.law.c,
-        f0_kn: REFERENCE_FORCE / KILONEWTON,
+        constants: fit.law.into(),
         range_kn: [fit.range.0 / KILONEWTON, fit.range.1 / KILONEWTON],
         rms_rel_error: fit.rms_relative_error,
         max_rel_error: fit.max_relative_error,

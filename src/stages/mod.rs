@@ -55,7 +55,7 @@ pub struct Meshes {
     /// Edge of the elements in the contact zone across the track, of the rail and of the wheel, m: what the study asks
     /// for, or the longest of a mesh from a file.
     pub contact_elements: [f64; 2],
-    /// Sizes and fine zones of the tool's own meshes.
+    /// Sizes and contact zones of the tool's own meshes.
     options: MeshOptions,
 }
 
@@ -150,7 +150,7 @@ impl Meshes {
         })
     }
 
-    /// Sizes and fine zones of the tool's own meshes.
+    /// Sizes and contact zones of the tool's own meshes.
     pub fn options(&self) -> &MeshOptions {
         &self.options
     }

@@ -1,4 +1,4 @@
-//! How far the fine zone of the meshes reaches: as far as the contact goes.
+//! How far the contact zone of the meshes reaches: as far as the contact goes.
 //!
 //! The zone of the study carries what it can. A contact window of the program's own choice is made as long as the
 //! Hertz patch of the largest load asks for before anything is meshed; where a run reaches the end of the zone, it is
@@ -39,7 +39,7 @@ pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
     options
 }
 
-/// Checks that the wheel touches within the fine zone of the tool's own meshes, and that the Hertz patch of the
+/// Checks that the wheel touches within the contact zone of the tool's own meshes, and that the Hertz patch of the
 /// largest load stays within it; says where the zone is made longer for that patch.
 ///
 /// Where the bodies conform there is no Hertz patch; the contact solver then finds out.
@@ -71,7 +71,7 @@ pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) ->
         field,
         format!("{:.1} kN", load / KILONEWTON),
         format!(
-            "loads whose contact patch fits the fine zone of \u{b1}{:.1} mm along the track; at a contact angle of {:.0}\u{b0} this one is about \u{b1}{:.1} mm long",
+            "loads whose contact patch fits the contact zone of \u{b1}{:.1} mm along the track; at a contact angle of {:.0}\u{b0} this one is about \u{b1}{:.1} mm long",
             most / MILLIMETRE,
             geometry.pair.touch.contact_angle.to_degrees(),
             patch / MILLIMETRE
@@ -81,7 +81,7 @@ pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) ->
     .into())
 }
 
-/// Checks that the first touch lies within the fine zones: elsewhere no contact is looked for.
+/// Checks that the first touch lies within the contact zones: elsewhere no contact is looked for.
 fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
     let options = mesh_options(study, geometry);
     let outside = |outline: &SectionOutline, running: &ProfileCurve, s: f64, body: &str| {
@@ -98,7 +98,7 @@ fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
                 y(s)
             ),
             format!(
-                "a touch between y = {:.1} and {:.1} mm, in the fine zone of the mesh",
+                "a touch between y = {:.1} and {:.1} mm, in the contact zone of the mesh",
                 y(first),
                 y(last)
             ),
@@ -157,7 +157,7 @@ fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64,
     Some((field, load, patch.semi_axis_x))
 }
 
-/// Runs `work` on the meshes. Where the contact reaches the end of the fine zone, makes the zone larger, meshes again,
+/// Runs `work` on the meshes. Where the contact reaches the end of the contact zone, makes the zone larger, meshes again,
 /// says so, and runs `work` again; `meshes` are then the larger ones, which `accept` has seen before. `missing` is why
 /// a part of a result is missing; the rest of it is kept where no larger zone can be had.
 ///
@@ -186,7 +186,7 @@ pub fn within_zones<T>(
         // a zone that the sections have no room for leaves the contact where it ended
         let Ok(next) = remeshed_with(study, geometry, meshes, options) else { return done };
         monitor.notice(&format!(
-            "{cause}; meshed again with a fine zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
+            "{cause}; meshed again with a contact zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
             next.options.rail_zone.face_depth / MILLIMETRE,
             next.options.wheel_zone.face_depth / MILLIMETRE,
             next.options.window_half_length / MILLIMETRE
@@ -312,7 +312,7 @@ mod tests {
         given.rail.length = 0.555;
         given.calibration.loads = vec![85e3];
         let refused = check_loads(&given, &geometry, &Notes::default()).unwrap_err().to_string();
-        assert!(refused.contains("fits the fine zone of \u{b1}12.0 mm"), "{refused}");
+        assert!(refused.contains("fits the contact zone of \u{b1}12.0 mm"), "{refused}");
         assert_eq!(mesh_options(&given, &geometry).window_half_length, 12e-3);
     }
 }

@@ -89,10 +89,10 @@ fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
     };
     let constants = file.get("law").unwrap_or(&file);
     let read = [
-        (constants, "a_kn_per_m", record.a_kn_per_m),
-        (constants, "b_kn_per_m", record.b_kn_per_m),
-        (constants, "c", record.c),
-        (constants, "f0_kn", record.f0_kn),
+        (constants, "a_kn_per_m", record.law.a_kn_per_m),
+        (constants, "b_kn_per_m", record.law.b_kn_per_m),
+        (constants, "c", record.law.c),
+        (constants, "f0_kn", record.law.f0_kn),
         (&file, "horizontal_kn_per_m", record.horizontal_kn_per_m),
     ];
     for (place, key, value) in read {
@@ -100,11 +100,11 @@ fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
             return Some(format!("{key} = {:?} was read as {value}", place.get(key)));
         }
     }
-    let is_law = record.a_kn_per_m >= 0.0
-        && record.b_kn_per_m >= 0.0
-        && record.a_kn_per_m + record.b_kn_per_m > 0.0
-        && (0.0..1.0).contains(&record.c)
-        && record.f0_kn > 0.0
+    let is_law = record.law.a_kn_per_m >= 0.0
+        && record.law.b_kn_per_m >= 0.0
+        && record.law.a_kn_per_m + record.law.b_kn_per_m > 0.0
+        && (0.0..1.0).contains(&record.law.c)
+        && record.law.f0_kn > 0.0
         && record.horizontal_kn_per_m > 0.0
         && record.wheel_mass_kg > 0.0;
     if !is_law {
@@ -114,7 +114,8 @@ fn misread(record: &SpringsRecord, text: &str) -> Option<String> {
     // the same tangent from the file's own constants and from what the simple model runs with, at 85 kN
     const ROUNDOFF: f64 = 1e-12;
     let force = 85.0;
-    let tangent = record.a_kn_per_m + record.b_kn_per_m * (force / record.f0_kn).powf(record.c);
+    let tangent =
+        record.law.a_kn_per_m + record.law.b_kn_per_m * (force / record.law.f0_kn).powf(record.law.c);
     let run = si.normal.tangent(force * 1e3) * 1e-3;
     ((run / tangent - 1.0).abs() > ROUNDOFF || !run.is_finite())
         .then(|| format!("k(85 kN) {run} for {tangent} kN/m"))

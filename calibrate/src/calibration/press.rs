@@ -94,7 +94,7 @@ const LEAST_RISE: f64 = 1.0 / 32.0;
 
 /// Why the points that carry load are not all there are: the patch of `forces` reaches the end of the contact
 /// window along the track (of the grid with `columns` lines; the window of the wheel, equal in angle, may end within its
-/// last cells), or the end of the fine zone on a profile.
+/// last cells), or the end of the contact zone on a profile.
 pub(crate) fn edge_reached(points: &[ContactPoint], forces: &[f64], columns: usize) -> Option<StopReason> {
     let mut reached = None;
     for (point, _) in points.iter().zip(forces).filter(|(point, force)| point.at_edge && **force > 0.0) {

@@ -4,14 +4,14 @@ use nalgebra::Point2;
 
 use super::section_mesh::{SectionMesh, SectionOutline, SurfacePoint, mesh_section};
 use super::sweep::{extrude, graded, in_window, revolve};
-use super::{FineZone, HexMesh, MeshOptions};
+use super::{ContactZone, HexMesh, MeshOptions};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::placement::PlacedRail;
 use crate::profile::ProfileCurve;
 use crate::section::{RailSection, WheelSection};
 
-/// Vertex spacing (m) with which the running curve outside the fine zone is
+/// Vertex spacing (m) with which the running curve outside the contact zone is
 /// followed: on a radius of 12 mm the chord is off by 0.7 µm.
 const CURVE_STEP: f64 = 2.5e-4;
 /// A node this near (m) to the foot's plane or the bore lies on it.
@@ -158,7 +158,7 @@ fn half_positions(options: &MeshOptions, end: f64, largest: f64) -> Vec<f64> {
 /// Outline of a rail's section with its contact nodes, in the profile frame.
 ///
 /// # Errors
-/// When the fine zone does not lie on the running curve.
+/// When the contact zone does not lie on the running curve.
 pub fn rail_outline(section: &RailSection, options: &MeshOptions) -> Result<SectionOutline> {
     outline(
         &section.running,
@@ -173,7 +173,7 @@ pub fn rail_outline(section: &RailSection, options: &MeshOptions) -> Result<Sect
 /// Outline of a wheel's section with its contact nodes, in the profile frame.
 ///
 /// # Errors
-/// When the fine zone does not lie on the running curve.
+/// When the contact zone does not lie on the running curve.
 pub fn wheel_outline(section: &WheelSection, options: &MeshOptions) -> Result<SectionOutline> {
     outline(
         &section.running,
@@ -189,7 +189,7 @@ pub fn wheel_outline(section: &WheelSection, options: &MeshOptions) -> Result<Se
 fn outline(
     running: &ProfileCurve,
     body: &[Point2<f64>],
-    zone: &FineZone,
+    zone: &ContactZone,
     element: f64,
     below: f64,
     [face_depth, field_y]: [InputField; 2],
@@ -199,7 +199,7 @@ fn outline(
             field,
             format!("{:.2} mm", value * 1e3),
             "a position on the running curve",
-            "move the end of the fine zone onto the profile",
+            "move the end of the contact zone onto the profile",
         )
     };
     let top = running.s_at_y(0.0).ok_or_else(|| no_end(face_depth, zone.face_depth))?;
@@ -485,7 +485,7 @@ mod tests {
             mesh_rail(&section, &placed, length, &options).map(|_| ()).unwrap_err().to_string()
         };
         let default = MeshOptions::default();
-        let zone = |face_depth: f64, field_y: f64| FineZone { face_depth, field_y };
+        let zone = |face_depth: f64, field_y: f64| ContactZone { face_depth, field_y };
         assert!(message(default.clone(), 0.02).starts_with("rail_length = 0.02 m"));
         assert!(message(default.clone(), f64::NAN).starts_with("rail_length = NaN"));
         let cases = [

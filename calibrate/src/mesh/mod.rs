@@ -91,9 +91,9 @@ pub struct HexMesh {
     pub bore: Vec<usize>,
 }
 
-/// Where the fine zone of a section begins and ends, in its profile frame.
+/// Where the contact zone of a section begins and ends, in its profile frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FineZone {
+pub struct ContactZone {
     /// Depth of the zone's end on the gauge face (rail: below the top) or on the
     /// flange face (wheel: below the tape circle's level), m.
     pub face_depth: f64,
@@ -117,12 +117,12 @@ pub struct MeshOptions {
     pub first_layer: f64,
     /// Ratio of the thicknesses of neighbouring layers.
     pub layer_growth: f64,
-    /// Fine zone of a rail.
-    pub rail_zone: FineZone,
-    /// Fine zone of a wheel.
-    pub wheel_zone: FineZone,
+    /// Contact zone of a rail.
+    pub rail_zone: ContactZone,
+    /// Contact zone of a wheel.
+    pub wheel_zone: ContactZone,
     /// Growth of the element size in the section per unit of distance from the
-    /// fine zone; below about 0.1 the section fills with fine elements.
+    /// contact zone; below about 0.1 the section fills with fine elements.
     pub section_growth: f64,
     /// Largest element of a rail's section.
     pub rail_section_element: f64,
@@ -145,8 +145,8 @@ impl Default for MeshOptions {
             layers: 2,
             first_layer: 2e-3,
             layer_growth: 1.25,
-            rail_zone: FineZone { face_depth: 20e-3, field_y: 22e-3 },
-            wheel_zone: FineZone { face_depth: 21e-3, field_y: 32e-3 },
+            rail_zone: ContactZone { face_depth: 20e-3, field_y: 22e-3 },
+            wheel_zone: ContactZone { face_depth: 21e-3, field_y: 32e-3 },
             section_growth: 0.3,
             rail_section_element: 12e-3,
             wheel_section_element: 20e-3,
@@ -159,7 +159,7 @@ impl Default for MeshOptions {
 
 impl MeshOptions {
     /// The same mesh with every element smaller by `factor` (> 1 refines), for
-    /// convergence studies. The fine zones and the window keep their extent.
+    /// convergence studies. The contact zones and the window keep their extent.
     #[must_use]
     pub fn refined(&self, factor: f64) -> Self {
         // An even number of layers of the same total thickness.

@@ -124,7 +124,7 @@ pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<Se
             "section outline",
             format!("{elements} elements in the fine part, {} points in the rest", outline.rest.len()),
             "an even number of elements and a rest that closes the outline",
-            "choose the fine zone anew",
+            "choose the contact zone anew",
         )
         .into());
     }
@@ -382,7 +382,7 @@ mod tests {
     const SIZES: SectionSizes =
         SectionSizes { layers: 2, first_layer: 2e-3, layer_growth: 1.25, growth: 0.3, largest: 12e-3 };
 
-    /// A head 80 x 30 mm whose upper side (towards smaller z) has a fine zone of
+    /// A head 80 x 30 mm whose upper side (towards smaller z) has a contact zone of
     /// 40 mm, on a web 15 mm thick that swings sideways by `swing`, 120 mm deep.
     fn head_on_a_web(swing: f64) -> SectionOutline {
         let fine = (0..=20)

@@ -86,9 +86,10 @@ impl<'a> Body<'a> {
         let System { mesh, numbering, .. } = &self.element.system;
         let mut inertia = numbering.expand(mesh, &carried_over(Newmark::inertia));
         inertia.iter_mut().skip(2).step_by(3).for_each(|h| *h += gravity);
+        let damped = self.damping.is_some().then(|| carried_over(Newmark::damping));
         self.work = numbering.gather(mesh, &self.mass.times(&inertia));
-        if let Some(damping) = &self.damping {
-            add_symmetric_product(damping, &carried_over(Newmark::damping), &mut self.work);
+        if let (Some(damping), Some(velocity)) = (&self.damping, damped) {
+            add_symmetric_product(damping, &velocity, &mut self.work);
         }
         for (motion, force) in [1, 2].into_iter().zip(hub_force) {
             if let Some(e) = numbering.master_equation(motion) {
