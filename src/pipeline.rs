@@ -7,6 +7,7 @@
 //! takes only if it was made from the same inputs as it would be now.
 
 mod stage;
+mod bodies;
 mod calibration;
 mod runs;
 mod verdict;
@@ -124,7 +125,7 @@ impl<'a> Pipeline<'a> {
     pub fn run(mut self) -> Result<VerificationRecord> {
         springs::check_reference(self.study)?;
         self.measured.stages.clear();
-        self.check_placement()?;
+        self.check_calibration()?;
         let calibration = self.get(&Calibrate)?;
         let springs = springs::own(self.study, &calibration.stiffness)?;
         let mut runs = Vec::new();
@@ -143,12 +144,14 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// Those of the stage.
     pub fn calibrate(mut self) -> Result<()> {
-        self.check_placement()?;
+        self.check_calibration()?;
         self.get(&Calibrate).map(drop)
     }
 
-    /// Says what was done to measured profiles, and checks that the loads have room on them.
-    fn check_placement(&mut self) -> Result<()> {
+    /// Says what was done to measured profiles, and checks that the study can be calibrated: friction, and room for the
+    /// loads.
+    fn check_calibration(&mut self) -> Result<()> {
+        stages::check_friction(self.study)?;
         let geometry = self.geometry()?;
         self.say_repairs(&geometry);
         stages::check_loads(self.study, &geometry, self.monitor)

@@ -35,6 +35,8 @@ const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
+    /// A body condensed to its contact nodes.
+    Body,
     /// Springs, load curve and fields of a pair.
     Calibration,
     /// A run of the simple model.
@@ -44,11 +46,12 @@ pub enum Kind {
 }
 
 impl Kind {
-    const ALL: [Self; 3] = [Self::Calibration, Self::SimpleRun, Self::SolidRun];
+    const ALL: [Self; 4] = [Self::Body, Self::Calibration, Self::SimpleRun, Self::SolidRun];
 
     /// The name in file names and lists.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Body => "body",
             Self::Calibration => "calibration",
             Self::SimpleRun => "simple-run",
             Self::SolidRun => "solid-run",

@@ -23,6 +23,9 @@ fn study() -> String {
 /// All stages of the study.
 const STAGES: [&str; 4] = ["calibration", "simple model, one", "solid model, one", "simple model, two"];
 
+/// The condensed bodies that the calibration is made from.
+const BODIES: [&str; 3] = ["wheel", "rail on its foot", "rail between its ends"];
+
 struct Place {
     root: tempfile::TempDir,
 }
@@ -84,18 +87,25 @@ impl Done {
         String::from_utf8_lossy(&self.output.stderr).into_owned()
     }
 
-    /// The stages that say `whence`.
-    fn stages(&self, whence: &str) -> Vec<String> {
+    /// What says `whence`: the condensed bodies, and the stages.
+    fn from(&self, whence: &str) -> [Vec<String>; 2] {
         let said = self.said();
-        said.lines().filter_map(|line| line.strip_suffix(&format!(": {whence}"))).map(String::from).collect()
+        let names = said.lines().filter_map(|line| line.strip_suffix(&format!(": {whence}")));
+        let (bodies, stages) = names.map(String::from).partition(|name| BODIES.contains(&name.as_str()));
+        [bodies, stages]
     }
 
     fn made(&self) -> Vec<String> {
-        self.stages("made")
+        self.from("made")[1].clone()
     }
 
     fn taken(&self) -> Vec<String> {
-        self.stages("taken from the store")
+        self.from("taken from the store")[1].clone()
+    }
+
+    /// The condensed bodies that were made and those that were taken.
+    fn bodies(&self) -> [Vec<String>; 2] {
+        ["made", "taken from the store"].map(|whence| self.from(whence)[0].clone())
     }
 
     /// Every result; of the report, which measures, the part that does not.
@@ -135,7 +145,8 @@ fn a_second_run_takes_everything() {
     let place = Place::new();
     let first = place.run(&study(), "store", "first", &[]);
     assert_eq!(first.made(), STAGES);
-    assert_eq!(place.entries("store").len(), STAGES.len());
+    assert_eq!(first.bodies()[0], BODIES);
+    assert_eq!(place.entries("store").len(), BODIES.len() + STAGES.len());
     let second = place.run(&study(), "store", "second", &[]);
     assert_eq!((second.made(), second.taken()), (vec![], STAGES.map(String::from).to_vec()));
     same(&second, &first, "the second run");
@@ -150,9 +161,11 @@ fn a_second_run_takes_everything() {
     }
     let fresh = place.run(&study(), "store", "fresh", &["--fresh"]);
     assert_eq!((fresh.made(), fresh.taken()), (STAGES.map(String::from).to_vec(), vec![]));
+    assert_eq!(fresh.bodies()[0], BODIES);
     same(&fresh, &first, "the fresh run");
     let replaced = |entry: &PathBuf| entry.metadata().unwrap().modified().unwrap() > age;
-    assert!(place.entries("store").iter().all(replaced) && place.entries("store").len() == STAGES.len());
+    let entries = place.entries("store");
+    assert!(entries.iter().all(replaced) && entries.len() == BODIES.len() + STAGES.len());
     let refused = place.command(&["report", "first.toml", "-o", "first", "--fresh"]).output().unwrap();
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(refused.status.code() == Some(2) && said.contains("--fresh = given"), "{said}");
@@ -169,7 +182,7 @@ fn a_second_run_takes_everything() {
     same(&alone("report"), &first, "single commands");
 }
 
-/// Goal: each change makes again what depends on it, takes the rest, and comes to the bytes of a run without the store.
+/// Goal: each change makes again what depends on it, condensed bodies included, takes the rest, and comes to the bytes of a run without the store.
 #[test]
 fn a_change_remakes_what_depends_on_it() {
     let place = Place::new();
@@ -182,30 +195,36 @@ fn a_change_remakes_what_depends_on_it() {
     let add = |text: &str| format!("{base}\n{text}");
     let [calibration, simple_one, solid_one, simple_two] = STAGES;
     let springs = [calibration, simple_one, simple_two];
-    let table: [(&str, String, &[&str]); 13] = [
-        ("name", change("\"coarse\"", "\"renamed\""), &[]),
-        ("description", format!("description = \"words\"\n{base}"), &[]),
-        ("limit", add("[verification]\nlaw_max = 0.5\n"), &[]),
-        ("snapshots", change("steps = 3\n", "steps = 3\nsnapshots_s = [0.0005]\n"), &[]),
-        ("load case", change("mean_kn = 50", "mean_kn = 51"), &[simple_one, solid_one]),
+    // what was changed, stages that are made again, and bodies that are; those are asked for by the calibration only
+    let table: [(&str, String, &[&str], &[&str]); 13] = [
+        ("name", change("\"coarse\"", "\"renamed\""), &[], &[]),
+        ("description", format!("description = \"words\"\n{base}"), &[], &[]),
+        ("limit", add("[verification]\nlaw_max = 0.5\n"), &[], &[]),
+        ("snapshots", change("steps = 3\n", "steps = 3\nsnapshots_s = [0.0005]\n"), &[], &[]),
+        ("load case", change("mean_kn = 50", "mean_kn = 51"), &[simple_one, solid_one], &[]),
         (
             "horizontal stiffness",
             add("[simulation]\nhorizontal_kn_per_m = 50000\n"),
             &[simple_one, simple_two],
+            &[],
         ),
-        ("loads", change("load_max_kn = 85", "load_max_kn = 80"), &springs),
-        ("beam elements", add("[simulation]\nrail_elements = 24\n"), &springs),
-        ("damping", add("[material]\ndamping_ratio = 0.03\n"), &[simple_one, solid_one, simple_two]),
-        ("friction", change("friction = 0.5", "friction = 0.4"), &STAGES),
-        ("shift", add("[track]\nlateral_shift_mm = 1\n"), &STAGES),
-        ("mesh", change("contact_element_mm = 6", "contact_element_mm = 7"), &STAGES),
-        ("rail", change("length_m = 0.555", "length_m = 0.6"), &STAGES),
+        ("loads", change("load_max_kn = 85", "load_max_kn = 80"), &springs, &[]),
+        ("beam elements", add("[simulation]\nrail_elements = 24\n"), &springs, &[]),
+        ("damping", add("[material]\ndamping_ratio = 0.03\n"), &[simple_one, solid_one, simple_two], &[]),
+        ("friction", change("friction = 0.5", "friction = 0.4"), &STAGES, &[]),
+        ("shift", add("[track]\nlateral_shift_mm = 1\n"), &STAGES, &[]),
+        ("mesh", change("contact_element_mm = 6", "contact_element_mm = 9"), &STAGES, &BODIES),
+        ("rail", change("length_m = 0.555", "length_m = 0.6"), &STAGES, &BODIES[1..]),
     ];
-    for (n, (what, changed, remade)) in table.iter().enumerate() {
+    for (n, (what, changed, remade, condensed)) in table.iter().enumerate() {
         let done = place.run(changed, "store", &format!("changed-{n}"), &[]);
         assert_eq!(done.made(), *remade, "{what}: {}", done.said());
         assert_eq!(done.made().len() + done.taken().len(), STAGES.len(), "{what}");
-        if remade.len() < STAGES.len() {
+        let [made, taken] = done.bodies();
+        assert_eq!(made, *condensed, "{what}: {}", done.said());
+        let wanted = if remade.contains(&calibration) { BODIES.len() } else { 0 };
+        assert_eq!(made.len() + taken.len(), wanted, "{what}");
+        if made.len() < BODIES.len() {
             let clean = place.run(changed, &format!("store-{n}"), &format!("clean-{n}"), &[]);
             same(&done, &clean, what);
         }
@@ -236,8 +255,10 @@ fn a_longer_window_is_taken_along() {
 fn a_damaged_entry_is_made_again() {
     let place = Place::new();
     let clean = place.run(&study(), "store", "clean", &[]);
-    let whole: Vec<(PathBuf, Vec<u8>)> =
-        place.entries("store").into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect();
+    let of_stage = |path: &PathBuf| !path.file_name().unwrap().to_string_lossy().starts_with("body-");
+    let (stages, bodies): (Vec<_>, Vec<_>) = place.entries("store").into_iter().partition(of_stage);
+    let read = |path: PathBuf| (path.clone(), std::fs::read(path).unwrap());
+    let whole: Vec<(PathBuf, Vec<u8>)> = stages.into_iter().map(read).collect();
     type Damage = fn(&[u8]) -> Vec<u8>;
     let damage: [(&str, Damage); 4] = [
         ("cut", |bytes| bytes[..bytes.len() - 1].to_vec()),
@@ -259,6 +280,21 @@ fn a_damaged_entry_is_made_again() {
         assert_eq!((again.made().len(), again.taken().len()), (1, STAGES.len() - 1), "{what}: {said}");
         same(&again, &clean, what);
         assert!(std::fs::read(path).unwrap() == *bytes, "{what}: the entry is as it was");
+    }
+    for (path, bytes) in bodies.into_iter().map(read) {
+        // bodies are asked for when the calibration is made
+        std::fs::remove_file(&whole[0].0).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+        let again = place.run(&study(), "store", "body", &[]);
+        let said = again.said();
+        assert_eq!(said.matches("the entry of the store is damaged").count(), 1, "{said}");
+        assert_eq!(
+            (again.made(), again.bodies().map(|b| b.len())),
+            (vec!["calibration".into()], [1, 2]),
+            "{said}"
+        );
+        same(&again, &clean, "a body");
+        assert!(std::fs::read(path).unwrap() == bytes, "the body is as it was");
     }
     std::fs::copy(&whole[0].0, &whole[1].0).unwrap();
     let again = place.run(&study(), "store", "exchanged", &[]);
@@ -302,14 +338,15 @@ fn the_store_is_listed_and_pruned() {
     std::fs::write(place.path(file), study()).unwrap();
     let output = place.command(&["calibrate", file, "-o", "out"]).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    assert_eq!(place.entries("cache/store").len(), 1, "below RAILSPRING_CACHE");
+    assert_eq!(place.entries("cache/store").len(), 4, "below RAILSPRING_CACHE");
     std::fs::write(place.path("cache/store/notes.txt"), "mine").unwrap();
     let (_, said) = cache(&["list"]);
     let lines: Vec<&str> = said.lines().collect();
     assert!(lines[0].starts_with("calibration ") && lines[0].ends_with("coarse: calibration"), "{said}");
-    assert!(lines[1].starts_with("1 entry, ") && lines[1].ends_with("cache/store"), "{said}");
+    assert!(lines[1..4].iter().all(|line| line.starts_with("body ")), "{said}");
+    assert!(lines[4].starts_with("4 entries, ") && lines[4].ends_with("cache/store"), "{said}");
     for (arguments, left) in
-        [(&["prune"][..], 1), (&["prune", "--larger-than", "100"], 1), (&["prune", "--all"], 0)]
+        [(&["prune"][..], 4), (&["prune", "--larger-than", "100"], 4), (&["prune", "--all"], 0)]
     {
         let (code, said) = cache(arguments);
         assert!(code == Some(0) && said.contains(&format!("left {left} ")), "{arguments:?}: {said}");

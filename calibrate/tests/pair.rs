@@ -58,7 +58,7 @@ fn files_that_are_no_bodies_are_refused() {
     let mut endless = body.clone();
     endless.compliance[(0, 0)] = f64::INFINITY;
     let endless = endless.write();
-    let other = String::from_utf8_lossy(&file[..header]).replace("body 1", "body 9").into_bytes();
+    let other = String::from_utf8_lossy(&file[..header]).replace("body 2", "body 9").into_bytes();
     let other = [&other, &file[header..]].concat();
     let cases: [(&[u8], &str); 5] = [
         (&[], "condensed body"),

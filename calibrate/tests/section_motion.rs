@@ -3,8 +3,7 @@
 
 use nalgebra::{Matrix2, Vector3};
 use railspring_calibrate::calibration::{
-    Enforcement, LoadPoint, Pressed, Reference, SectionMotion, WheelOnRail, calibrate_horizontal,
-    load_points, press_loads,
+    Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal, load_points, press_loads,
 };
 use railspring_calibrate::contact::{Problem, Side, hub_response, nodal_forces};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
@@ -13,7 +12,7 @@ use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
-use railspring_calibrate::superelement::Superelement;
+use railspring_calibrate::superelement::{SectionMotion, Superelement};
 use std::sync::OnceLock;
 
 /// Loads, N.

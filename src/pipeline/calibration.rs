@@ -4,6 +4,7 @@ use railspring_calibrate::error::{Error, InputError, Result, StopReason};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::units::MILLIMETRE;
 
+use super::bodies::BodySource;
 use super::stage::{Made, REACH, Stage};
 use super::{LOAD_CURVE, OF_THE_RUNS, Pipeline, STIFFNESS, load_curve, part_json, part_text};
 use crate::estimate::Work;
@@ -44,6 +45,7 @@ impl Stage for Calibrate {
             Ok(work)
         })?;
         let (study, monitor, budget) = (at.study, at.monitor, at.budget);
+        let source = BodySource { store: at.store, fresh: at.fresh, study: &study.name, monitor };
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
         };
@@ -53,7 +55,10 @@ impl Stage for Calibrate {
             &mut meshes,
             monitor,
             accept,
-            |meshes| stages::calibrate(study, &geometry, meshes, monitor),
+            |meshes| {
+                let bodies = source.bodies(stages::solids(study, &geometry, meshes))?;
+                stages::calibrate(study, &geometry, meshes, bodies, monitor)
+            },
             |(calibration, _)| calibration.horizontal_failure.as_ref(),
         )
         .map_err(|error| uncarried(study, error))?;

@@ -7,13 +7,13 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::LawFit;
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{CondensedPair, ContactConditions, SeriesBeam};
+use railspring_calibrate::pair::{ContactConditions, PairBody, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 
-use super::{Geometry, Meshes, PressedFields, enforcement, formulation};
+use super::{Bodies, Geometry, Meshes, PressedFields, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
     HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord,
@@ -34,6 +34,23 @@ pub struct Calibration {
     pub horizontal_failure: Option<Error>,
 }
 
+/// Refuses a calibration without friction.
+///
+/// # Errors
+/// [`InputError`] with the key.
+pub fn check_friction(study: &Study) -> Result<()> {
+    if study.contact.friction == 0.0 {
+        return Err(InputError::new(
+            "contact.friction",
+            "0",
+            "a positive coefficient: the horizontal stiffness is that of a sticking wheel",
+            "give the coefficient of the pair; a load case may have its own, 0 too, in scenario.NAME.friction",
+        )
+        .into());
+    }
+    Ok(())
+}
+
 /// The load curve, the laws and the horizontal stiffness, and the fields of the solids under the largest load.
 ///
 /// A horizontal stiffness without an answer is no error here: the normal laws are finished and worth keeping.
@@ -44,36 +61,33 @@ pub fn calibrate(
     study: &Study,
     geometry: &Geometry,
     meshes: &Meshes,
+    Bodies { condensed: bodies, mut interiors }: Bodies<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(Calibration, PressedFields)> {
-    if study.contact.friction == 0.0 {
-        return Err(InputError::new(
-            "contact.friction",
-            "0",
-            "a positive coefficient: the horizontal stiffness is that of a sticking wheel",
-            "give the coefficient of the pair; a load case may have its own, 0 too, in scenario.NAME.friction",
-        )
-        .into());
-    }
     let pair = &geometry.pair;
-    let (bodies, interiors) =
-        CondensedPair::new(pair, [&meshes.rail, &meshes.wheel], study.material, formulation(study), monitor)?;
+    let (reference, rail_in_use) = match study.calibration.reference {
+        ReferenceKey::Beam => (Reference::Beam, PairBody::RailOnEnds),
+        ReferenceKey::Foot => (Reference::Foot, PairBody::RailOnFoot),
+        ReferenceKey::Local => (Reference::Local, PairBody::RailOnFoot),
+    };
+    interiors.keep_only(&[rail_in_use, PairBody::Wheel]);
     let beam = SeriesBeam::new(pair, &bodies, &geometry.beam)?;
     let contact = ContactConditions { friction: study.contact.friction, enforcement: enforcement(study) };
     let pressed = bodies.press(pair, contact, &study.calibration.loads, monitor)?;
     let foot = pressed.fit(Reference::Foot)?;
     let beam_law = pressed.fit(Reference::Beam)?;
     let local = pressed.fit(Reference::Local)?;
-    let (reference, in_use, rail) = match study.calibration.reference {
-        ReferenceKey::Beam => (Reference::Beam, &beam_law, &interiors.rail_on_ends),
-        ReferenceKey::Foot => (Reference::Foot, &foot, &interiors.rail_on_foot),
-        ReferenceKey::Local => (Reference::Local, &local, &interiors.rail_on_foot),
+    let in_use = match reference {
+        Reference::Beam => &beam_law,
+        Reference::Foot => &foot,
+        Reference::Local => &local,
     };
     let in_series = (reference == Reference::Beam).then_some(&beam);
     let largest = pressed.states(reference).last().expect("a study has loads");
     let on_wheel = largest.force_on_wheel();
     let along = in_series.map_or_else(Default::default, |beam| beam.solid * -on_wheel.yz());
-    let solids = [(bodies.rail(reference), rail), (&bodies.wheel, &interiors.wheel)];
+    let (rail, wheel) = (interiors.take(rail_in_use)?, interiors.take(PairBody::Wheel)?);
+    let solids = [(bodies.rail(reference), &rail), (&bodies.wheel, &wheel)];
     let fields = PressedFields::new(largest, solids, along, geometry, meshes);
 
     let (horizontal, horizontal_failure) =

@@ -3,6 +3,7 @@
 //! the report and the later stages use. Files and clocks are in
 //! [`crate::pipeline`].
 
+mod bodies;
 mod calibrate;
 mod crosscheck;
 mod fields;
@@ -11,7 +12,8 @@ mod sections;
 mod simulate;
 mod zones;
 
-pub use calibrate::{Calibration, calibrate};
+pub use bodies::{Bodies, Interiors, solids};
+pub use calibrate::{Calibration, calibrate, check_friction};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
 pub use sections::repairs;

@@ -281,7 +281,12 @@ mod tests {
         let notes = Notes::default();
         let geometry = stages::geometry(&study).unwrap();
         let mut meshes = stages::meshes(&study, &geometry, None, &notes).unwrap();
-        let press = |meshes: &Meshes| stages::calibrate(&study, &geometry, meshes, &notes);
+        let press = |meshes: &Meshes| {
+            let solids = stages::solids(&study, &geometry, meshes);
+            let condense = |body| solids.condense(body).map(|(body, inside)| (body, Some(inside)));
+            let bodies = stages::Bodies::new(solids, condense, &notes)?;
+            stages::calibrate(&study, &geometry, meshes, bodies, &notes)
+        };
         let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
         assert_eq!(cause.reason, StopReason::EdgeOfCandidates);
         within_zones(&study, &geometry, &mut meshes, &notes, |_| Ok(()), press, |_| None).unwrap();

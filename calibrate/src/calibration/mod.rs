@@ -2,11 +2,9 @@
 //! tangent of the solid model, and the constant horizontal stiffness.
 
 mod press;
-mod section_motion;
 
 pub use press::{Enforcement, Pressed, WheelOnRail};
 pub(crate) use press::{carry_over, edge_reached};
-pub use section_motion::SectionMotion;
 
 use crate::contact::{
     BodyCompliance, Compliance, ContactPoint, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total,
@@ -24,7 +22,7 @@ use nalgebra::{DVector, Vector3};
 pub enum Reference {
     /// The rail's foot is held; hub against foot, nothing subtracted.
     Foot,
-    /// Hub against the rail's cross-section at the contact, moved as that of a beam ([`SectionMotion`]): what
+    /// Hub against the rail's cross-section at the contact, moved as that of a beam ([`crate::superelement::SectionMotion`]): what
     /// stands in series with a rail beam, whatever the rail's length.
     #[default]
     Beam,

@@ -42,7 +42,7 @@ impl Enforcement {
 /// A wheel above a rail, both condensed.
 pub struct WheelOnRail<'a> {
     /// Compliance of the rail's contact nodes (`3·node + axis`), m/N: against its supports, or against its own section
-    /// ([`super::SectionMotion::relative`]).
+    /// ([`crate::superelement::SectionMotion::relative`]).
     pub rail: &'a Mat<f64>,
     /// Compliance of the wheel's contact nodes against its hub, m/N.
     pub wheel: &'a Mat<f64>,

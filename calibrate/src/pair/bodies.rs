@@ -1,15 +1,15 @@
 //! The bodies reduced to their contact nodes, and pressed together.
 
 use super::geometry::{Pair, PairMeshes};
+use super::solids::{PairBody, PairSolids};
 use crate::calibration::{
-    Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference, SectionMotion, WheelOnRail,
+    Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference, WheelOnRail,
     calibrate_horizontal, calibrate_normal, press_loads,
 };
-use crate::error::Result;
-use crate::mesh::HexMesh;
+use crate::error::{InputError, Result};
 use crate::monitor::Monitor;
-use crate::solid::{Formulation, Material, Supports, System};
-use crate::superelement::{CondensedBody, Interior, Superelement, body_key};
+use crate::solid::{Formulation, Material};
+use crate::superelement::{CondensedBody, SectionMotion};
 use faer::Mat;
 
 /// How wheel and rail meet.
@@ -37,16 +37,6 @@ pub struct CondensedPair {
     against_section: Mat<f64>,
 }
 
-/// The insides of the bodies, which only fields need.
-pub struct PairInteriors<'a> {
-    /// Of the wheel.
-    pub wheel: Interior<'a>,
-    /// Of the rail with its foot fixed.
-    pub rail_on_foot: Interior<'a>,
-    /// Of the rail with its ends fixed.
-    pub rail_on_ends: Interior<'a>,
-}
-
 impl PairMeshes {
     /// Factors and condenses both bodies, and lets the factors go.
     ///
@@ -59,49 +49,46 @@ impl PairMeshes {
         element: Formulation,
         monitor: &dyn Monitor,
     ) -> Result<CondensedPair> {
-        CondensedPair::new(pair, [&self.rail, &self.wheel], material, element, monitor)
-            .map(|(bodies, _)| bodies)
+        let solids = PairSolids { pair, rail: &self.rail, wheel: &self.wheel, material, element };
+        condense_all(monitor, |body| solids.condense(body).map(|(condensed, _)| condensed))
+            .and_then(|bodies| CondensedPair::new(material, bodies))
     }
 }
 
+/// The bodies in the order of [`PairBody::ALL`], each as `get` has it; the wheel beside both rails.
+///
+/// # Errors
+/// Those of `get`, and an interruption.
+pub fn condense_all<T: Send>(
+    monitor: &dyn Monitor,
+    get: impl Fn(PairBody) -> Result<T> + Sync,
+) -> Result<[T; 3]> {
+    monitor.progress("superelements", 0, 3)?;
+    let (wheel, rails) =
+        rayon::join(|| get(PairBody::Wheel), || [PairBody::RailOnFoot, PairBody::RailOnEnds].map(&get));
+    let [on_foot, on_ends] = rails;
+    let bodies = [wheel?, on_foot?, on_ends?];
+    monitor.progress("superelements", 3, 3)?;
+    Ok(bodies)
+}
+
 impl CondensedPair {
-    /// Factors and condenses the meshes of rail and wheel; the interiors are for fields.
+    /// Puts condensed bodies together, in the order of [`PairBody::ALL`].
     ///
     /// # Errors
-    /// An inverted element, and a rail without an element at the contact.
-    pub fn new<'a>(
-        pair: &Pair,
-        [rail, wheel]: [&'a HexMesh; 2],
-        material: Material,
-        element: Formulation,
-        monitor: &dyn Monitor,
-    ) -> Result<(Self, PairInteriors<'a>)> {
-        let condense = |mesh: &'a HexMesh, supports: Supports| -> Result<(Superelement<'a>, String)> {
-            let key = body_key(mesh, &material, element, &supports);
-            Ok((Superelement::new(System::new(mesh, material, element, &supports)?)?, key))
-        };
-        let held = |nodes: &[usize]| Supports { held: nodes.to_vec(), ..Supports::default() };
-        monitor.progress("superelements", 0, 3)?;
-        let (on_hub, rails) = rayon::join(
-            || {
-                let followers = wheel.bore.clone();
-                condense(wheel, Supports { followers, ..Supports::default() })
-            },
-            || [&rail.foot, &rail.ends].map(|nodes| condense(rail, held(nodes))),
-        );
-        let (on_hub, wheel_key) = on_hub?;
-        let [on_foot, on_ends] = rails;
-        let ((on_foot, foot_key), (on_ends, ends_key)) = (on_foot?, on_ends?);
-        monitor.progress("superelements", 3, 3)?;
-        let section =
-            SectionMotion::new(&on_ends, &pair.shear_stresses, &pair.placed, pair.node_line(), 0.0)?;
-        let against_section = section.relative(&on_ends.compliance);
-        let (wheel, wheel_interior) = on_hub.split(wheel_key);
-        let (rail_on_foot, foot_interior) = on_foot.split(foot_key);
-        let (rail_on_ends, ends_interior) = on_ends.split(ends_key);
-        let interiors =
-            PairInteriors { wheel: wheel_interior, rail_on_foot: foot_interior, rail_on_ends: ends_interior };
-        Ok((Self { wheel, rail_on_foot, rail_on_ends, section, material, against_section }, interiors))
+    /// [`InputError`] for a rail on its ends without the motion of its section.
+    pub fn new(material: Material, bodies: [CondensedBody; 3]) -> Result<Self> {
+        let [wheel, rail_on_foot, rail_on_ends] = bodies;
+        let section = rail_on_ends.section.clone().ok_or_else(|| {
+            InputError::new(
+                "rail between its ends",
+                "no motion of its section",
+                "a body condensed as the solid of a rail beam",
+                "condense it again with `PairSolids::condense`",
+            )
+        })?;
+        let against_section = section.relative(&rail_on_ends.compliance);
+        Ok(Self { wheel, rail_on_foot, rail_on_ends, section, material, against_section })
     }
 
     /// The rail's body under the law of a reference.

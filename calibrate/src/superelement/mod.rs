@@ -6,10 +6,13 @@
 
 mod factor;
 mod size;
+mod section_motion;
 mod condensed;
+mod condensed_file;
 
 pub use condensed::{CondensedBody, Interior, body_key};
 pub use factor::Factor;
+pub use section_motion::SectionMotion;
 pub use size::FactorSize;
 
 use crate::error::Result;

@@ -18,17 +18,17 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix3x2, Point2, Rotation2, Vector
 
 /// A rail's cross-section in the plane of the contact: displacements y and z (m) of its shear centre and rotation
 /// about x (rad), with the forces y and z (N) and the torque about x (N·m) that do work on them; world axes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SectionMotion {
     /// World position (y, z) of the shear centre, m.
-    shear_centre: Point2<f64>,
+    pub(super) shear_centre: Point2<f64>,
     /// Motion under unit beam forces on the section, the rail held as the superelement is.
     pub flexibility: Matrix3<f64>,
     /// Positions (y, z) of the contact nodes, m.
-    nodes: Vec<Point2<f64>>,
+    pub(super) nodes: Vec<Point2<f64>>,
     /// Displacements of the contact nodes (`3·node + axis`) under unit beam forces on the section; by reciprocity the
     /// motions of the section under unit forces on the nodes.
-    moved: [Vec<f64>; 3],
+    pub(super) moved: [Vec<f64>; 3],
 }
 
 impl SectionMotion {

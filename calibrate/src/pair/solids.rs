@@ -1,0 +1,115 @@
+//! The bodies of a pair before they are condensed: what they are made from, and how each is held.
+
+use super::geometry::Pair;
+use crate::error::Result;
+use crate::mesh::HexMesh;
+use crate::section_analysis::StressSample;
+use crate::solid::{Formulation, Material, Supports, System};
+use crate::superelement::{CondensedBody, Interior, SectionMotion, Superelement, body_key};
+use nalgebra::Point2;
+
+/// A body of a pair, by how it is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PairBody {
+    /// The wheel against its hub.
+    Wheel,
+    /// The rail with its foot fixed.
+    RailOnFoot,
+    /// The rail with its ends fixed, which is the solid of a rail beam: it comes with the motion of its section.
+    RailOnEnds,
+}
+
+impl PairBody {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Wheel, Self::RailOnFoot, Self::RailOnEnds];
+
+    /// Its name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Wheel => "wheel",
+            Self::RailOnFoot => "rail on its foot",
+            Self::RailOnEnds => "rail between its ends",
+        }
+    }
+}
+
+/// Wheel and rail of a pair as solids.
+#[derive(Clone, Copy)]
+pub struct PairSolids<'a> {
+    /// The pair.
+    pub pair: &'a Pair,
+    /// Mesh of the rail, in the world frame.
+    pub rail: &'a HexMesh,
+    /// Mesh of the wheel, in its body frame.
+    pub wheel: &'a HexMesh,
+    /// Material of both.
+    pub material: Material,
+    /// Element of both.
+    pub element: Formulation,
+}
+
+impl<'a> PairSolids<'a> {
+    /// Hash of what a body is made from; that of the condensed body.
+    pub fn key(&self, body: PairBody) -> String {
+        let (mesh, supports) = self.held(body);
+        let key = body_key(mesh, &self.material, self.element, &supports);
+        match body {
+            PairBody::Wheel | PairBody::RailOnFoot => key,
+            PairBody::RailOnEnds => {
+                let mut hasher = blake3::Hasher::new();
+                hasher.update(key.as_bytes());
+                let Point2 { coords: line } = self.pair.node_line();
+                let placed = [self.pair.placed.angle, self.pair.placed.origin.x, self.pair.placed.origin.y];
+                let samples = self.pair.shear_stresses.iter().flat_map(|sample| {
+                    let StressSample { point, area, stress } = sample;
+                    [point.x, point.y, *area].into_iter().chain(stress.iter().flat_map(|s| [s.x, s.y]))
+                });
+                for value in placed.into_iter().chain([line.x, line.y]).chain(samples) {
+                    hasher.update(&value.to_le_bytes());
+                }
+                hasher.finalize().to_hex().to_string()
+            }
+        }
+    }
+
+    /// Assembles, factors and condenses a body.
+    ///
+    /// # Errors
+    /// An inverted element, and a rail without an element at the contact.
+    pub fn condense(&self, body: PairBody) -> Result<(CondensedBody, Interior<'a>)> {
+        let element = Superelement::new(self.system(body)?)?;
+        let section = match body {
+            PairBody::Wheel | PairBody::RailOnFoot => None,
+            PairBody::RailOnEnds => {
+                let Pair { shear_stresses, placed, .. } = self.pair;
+                Some(SectionMotion::new(&element, shear_stresses, placed, self.pair.node_line(), 0.0)?)
+            }
+        };
+        let (condensed, interior) = element.split(self.key(body));
+        Ok((CondensedBody { section, ..condensed }, interior))
+    }
+
+    /// Assembles and factors a body that was condensed before.
+    ///
+    /// # Errors
+    /// An inverted element.
+    pub fn interior(&self, body: PairBody) -> Result<Interior<'a>> {
+        Interior::new(self.system(body)?)
+    }
+
+    fn system(&self, body: PairBody) -> Result<System<'a>> {
+        let (mesh, supports) = self.held(body);
+        System::new(mesh, self.material, self.element, &supports)
+    }
+
+    fn held(&self, body: PairBody) -> (&'a HexMesh, Supports) {
+        let fixed = |nodes: &[usize]| Supports { held: nodes.to_vec(), ..Supports::default() };
+        match body {
+            PairBody::Wheel => {
+                (self.wheel, Supports { followers: self.wheel.bore.clone(), ..Supports::default() })
+            }
+            PairBody::RailOnFoot => (self.rail, fixed(&self.rail.foot)),
+            PairBody::RailOnEnds => (self.rail, fixed(&self.rail.ends)),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! A condensed body as a file in the safetensors format, which other languages read, too.
+
+use super::{CondensedBody, SectionMotion};
+use crate::error::{InputError, Result};
+use crate::mesh::SurfaceGrid;
+use faer::Mat;
+use nalgebra::{Matrix3, Point2, Point3};
+use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
+use std::collections::{BTreeMap, HashMap};
+
+/// Layout of the file.
+const FORMAT: &str = "railspring condensed body 2";
+
+impl CondensedBody {
+    /// The body as a file: tensors `compliance` (column by column), `nodes`, `along_profile`, `along_track` and
+    /// `node_numbers`, with the motion of a section `section_moved` (a row for y, z and the rotation),
+    /// `section_flexibility` and `shear_centre`, and the rest as metadata.
+    ///
+    /// # Panics
+    /// Never: the shapes are those of the data.
+    pub fn write(&self) -> Vec<u8> {
+        let size = self.compliance.nrows();
+        let compliance: Vec<f64> =
+            (0..size).flat_map(|column| self.compliance.col_as_slice(column).iter().copied()).collect();
+        let nodes: Vec<f64> = self.nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+        let mut reals = vec![
+            ("compliance", compliance, vec![size, size]),
+            ("nodes", nodes, vec![self.nodes.len(), 3]),
+            ("along_profile", self.grid.along_profile.clone(), vec![self.grid.along_profile.len()]),
+            ("along_track", self.grid.along_track.clone(), vec![self.grid.along_track.len()]),
+        ];
+        if let Some(section) = &self.section {
+            reals.extend([
+                ("section_moved", section.moved.concat(), vec![3, section.moved[0].len()]),
+                ("section_flexibility", section.flexibility.as_slice().to_vec(), vec![3, 3]),
+                ("shear_centre", vec![section.shear_centre.x, section.shear_centre.y], vec![2]),
+            ]);
+        }
+        let numbers = self.grid.nodes.iter().flat_map(|&n| (n as u64).to_le_bytes()).collect();
+        let numbers = ("node_numbers", Dtype::U64, vec![self.grid.nodes.len()], numbers);
+        let tensors: Vec<(&str, Dtype, Vec<usize>, Vec<u8>)> = reals
+            .into_iter()
+            .map(|(name, values, shape)| {
+                (name, Dtype::F64, shape, values.iter().flat_map(|v| v.to_le_bytes()).collect())
+            })
+            .chain([numbers])
+            .collect();
+        let tensors = tensors.iter().map(|(name, kind, shape, bytes)| {
+            (*name, TensorView::new(*kind, shape.clone(), bytes).expect("as many bytes as the shape says"))
+        });
+        let metadata: HashMap<String, String> = [
+            ("format", FORMAT.to_string()),
+            ("key", self.key.clone()),
+            ("equations", self.equations.to_string()),
+            ("mass_kg", format!("{:e}", self.mass)),
+        ]
+        .map(|(name, value)| (name.to_string(), value))
+        .into();
+        // one line of metadata, in the order of its names, so that the same body gives the same bytes
+        let whole = serde_json::to_string(&metadata.into_iter().collect::<BTreeMap<_, _>>());
+        let line = HashMap::from([("railspring".to_string(), whole.expect("strings are plain JSON"))]);
+        serialize(tensors, Some(line)).expect("names and shapes are plain")
+    }
+
+    /// Reads what [`CondensedBody::write`] wrote.
+    ///
+    /// # Errors
+    /// [`InputError`] for bytes of another layout, a matrix that is not square or does not suit its grid, and values that
+    /// are not finite.
+    pub fn read(bytes: &[u8]) -> Result<Self> {
+        Self::parsed(bytes).map_err(|found| {
+            InputError::new(
+                "condensed body",
+                found,
+                "a file as `CondensedBody::write` writes it",
+                "condense the body again",
+            )
+            .into()
+        })
+    }
+
+    fn parsed(bytes: &[u8]) -> std::result::Result<Self, String> {
+        let (_, header) = SafeTensors::read_metadata(bytes).map_err(|cause| cause.to_string())?;
+        let line = header.metadata().as_ref().and_then(|lines| lines.get("railspring"));
+        let line = line.ok_or("no metadata of a condensed body")?;
+        let metadata: HashMap<String, String> =
+            serde_json::from_str(line).map_err(|cause| cause.to_string())?;
+        let entry = |name: &str| metadata.get(name).ok_or_else(|| format!("no {name}"));
+        if entry("format")? != FORMAT {
+            return Err(format!("the layout `{}`", entry("format")?));
+        }
+        let tensors = SafeTensors::deserialize(bytes).map_err(|cause| cause.to_string())?;
+        let values = |name: &str, kind: Dtype| -> std::result::Result<(Vec<usize>, Vec<[u8; 8]>), String> {
+            let tensor = tensors.tensor(name).map_err(|cause| cause.to_string())?;
+            if tensor.dtype() != kind {
+                return Err(format!("{name} of {:?}", tensor.dtype()));
+            }
+            let (values, _) = tensor.data().as_chunks::<8>();
+            Ok((tensor.shape().to_vec(), values.to_vec()))
+        };
+        let reals = |name: &str| -> std::result::Result<(Vec<usize>, Vec<f64>), String> {
+            let (shape, values) = values(name, Dtype::F64)?;
+            let values: Vec<f64> = values.into_iter().map(f64::from_le_bytes).collect();
+            match values.iter().find(|v| !v.is_finite()) {
+                Some(value) => Err(format!("{name} with the value {value}")),
+                None => Ok((shape, values)),
+            }
+        };
+        let (shape, compliance) = reals("compliance")?;
+        let (_, nodes) = reals("nodes")?;
+        let (along_profile, along_track) = (reals("along_profile")?.1, reals("along_track")?.1);
+        let (_, numbers) = values("node_numbers", Dtype::U64)?;
+        let numbers: Vec<usize> = numbers.into_iter().map(|n| u64::from_le_bytes(n) as usize).collect();
+        let count = along_profile.len() * along_track.len();
+        let square = shape.len() == 2 && shape[0] == shape[1] && shape[0] >= 3 * count;
+        if !square || nodes.len() != 3 * count || numbers.len() != count {
+            return Err(format!("a compliance of shape {shape:?} for {count} contact nodes"));
+        }
+        let nodes: Vec<Point3<f64>> = nodes.chunks_exact(3).map(|p| Point3::new(p[0], p[1], p[2])).collect();
+        let section = if tensors.tensor("section_moved").is_ok() {
+            let (shape, moved) = reals("section_moved")?;
+            let (flexibility, centre) = (reals("section_flexibility")?.1, reals("shear_centre")?.1);
+            if shape != [3, 3 * count] || flexibility.len() != 9 || centre.len() != 2 {
+                return Err(format!("a motion of the section of shape {shape:?} for {count} contact nodes"));
+            }
+            Some(SectionMotion {
+                shear_centre: Point2::new(centre[0], centre[1]),
+                flexibility: Matrix3::from_column_slice(&flexibility),
+                nodes: nodes.iter().map(|p| Point2::new(p.y, p.z)).collect(),
+                moved: [0, 1, 2].map(|k| moved[3 * count * k..3 * count * (k + 1)].to_vec()),
+            })
+        } else {
+            None
+        };
+        let size = shape[0];
+        let number =
+            |name: &str| entry(name).and_then(|text| text.parse().map_err(|_| format!("{name} = {text}")));
+        Ok(Self {
+            key: entry("key")?.clone(),
+            compliance: Mat::from_fn(size, size, |row, column| compliance[column * size + row]),
+            grid: SurfaceGrid { along_profile, along_track, nodes: numbers },
+            nodes,
+            equations: entry("equations")?.parse().map_err(|_| "equations that are no number".to_string())?,
+            mass: number("mass_kg")?,
+            section,
+        })
+    }
+}

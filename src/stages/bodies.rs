@@ -1,0 +1,65 @@
+//! The bodies of a study, condensed, and their insides, which only fields need.
+
+use railspring_calibrate::error::Result;
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids, condense_all};
+use railspring_calibrate::superelement::{CondensedBody, Interior};
+
+use super::{Geometry, Meshes, formulation};
+use crate::study::Study;
+
+/// The condensed bodies of a study, with the insides of those that were condensed just now.
+pub struct Bodies<'a> {
+    /// The bodies.
+    pub condensed: CondensedPair,
+    /// Their insides.
+    pub interiors: Interiors<'a>,
+}
+
+/// The insides of the bodies, factored again where a body was condensed before.
+pub struct Interiors<'a> {
+    solids: PairSolids<'a>,
+    made: [Option<Interior<'a>>; 3],
+}
+
+/// The solids of a study on its meshes.
+pub fn solids<'a>(study: &Study, geometry: &'a Geometry, meshes: &'a Meshes) -> PairSolids<'a> {
+    let (pair, material, element) = (&geometry.pair, study.material, formulation(study));
+    PairSolids { pair, rail: &meshes.rail, wheel: &meshes.wheel, material, element }
+}
+
+impl<'a> Bodies<'a> {
+    /// The bodies as `get` has them: condensed before, or just now with their insides.
+    ///
+    /// # Errors
+    /// Those of `get`, and an interruption.
+    pub fn new(
+        solids: PairSolids<'a>,
+        get: impl Fn(PairBody) -> Result<(CondensedBody, Option<Interior<'a>>)> + Sync,
+        monitor: &dyn Monitor,
+    ) -> Result<Self> {
+        let [(wheel, on_hub), (rail_on_foot, on_foot), (rail_on_ends, on_ends)] = condense_all(monitor, get)?;
+        let condensed = CondensedPair::new(solids.material, [wheel, rail_on_foot, rail_on_ends])?;
+        Ok(Self { condensed, interiors: Interiors { solids, made: [on_hub, on_foot, on_ends] } })
+    }
+}
+
+impl<'a> Interiors<'a> {
+    /// Lets the insides go that no field is made from.
+    pub fn keep_only(&mut self, wanted: &[PairBody]) {
+        for (interior, body) in self.made.iter_mut().zip(PairBody::ALL) {
+            if !wanted.contains(&body) {
+                *interior = None;
+            }
+        }
+    }
+
+    /// The inside of a body.
+    ///
+    /// # Errors
+    /// None that a body which was condensed can cause.
+    pub fn take(&mut self, body: PairBody) -> Result<Interior<'a>> {
+        let made = self.made.iter_mut().zip(PairBody::ALL).find(|(_, other)| *other == body);
+        made.and_then(|(interior, _)| interior.take()).map_or_else(|| self.solids.interior(body), Ok)
+    }
+}
