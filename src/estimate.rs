@@ -5,9 +5,10 @@
 //! there is: a program that gets no memory is ended by the system.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::mesh::{HexMesh, MeshSize, rail_size, wheel_size};
+use railspring_calibrate::mesh::{HexMesh, MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::FactorSize;
@@ -182,6 +183,24 @@ impl Budget {
     }
 }
 
+/// What a command works with.
+#[derive(Clone, Copy)]
+pub struct Resources<'a> {
+    /// How much memory there is.
+    pub budget: Budget,
+    /// The Python that reads mesh files and runs the reference; `None`: the virtual environment of the cache folder.
+    pub interpreter: Option<&'a Path>,
+    /// Who hears how far it is.
+    pub monitor: &'a dyn Monitor,
+}
+
+impl<'a> Resources<'a> {
+    /// The memory of the machine and the Python of the cache folder.
+    pub fn of_the_machine(monitor: &'a dyn Monitor) -> Self {
+        Self { budget: Budget::default(), interpreter: None, monitor }
+    }
+}
+
 impl Estimate {
     fn of(study: &Study, geometry: &Geometry, meshes: &Meshes, work: &Work) -> Result<Self> {
         let count = |mesh: &HexMesh, supports: Supports| -> Result<FactorSize> {
@@ -279,45 +298,38 @@ impl Estimate {
 ///
 /// # Errors
 /// Those of geometry and meshing, and sizes that the machine cannot hold.
-pub fn dry_run(
-    study: &Study,
-    work: &Work,
-    budget: Budget,
-    interpreter: Option<&std::path::Path>,
-    monitor: &dyn Monitor,
-) -> Result<Estimate> {
+pub fn dry_run(study: &Study, work: &Work, resources: &Resources<'_>) -> Result<Estimate> {
     let geometry = stages::geometry(study)?;
-    stages::check_loads(study, &geometry, monitor)?;
-    made(study, &geometry, work, budget, interpreter, monitor).map(|(_, estimate)| estimate)
+    stages::check_loads(study, &geometry, resources.monitor)?;
+    let options = stages::mesh_options(study, &geometry);
+    made(study, &geometry, options, work, resources).map(|(_, estimate)| estimate)
 }
 
-/// Meshes for `work`, which must be within the budget; `monitor` gets what is expected.
+/// Meshes for `work`, which must be within the budget, the tool's own with `options`; the monitor gets what is expected.
 ///
 /// # Errors
 /// Those of meshing, and sizes that the machine cannot hold.
 pub fn meshes(
     study: &Study,
     geometry: &Geometry,
+    options: MeshOptions,
     work: &Work,
-    budget: Budget,
-    interpreter: Option<&std::path::Path>,
-    monitor: &dyn Monitor,
+    resources: &Resources<'_>,
 ) -> Result<Meshes> {
-    let (meshes, estimate) = made(study, geometry, work, budget, interpreter, monitor)?;
-    monitor.notice(&estimate.text());
+    let (meshes, estimate) = made(study, geometry, options, work, resources)?;
+    resources.monitor.notice(&estimate.text());
     Ok(meshes)
 }
 
 fn made(
     study: &Study,
     geometry: &Geometry,
+    options: MeshOptions,
     work: &Work,
-    budget: Budget,
-    interpreter: Option<&std::path::Path>,
-    monitor: &dyn Monitor,
+    &Resources { budget, interpreter, monitor }: &Resources<'_>,
 ) -> Result<(Meshes, Estimate)> {
     budget.check_sizes(study, geometry, work)?;
-    let meshes = stages::meshes(study, geometry, interpreter, monitor)?;
+    let meshes = stages::meshes(study, geometry, options, interpreter, monitor)?;
     let estimate = budget.check(study, geometry, &meshes, work)?;
     Ok((meshes, estimate))
 }
@@ -454,8 +466,6 @@ fn meminfo(text: &str) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use railspring_calibrate::monitor::Silent;
 
     use super::*;
@@ -467,7 +477,8 @@ mod tests {
     }
 
     fn estimate(study: &Study, limit_gib: Option<f64>) -> Result<Estimate> {
-        dry_run(study, &Work::of(study, true, true), Budget::new(limit_gib), None, &Silent)
+        let resources = Resources { budget: Budget::new(limit_gib), ..Resources::of_the_machine(&Silent) };
+        dry_run(study, &Work::of(study, true, true), &resources)
     }
 
     #[test]
@@ -484,7 +495,8 @@ mod tests {
         let coarse = study(COARSE);
         let found = estimate(&coarse, Some(64.0)).unwrap_or_else(|e| panic!("{e}"));
         let geometry = stages::geometry(&coarse).unwrap();
-        let meshes = stages::meshes(&coarse, &geometry, None, &Silent).unwrap();
+        let options = stages::mesh_options(&coarse, &geometry);
+        let meshes = stages::meshes(&coarse, &geometry, options, None, &Silent).unwrap();
         let held = meshes.rail.ends.len() + meshes.wheel.bore.len();
         assert_eq!(
             found.degrees_of_freedom(),

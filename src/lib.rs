@@ -21,6 +21,6 @@ pub mod stages;
 pub mod springs;
 pub mod estimate;
 pub mod measure;
-pub mod pipeline;
 pub mod crosscheck;
+pub mod pipeline;
 pub mod cli;

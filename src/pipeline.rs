@@ -9,6 +9,7 @@
 mod stage;
 mod bodies;
 mod calibration;
+mod crosscheck;
 mod runs;
 mod verdict;
 mod pages;
@@ -18,10 +19,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, InputError, Result};
-use railspring_calibrate::monitor::Monitor;
 use serde::de::DeserializeOwned;
 
-use crate::estimate::{Budget, Work};
+use crate::estimate::{Resources, Work};
 use crate::measure::{Stopwatch, begin};
 use crate::output::OutputFolder;
 use crate::records::{LoadCurveRow, Measured, RunRecord, VerificationRecord};
@@ -69,25 +69,17 @@ pub struct Pipeline<'a> {
     results: Results<'a>,
     store: Option<&'a Store>,
     fresh: bool,
-    interpreter: Option<&'a Path>,
-    monitor: &'a dyn Monitor,
+    resources: Resources<'a>,
     measured: Measured,
     watch: Option<Stopwatch>,
-    budget: Budget,
     geometry: Option<Arc<Geometry>>,
     meshes: Option<Meshes>,
     reach: Option<Reach>,
 }
 
 impl<'a> Pipeline<'a> {
-    /// Begins with the measures that earlier commands have left in the folder; `interpreter` is the Python that reads
-    /// mesh files, `None` that of the cache folder.
-    pub fn new(
-        study: &'a Study,
-        folder: &'a OutputFolder,
-        interpreter: Option<&'a Path>,
-        monitor: &'a dyn Monitor,
-    ) -> Self {
+    /// Begins with the measures that earlier commands have left in the folder.
+    pub fn new(study: &'a Study, folder: &'a OutputFolder, resources: Resources<'a>) -> Self {
         let earlier = folder.read_json::<Measured>(MEASURED, "run").map(|m| m.stages).unwrap_or_default();
         Self {
             study,
@@ -95,21 +87,13 @@ impl<'a> Pipeline<'a> {
             results: Results::new(folder),
             store: None,
             fresh: false,
-            interpreter,
-            monitor,
+            resources,
             measured: Measured { stages: earlier, ..begin() },
             watch: None,
-            budget: Budget::default(),
             geometry: None,
             meshes: None,
             reach: None,
         }
-    }
-
-    /// Keeps to `budget`.
-    #[must_use]
-    pub fn within(self, budget: Budget) -> Self {
-        Self { budget, ..self }
     }
 
     /// Takes from `store` what it has, unless all is to be made `fresh`, and keeps there what is made.
@@ -154,11 +138,11 @@ impl<'a> Pipeline<'a> {
         stages::check_friction(self.study)?;
         let geometry = self.geometry()?;
         self.say_repairs(&geometry);
-        stages::check_loads(self.study, &geometry, self.monitor)
+        stages::check_loads(self.study, &geometry, self.resources.monitor)
     }
 
     fn say_repairs(&self, geometry: &Geometry) {
-        stages::repairs(&geometry.profiles).iter().for_each(|line| self.monitor.notice(line));
+        stages::repairs(&geometry.profiles).iter().for_each(|line| self.resources.monitor.notice(line));
     }
 
     /// The meshes alone: `rail.vtu` and `wheel.vtu`.
@@ -168,8 +152,10 @@ impl<'a> Pipeline<'a> {
     pub fn mesh(mut self) -> Result<()> {
         let geometry = self.geometry()?;
         self.say_repairs(&geometry);
-        self.budget.check_sizes(self.study, &geometry, &Work::default())?;
-        let meshes = stages::meshes(self.study, &geometry, self.interpreter, self.monitor)?;
+        let Resources { budget, interpreter, monitor } = self.resources;
+        budget.check_sizes(self.study, &geometry, &Work::default())?;
+        let options = stages::mesh_options(self.study, &geometry);
+        let meshes = stages::meshes(self.study, &geometry, options, interpreter, monitor)?;
         let key = hash(format!("mesh {}", self.study.keys.calibration).as_bytes());
         let files = [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")]
             .into_iter()

@@ -43,10 +43,12 @@ pub enum Kind {
     SimpleRun,
     /// A run of the solid model.
     SolidRun,
+    /// What reference solvers say of a study.
+    Crosscheck,
 }
 
 impl Kind {
-    const ALL: [Self; 4] = [Self::Body, Self::Calibration, Self::SimpleRun, Self::SolidRun];
+    const ALL: [Self; 5] = [Self::Body, Self::Calibration, Self::SimpleRun, Self::SolidRun, Self::Crosscheck];
 
     /// The name in file names and lists.
     pub fn name(self) -> &'static str {
@@ -55,6 +57,7 @@ impl Kind {
             Self::Calibration => "calibration",
             Self::SimpleRun => "simple-run",
             Self::SolidRun => "solid-run",
+            Self::Crosscheck => "crosscheck",
         }
     }
 }

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use railspring::crosscheck::deck::{Deck, Format};
-use railspring::crosscheck::{Prepared, Settings, calculix, prepare};
+use railspring::crosscheck::{Prepared, calculix, prepare};
+use railspring::estimate::Resources;
 use railspring::stages::{AnsweredCurve, check_friction};
 use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
@@ -23,7 +24,9 @@ fn study() -> &'static Study {
 
 fn prepared() -> &'static Prepared {
     static PREPARED: OnceLock<Prepared> = OnceLock::new();
-    PREPARED.get_or_init(|| prepare(study(), &Settings::default(), &Silent).unwrap_or_else(|e| panic!("{e}")))
+    PREPARED.get_or_init(|| {
+        prepare(study(), &[], &Resources::of_the_machine(&Silent)).unwrap_or_else(|e| panic!("{e}"))
+    })
 }
 
 fn deck(friction: f64, lowerings: &[f64]) -> Deck<'_> {
@@ -90,7 +93,7 @@ fn calculix_finds_the_load() {
 fn studies_that_cannot_be_cross_validated_are_refused() {
     let mut light = study().clone();
     light.calibration.loads = vec![1e3, 2e3, 3e3];
-    let said = prepare(&light, &Settings::default(), &Silent).map(|_| ()).unwrap_err().to_string();
+    let said = prepare(&light, &[], &Resources::of_the_machine(&Silent)).map(|_| ()).unwrap_err().to_string();
     assert!(said.contains("calibration.load_max_kn = 3: expected a load of at least 5 kN"), "{said}");
     let mut smooth = study().clone();
     smooth.contact.friction = 0.0;

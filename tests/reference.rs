@@ -10,7 +10,8 @@ use std::sync::{Mutex, OnceLock};
 
 use railspring::crosscheck::compare::{ROUNDOFF, ReferenceResult, compare};
 use railspring::crosscheck::exchange::{Case, Exchange};
-use railspring::crosscheck::{Prepared, Settings, prepare};
+use railspring::crosscheck::{Prepared, prepare};
+use railspring::estimate::Resources;
 use railspring::output::OutputFolder;
 use railspring::python::{Purpose, Python};
 use railspring::records::crosscheck::Check;
@@ -39,13 +40,11 @@ fn study() -> Study {
     Study::parse(Path::new("coarse.toml"), STUDY).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn asking(cases: &[Case]) -> Settings<'_> {
-    Settings { cases, ..Settings::default() }
-}
-
 fn prepared() -> &'static Prepared {
     static PREPARED: OnceLock<Prepared> = OnceLock::new();
-    PREPARED.get_or_init(|| prepare(&study(), &asking(&CASES), &Silent).unwrap_or_else(|e| panic!("{e}")))
+    PREPARED.get_or_init(|| {
+        prepare(&study(), &CASES, &Resources::of_the_machine(&Silent)).unwrap_or_else(|e| panic!("{e}"))
+    })
 }
 
 /// Checks of the reference on a possibly spoilt exchange.
@@ -204,7 +203,8 @@ fn another_contact_formulation_agrees_and_converges() {
     let mut study = study();
     study.mesh.contact_element = 4e-3;
     study.mesh.contact_element_along = 4e-3;
-    let fine = prepare(&study, &asking(&[Case::SameMesh]), &Silent).unwrap_or_else(|e| panic!("{e}"));
+    let fine = prepare(&study, &[Case::SameMesh], &Resources::of_the_machine(&Silent))
+        .unwrap_or_else(|e| panic!("{e}"));
     let fine = compared_for(&fine, &fine.exchange);
     let both = [coarse, &fine].map(|checks| largest(checks, frictionless, "hub displacement"));
     assert!(0.0 < both[1] && both[1] < both[0], "{both:?}");

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use railspring::crosscheck::questions::tool_curves;
+use railspring::estimate::Resources;
 use railspring::output::OutputFolder;
 use railspring::pipeline::Pipeline;
 use railspring::python::package_hash;
@@ -34,7 +35,8 @@ fn read(path: &Path) -> CrosscheckRecord {
 /// The tool's load curves of a study.
 fn now(study: &Study) -> Vec<ToolCurve> {
     let geometry = stages::geometry(study).unwrap_or_else(|e| panic!("{e}"));
-    let meshes = stages::meshes(study, &geometry, None, &Silent).unwrap_or_else(|e| panic!("{e}"));
+    let meshes = stages::meshes(study, &geometry, stages::mesh_options(study, &geometry), None, &Silent)
+        .unwrap_or_else(|e| panic!("{e}"));
     tool_curves(&stages::answers(study, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
@@ -174,7 +176,7 @@ fn report_and_page_belong_together() {
     let other = OutputFolder::create(&made.out.with_file_name("alone")).unwrap();
     let study = Study::read(&made.study).unwrap_or_else(|e| panic!("{e}"));
     other.write("crosscheck.json", made.page("crosscheck.json").as_bytes()).unwrap();
-    assert!(!Pipeline::new(&study, &other, None, &Silent).crosscheck_pages().unwrap());
+    assert!(!Pipeline::new(&study, &other, Resources::of_the_machine(&Silent)).crosscheck_pages().unwrap());
     let alone = std::fs::read_to_string(other.file("crosscheck.html")).unwrap();
     assert!(!alone.contains("href=") && !other.file("report.html").exists());
 
@@ -183,6 +185,33 @@ fn report_and_page_belong_together() {
     made.railspring(&["report"], 0);
     let report = made.page("report.html");
     assert!(report.contains("of another study") && !report.contains(link));
+}
+
+/// Source: the record that was made first, whose date and seconds no second solution would have. Goal: the same question
+/// is answered from the store, in another folder and without the reference solver; a changed study asks again.
+#[test]
+fn an_answered_cross_check_is_taken_from_the_store() {
+    let made = made();
+    let first = std::fs::read(&made.kept).unwrap();
+    let again = made.out.with_file_name("again");
+    let ask = |study: &str, out: &Path| {
+        let file = out.with_extension("toml");
+        std::fs::write(&file, study).unwrap();
+        let mut command = assert_cmd::Command::cargo_bin("railspring").unwrap();
+        command.args(["crosscheck", "-o"]).args([out, &file]);
+        let output = command.env("RAILSPRING_CACHE", env!("CARGO_TARGET_TMPDIR")).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "the coarse contact is beyond the limits");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let said = ask(STUDY, &again);
+    assert!(said.contains("cross-check: taken from the store"), "{said}");
+    assert!(std::fs::read(again.join("crosscheck.json")).unwrap() == first);
+    assert!(again.join("crosscheck/differences.json").exists() && again.join("crosscheck.html").exists());
+    assert!(!again.join("crosscheck/exchange.json").exists(), "nothing was asked");
+
+    let other = made.out.with_file_name("other");
+    let said = ask(&STUDY.replace("load_max_kn = 85", "load_max_kn = 11"), &other);
+    assert!(said.contains("cross-check: made") && other.join("crosscheck/exchange.json").exists(), "{said}");
 }
 
 /// Goal: `--keep` writes the record; it is found fresh, its failing limits are reported, and so is each

@@ -18,8 +18,8 @@ use railspring_calibrate::monitor::Monitor;
 
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
-use crate::crosscheck::{Settings, crosscheck, export};
-use crate::estimate::{self, Budget, Work};
+use crate::crosscheck::export;
+use crate::estimate::{self, Budget, Resources, Work};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT};
 use crate::python::Purpose;
@@ -135,8 +135,9 @@ struct StudyArgs {
 }
 
 impl StudyArgs {
-    fn budget(&self) -> Budget {
-        Budget::new(self.memory_limit)
+    fn resources<'a>(&'a self, progress: &'a Progress) -> Resources<'a> {
+        let budget = Budget::new(self.memory_limit);
+        Resources { budget, interpreter: self.python.as_deref(), monitor: progress }
     }
 }
 
@@ -278,10 +279,14 @@ fn staged(
     }
     let keeps = matches!(
         command,
-        Command::Run(_) | Command::Calibrate(_) | Command::Simulate { .. } | Command::Verify(_)
+        Command::Run(_)
+            | Command::Calibrate(_)
+            | Command::Simulate { .. }
+            | Command::Verify(_)
+            | Command::Crosscheck { .. }
     );
     if args.fresh && !keeps {
-        let expected = "one of the commands `run`, `calibrate`, `simulate` and `verify`";
+        let expected = "one of the commands `run`, `calibrate`, `simulate`, `verify` and `crosscheck`";
         return Err(InputError::new("--fresh", "given", expected, "leave it out").into());
     }
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
@@ -305,11 +310,9 @@ fn staged(
     }
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
-    let python = args.python.as_deref();
+    let resources = args.resources(&progress);
     let store = if keeps { open_store(args, &progress)? } else { None };
-    let pipeline = Pipeline::new(study, &folder, python, &progress)
-        .within(args.budget())
-        .keeping(store.as_ref(), args.fresh);
+    let pipeline = Pipeline::new(study, &folder, resources).keeping(store.as_ref(), args.fresh);
     let mut verdict = None;
     let holds = match command {
         Command::Run(_) => verdict.insert(pipeline.run()?).holds,
@@ -325,21 +328,12 @@ fn staged(
         Command::Verify(_) => verdict.insert(pipeline.verify()?).holds,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
-        Command::Export { format, .. } => {
-            export(study, *format, &folder, (python, args.budget()), &progress).map(|_| true)?
-        }
+        Command::Export { format, .. } => export(study, *format, &folder, &resources).map(|_| true)?,
         Command::Crosscheck { second_order, with, keep, .. } => {
             const CASES: [Case; 4] =
                 [Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder];
             let cases = if *second_order { &CASES[..] } else { &CASES[..3] };
-            let settings = Settings {
-                interpreter: python,
-                cases,
-                calculix: with.is_some(),
-                keep: keep.as_deref(),
-                budget: args.budget(),
-            };
-            let record = crosscheck(study, &folder, &settings, &progress)?;
+            let record = pipeline.crosscheck(cases, with.is_some(), keep.as_deref())?;
             progress.finish();
             if !args.quiet {
                 print_crosscheck(&record)?;
@@ -392,7 +386,7 @@ fn dry_run(command: &Command, args: &StudyArgs, study: &Study) -> Result<(), Err
         }
     };
     let progress = Progress::new(args.quiet);
-    let estimate = estimate::dry_run(study, &work, args.budget(), args.python.as_deref(), &progress)?;
+    let estimate = estimate::dry_run(study, &work, &args.resources(&progress))?;
     progress.finish();
     if !args.quiet {
         say(&estimate.text())?;

@@ -13,17 +13,15 @@ pub mod deck;
 pub mod questions;
 pub mod sections;
 
-use std::path::Path;
 use std::time::Instant;
 
-use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::MILLIMETRE;
 
-use crate::estimate::{self, Budget, Work};
+use crate::estimate::{self, Resources, Work};
 use crate::measure::begin;
 use crate::output::OutputFolder;
-use crate::pipeline::{CROSSCHECK, DIFFERENCES, Pipeline};
 use crate::python::{self, Purpose, Python};
 use crate::records::crosscheck::{
     Cause, Check, CrosscheckRecord, Differences, HUB_DISPLACEMENT, Provenance, Timing,
@@ -35,8 +33,6 @@ use compare::{MODEL, ReferenceResult, compare, limits};
 use deck::{Deck, Format};
 use exchange::{BODIES, Case, Exchange};
 
-/// Folder of the exchange inside the output folder.
-pub const EXCHANGE_FOLDER: &str = "crosscheck";
 /// Size of the contact elements of the second-order mesh over that of the study's mesh.
 const FINER: f64 = 0.75;
 
@@ -52,18 +48,17 @@ pub struct Prepared {
     pub exchange: Exchange,
 }
 
-/// Computes the tool's answers and collects the questions, within the memory of `settings`.
+/// Computes the tool's answers and collects the questions.
 ///
 /// Elements of second order are on finer meshes; a mesh from a file stays as it is.
 ///
 /// # Errors
 /// Those of meshing and calibration, and sizes that the machine cannot hold.
-pub fn prepare(study: &Study, settings: &Settings<'_>, monitor: &dyn Monitor) -> Result<Prepared> {
-    let Settings { cases, interpreter, budget, .. } = *settings;
+pub fn prepare(study: &Study, cases: &[Case], resources: &Resources<'_>) -> Result<Prepared> {
     let geometry = stages::geometry(study)?;
-    let work = Work::of_crosscheck(settings.purpose());
-    let meshes = estimate::meshes(study, &geometry, &work, budget, interpreter, monitor)?;
-    let answers = stages::answers(study, &geometry, &meshes, monitor)?;
+    let (options, work) = (stages::mesh_options(study, &geometry), Work::of_crosscheck(purpose(cases)));
+    let meshes = estimate::meshes(study, &geometry, options, &work, resources)?;
+    let answers = stages::answers(study, &geometry, &meshes, resources.monitor)?;
     let fine = if cases.contains(&Case::SecondOrder) {
         let mut finer = study.clone();
         finer.mesh.contact_element *= FINER;
@@ -77,7 +72,7 @@ pub fn prepare(study: &Study, settings: &Settings<'_>, monitor: &dyn Monitor) ->
 }
 
 /// Writes a deck of the study's problem into `folder`: its own element and friction, a step for every
-/// wanted load; the name of the file. `interpreter` is the Python that reads mesh files.
+/// wanted load; the name of the file.
 ///
 /// # Errors
 /// Those of meshing and calibration, sizes that the machine cannot hold, and a folder that cannot be written.
@@ -85,13 +80,12 @@ pub fn export(
     study: &Study,
     format: Format,
     folder: &OutputFolder,
-    (interpreter, budget): (Option<&Path>, Budget),
-    monitor: &dyn Monitor,
+    resources: &Resources<'_>,
 ) -> Result<String> {
     let geometry = stages::geometry(study)?;
-    let work = Work::of(study, true, false);
-    let meshes = estimate::meshes(study, &geometry, &work, budget, interpreter, monitor)?;
-    let curve = stages::faceted(study, &geometry, &meshes, monitor)?;
+    let (options, work) = (stages::mesh_options(study, &geometry), Work::of(study, true, false));
+    let meshes = estimate::meshes(study, &geometry, options, &work, resources)?;
+    let curve = stages::faceted(study, &geometry, &meshes, resources.monitor)?;
     let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
         study,
@@ -158,57 +152,64 @@ fn calculix_checks(
     Ok((checks, timing))
 }
 
-/// Which questions, to which programs, and where a copy goes.
-#[derive(Debug, Clone, Default)]
-pub struct Settings<'a> {
-    /// Python with the packages of the reference; `None`: the virtual environment of the cache folder.
-    pub interpreter: Option<&'a Path>,
-    /// The questions to the reference.
-    pub cases: &'a [Case],
-    /// Whether CalculiX runs, too.
-    pub calculix: bool,
-    /// File that gets a copy of the record.
-    pub keep: Option<&'a Path>,
-    /// How much memory there is.
-    pub budget: Budget,
+fn purpose(cases: &[Case]) -> Purpose {
+    if cases.contains(&Case::SecondOrder) { Purpose::SecondOrder } else { Purpose::FirstOrder }
 }
 
-impl Settings<'_> {
-    fn purpose(&self) -> Purpose {
-        if self.cases.contains(&Case::SecondOrder) { Purpose::SecondOrder } else { Purpose::FirstOrder }
+/// The reference solvers, found and able to run.
+pub struct Solvers {
+    python: Python,
+    /// Program and name of CalculiX, if it is to run, too.
+    calculix: Option<(&'static str, String)>,
+}
+
+impl Solvers {
+    /// Finds the programs for some questions, with or without CalculiX.
+    ///
+    /// # Errors
+    /// [`railspring_calibrate::error::InputError`] that says which program is missing and how to get it.
+    pub fn find(cases: &[Case], calculix: bool, resources: &Resources<'_>) -> Result<Self> {
+        let calculix = calculix.then(calculix::version).transpose()?;
+        let cache = python::cache_folder();
+        let python = Python::prepare(resources.interpreter, &cache, purpose(cases), resources.monitor)?;
+        Ok(Self { python, calculix })
+    }
+
+    /// What an answer of theirs depends on besides the questions: the versions of all programs.
+    pub fn versions(&self) -> (String, &str, Option<&str>) {
+        (
+            python::package_hash(),
+            self.python.versions(),
+            self.calculix.as_ref().map(|(_, name)| name.as_str()),
+        )
     }
 }
 
-/// Runs the whole cross-check and writes its files, and the report again if the folder has the
-/// study's other results; the record says whether all limits hold.
+/// Asks the reference solvers, and compares. Questions and answers are exchanged in `folder`.
 ///
 /// # Errors
-/// A Python that is missing, a copy that cannot be written, and those of the stages.
+/// Those of the stages and of the programs.
 pub fn crosscheck(
     study: &Study,
     folder: &OutputFolder,
-    settings: &Settings<'_>,
-    monitor: &dyn Monitor,
-) -> Result<CrosscheckRecord> {
+    cases: &[Case],
+    solvers: &Solvers,
+    resources: &Resources<'_>,
+) -> Result<(CrosscheckRecord, Differences)> {
     let begun = begin();
-    // first, so that whatever is missing is reported before anything is computed
-    let keep = settings.keep.map(kept_in).transpose()?;
-    let calculix = settings.calculix.then(calculix::version).transpose()?;
-    let calculix_name = calculix.as_ref().map(|(_, name)| name.as_str());
-    let python = Python::prepare(settings.interpreter, &python::cache_folder(), settings.purpose(), monitor)?;
-    let prepared = prepare(study, settings, monitor)?;
-    let exchange_folder = OutputFolder::create(&folder.file(EXCHANGE_FOLDER))?;
-    prepared.exchange.write(&exchange_folder)?;
-    python.run(exchange_folder.path(), monitor)?;
-    let reference = ReferenceResult::read(&exchange_folder)?;
+    let monitor = resources.monitor;
+    let prepared = prepare(study, cases, resources)?;
+    prepared.exchange.write(folder)?;
+    solvers.python.run(folder.path(), monitor)?;
+    let reference = ReferenceResult::read(folder)?;
     let (mut checks, mut timings) =
-        compare(&prepared.answers, prepared.meshes.contact_element(), settings.cases, &reference)?;
-    if let Some((program, reference_solver)) = &calculix {
-        let (more, timing) =
-            calculix_checks(study, &prepared, (program, reference_solver), &exchange_folder, monitor)?;
+        compare(&prepared.answers, prepared.meshes.contact_element(), cases, &reference)?;
+    if let Some((program, reference_solver)) = &solvers.calculix {
+        let (more, timing) = calculix_checks(study, &prepared, (program, reference_solver), folder, monitor)?;
         checks.extend(more);
         timings.push(timing);
     }
+    let calculix_name = solvers.calculix.as_ref().map(|(_, name)| name.as_str());
     let record = CrosscheckRecord {
         study: study.name.clone(),
         holds: checks.iter().all(|check| check.holds),
@@ -216,12 +217,7 @@ pub fn crosscheck(
         version: env!("CARGO_PKG_VERSION").into(),
         begun_utc: begun.begun_utc,
         host: begun.host,
-        questions: questions::questions(
-            settings.cases,
-            &prepared.answers,
-            &reference.solver_name(),
-            calculix_name,
-        ),
+        questions: questions::questions(cases, &prepared.answers, &reference.solver_name(), calculix_name),
         calculix: calculix_name.map(str::to_owned),
         reference: Provenance { package_hash: python::package_hash(), ..reference.provenance.clone() },
         meshes: questions::meshes(&prepared.exchange),
@@ -230,28 +226,8 @@ pub fn crosscheck(
         checks,
         timings,
     };
-    folder.write_json(CROSSCHECK, &record)?;
-    if let Some((kept, name)) = keep {
-        kept.write_json(&name, &record)?;
-    }
-    folder.write_json(DIFFERENCES, &differences(&record, &prepared, &reference))?;
-    Pipeline::new(study, folder, settings.interpreter, monitor).crosscheck_pages()?;
-    Ok(record)
-}
-
-/// Folder and name of the copy.
-fn kept_in(path: &Path) -> Result<(OutputFolder, String)> {
-    let refused = |value: String| {
-        InputError::new("--keep", value, "a file in a folder that can be written", "choose another one")
-    };
-    let name = path.file_name().filter(|_| !path.is_dir());
-    let name = name.ok_or_else(|| refused(path.display().to_string()))?.to_string_lossy().into_owned();
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let folder = OutputFolder::create(parent).map_err(|error| match error {
-        Error::Input(cause) => refused(cause.value).into(),
-        other => other,
-    })?;
-    Ok((folder, name))
+    let differences = differences(&record, &prepared, &reference);
+    Ok((record, differences))
 }
 
 /// The sections of both bodies, where the reference has answered for every node.

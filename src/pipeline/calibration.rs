@@ -44,7 +44,7 @@ impl Stage for Calibrate {
             work.calibrate = true;
             Ok(work)
         })?;
-        let (study, monitor, budget) = (at.study, at.monitor, at.budget);
+        let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
         let source = BodySource { store: at.store, fresh: at.fresh, study: &study.name, monitor };
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())

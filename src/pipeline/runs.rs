@@ -58,7 +58,7 @@ impl Stage for Simulate<'_> {
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
         let used = springs::springs(self.springs)?;
         let geometry = at.geometry()?;
-        let history = stages::simulate(at.study, &geometry, &used, self.scenario, at.monitor)
+        let history = stages::simulate(at.study, &geometry, &used, self.scenario, at.resources.monitor)
             .map_err(|error| at.study.in_scenario(self.name, error))?;
         let notes = springs::range_note(self.springs, &history).into_iter().collect();
         Ok(Made::whole(artefact(&history, &RunRecord::new(&history, Some(self.springs), notes))))
@@ -96,7 +96,7 @@ impl Stage for SimulateSolid<'_> {
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
         let geometry = at.geometry()?;
         let mut meshes = at.meshes(Pipeline::solid_work)?;
-        let (study, monitor, budget) = (at.study, at.monitor, at.budget);
+        let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, false, true)).map(|_| ())
         };

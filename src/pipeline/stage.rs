@@ -123,7 +123,7 @@ impl Pipeline<'_> {
         if stage.is_measured() {
             self.note(&stage.name(), &stage.key(self), is_taken)?;
             let whence = if is_taken { "taken from the store" } else { "made" };
-            self.monitor.notice(&format!("{}: {whence}", stage.name()));
+            self.resources.monitor.notice(&format!("{}: {whence}", stage.name()));
         }
         failure.map_or(Ok(value), Err)
     }
@@ -140,7 +140,9 @@ impl Pipeline<'_> {
         };
         if let Found::Damaged(reason) = found {
             let name = stage.name();
-            self.monitor.notice(&format!("{name}: the entry of the store is damaged ({reason}): made again"));
+            self.resources
+                .monitor
+                .notice(&format!("{name}: the entry of the store is damaged ({reason}): made again"));
         }
         None
     }
@@ -149,7 +151,7 @@ impl Pipeline<'_> {
     fn keep(&self, address: &Address, name: &str, artefact: &Artefact) {
         let Some(store) = self.store else { return };
         if let Err(cause) = store.put(address, name, &self.study.name, artefact) {
-            self.monitor.notice(&format!("{name}: not kept in the store: {cause}"));
+            self.resources.monitor.notice(&format!("{name}: not kept in the store: {cause}"));
         }
     }
 
@@ -199,14 +201,9 @@ impl Pipeline<'_> {
         let watch = Stopwatch::start();
         let (study, geometry, reach) = (self.study, self.geometry()?, self.reach()?);
         let work = work(self)?;
-        let mut meshes =
-            estimate::meshes(study, &geometry, &work, self.budget, self.interpreter, self.monitor)?;
-        if Reach::of(meshes.options()) != reach {
-            let mut options = meshes.options().clone();
-            reach.apply(&mut options);
-            meshes = stages::remeshed_with(study, &geometry, &meshes, options)?;
-            self.budget.check(study, &geometry, &meshes, &work)?;
-        }
+        let mut options = stages::mesh_options(study, &geometry);
+        reach.apply(&mut options);
+        let meshes = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
         // Kept until there is a result: a study that is refused later leaves no file behind.
         self.measured.note(watch.stop("meshes", &study.keys.calibration, false));
         // The stage that needs them is measured without them.

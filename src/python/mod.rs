@@ -49,12 +49,14 @@ sys.modules[name] = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(sys.modules[name])
 runpy.run_module(module, run_name='__main__', alter_sys=True)
 ";
-/// Fails where the interpreter is too old or lacks a package.
+/// Fails where the interpreter is too old or lacks a package; says its version and those of the packages.
 const PROBE: &str = "\
 import sys
 if sys.version_info < (3, 11):
     sys.exit('Python ' + sys.version.split()[0] + ' is older than 3.11')
 import skfem, meshio, scipy, numpy
+from importlib.metadata import distributions
+print(sys.version, sorted({(str(d.metadata['Name']), str(d.version)) for d in distributions()}))
 ";
 /// What to do where Python is missing.
 const REMEDY: &str = "install Python 3.11 or newer with the module venv (Debian: apt install python3-venv), or name an \
@@ -85,6 +87,7 @@ pub enum Purpose {
 pub struct Python {
     interpreter: PathBuf,
     package: PathBuf,
+    versions: String,
     /// An empty working folder.
     place: Arc<TempDir>,
 }
@@ -117,9 +120,8 @@ impl Python {
             Some(path) => whole(path),
             None => environment::interpreter(&cache, purpose, place.path(), monitor)?,
         };
-        let python = Self { interpreter, package, place: Arc::new(place) };
-        python.probe(monitor)?;
-        Ok(python)
+        let versions = probe(&interpreter, place.path(), monitor)?;
+        Ok(Self { interpreter, package, versions, place: Arc::new(place) })
     }
 
     /// The interpreter.
@@ -127,16 +129,9 @@ impl Python {
         &self.interpreter
     }
 
-    /// Fails if the packages cannot be imported.
-    fn probe(&self, monitor: &dyn Monitor) -> Result<()> {
-        let mut command = isolated(&self.interpreter, self.place.path());
-        command.args(["-c", PROBE]);
-        let ended = answer(&mut command, &PROBE_LIMITS, monitor, "looking for Python")?;
-        if ended.status.success() {
-            return Ok(());
-        }
-        let cause = last_line(&ended.messages).unwrap_or("it cannot import the packages");
-        Err(missing(&self.interpreter, cause).into())
+    /// Version of the interpreter and of every package that it finds.
+    pub fn versions(&self) -> &str {
+        &self.versions
     }
 
     /// A module of the package, to be run.
@@ -334,6 +329,18 @@ fn write_package(package: &Path) -> std::io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Version of an interpreter and of its packages; fails if the packages of the reference cannot be imported.
+fn probe(interpreter: &Path, place: &Path, monitor: &dyn Monitor) -> Result<String> {
+    let mut command = isolated(interpreter, place);
+    command.args(["-c", PROBE]);
+    let ended = answer(&mut command, &PROBE_LIMITS, monitor, "looking for Python")?;
+    if ended.status.success() {
+        return Ok(String::from_utf8_lossy(&ended.output).trim().into());
+    }
+    let cause = last_line(&ended.messages).unwrap_or("it cannot import the packages");
+    Err(missing(interpreter, cause).into())
 }
 
 fn missing(interpreter: &Path, cause: &str) -> InputError {

@@ -87,18 +87,18 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
     Ok(Geometry { pair, beam, profiles })
 }
 
-/// Meshes of both bodies: the tool's own, or those of the study's mesh files, which `interpreter` reads (`None`: the
-/// Python of the cache folder). Without mesh files no Python is needed.
+/// Meshes of both bodies: the tool's own with `options`, or those of the study's mesh files, which `interpreter` reads
+/// (`None`: the Python of the cache folder). Without mesh files no Python is needed.
 ///
 /// # Errors
 /// Settings that give an inverted or flat element; a missing Python, and mesh files that cannot be used.
 pub fn meshes(
     study: &Study,
     geometry: &Geometry,
+    options: MeshOptions,
     interpreter: Option<&Path>,
     monitor: &dyn Monitor,
 ) -> Result<Meshes> {
-    let options = mesh_options(study, geometry);
     let mut files = mesh_files::Files::new(interpreter, monitor);
     let rail =
         study.rail.mesh.as_ref().map(|file| files.rail(file, study, geometry, &options)).transpose()?;

@@ -280,7 +280,8 @@ mod tests {
         study.mesh.wheel_zone.face_depth = 13.5e-3;
         let notes = Notes::default();
         let geometry = stages::geometry(&study).unwrap();
-        let mut meshes = stages::meshes(&study, &geometry, None, &notes).unwrap();
+        let options = mesh_options(&study, &geometry);
+        let mut meshes = stages::meshes(&study, &geometry, options, None, &notes).unwrap();
         let press = |meshes: &Meshes| {
             let solids = stages::solids(&study, &geometry, meshes);
             let condense = |body| solids.condense(body).map(|(body, inside)| (body, Some(inside)));

@@ -1,0 +1,105 @@
+//! The cross-check as a stage: reference solvers repeat what the tool computed.
+
+use std::path::Path;
+
+use railspring_calibrate::error::{Error, InputError, Result};
+
+use super::stage::{Made, Stage};
+use super::{CROSSCHECK, DIFFERENCES, Pipeline, part_json};
+use crate::crosscheck::exchange::Case;
+use crate::crosscheck::{self, Solvers};
+use crate::output::{OutputFolder, to_json};
+use crate::records::crosscheck::CrosscheckRecord;
+use crate::results::NewFile;
+use crate::store::{Address, Artefact, Kind};
+
+/// Folder of the questions and answers inside the output folder.
+const EXCHANGE_FOLDER: &str = "crosscheck";
+
+/// Questions to reference solvers, and the comparison.
+struct Crosscheck<'a> {
+    cases: &'a [Case],
+    solvers: &'a Solvers,
+}
+
+impl Stage for Crosscheck<'_> {
+    type Value = CrosscheckRecord;
+
+    fn name(&self) -> String {
+        "cross-check".into()
+    }
+
+    fn key(&self, at: &Pipeline<'_>) -> String {
+        at.study.keys.study.clone()
+    }
+
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        let cases: Vec<&str> = self.cases.iter().map(|case| case.name()).collect();
+        let inputs = (self.key(at), cases, self.solvers.versions());
+        Ok(at.store.map(|store| store.address(Kind::Crosscheck, &inputs)))
+    }
+
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+        let folder = OutputFolder::create(&at.folder.file(EXCHANGE_FOLDER))?;
+        let (record, differences) =
+            crosscheck::crosscheck(at.study, &folder, self.cases, self.solvers, &at.resources)?;
+        let artefact = Artefact::default().with(CROSSCHECK, to_json(&record));
+        Ok(Made::whole(artefact.with(DIFFERENCES, to_json(&differences))))
+    }
+
+    fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<CrosscheckRecord> {
+        part_json(artefact, CROSSCHECK)
+    }
+
+    fn files(&self, artefact: &Artefact, _: &CrosscheckRecord, at: &Pipeline<'_>) -> Vec<NewFile> {
+        let part = |name: &str| {
+            let content = artefact.part(name).unwrap_or_default().to_vec();
+            // seconds, date and host are in it
+            NewFile { reproducible: false, ..NewFile::new(name, content, &self.key(at)) }
+        };
+        vec![part(CROSSCHECK), part(DIFFERENCES)]
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &[]
+    }
+}
+
+impl Pipeline<'_> {
+    /// The cross-check with its page, and the report again if the folder has the study's other results; the record says
+    /// whether all limits hold. `keep` is a file that gets a copy of it.
+    ///
+    /// # Errors
+    /// A program that is missing, a copy that cannot be written, and those of the stages.
+    pub fn crosscheck(
+        mut self,
+        cases: &[Case],
+        calculix: bool,
+        keep: Option<&Path>,
+    ) -> Result<CrosscheckRecord> {
+        // first, so that whatever is missing is reported before anything is computed
+        let keep = keep.map(kept_in).transpose()?;
+        let solvers = Solvers::find(cases, calculix, &self.resources)?;
+        let record = self.get(&Crosscheck { cases, solvers: &solvers })?;
+        if let Some((kept, name)) = keep {
+            kept.write_json(&name, &record)?;
+        }
+        self.crosscheck_pages()?;
+        Ok(record)
+    }
+}
+
+/// Folder and name of the copy.
+fn kept_in(path: &Path) -> Result<(OutputFolder, String)> {
+    let refused = |value: String| {
+        InputError::new("--keep", value, "a file in a folder that can be written", "choose another one")
+    };
+    let name = path.file_name().filter(|_| !path.is_dir());
+    let name = name.ok_or_else(|| refused(path.display().to_string()))?.to_string_lossy().into_owned();
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = OutputFolder::create(parent).map_err(|error| match error {
+        Error::Input(cause) => refused(cause.value).into(),
+        other => other,
+    })?;
+    Ok((folder, name))
+}
