@@ -8,6 +8,11 @@
 //!
 //! The modules stand in the order of the pipeline: a module uses only those
 //! above it.
+//!
+//! # A verdict from code
+//! ```
+#![doc = include_str!("../examples/verdict.rs")]
+//! ```
 
 pub mod output;
 pub mod verify;

@@ -1,14 +1,12 @@
 //! The wheel pressed on the rail away from the middle, with little and much friction, on coarse meshes.
 
-use nalgebra::Vector2;
 use railspring_calibrate::calibration::{Enforcement, WheelOnRail, press_loads};
-use railspring_calibrate::contact::Surface;
-use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
+use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
+use railspring_calibrate::pair::{Pair, PairBody, PairMeshes, PairSolids};
+use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material, Supports, System};
-use railspring_calibrate::superelement::Superelement;
+use railspring_calibrate::solid::{Formulation, Material};
 
 /// SOLVER: the wanted force is met to 1e-10 of the largest.
 const SOLVER: f64 = 1e-8;
@@ -31,31 +29,28 @@ fn tread_corner_and_flange_reach_their_answer() {
     for (name, shifts) in
         [("S1002", [0.0, 1e-3, 2e-3, 6e-3, 7e-3]), ("EN13715-1in40", [0.0, 1e-3, 5e-3, 6e-3, 7e-3])]
     {
-        let wheel = wheel_section(name, 0.858).unwrap();
-        let rail = rail_section("60E1").unwrap();
-        let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
-        let condense = |mesh, supports| {
-            Superelement::new(
-                System::new(mesh, Material::STEEL, Formulation::FullIntegration, &supports).unwrap(),
-            )
-            .unwrap()
+        let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section(name, 0.858).unwrap());
+        let centred = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
+        let PairMeshes { rail, wheel } = centred.mesh(0.3, &options).unwrap();
+        // a shift moves neither mesh
+        let solids = PairSolids {
+            pair: &centred,
+            rail: &rail,
+            wheel: &wheel,
+            material: Material::STEEL,
+            element: Formulation::FullIntegration,
         };
-        let followers = wheel_mesh.bore.clone();
-        let wheel_element = condense(&wheel_mesh, Supports { followers, ..Default::default() });
-        let placed = place_rail(&rail, &TrackGeometry::standard()).unwrap();
-        let rail_mesh = mesh_rail(&rail, &placed, 0.3, &options).unwrap();
-        let rail_element =
-            condense(&rail_mesh, Supports { held: rail_mesh.foot.clone(), ..Default::default() });
+        let [on_hub, on_foot] =
+            [PairBody::Wheel, PairBody::RailOnFoot].map(|body| solids.condense(body).unwrap().0);
         for lateral_shift in shifts {
             let track = TrackGeometry { lateral_shift, ..TrackGeometry::standard() };
-            let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
-            let tape = Vector2::new(track.tape_y(), touching.tape_z);
+            let shifted = Pair::new(centred.rail.clone(), centred.wheel.clone(), &track).unwrap();
             for friction in [0.05, 0.3, 0.6] {
                 let pair = WheelOnRail {
-                    rail: &rail_element.compliance,
-                    wheel: &wheel_element.compliance,
-                    rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
-                    wheel_surface: Surface::revolved(&wheel.running, &wheel_mesh.contact, wheel.radius, tape),
+                    rail: &on_foot.compliance,
+                    wheel: &on_hub.compliance,
+                    rail_surface: shifted.rail_surface(&on_foot.grid),
+                    wheel_surface: shifted.wheel_surface(&on_hub.grid),
                     friction,
                     enforcement: Enforcement::Exact,
                 };

@@ -6,7 +6,7 @@ use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids, condense_a
 use railspring_calibrate::superelement::{CondensedBody, Interior};
 
 use super::{Geometry, Meshes, formulation};
-use crate::study::Study;
+use crate::study::{ReferenceKey, Study};
 
 /// The condensed bodies of a study, with the insides of those that were condensed just now.
 pub struct Bodies<'a> {
@@ -26,6 +26,14 @@ pub struct Interiors<'a> {
 pub fn solids<'a>(study: &Study, geometry: &'a Geometry, meshes: &'a Meshes) -> PairSolids<'a> {
     let (pair, material, element) = (&geometry.pair, study.material, formulation(study));
     PairSolids { pair, rail: &meshes.rail, wheel: &meshes.wheel, material, element }
+}
+
+/// The rail whose compliance the study's reference takes.
+pub fn rail_in_use(study: &Study) -> PairBody {
+    match study.calibration.reference {
+        ReferenceKey::Beam => PairBody::RailOnEnds,
+        ReferenceKey::Foot | ReferenceKey::Local => PairBody::RailOnFoot,
+    }
 }
 
 impl<'a> Bodies<'a> {

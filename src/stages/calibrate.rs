@@ -13,6 +13,7 @@ use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 
+use super::bodies::rail_in_use;
 use super::{Bodies, Geometry, Meshes, PressedFields, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
@@ -65,11 +66,7 @@ pub fn calibrate(
     monitor: &dyn Monitor,
 ) -> Result<(Calibration, PressedFields)> {
     let pair = &geometry.pair;
-    let (reference, rail_in_use) = match study.calibration.reference {
-        ReferenceKey::Beam => (Reference::Beam, PairBody::RailOnEnds),
-        ReferenceKey::Foot => (Reference::Foot, PairBody::RailOnFoot),
-        ReferenceKey::Local => (Reference::Local, PairBody::RailOnFoot),
-    };
+    let rail_in_use = rail_in_use(study);
     interiors.keep_only(&[rail_in_use, PairBody::Wheel]);
     let beam = SeriesBeam::new(pair, &bodies, &geometry.beam)?;
     let contact = ContactConditions { friction: study.contact.friction, enforcement: enforcement(study) };
@@ -77,10 +74,10 @@ pub fn calibrate(
     let foot = pressed.fit(Reference::Foot)?;
     let beam_law = pressed.fit(Reference::Beam)?;
     let local = pressed.fit(Reference::Local)?;
-    let in_use = match reference {
-        Reference::Beam => &beam_law,
-        Reference::Foot => &foot,
-        Reference::Local => &local,
+    let (reference, in_use) = match study.calibration.reference {
+        ReferenceKey::Beam => (Reference::Beam, &beam_law),
+        ReferenceKey::Foot => (Reference::Foot, &foot),
+        ReferenceKey::Local => (Reference::Local, &local),
     };
     let in_series = (reference == Reference::Beam).then_some(&beam);
     let largest = pressed.states(reference).last().expect("a study has loads");

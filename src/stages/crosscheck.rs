@@ -13,11 +13,13 @@ use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::solid::{Formulation, Supports, System};
-use railspring_calibrate::superelement::Superelement;
+use railspring_calibrate::pair::{PairBody, PairSolids};
+use railspring_calibrate::solid::Formulation;
+use railspring_calibrate::superelement::{CondensedBody, Interior};
 use railspring_calibrate::units::KILONEWTON;
 
-use super::{Geometry, Meshes, formulation};
+use super::bodies::rail_in_use;
+use super::{Geometry, Meshes, formulation, solids};
 use crate::study::{ReferenceKey, Study};
 
 /// Loads of the cross-validation, kN; those above the study's largest load are left out.
@@ -155,10 +157,10 @@ struct Asked<'a> {
     loads: Vec<f64>,
 }
 
-/// Both bodies condensed, and the time that took, s.
+/// Both bodies condensed, with their insides, and the time that took, s.
 struct Condensed<'a> {
-    wheel: Superelement<'a>,
-    rail: Superelement<'a>,
+    wheel: (CondensedBody, Interior<'a>),
+    rail: (CondensedBody, Interior<'a>),
     seconds: f64,
 }
 
@@ -190,14 +192,9 @@ impl<'a> Asked<'a> {
         };
         self.monitor.progress(stage, 0, 1)?;
         let clock = Instant::now();
-        let one = |mesh, supports: Supports| {
-            Superelement::new(System::new(mesh, self.study.material, element, &supports)?)
-        };
-        let (rail, wheel) = (&self.meshes.rail, &self.meshes.wheel);
-        let (wheel, rail) = rayon::join(
-            || one(wheel, Supports { followers: wheel.bore.clone(), ..Supports::default() }),
-            || one(rail, Supports { held: rail_held(self.study, rail).to_vec(), ..Supports::default() }),
-        );
+        let solids = PairSolids { element, ..solids(self.study, self.geometry, self.meshes) };
+        let (wheel, rail) =
+            rayon::join(|| solids.condense(PairBody::Wheel), || solids.condense(rail_in_use(self.study)));
         Ok(Condensed { wheel: wheel?, rail: rail?, seconds: clock.elapsed().as_secs_f64() })
     }
 
@@ -210,8 +207,8 @@ impl<'a> Asked<'a> {
     ) -> Result<(AnsweredCurve, Vec<Pressed>)> {
         let clock = Instant::now();
         let pair = WheelOnRail {
-            rail: &bodies.rail.compliance,
-            wheel: &bodies.wheel.compliance,
+            rail: &bodies.rail.0.compliance,
+            wheel: &bodies.wheel.0.compliance,
             rail_surface: Surface {
                 between_nodes,
                 ..self.geometry.pair.rail_surface(&self.meshes.rail.contact)
@@ -238,9 +235,14 @@ impl<'a> Asked<'a> {
 }
 
 /// Displacements under the contact forces of a state, and compliance columns under its most loaded nodes.
-fn answer(mesh: &HexMesh, element: &Superelement, state: &Pressed, side: Side) -> AnsweredBody {
+fn answer(
+    mesh: &HexMesh,
+    (body, interior): &(CondensedBody, Interior<'_>),
+    state: &Pressed,
+    side: Side,
+) -> AnsweredBody {
     let contact_nodes = mesh.contact.nodes.len();
-    let retained = state.body_forces(side, element.compliance.nrows());
+    let retained = state.body_forces(side, body.compliance.nrows());
     let mut forces = vec![Vector3::zeros(); mesh.nodes.len()];
     for (n, &node) in mesh.contact.nodes.iter().enumerate() {
         forces[node] = Vector3::new(retained[3 * n], retained[3 * n + 1], retained[3 * n + 2]);
@@ -256,9 +258,9 @@ fn answer(mesh: &HexMesh, element: &Superelement, state: &Pressed, side: Side) -
         .collect();
     let compliance = columns
         .iter()
-        .map(|&(n, axis)| element.compliance.col_as_slice(3 * n + axis)[..3 * contact_nodes].to_vec())
+        .map(|&(n, axis)| body.compliance.col_as_slice(3 * n + axis)[..3 * contact_nodes].to_vec())
         .collect();
-    let displacement = element.displacement(&retained);
+    let displacement = interior.displacement(body, &retained);
     AnsweredBody {
         forces,
         displacement: displacement.chunks_exact(3).map(|u| Vector3::new(u[0], u[1], u[2])).collect(),

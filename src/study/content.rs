@@ -21,6 +21,9 @@ pub(super) fn read(path: &Path) -> Result<String, InputError> {
         return Err(refused(value, "a TOML file, which is text in UTF-8", "save the study in UTF-8"));
     }
     if let Some(at) = bytes.iter().position(|byte| *byte == 0) {
+        if let Some(mesh) = mesh(path) {
+            return Err(mesh);
+        }
         let value = format!("a binary file: a zero byte at position {at}");
         return Err(refused(value, "a TOML file, which is text in UTF-8", "check the path of the study"));
     }
@@ -35,8 +38,27 @@ pub(super) fn read(path: &Path) -> Result<String, InputError> {
     })
 }
 
+/// Endings of the mesh formats that people have most.
+const MESH_ENDINGS: [&str; 9] = ["vtu", "vtk", "msh", "inp", "bdf", "nas", "unv", "med", "xdmf"];
+
+/// A file that is no TOML and has the ending of a mesh.
+fn mesh(path: &Path) -> Option<InputError> {
+    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+    MESH_ENDINGS.contains(&ending.as_str()).then(|| {
+        InputError::new(
+            "study file",
+            format!("a mesh file (.{ending})"),
+            "a study, which is a TOML file",
+            "name the mesh in a study: `rail.mesh_file` or `wheel.mesh_file`",
+        )
+    })
+}
+
 /// What a text that is not TOML is, if that can be said.
 pub(super) fn foreign(path: &Path, text: &str) -> Option<InputError> {
+    if let Some(mesh) = mesh(path) {
+        return Some(mesh);
+    }
     let format = format_of(&path.display().to_string(), text.as_bytes())?;
     Some(InputError::new(
         "study file",

@@ -364,6 +364,11 @@ fn what_is_no_study_is_named() {
     said(&miniprof, &["a profile file (MiniProf)"]);
     said(&read(b"y_mm,z_mm\n-1,0\n0,0\n1,0\n2,0\n3,0\n4,0\n5,0\n"), &["a profile file (CSV)"]);
     assert!(!read(b"name = \n[rail]\n").contains("profile file"), "broken TOML stays TOML");
+    for (name, content) in [("rail.msh", &b"$MeshFormat\n4.1 0 8\n"[..]), ("wheel.VTU", b"<VTKFile>\0")] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        said(&Study::read(&path).unwrap_err().to_string(), &["a mesh file (.", "`wheel.mesh_file`"]);
+    }
     std::fs::write(&path, format!("\u{feff}{SHORT}")).unwrap();
     assert!(Study::read(&path).is_ok(), "a byte-order mark is no mistake");
 }
