@@ -11,6 +11,7 @@ pub mod law;
 pub mod analytic;
 pub mod scenario;
 pub mod newmark;
+pub mod linear_part;
 pub mod suspension;
 pub mod history;
 pub mod profile;

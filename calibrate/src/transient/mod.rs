@@ -20,6 +20,7 @@ use crate::contact::{
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
 use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
+use crate::linear_part::{LinearPart, LinearStep};
 use crate::mesh::HexMesh;
 use crate::monitor::Monitor;
 use crate::newmark::{Motion, Newmark};
@@ -28,7 +29,7 @@ use crate::placement::{PlacedRail, departure, lateral_extent};
 use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Supports, System};
 use crate::suspension::{Suspension, SuspensionStep};
-use body::Body;
+use body::{Body, BodyLoad, BodyState, BodyStep};
 use nalgebra::{Point2, Point3, Vector2};
 
 /// Everything the transient solid model is made of.
@@ -124,11 +125,11 @@ impl TransientModel<'_> {
             || Body::new(self.rail_system()?, &scheme, None),
             || Body::new(self.wheel_system(scenario)?, &scheme, Some(suspension.stiffness())),
         );
-        let (mut rail, mut wheel) = (rail?, wheel?);
+        let (rail, wheel) = (rail?, wheel?);
         let wheel_mass = wheel.mass.total();
         let mut hub_motion = HubMotion::at_start(scenario, &initial.wheel, wheel_mass);
-        rail.start(dt, &initial.rail, &Vector2::zeros());
-        wheel.start(dt, &hub_motion.velocity(), &hub_motion.acceleration());
+        let mut rail_state = rail.in_motion(&initial.rail, &Vector2::zeros());
+        let mut wheel_state = wheel.in_motion(&hub_motion.velocity(), &hub_motion.acceleration());
         let mut contact = LastContact::default();
         let mut rows = vec![HistoryRow {
             time: 0.0,
@@ -146,28 +147,22 @@ impl TransientModel<'_> {
         for step in 1..=scenario.steps {
             monitor.progress("transient solid model", step - 1, scenario.steps)?;
             let t = step as f64 * dt;
-            let (hub_force, suspended) = hub_motion.forces(scenario, t, &suspension);
-            let (rail_free, wheel_free) = rayon::join(
-                || rail.predict(&scheme, &[0.0; 2], 0.0),
-                || wheel.predict(&scheme, &hub_force, scenario.gravity),
+            let (hub, suspended) = hub_motion.forces(scenario, t, &suspension);
+            let wheel_load = BodyLoad { hub, gravity: scenario.gravity };
+            let (rail_step, wheel_step) = rayon::join(
+                || rail.predict(&rail_state, &BodyLoad::default()),
+                || wheel.predict(&wheel_state, &wheel_load),
             );
             let solved = self
-                .contact_step(
-                    scenario,
-                    &rail,
-                    &wheel,
-                    &rail_free,
-                    &wheel_free,
-                    &hub_motion.predicted(dt),
-                    &contact,
-                )
+                .contact_step(scenario, [&rail_step, &wheel_step], &hub_motion.predicted(dt), &contact)
                 .map_err(|e| e.at_step(step))?;
             let (points, solution) = (&solved.points, &solved.solution);
             most_active = most_active.max(solution.active());
-            let rail_forces = nodal_forces(points, Side::Base, &solution.forces, rail_free.len());
-            let wheel_forces = nodal_forces(points, Side::Opposing, &solution.forces, wheel_free.len());
-            rayon::join(|| rail.correct(&scheme, &rail_forces), || wheel.correct(&scheme, &wheel_forces));
-            let hub = wheel.hub();
+            let on = |side, step: &BodyStep| nodal_forces(points, side, &solution.forces, step.free().len());
+            let forces = [on(Side::Base, &rail_step), on(Side::Opposing, &wheel_step)];
+            (rail_state, wheel_state) =
+                rayon::join(|| rail_step.finish(&forces[0]), || wheel_step.finish(&forces[1]));
+            let hub = wheel.hub(&wheel_state);
             if !(hub.x.is_finite() && hub.y.is_finite()) {
                 return Err(failure(f64::NAN, solution.active(), StopReason::NotFinite).at_step(step));
             }
@@ -187,11 +182,10 @@ impl TransientModel<'_> {
                 contacts: self.contacts(points, solution),
             });
             let finished = Step {
-                rail: &rail,
-                wheel: &wheel,
+                bodies: [&rail, &wheel],
+                states: [&rail_state, &wheel_state],
                 contact: &solved,
-                rail_forces: &rail_forces,
-                wheel_forces: &wheel_forces,
+                forces: &forces,
                 hub: &hub_motion,
             };
             observe(&finished).map_err(|e| e.at_step(step))?;
@@ -229,14 +223,10 @@ impl TransientModel<'_> {
     }
 
     /// Solves the contact at the end of a step, pairing again until the hub stays where it was paired.
-    #[allow(clippy::too_many_arguments)]
     fn contact_step(
         &self,
         scenario: &Scenario,
-        rail: &Body,
-        wheel: &Body,
-        rail_free: &[f64],
-        wheel_free: &[f64],
+        [rail, wheel]: [&BodyStep; 2],
         predicted: &Vector2<f64>,
         last: &LastContact,
     ) -> Result<LastContact> {
@@ -247,16 +237,16 @@ impl TransientModel<'_> {
             let mut opposing = self.wheel_surface.clone();
             opposing.origin += hub;
             let mut points = pair(&self.rail_surface, &opposing, PairingLimits { largest_gap: PAIRING_GAP });
-            let gaps = free_gaps(&points, &hub, rail_free, wheel_free);
+            let gaps = free_gaps(&points, &hub, rail.free(), wheel.free());
             let mut near = gaps.iter().map(|g| *g < CANDIDATE_MARGIN);
             points.retain(|_| near.next().unwrap_or(false));
             let mut free: Vec<f64> = gaps.into_iter().filter(|g| *g < CANDIDATE_MARGIN).collect();
             let directions = if scenario.friction > 0.0 { 3 } else { 1 };
             if directions == 3 {
-                add_slips(&points, rail, wheel, rail_free, wheel_free, &mut free);
+                add_slips(&points, rail, wheel, &mut free);
             }
             let compliance =
-                self.enforcement.compliance(rail.compliance(), wheel.compliance(), &points, directions);
+                self.enforcement.compliance(rail.flexibility(), wheel.flexibility(), &points, directions);
             let first = carry_over(&start.points, &start.solution.forces, &points, directions);
             let problem = Problem {
                 points: &points,
@@ -266,8 +256,8 @@ impl TransientModel<'_> {
                 hub: &[],
             };
             let solution = solve(&problem, &first)?;
-            let forces = nodal_forces(&points, Side::Opposing, &solution.forces, wheel_free.len());
-            let position = wheel.hub_with(wheel_free, &forces);
+            let forces = nodal_forces(&points, Side::Opposing, &solution.forces, wheel.free().len());
+            let position = wheel.hub(&forces);
             moved = (position - hub).norm();
             if moved < HUB_TOLERANCE {
                 return Ok(LastContact { points, solution });
@@ -328,12 +318,12 @@ struct InitialVelocity {
 /// What an observer sees of a finished step.
 #[cfg_attr(not(test), expect(dead_code, reason = "the energy balance of the tests is made from it"))]
 struct Step<'s, 'a> {
-    rail: &'s Body<'a>,
-    wheel: &'s Body<'a>,
+    /// Rail and wheel.
+    bodies: [&'s Body<'a>; 2],
+    states: [&'s BodyState; 2],
     contact: &'s LastContact,
     /// Contact forces on the retained equations of each body, N.
-    rail_forces: &'s [f64],
-    wheel_forces: &'s [f64],
+    forces: &'s [Vec<f64>; 2],
     hub: &'s HubMotion,
 }
 
@@ -384,15 +374,9 @@ fn free_gaps(points: &[ContactPoint], hub: &Vector2<f64>, rail: &[f64], wheel: &
 }
 
 /// Appends the slips (lateral, then along the track) of the step without contact forces.
-fn add_slips(
-    points: &[ContactPoint],
-    rail: &Body,
-    wheel: &Body,
-    rail_free: &[f64],
-    wheel_free: &[f64],
-    free: &mut Vec<f64>,
-) {
-    let (rail_before, wheel_before) = (rail.contact_displacement(), wheel.contact_displacement());
+fn add_slips(points: &[ContactPoint], rail: &BodyStep, wheel: &BodyStep, free: &mut Vec<f64>) {
+    let (rail_free, wheel_free) = (rail.free(), wheel.free());
+    let (rail_before, wheel_before) = (rail.contact_before(), wheel.contact_before());
     for direction in 1..3 {
         for point in points {
             let wheel: f64 = point

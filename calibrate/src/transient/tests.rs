@@ -132,37 +132,35 @@ struct Ledger {
 
 impl Ledger {
     fn enter(&mut self, scenario: &Scenario, step: &Step) -> Record {
-        let bodies = [step.rail, step.wheel];
         let stiffness = self
             .stiffness
-            .get_or_insert_with(|| bodies.map(|b| b.element.system.matrix(1.0, 0.0, &[]).unwrap()));
+            .get_or_insert_with(|| step.bodies.map(|b| b.element.system.matrix(1.0, 0.0, &[]).unwrap()));
         let (mut momentum, mut energy) = ([0.0; 2], 0.0);
-        for (i, body) in bodies.into_iter().enumerate() {
+        for (i, (body, state)) in step.bodies.into_iter().zip(step.states).enumerate() {
             let system = &body.element.system;
-            let velocity = system.numbering.expand(system.mesh, &body.velocity);
+            let velocity = system.numbering.expand(system.mesh, &state.velocity);
             let impulse = body.mass.times(&velocity);
             momentum[i] = downwards(&impulse);
-            let mut forces = vec![0.0; body.displacement.len()];
-            body::add_symmetric_product(&stiffness[i], &body.displacement, &mut forces);
-            energy += 0.5 * (product(&impulse, &velocity) + product(&forces, &body.displacement));
+            let mut forces = vec![0.0; state.displacement.len()];
+            body::add_symmetric_product(&stiffness[i], &state.displacement, &mut forces);
+            energy += 0.5 * (product(&impulse, &velocity) + product(&forces, &state.displacement));
         }
-        for ((body, forces), before) in
-            bodies.into_iter().zip([step.rail_forces, step.wheel_forces]).zip(&mut self.contact)
+        for (((body, state), forces), before) in
+            step.bodies.into_iter().zip(step.states).zip(step.forces).zip(&mut self.contact)
         {
-            let moved = body.contact_displacement();
+            let moved = body.contact_displacement(state);
             for (i, u) in moved.iter().enumerate() {
                 let (f0, u0) = (before.0.get(i).unwrap_or(&0.0), before.1.get(i).unwrap_or(&0.0));
                 self.contact_work += 0.5 * (f0 + forces[i]) * (u - u0);
             }
-            *before = (forces.to_vec(), moved.to_vec());
+            *before = (forces.clone(), moved.to_vec());
         }
         let (suspended, hub) = (&step.hub.suspended, step.hub.position().y);
         let (mass, spring) = (scenario.suspended_mass, scenario.vertical_suspension);
         energy += 0.5 * mass * suspended.v.powi(2) + 0.5 * spring.stiffness * (suspended.u - hub).powi(2);
-        let system = &step.wheel.element.system;
-        let moment = downwards(
-            &step.wheel.mass.times(&system.numbering.expand(system.mesh, &step.wheel.displacement)),
-        );
+        let (wheel, state) = (step.bodies[1], step.states[1]);
+        let system = &wheel.element.system;
+        let moment = downwards(&wheel.mass.times(&system.numbering.expand(system.mesh, &state.displacement)));
         let [moment_before, z_before, hub_before] = self.before;
         let weight = scenario.vertical_force.constant + mass * scenario.gravity;
         let stroke = suspended.u - hub - (z_before - hub_before);
@@ -170,7 +168,7 @@ impl Ledger {
             - spring.damping * stroke * stroke / scenario.time_step;
         self.before = [moment, suspended.u, hub];
         Record {
-            force: -downwards(step.wheel_forces),
+            force: -downwards(&step.forces[1]),
             momentum,
             energy,
             contact_work: self.contact_work,

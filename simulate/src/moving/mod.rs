@@ -25,6 +25,7 @@ pub mod element;
 mod surface;
 mod wheel;
 mod support;
+mod interface;
 mod solve;
 mod model;
 mod departure;

@@ -6,15 +6,17 @@ use nalgebra::{Point2, Vector2, Vector3};
 
 use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
 use railspring_calibrate::history::{ContactMode, ContactState, Departure, Ending, History, HistoryRow};
+use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::newmark::{Motion, Newmark};
 use railspring_calibrate::scenario::Scenario;
 
 use super::departure::Outline;
 use super::element::to_plane;
+use super::interface::Interface;
 use super::model::{MovingModel, MovingRun, RunStatistics, SectionMotion};
 use super::solve::{Solution, StepSystem, Surroundings};
-use super::support::{RailDynamics, RailState, RailStep, RailSupport};
+use super::support::{RailDynamics, RailLoad, RailState, RailSupport};
 use super::surface::{ActiveNode, ContactLaw, ContactSurface, Pose, SlidingMatrix};
 use super::wheel::{WheelDynamics, WheelState};
 
@@ -171,8 +173,9 @@ impl<'a> Run<'a> {
         ContactSurface::new(&points, &self.model.wheel, self.model.wheel_radius, wheel_centre)
     }
 
-    fn torsion(&self, time: f64) -> f64 {
-        self.scenario.rail_torsion.as_ref().map_or(0.0, |t| t.at(time))
+    fn rail_load(&self, time: f64) -> RailLoad {
+        let torsion = self.scenario.rail_torsion.as_ref().map_or(0.0, |t| t.at(time));
+        RailLoad { x: self.wheel_x(time), torsion }
     }
 
     fn wheel_x(&self, time: f64) -> f64 {
@@ -195,7 +198,10 @@ impl<'a> Run<'a> {
         let system = StepSystem {
             springs: &self.model.springs,
             law: &self.law,
-            surroundings: Surroundings { rail: None, wheel: None, roll: None },
+            surroundings: Surroundings {
+                rail: Interface::held(Vector3::zeros()),
+                wheel: Interface::held(Vector3::new(u.x, u.y, 0.0)),
+            },
             load: self.load(0.0),
             start: (pose, u),
             start_force: 0.0,
@@ -204,9 +210,8 @@ impl<'a> Run<'a> {
         };
         let solution = system.solve(surface).map_err(|error| at_step(error, 0))?;
         surface.commit(&solution.pose, &solution.active);
-        self.dynamics.start(&mut wheel, solution.spring_force, -solution.contact[5]);
-        let on_rail = -solution.contact.fixed_rows::<3>(2).into_owned();
-        let rail = self.rail.as_ref().map(|r| r.start(self.torsion(0.0), self.start_x, on_rail));
+        self.dynamics.start(&mut wheel, solution.on_wheel());
+        let rail = self.rail.as_ref().map(|r| r.start(&self.rail_load(0.0), solution.on_rail()));
         let state = State {
             pose: solution.pose,
             wheel,
@@ -277,13 +282,11 @@ impl<'a> Run<'a> {
         step: f64,
     ) -> Result<(State, Solution)> {
         let scheme = Newmark::new(step, self.model.dissipation);
-        let wheel = self.dynamics.step(&scheme, &state.wheel, time);
-        let rail: Option<RailStep> = match (&self.rail, &state.rail) {
-            (Some(dynamics), Some(rail)) => {
-                Some(dynamics.step(&scheme, rail, self.wheel_x(time), self.torsion(time))?)
-            }
-            _ => None,
-        };
+        let wheel = self.dynamics.over(&scheme);
+        let wheel_step = wheel.predict(&state.wheel, &self.dynamics.load(time));
+        let rail = self.rail.as_ref().map(|dynamics| dynamics.over(&scheme));
+        let rail_step = rail.as_ref().zip(state.rail.as_ref());
+        let rail_step = rail_step.map(|(rail, state)| rail.predict(state, &self.rail_load(time)));
         let start = Vector2::new(state.wheel.centre[0].u, state.wheel.centre[1].u);
         let predicted = step
             * (state.wheel.centre[0].v.hypot(state.wheel.centre[1].v)
@@ -293,9 +296,11 @@ impl<'a> Run<'a> {
             springs: &self.model.springs,
             law: &self.law,
             surroundings: Surroundings {
-                rail: rail.as_ref().map(|r| (r.stiffness, r.free)),
-                wheel: Some((wheel.stiffness, wheel.free)),
-                roll: wheel.roll,
+                rail: match &rail_step {
+                    Some(rail) => Interface::of(rail, "rail")?,
+                    None => Interface::held(state.pose.fixed_rows::<3>(2).into_owned()),
+                },
+                wheel: Interface::of(&wheel_step, "wheel")?,
             },
             load: self.load(time),
             start: (state.pose, start),
@@ -304,11 +309,11 @@ impl<'a> Run<'a> {
             evaluations_left: &self.evaluations_left,
         };
         let solution = system.solve(surface)?;
-        let on_rail: Vector3<f64> = -solution.contact.fixed_rows::<3>(2).into_owned();
+        let [on_rail, on_wheel] = system.surroundings.forces(&solution);
         let next = State {
             pose: solution.pose,
-            wheel: wheel.finish(&scheme, &state.wheel, solution.centre.into(), solution.pose[5]),
-            rail: rail.zip(state.rail.as_ref()).map(|(r, s)| r.finish(&scheme, s, on_rail)),
+            wheel: wheel_step.finish(on_wheel.as_slice()),
+            rail: rail_step.map(|rail| rail.finish(on_rail.as_slice())),
             spring_force: solution.spring_force.y,
             limits: self.limits(&solution),
         };
@@ -348,7 +353,7 @@ impl<'a> Run<'a> {
     fn row(&self, time: f64, solution: &Solution) -> HistoryRow {
         let centre = to_plane(solution.centre);
         let start = self.model.initial.displacement;
-        let on_rail = to_plane(-solution.contact.fixed_rows::<2>(2).into_owned());
+        let on_rail = to_plane(solution.on_rail().xy());
         HistoryRow {
             time,
             vertical_force: on_rail.y,

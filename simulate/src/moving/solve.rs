@@ -1,15 +1,16 @@
 //! Newton-Raphson iteration of one time step on the condensed system.
 //!
-//! Rail beam and suspended mass are linear and are condensed exactly, so that
+//! Rail and wheel are linear parts and are condensed exactly to their interfaces, so that
 //! eight unknowns remain: the pose of the contact masters B and C, and the
 //! wheel centre A in directions 1 and 2.
 
 use std::cell::Cell;
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
+use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
 use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
 
+use super::interface::Interface;
 use super::surface::{ActiveNode, ContactLaw, ContactSurface, FrictionLimit, Pose, SlidingMatrix, Vector6};
 use super::wheel::WheelSprings;
 
@@ -39,14 +40,25 @@ const DESCENT_TOLERANCE: f64 = 1e-4;
 /// Lever that turns a moment into a force when residuals are compared, m.
 const LEVER: f64 = 0.1;
 
-/// Stiffness with which held degrees of freedom enter the system, N/m; any value of the system's order does.
-const HELD: f64 = 1e9;
+/// Unknowns at the interfaces of rail and wheel, directions 1, 2 and rotation 3: the master C; the wheel centre A with the
+/// rotation of B.
+const RAIL: [usize; 3] = [2, 3, 4];
+const WHEEL: [usize; 3] = [6, 7, 5];
 
-/// The linear parts around the contact: stiffness and the displacement without contact. `None` holds the part where it is.
+/// The linear parts around the contact.
 pub(super) struct Surroundings {
-    pub rail: Option<(Matrix3<f64>, Vector3<f64>)>,
-    pub wheel: Option<([f64; 2], [f64; 2])>,
-    pub roll: Option<(f64, f64)>,
+    pub rail: Interface,
+    pub wheel: Interface,
+}
+
+impl Surroundings {
+    /// Forces at the interfaces of rail and wheel that move them to where `solution` has them. From the forces of contact and
+    /// springs they differ by what is left of the balance, so that no gap opens between a part and its contact.
+    pub fn forces(&self, solution: &Solution) -> [Vector3<f64>; 2] {
+        let Solution { pose, centre, .. } = solution;
+        let rail = self.rail.forces(pose.fixed_rows::<3>(2).into_owned());
+        [rail, self.wheel.forces(Vector3::new(centre.x, centre.y, pose[5]))]
+    }
 }
 
 /// Converged end of a step.
@@ -65,6 +77,16 @@ pub(super) struct Solution {
 }
 
 impl Solution {
+    /// Forces of the contact at the interface of the rail, directions 1, 2 and moment 3.
+    pub fn on_rail(&self) -> Vector3<f64> {
+        -self.contact.fixed_rows::<3>(2).into_owned()
+    }
+
+    /// Forces of springs and contact at the interface of the wheel, directions 1, 2 and moment 3.
+    pub fn on_wheel(&self) -> Vector3<f64> {
+        Vector3::new(self.spring_force.x, self.spring_force.y, -self.contact[5])
+    }
+
     /// A step that ends with this solution but not with a state to go on from.
     pub fn failure(&self, reason: StopReason) -> Error {
         failure(self.iterations, 0.0, self.active.len(), reason)
@@ -259,41 +281,11 @@ impl StepSystem<'_> {
             matrix[(i, 6 + i)] -= stiffness[i];
             matrix[(6 + i, i)] -= stiffness[i];
         }
-        let held = |residual: &mut Vector8, matrix: &mut Matrix8, i: usize, at: f64| {
-            matrix.row_mut(i).fill(0.0);
-            matrix[(i, i)] = HELD;
-            residual[i] = HELD * (x[i] - at);
-        };
-        match &self.surroundings.rail {
-            Some((rail, free)) => {
-                let own = rail * (pose.fixed_rows::<3>(2) - free);
-                for i in 0..3 {
-                    residual[2 + i] += own[i];
-                    for j in 0..3 {
-                        matrix[(2 + i, 2 + j)] += rail[(i, j)];
-                    }
-                }
-            }
-            None => (2..5).for_each(|i| held(&mut residual, &mut matrix, i, self.start.0[i])),
-        }
-        match self.surroundings.roll {
-            Some((own, free)) => {
-                residual[5] += own * (x[5] - free);
-                matrix[(5, 5)] += own;
-            }
-            None => held(&mut residual, &mut matrix, 5, self.start.0[5]),
-        }
-        match &self.surroundings.wheel {
-            Some((own, free)) => {
-                for i in 0..2 {
-                    residual[6 + i] += own[i] * (centre[i] - free[i]);
-                    matrix[(6 + i, 6 + i)] += own[i];
-                }
-            }
-            None => (0..2).for_each(|i| held(&mut residual, &mut matrix, 6 + i, self.start.1[i])),
-        }
+        let Surroundings { rail, wheel } = &self.surroundings;
+        rail.add_to(RAIL, x, &mut residual, &mut matrix);
+        wheel.add_to(WHEEL, x, &mut residual, &mut matrix);
         // In a step that was halved many times the wheel's inertia is the stiffest part.
-        let inertia = self.surroundings.wheel.map_or(0.0, |(own, _)| 0.1 * own[0].max(own[1]));
+        let inertia = 0.1 * wheel.largest_stiffness();
         let floor = self.law.penalty.max(inertia) * RESOLUTION / TOLERANCE;
         let scale = self.load.max(force.norm()).max(contact.force.fixed_rows::<4>(0).amax()).max(floor);
         let error = (0..8)

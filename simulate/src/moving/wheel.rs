@@ -1,8 +1,10 @@
 //! The wheel centre A, the suspended mass, and the springs to the contact master B.
 
-use nalgebra::Vector2;
+use faer::Mat;
+use nalgebra::{Vector2, Vector3};
 
 use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::newmark::{Motion, Newmark};
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::suspension::{Suspension, SuspensionStep};
@@ -50,6 +52,14 @@ pub(super) struct WheelState {
     pub suspended: Motion,
 }
 
+/// What acts on the wheel besides springs and contact: forces on the centre (directions 1 and 2) and on the suspended
+/// mass (direction 2), N.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WheelLoad {
+    pub centre: Vector2<f64>,
+    pub suspended: f64,
+}
+
 /// Mass and what acts on it.
 pub(super) struct WheelDynamics<'a> {
     pub scenario: &'a Scenario,
@@ -58,66 +68,163 @@ pub(super) struct WheelDynamics<'a> {
     pub roll_inertia: Option<f64>,
 }
 
-/// The wheel centre over one step, with the suspended mass eliminated: stiffness against displacement and the
-/// displacement without contact, for directions 1, 2 and rotation 3.
-pub(super) struct WheelStep {
-    pub stiffness: [f64; 2],
-    pub free: [f64; 2],
-    /// `None` while the rotation is held.
-    pub roll: Option<(f64, f64)>,
-    /// For the state of the suspended mass at the end.
-    suspension: (Suspension, SuspensionStep),
+/// The wheel with its suspended mass over steps of one length. Its interface is the centre in directions 1, 2 and rotation 3.
+pub(super) struct Wheel {
+    mass: f64,
+    roll_inertia: Option<f64>,
+    scheme: Newmark,
+    suspension: Suspension,
+    flexibility: Mat<f64>,
+}
+
+/// A step of the wheel.
+pub(super) struct WheelStep<'s> {
+    wheel: &'s Wheel,
+    state: &'s WheelState,
+    free: [f64; 3],
+    suspension: SuspensionStep,
 }
 
 impl WheelDynamics<'_> {
-    /// Forces (N, directions 1 and 2) on the wheel and (direction 2) on the suspended mass at `time`.
-    fn loads(&self, time: f64) -> (Vector2<f64>, f64) {
+    /// Weight and outer forces at `time`.
+    pub fn load(&self, time: f64) -> WheelLoad {
         let s = self.scenario;
-        let wheel = Vector2::new(s.lateral_force.at(time), -self.mass * s.gravity);
-        (wheel, -s.vertical_force.at(time) - s.suspended_mass * s.gravity)
+        WheelLoad {
+            centre: Vector2::new(s.lateral_force.at(time), -self.mass * s.gravity),
+            suspended: -s.vertical_force.at(time) - s.suspended_mass * s.gravity,
+        }
     }
 
-    /// Accelerations at t = 0 under the contact's force and moment on the wheel.
-    pub fn start(&self, state: &mut WheelState, contact: Vector2<f64>, moment: f64) {
-        let (wheel, load) = self.loads(0.0);
+    /// Accelerations at t = 0 under forces (directions 1, 2 and moment 3) at the interface.
+    pub fn start(&self, state: &mut WheelState, contact: Vector3<f64>) {
+        let load = self.load(0.0);
         let (force, acceleration) =
-            Suspension::start(self.scenario, &state.centre[1], &state.suspended, load);
-        state.centre[0].a = (wheel.x + contact.x) / self.mass;
-        state.centre[1].a = (wheel.y + contact.y + force) / self.mass;
+            Suspension::start(self.scenario, &state.centre[1], &state.suspended, load.suspended);
+        state.centre[0].a = (load.centre.x + contact.x) / self.mass;
+        state.centre[1].a = (load.centre.y + contact.y + force) / self.mass;
         state.suspended.a = acceleration;
-        state.roll.a = self.roll_inertia.map_or(0.0, |inertia| moment / inertia);
+        state.roll.a = self.roll_inertia.map_or(0.0, |inertia| contact.z / inertia);
     }
 
-    /// Sets up one step that ends at `time`.
-    pub fn step(&self, scheme: &Newmark, state: &WheelState, time: f64) -> WheelStep {
-        let (wheel, load) = self.loads(time);
+    /// The wheel over steps of `scheme`.
+    pub fn over(&self, scheme: &Newmark) -> Wheel {
         let suspension = Suspension::new(self.scenario, scheme);
-        let suspended = suspension.step(&state.centre[1], &state.suspended, load);
         let own = self.mass * scheme.acceleration;
-        let stiffness = own + suspension.stiffness();
-        let lateral = wheel.x + self.mass * scheme.inertia(&state.centre[0]);
-        let vertical =
-            wheel.y + self.mass * scheme.inertia(&state.centre[1]) + suspended.damper + suspended.transmitted;
-        WheelStep {
-            stiffness: [own, stiffness],
-            free: [lateral / own, vertical / stiffness],
-            roll: self.roll_inertia.map(|inertia| {
-                let own = inertia * scheme.acceleration;
-                (own, inertia * scheme.inertia(&state.roll) / own)
-            }),
-            suspension: (suspension, suspended),
+        let mut flexibility = Mat::zeros(3, 3);
+        flexibility[(0, 0)] = 1.0 / own;
+        flexibility[(1, 1)] = 1.0 / (own + suspension.stiffness());
+        flexibility[(2, 2)] = self.roll_inertia.map_or(0.0, |inertia| 1.0 / (inertia * scheme.acceleration));
+        Wheel { mass: self.mass, roll_inertia: self.roll_inertia, scheme: *scheme, suspension, flexibility }
+    }
+}
+
+impl LinearPart for Wheel {
+    type State = WheelState;
+    type Load = WheelLoad;
+    type Step<'s> = WheelStep<'s>;
+
+    fn predict<'s>(&'s self, state: &'s WheelState, load: &WheelLoad) -> WheelStep<'s> {
+        let (scheme, [lateral, vertical]) = (&self.scheme, &state.centre);
+        let suspension = self.suspension.step(vertical, &state.suspended, load.suspended);
+        let forces = [
+            load.centre.x + self.mass * scheme.inertia(lateral),
+            load.centre.y + self.mass * scheme.inertia(vertical) + suspension.damper + suspension.transmitted,
+        ];
+        let roll = match self.roll_inertia {
+            Some(inertia) => self.flexibility[(2, 2)] * (inertia * scheme.inertia(&state.roll)),
+            None => state.roll.u,
+        };
+        let [y, z] = [0, 1].map(|i| self.flexibility[(i, i)] * forces[i]);
+        WheelStep { wheel: self, state, free: [y, z, roll], suspension }
+    }
+}
+
+impl LinearStep for WheelStep<'_> {
+    type State = WheelState;
+
+    fn free(&self) -> &[f64] {
+        &self.free
+    }
+
+    fn flexibility(&self) -> &Mat<f64> {
+        &self.wheel.flexibility
+    }
+
+    fn finish(self, forces: &[f64]) -> WheelState {
+        let Wheel { scheme, suspension, flexibility, roll_inertia, .. } = self.wheel;
+        let [y, z, roll] = [0, 1, 2].map(|i| self.free[i] + flexibility[(i, i)] * forces[i]);
+        let state = self.state;
+        WheelState {
+            centre: [scheme.advance(&state.centre[0], y), scheme.advance(&state.centre[1], z)],
+            roll: if roll_inertia.is_some() { scheme.advance(&state.roll, roll) } else { state.roll },
+            suspended: suspension.finish(&self.suspension, &state.suspended, z),
         }
     }
 }
 
-impl WheelStep {
-    /// State at the end of the step from the displacements of the centre and its rotation.
-    pub fn finish(&self, scheme: &Newmark, state: &WheelState, centre: [f64; 2], roll: f64) -> WheelState {
-        let (suspension, step) = &self.suspension;
-        WheelState {
-            centre: [0, 1].map(|i| scheme.advance(&state.centre[i], centre[i])),
-            roll: if self.roll.is_some() { scheme.advance(&state.roll, roll) } else { state.roll },
-            suspended: suspension.finish(step, &state.suspended, centre[1]),
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use railspring_calibrate::linear_part::conformance::Trial;
+    use railspring_calibrate::scenario::Kelvin;
+
+    /// ROUNDOFF of an acceleration, relative: it is a difference of displacements, which in 40 steps grow to 2·40² times that
+    /// of a step, 3200·1e-16.
+    const ROUNDOFF: f64 = 1e-12;
+    const MASS: f64 = 900.0;
+    const INERTIA: f64 = 60.0;
+
+    fn scenario(suspended_mass: f64, damping: f64) -> Scenario {
+        let vertical_suspension = Kelvin { stiffness: 1.2e6, damping };
+        Scenario { suspended_mass, vertical_suspension, ..Scenario::new(1, 5e-4, 0.3) }
+    }
+
+    fn load(lateral: f64, vertical: f64, suspended: f64) -> WheelLoad {
+        WheelLoad { centre: Vector2::new(lateral, vertical), suspended }
+    }
+
+    fn trial(part: &Wheel) -> Trial<'_, Wheel> {
+        Trial {
+            part,
+            rest: WheelState::default(),
+            loads: [load(20e3, -9e3, -61e3), load(-5e3, 2e3, -10e3), load(15e3, -7e3, -71e3)],
+            force: 85e3,
+            displacement: &|state| vec![state.centre[0].u, state.centre[1].u, state.roll.u],
+            numbers: &|state| {
+                [state.centre[0], state.centre[1], state.roll, state.suspended]
+                    .iter()
+                    .flat_map(|m| [vec![m.u], vec![m.v], vec![m.a]])
+                    .collect()
+            },
+        }
+    }
+
+    /// Goal: the wheel obeys the rules of a linear part, with and without suspended mass, damper, dissipation and held rotation. Without
+    /// damper and dissipation its energy (J) is the work of the forces. Accuracy: ROUNDOFF.
+    #[test]
+    fn the_wheel_is_a_linear_part() {
+        for (suspended, damping) in [(6250.0, 0.0), (6250.0, 40e3), (0.0, 40e3)] {
+            let scenario = scenario(suspended, damping);
+            for (roll_inertia, dissipation) in [(Some(INERTIA), 0.0), (Some(INERTIA), 0.05), (None, 0.0)] {
+                let dynamics = WheelDynamics { scenario: &scenario, mass: MASS, roll_inertia };
+                let part = dynamics.over(&Newmark::new(scenario.time_step, dissipation));
+                let found = trial(&part).deviations();
+                assert!(found.largest() < ROUNDOFF, "{suspended} {damping} {roll_inertia:?}: {found:?}");
+                assert_eq!(part.flexibility[(2, 2)] == 0.0, roll_inertia.is_none());
+                if dissipation == 0.0 && (damping == 0.0 || suspended == 0.0) {
+                    let energy = |state: &WheelState| {
+                        let kinetic = |mass: f64, m: &Motion| 0.5 * mass * m.v * m.v;
+                        let spring = suspended.min(1.0) * scenario.vertical_suspension.stiffness;
+                        kinetic(MASS, &state.centre[0])
+                            + kinetic(MASS, &state.centre[1])
+                            + kinetic(INERTIA, &state.roll)
+                            + kinetic(suspended, &state.suspended)
+                            + 0.5 * spring * (state.suspended.u - state.centre[1].u).powi(2)
+                    };
+                    let defect = trial(&part).energy_defect(&load(0.0, 0.0, 0.0), &energy);
+                    assert!(defect < ROUNDOFF, "{suspended} {roll_inertia:?}: {defect:e}");
+                }
+            }
         }
     }
 }
