@@ -53,21 +53,20 @@ impl<'a> Bodies<'a> {
 }
 
 impl<'a> Interiors<'a> {
-    /// Lets the insides go that no field is made from.
-    pub fn keep_only(&mut self, wanted: &[PairBody]) {
-        for (interior, body) in self.made.iter_mut().zip(PairBody::ALL) {
-            if !wanted.contains(&body) {
-                *interior = None;
-            }
-        }
-    }
-
-    /// The inside of a body.
+    /// The insides of some bodies; those of the others are let go.
     ///
     /// # Errors
-    /// None that a body which was condensed can cause.
-    pub fn take(&mut self, body: PairBody) -> Result<Interior<'a>> {
-        let made = self.made.iter_mut().zip(PairBody::ALL).find(|(_, other)| *other == body);
-        made.and_then(|(interior, _)| interior.take()).map_or_else(|| self.solids.interior(body), Ok)
+    /// None that bodies which were condensed can cause.
+    pub fn of<const N: usize>(self, wanted: [PairBody; N]) -> Result<[Interior<'a>; N]> {
+        let Self { solids, made } = self;
+        let mut made = PairBody::ALL.into_iter().zip(made).collect::<Vec<_>>();
+        made.retain(|(body, _)| wanted.contains(body));
+        let mut found = Vec::with_capacity(N);
+        for body in wanted {
+            let interior =
+                made.iter_mut().find(|(other, _)| *other == body).and_then(|(_, made)| made.take());
+            found.push(interior.map_or_else(|| solids.interior(body), Ok)?);
+        }
+        Ok(found.try_into().unwrap_or_else(|_| unreachable!("one for each")))
     }
 }

@@ -62,15 +62,18 @@ pub fn calibrate(
     study: &Study,
     geometry: &Geometry,
     meshes: &Meshes,
-    Bodies { condensed: bodies, mut interiors }: Bodies<'_>,
+    Bodies { condensed: bodies, interiors }: Bodies<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(Calibration, PressedFields)> {
     let pair = &geometry.pair;
-    let rail_in_use = rail_in_use(study);
-    interiors.keep_only(&[rail_in_use, PairBody::Wheel]);
     let beam = SeriesBeam::new(pair, &bodies, &geometry.beam)?;
     let contact = ContactConditions { friction: study.contact.friction, enforcement: enforcement(study) };
-    let pressed = bodies.press(pair, contact, &study.calibration.loads, monitor)?;
+    // the insides of bodies from the store are factored beside the contact
+    let (pressed, interiors) = rayon::join(
+        || bodies.press(pair, contact, &study.calibration.loads, monitor),
+        || interiors.of([rail_in_use(study), PairBody::Wheel]),
+    );
+    let (pressed, [rail, wheel]) = (pressed?, interiors?);
     let foot = pressed.fit(Reference::Foot)?;
     let beam_law = pressed.fit(Reference::Beam)?;
     let local = pressed.fit(Reference::Local)?;
@@ -83,7 +86,6 @@ pub fn calibrate(
     let largest = pressed.states(reference).last().expect("a study has loads");
     let on_wheel = largest.force_on_wheel();
     let along = in_series.map_or_else(Default::default, |beam| beam.solid * -on_wheel.yz());
-    let (rail, wheel) = (interiors.take(rail_in_use)?, interiors.take(PairBody::Wheel)?);
     let solids = [(bodies.rail(reference), &rail), (&bodies.wheel, &wheel)];
     let fields = PressedFields::new(largest, solids, along, geometry, meshes);
 
