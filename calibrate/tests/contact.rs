@@ -1,11 +1,12 @@
 //! Contact against closed solutions: patch test, Hertz, sticking and sliding.
 
 use faer::Mat;
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::{Point2, Point3, Vector2, Vector3};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::contact::{
-    BodyCompliance, Compliance, ContactPoint, FreeDirection, HalfSpace, PairingLimits, PenaltySprings,
-    PointMode, Problem, Side, Solution, Surface, flat_grid, gaps, hub_response, pair, solve, total,
+    BodyCompliance, Compliance, ContactPoint, FreeDirection, HalfSpace, NearField, PairingLimits,
+    PenaltySprings, PointMode, Problem, Side, Solution, Surface, flat_grid, gaps, hub_response, pair, solve,
+    total,
 };
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, mesh_block};
 use railspring_calibrate::profile::ProfileCurve;
@@ -164,17 +165,29 @@ fn a_wrong_weight_fails_the_patch_test() {
     }
 }
 
-/// A rigid-plane approach of two bodies whose gap is x²/2Rx + s²/2Rs, on half-spaces.
-fn half_space_hertz(
-    radius_x: f64,
-    radius_s: f64,
-    load: f64,
-    h: f64,
-    count: (usize, usize),
-) -> (f64, f64, f64) {
-    let points = flat_grid(count, h, |s, x| s * s / (2.0 * radius_s) + x * x / (2.0 * radius_x));
-    let contact_modulus = Material::STEEL.contact_modulus();
-    let (compliance, free) = (total(&[&HalfSpace { contact_modulus }], &points, 1), gaps(&points));
+/// Two half-spaces with the gap x²/2Rx + s²/2Rs, pressed with a load on a uniform grid.
+struct OnHalfSpaces {
+    approach: f64,
+    largest_pressure: f64,
+    tangent: f64,
+    /// Semi-axes along x and s: those of the ellipse of Hertz with the same second moments, m.
+    semi_axes: [f64; 2],
+}
+
+/// Presses on cells of the lengths `cell` along x and s (m), `count` of them.
+fn on_half_spaces(radii: [f64; 2], load: f64, cell: [f64; 2], count: [usize; 2]) -> OnHalfSpaces {
+    let mut points = flat_grid((count[1], count[0]), 1.0, |_, _| 0.0);
+    for point in &mut points {
+        point.widths = Vector2::new(cell[1], cell[0]);
+        point.position = Point2::new(point.position.x * cell[1], point.position.y * cell[0]);
+        point.area = cell[0] * cell[1];
+        let (s, x) = (point.position.x, point.position.y);
+        // mean over the hats
+        point.gap = (s * s + cell[1].powi(2) / 6.0) / (2.0 * radii[1])
+            + (x * x + cell[0].powi(2) / 6.0) / (2.0 * radii[0]);
+    }
+    let compliance = NearField::of(&HalfSpace::both(&Material::STEEL), &points, 1);
+    let free = gaps(&points);
     let problem = Problem {
         points: &points,
         compliance: &compliance,
@@ -183,34 +196,66 @@ fn half_space_hertz(
         hub: &[downwards(load)],
     };
     let solution = solve(&problem, &vec![0.0; points.len()]).unwrap();
-    let largest = solution.forces.iter().zip(&points).map(|(f, point)| f / point.area).fold(0.0, f64::max);
-    let tangent = hub_response(&problem, &solution, &[Vector3::z_axis()], false).unwrap().stiffness[(0, 0)];
-    (solution.hub[0], largest, tangent)
+    let forces = &solution.forces;
+    let carried: f64 = forces.iter().sum();
+    assert!((carried / load - 1.0).abs() < WANTED, "{carried} of {load}");
+    let moment = |axis: usize| {
+        let sum: f64 = forces
+            .iter()
+            .zip(&points)
+            .map(|(f, p)| f * (p.position[axis].powi(2) + p.widths[axis].powi(2) / 6.0))
+            .sum();
+        (5.0 * sum / load).sqrt()
+    };
+    OnHalfSpaces {
+        approach: solution.hub[0],
+        largest_pressure: forces.iter().zip(&points).map(|(f, point)| f / point.area).fold(0.0, f64::max),
+        tangent: hub_response(&problem, &solution, &[Vector3::z_axis()], false).unwrap().stiffness[(0, 0)],
+        semi_axes: [moment(1), moment(0)],
+    }
 }
 
-/// Source: Hertz (K.L. Johnson, Contact Mechanics, 1985, chapter 4). Goal: sphere and crossed cylinders on
-/// half-spaces; approach within 3 %, largest pressure within 5 % with about five cells to the smaller
-/// semi-axis, and converging. Units SI.
+/// SOLVER: the load that a solution carries, relative.
+const WANTED: f64 = 1e-8;
+
+/// Source: Hertz (K.L. Johnson, Contact Mechanics, 1985, chapter 4). Goal: ellipses 1:1, about 3:1 and about 10:1, lying
+/// along x and along s, on half-spaces with twelve cells to each semi-axis, as many as the default fine grid has at 80 kN. Units SI. Accuracy, DISCRETISATION of the
+/// bilinear pressure: approach 0.3 %, largest pressure 0.5 %, tangent 1 %, semi-axes half a cell; with half the
+/// cells to an axis the approach is farther off.
 #[test]
-fn hertz_sphere_and_crossed_cylinders_on_half_spaces() {
+fn hertz_ellipses_on_half_spaces() {
     let load = 85e3;
-    for (radius_x, radius_s) in [(0.3, 0.3), (0.429, 0.3), (0.46, 0.08)] {
-        let exact = point_contact(load, radius_x, radius_s, Material::STEEL.contact_modulus()).unwrap();
-        let mut errors = Vec::new();
-        for cells in [5.0, 10.0] {
-            let h = exact.semi_axis_x.min(exact.semi_axis_y) / cells;
-            let count = [exact.semi_axis_y, exact.semi_axis_x].map(|a| (2.4 * a / h) as usize | 1).into();
-            let (approach, pressure, tangent) = half_space_hertz(radius_x, radius_s, load, h, count);
-            errors.push([
-                (approach / exact.approach - 1.0).abs(),
-                (pressure / exact.max_pressure - 1.0).abs(),
-                (tangent / exact.tangent_stiffness - 1.0).abs(),
-            ]);
+    let mut worst = [[0.0_f64; 2]; 2];
+    for (radii, ratio) in [([0.3, 0.3], 1.0), ([0.46, 0.08], 3.2), ([0.08, 0.46], 3.2), ([2.2, 0.06], 10.0)] {
+        let exact = point_contact(load, radii[0], radii[1], Material::STEEL.contact_modulus()).unwrap();
+        let axes = [exact.semi_axis_x, exact.semi_axis_y];
+        let longer = axes[0].max(axes[1]) / axes[0].min(axes[1]);
+        assert!((longer / ratio - 1.0).abs() < 0.05, "{radii:?}: {longer}");
+        for (level, cells) in [6.0, 12.0].into_iter().enumerate() {
+            let cell = axes.map(|a| a / cells);
+            let found = on_half_spaces(radii, load, cell, [2 * (1.3 * cells) as usize + 1; 2]);
+            let approach = found.approach / exact.approach - 1.0;
+            let pressure = found.largest_pressure / exact.max_pressure - 1.0;
+            println!(
+                "{longer:.1}:1, {cells} cells: approach {:.3} %, pressure {:.3} %, tangent {:.3} %, axes {:.3} {:.3} cells",
+                100.0 * approach,
+                100.0 * pressure,
+                100.0 * (found.tangent / exact.tangent_stiffness - 1.0),
+                (found.semi_axes[0] - axes[0]) / cell[0],
+                (found.semi_axes[1] - axes[1]) / cell[1],
+            );
+            worst[level][0] = worst[level][0].max(approach.abs());
+            worst[level][1] = worst[level][1].max(pressure.abs());
+            if level == 1 {
+                assert!(approach.abs() < 0.003 && pressure.abs() < 0.005, "{radii:?}");
+                assert!((found.tangent / exact.tangent_stiffness - 1.0).abs() < 0.01, "{radii:?}");
+                for axis in 0..2 {
+                    assert!((found.semi_axes[axis] - axes[axis]).abs() < 0.5 * cell[axis], "{radii:?}");
+                }
+            }
         }
-        assert!(errors[0][0] < 0.03 && errors[0][1] < 0.05, "{radius_x} {radius_s}: {errors:?}");
-        assert!(errors[1][0] < 0.5 * errors[0][0].max(2e-3), "approach does not converge: {errors:?}");
-        assert!(errors[1][1] < 0.02 && errors[1][2] < 0.03, "{errors:?}");
     }
+    assert!(worst[1][0] < worst[0][0], "approach does not converge: {worst:?}");
 }
 
 /// Errors of two condensed blocks in contact against Hertz: approach and largest pressure, relative.
@@ -312,9 +357,10 @@ fn sticking_sliding_and_separation() {
 fn tangent_by_algebra_is_the_slope_of_the_load_curve() {
     const DIFFERENCE: f64 = 2e-2;
     let (load, step) = (85e3, 85.0);
-    let (_, _, tangent) = half_space_hertz(0.4, 0.3, load, 0.6e-3, (31, 31));
-    let (low, _, _) = half_space_hertz(0.4, 0.3, load - step, 0.6e-3, (31, 31));
-    let (high, _, _) = half_space_hertz(0.4, 0.3, load + step, 0.6e-3, (31, 31));
+    let pressed = |load| on_half_spaces([0.4, 0.3], load, [0.6e-3; 2], [31; 2]);
+    let tangent = pressed(load).tangent;
+    let low = pressed(load - step).approach;
+    let high = pressed(load + step).approach;
     let slope = 2.0 * step / (high - low);
     assert!((tangent / slope - 1.0).abs() < DIFFERENCE, "{tangent} {slope}");
 }

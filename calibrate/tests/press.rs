@@ -163,8 +163,8 @@ fn the_local_stiffness_is_that_of_a_half_space_program() {
 fn half_space(case: &Case, loads: &[f64]) -> Vec<[f64; 3]> {
     let bodies = Bodies::new(case);
     let points = pair(&bodies.rail_surface(), &bodies.wheel_surface(), PairingLimits { largest_gap: 0.2e-3 });
-    let half_space = HalfSpace { contact_modulus: case.material.contact_modulus() };
-    let (compliance, free) = (total(&[&half_space], &points, 1), gaps(&points));
+    let [rail, wheel] = HalfSpace::both(&case.material);
+    let (compliance, free) = (total(&[&rail, &wheel], &points, 1), gaps(&points));
     loads
         .iter()
         .map(|load| {

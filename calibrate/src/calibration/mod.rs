@@ -198,12 +198,12 @@ fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed, material: &Material)
         .ok_or_else(|| singular("tangent", state))?;
     let tangent = response.stiffness[(0, 0)];
     // change of the contact forces for one newton of load
-    let change: Vec<f64> = response.forces.column(0).iter().map(|f| f / tangent).collect();
+    let change: Vec<f64> = response.forces.col_as_slice(0).iter().map(|f| f / tangent).collect();
     let directions = wheel_on_rail.directions();
     let share = |part: &dyn Compliance| quadratic(&total(&[part], &state.points, directions), &change);
-    let half_space = HalfSpace { contact_modulus: material.contact_modulus() };
+    let [rail_half, wheel_half] = HalfSpace::both(material);
     let normal_change = &change[..state.points.len()];
-    let half_spaces = quadratic(&total(&[&half_space], &state.points, 1), normal_change);
+    let half_spaces = quadratic(&total(&[&rail_half, &wheel_half], &state.points, 1), normal_change);
     let penalty = match wheel_on_rail.enforcement {
         Enforcement::Exact => 0.0,
         Enforcement::Penalty(stiffness) => share(&PenaltySprings { stiffness }),

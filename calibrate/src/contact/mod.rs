@@ -3,8 +3,9 @@
 //! * [`Surface`] and [`pair`]: which point of one surface faces which point of
 //!   the other, the gap, and the consistent weights of the nodes of both.
 //! * [`Compliance`]: contact forces in, change of gap and slip out. Superelements,
-//!   the analytic half-space and the published penalty springs implement it.
-//! * [`solve`]: unilateral contact with Coulomb friction on the dense compliance.
+//!   the half-spaces and the published penalty springs implement it.
+//! * [`ComplianceOperator`]: the same as the solver sees it: products, and the matrix where there is load.
+//! * [`solve`]: unilateral contact with Coulomb friction.
 //!
 //! The unknowns are nodal pressures on the base surface (the rail), bilinear
 //! between its nodes; gaps are their weighted means. Integration runs over the
@@ -14,8 +15,12 @@
 mod surface;
 mod point;
 mod pairing;
+mod lattice;
 mod compliance;
 mod half_space;
+mod operator;
+mod near_field;
+mod hybrid;
 mod state;
 mod newton;
 mod sweeps;
@@ -23,6 +28,12 @@ mod solver;
 
 pub use compliance::{BodyCompliance, Compliance, PenaltySprings, total};
 pub use half_space::HalfSpace;
+pub(crate) use half_space::{Factors, HatTable};
+pub(crate) use hybrid::{Hybrid, Shares};
+pub(crate) use lattice::Lattice;
+pub use near_field::NearField;
+pub(crate) use near_field::extent;
+pub use operator::ComplianceOperator;
 pub use pairing::{PairingLimits, pair};
 pub use point::{ContactPoint, NodeWeight, Side, flat_grid, gaps, nodal_forces, resultant};
 pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};

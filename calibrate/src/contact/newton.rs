@@ -8,7 +8,11 @@
 
 use super::state::{PointMode, Residual, State};
 use crate::error::StopReason;
-use nalgebra::{DMatrix, DVector};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::lu::partial_pivoting::solve::{solve_in_place, solve_in_place_scratch};
+use faer::{Mat, Par};
+use nalgebra::Vector3;
 use std::collections::VecDeque;
 
 /// Steps at most.
@@ -143,22 +147,17 @@ fn direction(state: &State, modes: &[PointMode]) -> Option<Step> {
         // the surfaces part: nothing to solve
         return Some(Step { forces, hub: Vec::new(), separation: lost });
     }
-    let mut matrix = DMatrix::zeros(m + k, m + k);
-    let mut rhs = DVector::zeros(m + k);
+    // gap (and slip while sticking) closes; in newtons, so that all rows have one scale
+    let along: Vec<Vector3<f64>> = problem.hub.iter().map(|free| free.along.into_inner()).collect();
+    let mut matrix = state.linearised(&rows, &along, k);
+    let mut rhs = vec![0.0; m + k];
     for (r, &row) in rows.iter().enumerate() {
-        // gap (and slip while sticking) closes; in newtons, so that all rows have one scale
-        for (c, &column) in rows.iter().enumerate() {
-            matrix[(r, c)] = state.scale[row] * problem.compliance[(row, column)];
-        }
-        for (h, free) in problem.hub.iter().enumerate() {
-            matrix[(r, m + h)] = state.scale[row] * state.hub_weight(row, &free.along);
-        }
         rhs[r] = -state.scale[row] * (state.separation[row] + lost[row]);
     }
     // the hub's displacement in the columns is multiplied by this, m/N, to keep the matrix well scaled
     let hub_unit = m as f64 / rows.iter().map(|&row| state.scale[row]).sum::<f64>();
     for (h, free) in problem.hub.iter().enumerate() {
-        matrix.column_mut(m + h).scale_mut(hub_unit);
+        matrix.col_as_slice_mut(m + h).iter_mut().for_each(|value| *value *= hub_unit);
         let mut carried = 0.0;
         for (c, &column) in rows.iter().enumerate() {
             matrix[(m + h, c)] = state.hub_weight(column, &free.along);
@@ -169,7 +168,8 @@ fn direction(state: &State, modes: &[PointMode]) -> Option<Step> {
     if state.directions == 3 {
         slip_rows(state, modes, &active, &mut matrix, &mut rhs);
     }
-    let change = matrix.lu().solve(&rhs)?;
+    let change = solve_dense(matrix, Mat::from_fn(m + k, 1, |r, _| rhs[r]))?;
+    let change = change.col_as_slice(0);
     for (r, &row) in rows.iter().enumerate() {
         forces[row] = change[r];
     }
@@ -184,8 +184,8 @@ pub(super) fn slip_rows(
     state: &State,
     modes: &[PointMode],
     active: &[usize],
-    matrix: &mut DMatrix<f64>,
-    rhs: &mut DVector<f64>,
+    matrix: &mut Mat<f64>,
+    rhs: &mut [f64],
 ) {
     let n = state.problem.points.len();
     let a = active.len();
@@ -217,4 +217,21 @@ pub(super) fn slip_rows(
         rhs[row1] = limit * unit.x - state.forces[n + j];
         rhs[row2] = limit * unit.y - state.forces[2 * n + j];
     }
+}
+
+/// Solution of a dense system with the columns of `rhs`, on one thread, so that threads do not change it; `None` if it
+/// has none.
+pub(super) fn solve_dense(mut matrix: Mat<f64>, mut rhs: Mat<f64>) -> Option<Mat<f64>> {
+    let n = matrix.nrows();
+    let (mut order, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
+    let mut memory = MemBuffer::new(StackReq::any_of(&[
+        lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default()),
+        solve_in_place_scratch::<usize, f64>(n, rhs.ncols(), Par::Seq),
+    ]));
+    let stack = MemStack::new(&mut memory);
+    let (_, order) =
+        lu_in_place(matrix.as_mut(), &mut order, &mut inverse, Par::Seq, stack, Default::default());
+    solve_in_place(matrix.as_ref(), matrix.as_ref(), order, rhs.as_mut(), Par::Seq, stack);
+    let finite = (0..rhs.ncols()).all(|c| rhs.col_as_slice(c).iter().all(|value| value.is_finite()));
+    finite.then_some(rhs)
 }

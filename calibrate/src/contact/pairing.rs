@@ -241,7 +241,7 @@ fn add_weight(list: &mut Vec<NodeWeight>, node: usize, weight: f64, normal: &Vec
 
 /// Parts of a base cell [s0, s1] between the lines of the opposing grid that face it, and between the jumps in curvature
 /// of either profile: across one, a rule that is exact for parabolas is off by a share of the jump.
-fn profile_intervals(
+pub(super) fn profile_intervals(
     base: &Surface,
     opposing: &Surface,
     s0: f64,

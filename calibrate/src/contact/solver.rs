@@ -1,4 +1,4 @@
-//! Unilateral contact with Coulomb friction on a dense compliance.
+//! Unilateral contact with Coulomb friction on a linear compliance.
 //!
 //! Unknown are the forces at the contact points and the free motions of the
 //! wheel's hub. A semismooth Newton iteration finds them. Where it does not
@@ -8,11 +8,12 @@
 //! answer satisfies the conditions of the problem as it is posed, to the same
 //! tolerance.
 
-use super::newton::{newton, slip_rows};
+use super::newton::{newton, slip_rows, solve_dense};
 use super::state::State;
 use super::sweeps::sweep;
 use crate::error::{NumericsError, Result};
-use nalgebra::{DMatrix, DVector, Unit, Vector3};
+use faer::Mat;
+use nalgebra::{DMatrix, Unit, Vector3};
 
 pub use super::state::{FreeDirection, PointMode, Problem, Solution};
 
@@ -96,7 +97,7 @@ pub struct HubResponse {
     /// Force the hub must apply against its displacement, by direction, N/m.
     pub stiffness: DMatrix<f64>,
     /// Change of the contact forces (rows as in the compliance) for a unit displacement along each direction, N/m.
-    pub forces: DMatrix<f64>,
+    pub forces: Mat<f64>,
 }
 
 /// Linearises the contact at a converged state for hub motions along the world `directions`: all
@@ -122,23 +123,17 @@ pub fn hub_response(
         (0..state.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
     let (m, k) = (rows.len(), directions.len());
     // columns: contact forces, then hub motions
-    let mut system = DMatrix::from_fn(m, m + k, |r, c| {
-        state.scale[rows[r]]
-            * if c < m {
-                problem.compliance[(rows[r], rows[c])]
-            } else {
-                state.hub_weight(rows[r], &directions[c - m])
-            }
-    });
+    let along: Vec<Vector3<f64>> = directions.iter().map(|d| d.into_inner()).collect();
+    let mut system = state.linearised(&rows, &along, 0);
     if state.directions == 3 {
-        slip_rows(&state, &modes, &active, &mut system, &mut DVector::zeros(m));
+        slip_rows(&state, &modes, &active, &mut system, &mut vec![0.0; m]);
     }
-    let motion = system.columns(m, k).into_owned();
-    let response = system.columns(0, m).into_owned().lu().solve(&motion)?;
+    let motion = system.as_ref().subcols(m, k).to_owned();
+    let response = solve_dense(system.as_ref().subcols(0, m).to_owned(), motion)?;
     let stiffness = DMatrix::from_fn(k, k, |a, h| {
         (0..m).map(|r| state.hub_weight(rows[r], &directions[a]) * response[(r, h)]).sum()
     });
-    let mut forces = DMatrix::zeros(problem.free.len(), k);
+    let mut forces = Mat::zeros(problem.free.len(), k);
     for (r, &row) in rows.iter().enumerate() {
         for h in 0..k {
             forces[(row, h)] = -response[(r, h)];

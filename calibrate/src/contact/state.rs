@@ -1,6 +1,7 @@
 //! A contact problem, and the forces and the hub on the way to its solution.
 
 use super::ContactPoint;
+use super::operator::ComplianceOperator;
 use faer::Mat;
 use nalgebra::{Unit, Vector2, Vector3};
 
@@ -20,7 +21,7 @@ pub struct Problem<'a> {
     /// The points (their directions are needed for the hub).
     pub points: &'a [ContactPoint],
     /// Compliance, `direction·points + point`; one direction without friction, else three, m/N.
-    pub compliance: &'a Mat<f64>,
+    pub compliance: &'a dyn ComplianceOperator,
     /// Gap (and slip since the last state) of every row without contact forces, m.
     pub free: &'a [f64],
     /// Coulomb friction coefficient; ignored with one direction.
@@ -95,7 +96,7 @@ impl<'a> State<'a> {
     pub fn new(problem: &'a Problem, start: &[f64]) -> Self {
         let rows = problem.free.len();
         let count = problem.points.len();
-        assert_eq!(problem.compliance.nrows(), rows);
+        assert_eq!(problem.compliance.rows(), rows);
         assert_eq!(start.len(), rows);
         let directions = rows.checked_div(count).unwrap_or(1);
         let mut state = Self {
@@ -143,18 +144,32 @@ impl<'a> State<'a> {
     /// What the forces and the hub do to the separations, without the free ones.
     pub fn motion(&self, forces: &[f64], hub: &[f64]) -> Vec<f64> {
         let mut motion = vec![0.0; forces.len()];
-        for (j, &f) in forces.iter().enumerate() {
-            if f != 0.0 {
-                let column = self.problem.compliance.col_as_slice(j);
-                motion.iter_mut().zip(column).for_each(|(s, c)| *s += c * f);
-            }
-        }
+        self.problem.compliance.add_product(forces, &mut motion);
         for (free, h) in self.problem.hub.iter().zip(hub) {
             for (row, s) in motion.iter_mut().enumerate() {
                 *s += self.hub_weight(row, &free.along) * h;
             }
         }
         motion
+    }
+
+    /// Change of the separations of `rows` by the forces of these rows and, in further columns, by hub motions along
+    /// `directions`, as forces, and `spare` empty rows below.
+    pub fn linearised(&self, rows: &[usize], directions: &[Vector3<f64>], spare: usize) -> Mat<f64> {
+        let m = rows.len();
+        let block = self.problem.compliance.block(rows);
+        let mut matrix = Mat::zeros(m + spare, m + directions.len());
+        for c in 0..m {
+            let values = block.col_as_slice(c).iter().zip(rows);
+            let column = matrix.col_as_slice_mut(c);
+            column.iter_mut().zip(values).for_each(|(v, (b, &row))| *v = self.scale[row] * b);
+        }
+        for (h, along) in directions.iter().enumerate() {
+            for (r, &row) in rows.iter().enumerate() {
+                matrix[(r, m + h)] = self.scale[row] * self.hub_weight(row, along);
+            }
+        }
+        matrix
     }
 
     pub fn update_separation(&mut self) {
@@ -247,15 +262,15 @@ impl<'a> State<'a> {
 const ROUNDOFF: f64 = 16.0 * f64::EPSILON;
 
 /// Stiffness of every point alone, N/m.
-fn scales(compliance: &Mat<f64>, count: usize, directions: usize) -> Vec<f64> {
-    let rows = compliance.nrows();
-    let mean = (0..rows).map(|i| compliance[(i, i)]).sum::<f64>() / rows.max(1) as f64;
+fn scales(compliance: &dyn ComplianceOperator, count: usize, directions: usize) -> Vec<f64> {
+    let diagonal: Vec<f64> = (0..compliance.rows()).map(|row| compliance.diagonal(row)).collect();
+    let mean = diagonal.iter().sum::<f64>() / diagonal.len().max(1) as f64;
     let stiffness = |c: f64| 1.0 / if c > 0.0 { c } else { mean.max(f64::MIN_POSITIVE) };
-    let mut scale: Vec<f64> = (0..rows).map(|i| stiffness(compliance[(i, i)])).collect();
+    let mut scale: Vec<f64> = diagonal.iter().map(|c| stiffness(*c)).collect();
     if directions == 3 {
         for j in 0..count {
             let (a, b) = (count + j, 2 * count + j);
-            scale[a] = stiffness(0.5 * (compliance[(a, a)] + compliance[(b, b)]));
+            scale[a] = stiffness(0.5 * (diagonal[a] + diagonal[b]));
             scale[b] = scale[a];
         }
     }

@@ -144,6 +144,17 @@ impl<'a> Surface<'a> {
         normal: &Vector2<f64>,
         guess: f64,
     ) -> Option<Projection> {
+        self.project_from(point, x, normal, (guess, 0.0))
+    }
+
+    /// As [`Self::project`], starting the search at an arc length and a gap (m).
+    pub(super) fn project_from(
+        &self,
+        point: &Point2<f64>,
+        x: f64,
+        normal: &Vector2<f64>,
+        (guess, gap): (f64, f64),
+    ) -> Option<Projection> {
         let start = point - self.origin;
         let radius = match self.shape {
             Shape::Extruded => 0.0,
@@ -160,7 +171,7 @@ impl<'a> Surface<'a> {
             }
         };
         let length = self.curve.length();
-        let (mut s, mut g) = (guess.clamp(0.0, length), 0.0);
+        let (mut s, mut g) = (guess.clamp(0.0, length), gap);
         for _ in 0..40 {
             let (rho, slope, along_track) = height(g);
             let (p, t) = self.curve.evaluate(s);

@@ -20,9 +20,9 @@ pub(super) fn sweep(state: &mut State, tolerance: f64, relaxation: f64) -> usize
         .map(|free| (0..state.forces.len()).map(|row| state.hub_weight(row, &free.along)).collect())
         .collect();
     // as compliant as a point, the hub neither stiffens the sweeps nor lags behind them
-    let give = (0..n).map(|j| compliance[(j, j)]).sum::<f64>() / n.max(1) as f64;
+    let give = (0..n).map(|j| compliance.diagonal(j)).sum::<f64>() / n.max(1) as f64;
     let diagonal: Vec<f64> = (0..state.forces.len())
-        .map(|row| compliance[(row, row)] + give * weights.iter().map(|w| w[row] * w[row]).sum::<f64>())
+        .map(|row| compliance.diagonal(row) + give * weights.iter().map(|w| w[row] * w[row]).sum::<f64>())
         .collect();
     state.update_separation();
     for count in 1..=LIMIT {
@@ -62,8 +62,7 @@ fn apply(state: &mut State, weights: &[Vec<f64>], give: f64, row: usize, wanted:
         return 0.0;
     }
     state.forces[row] = wanted;
-    let column = state.problem.compliance.col_as_slice(row);
-    state.separation.iter_mut().zip(column).for_each(|(s, c)| *s += c * delta);
+    state.problem.compliance.add_column(row, delta, &mut state.separation);
     for (h, weight) in weights.iter().enumerate() {
         let moved = give * weight[row] * delta;
         state.hub[h] += moved;

@@ -1,0 +1,290 @@
+//! Half-spaces on a uniform grid: the matrix by look-ups in a table, products by a convolution.
+
+use super::half_space::{Factors, HalfSpace, HatTable};
+use super::operator::ComplianceOperator;
+use super::point::ContactPoint;
+use faer::Mat;
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::{Fft, FftPlanner};
+use std::sync::Arc;
+
+/// Half-spaces between points of a uniform grid.
+pub struct NearField {
+    table: Arc<HatTable>,
+    factors: Factors,
+    directions: usize,
+    /// Place of every point from the corner of the grid's rectangle that holds all.
+    places: Vec<(usize, usize)>,
+    convolution: Convolution,
+}
+
+impl NearField {
+    /// The half-spaces `bodies` between `points` of a uniform grid with `directions` (1 or 3) unknowns a point.
+    pub fn of(bodies: &[HalfSpace], points: &[ContactPoint], directions: usize) -> Self {
+        let indices: Vec<(usize, usize)> = points.iter().map(|point| point.index).collect();
+        let cell = points.first().map_or_else(Default::default, |point| point.widths);
+        let table = Arc::new(HatTable::new(cell, extent(&indices)));
+        let mut factors = Factors::default();
+        bodies.iter().for_each(|body| factors += body.factors());
+        Self::new(table, factors, directions, &indices)
+    }
+
+    /// The half-spaces with `factors` between the points at `indices` of the grid of `table`, whose reach must be at least
+    /// the extent of the points.
+    pub(crate) fn new(
+        table: Arc<HatTable>,
+        factors: Factors,
+        directions: usize,
+        indices: &[(usize, usize)],
+    ) -> Self {
+        let low = |pick: fn(&(usize, usize)) -> usize| indices.iter().map(pick).min().unwrap_or(0);
+        let corner = (low(|i| i.0), low(|i| i.1));
+        let places: Vec<(usize, usize)> =
+            indices.iter().map(|&(i, k)| (i - corner.0, k - corner.1)).collect();
+        let extent = extent(indices);
+        assert!(extent.0 <= table.reach.0 && extent.1 <= table.reach.1, "the table reaches over all points");
+        let mut convolution = Convolution::new(extent);
+        for to in 0..directions {
+            for from in 0..directions {
+                let kernel = |offset| factors.entry(&table.at(offset), to, from);
+                convolution
+                    .kernels
+                    .push(Self::couples(&factors, to, from).then(|| convolution.spectrum(kernel)));
+            }
+        }
+        Self { table, factors, directions, places, convolution }
+    }
+
+    /// Whether the directions see each other: without `coupling` the normal and the tangential ones do not.
+    fn couples(factors: &Factors, to: usize, from: usize) -> bool {
+        (to == 0) == (from == 0) || factors.coupling != 0.0
+    }
+
+    /// One value of the matrix.
+    pub(crate) fn value(&self, row: usize, column: usize) -> f64 {
+        let n = self.places.len();
+        let (to, from) = (row / n, column / n);
+        if !Self::couples(&self.factors, to, from) {
+            return 0.0;
+        }
+        let (a, b) = (self.places[row % n], self.places[column % n]);
+        let offset = (a.0 as isize - b.0 as isize, a.1 as isize - b.1 as isize);
+        self.factors.entry(&self.table.at(offset), to, from)
+    }
+}
+
+impl ComplianceOperator for NearField {
+    fn rows(&self) -> usize {
+        self.directions * self.places.len()
+    }
+
+    fn diagonal(&self, row: usize) -> f64 {
+        self.value(row, row)
+    }
+
+    fn add_column(&self, row: usize, force: f64, motion: &mut [f64]) {
+        motion.iter_mut().enumerate().for_each(|(other, m)| *m += self.value(other, row) * force);
+    }
+
+    fn block(&self, rows: &[usize]) -> Mat<f64> {
+        Mat::from_fn(rows.len(), rows.len(), |r, c| self.value(rows[r], rows[c]))
+    }
+
+    fn add_product(&self, forces: &[f64], motion: &mut [f64]) {
+        let n = self.places.len();
+        let d = self.directions;
+        let spectra: Vec<Option<Vec<Complex<f64>>>> = (0..d)
+            .map(|from| {
+                let part = &forces[from * n..(from + 1) * n];
+                part.iter().any(|force| *force != 0.0).then(|| {
+                    let loads = self.places.iter().copied().zip(part.iter().copied());
+                    self.convolution.transform(loads)
+                })
+            })
+            .collect();
+        for to in 0..d {
+            let mut sum: Option<Vec<Complex<f64>>> = None;
+            for (from, spectrum) in spectra.iter().enumerate() {
+                let (Some(kernel), Some(spectrum)) = (&self.convolution.kernels[to * d + from], spectrum)
+                else {
+                    continue;
+                };
+                let products = kernel.iter().zip(spectrum).map(|(k, s)| k * s);
+                match &mut sum {
+                    None => sum = Some(products.collect()),
+                    Some(sum) => sum.iter_mut().zip(products).for_each(|(sum, p)| *sum += p),
+                }
+            }
+            if let Some(sum) = sum {
+                let values = self.convolution.back(sum);
+                let rows = motion[to * n..(to + 1) * n].iter_mut().zip(&self.places);
+                rows.for_each(|(m, place)| *m += values[place.0 * self.convolution.padded.1 + place.1]);
+            }
+        }
+    }
+}
+
+/// Number of grid lines that the points at `indices` extend over.
+pub(crate) fn extent(indices: &[(usize, usize)]) -> (usize, usize) {
+    let over = |pick: fn(&(usize, usize)) -> usize| {
+        let (low, high) = indices.iter().map(pick).fold((usize::MAX, 0), |(l, h), v| (l.min(v), h.max(v)));
+        if low > high { 0 } else { high - low + 1 }
+    };
+    (over(|i| i.0), over(|i| i.1))
+}
+
+/// Products on a rectangle of the grid, in twice the rectangle so that it does not repeat itself.
+struct Convolution {
+    extent: (usize, usize),
+    padded: (usize, usize),
+    rows: Arc<dyn RealToComplex<f64>>,
+    rows_back: Arc<dyn ComplexToReal<f64>>,
+    columns: Arc<dyn Fft<f64>>,
+    columns_back: Arc<dyn Fft<f64>>,
+    /// Spectra of the kernels by `directions·to + from`; none where all are zero.
+    kernels: Vec<Option<Vec<Complex<f64>>>>,
+}
+
+impl Convolution {
+    fn new(extent: (usize, usize)) -> Self {
+        let padded = (smooth(2 * extent.0), smooth(2 * extent.1));
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        Self {
+            extent,
+            padded,
+            rows: real.plan_fft_forward(padded.1),
+            rows_back: real.plan_fft_inverse(padded.1),
+            columns: complex.plan_fft_forward(padded.0),
+            columns_back: complex.plan_fft_inverse(padded.0),
+            kernels: Vec::new(),
+        }
+    }
+
+    /// Spectrum of a kernel given by the signed offset, with the factor of both transforms.
+    fn spectrum(&self, kernel: impl Fn((isize, isize)) -> f64) -> Vec<Complex<f64>> {
+        let (rows, columns) = self.padded;
+        let reach = (self.extent.0 as isize, self.extent.1 as isize);
+        let scale = 1.0 / (rows * columns) as f64;
+        let wrap = |offset: isize, size: usize| offset.rem_euclid(size as isize) as usize;
+        let offsets = (1 - reach.0..reach.0).flat_map(|i| (1 - reach.1..reach.1).map(move |k| (i, k)));
+        self.transform(offsets.map(|(i, k)| ((wrap(i, rows), wrap(k, columns)), scale * kernel((i, k)))))
+    }
+
+    /// Transform of values at places, zero elsewhere.
+    fn transform(&self, values: impl Iterator<Item = ((usize, usize), f64)>) -> Vec<Complex<f64>> {
+        let (rows, columns) = self.padded;
+        let half = columns / 2 + 1;
+        let mut real = vec![0.0; rows * columns];
+        let mut used = vec![false; rows];
+        for ((i, k), value) in values {
+            real[i * columns + k] = value;
+            used[i] = true;
+        }
+        let mut spectrum = vec![Complex::default(); rows * half];
+        let mut scratch = self.rows.make_scratch_vec();
+        for i in (0..rows).filter(|&i| used[i]) {
+            let (input, output) =
+                (&mut real[i * columns..(i + 1) * columns], &mut spectrum[i * half..(i + 1) * half]);
+            self.rows.process_with_scratch(input, output, &mut scratch).expect("lengths of the plan");
+        }
+        self.along_columns(&mut spectrum, &self.columns);
+        spectrum
+    }
+
+    /// The values whose spectrum it is.
+    fn back(&self, mut spectrum: Vec<Complex<f64>>) -> Vec<f64> {
+        let (rows, columns) = self.padded;
+        let half = columns / 2 + 1;
+        self.along_columns(&mut spectrum, &self.columns_back);
+        let mut real = vec![0.0; rows * columns];
+        let mut scratch = self.rows_back.make_scratch_vec();
+        for i in 0..self.extent.0 {
+            let input = &mut spectrum[i * half..(i + 1) * half];
+            // those of a real row are real; what is left is rounding
+            input[0].im = 0.0;
+            if columns % 2 == 0 {
+                input[half - 1].im = 0.0;
+            }
+            let output = &mut real[i * columns..(i + 1) * columns];
+            self.rows_back.process_with_scratch(input, output, &mut scratch).expect("lengths of the plan");
+        }
+        real
+    }
+
+    fn along_columns(&self, spectrum: &mut [Complex<f64>], plan: &Arc<dyn Fft<f64>>) {
+        let rows = self.padded.0;
+        let half = spectrum.len() / rows;
+        let mut turned = vec![Complex::default(); spectrum.len()];
+        for i in 0..rows {
+            (0..half).for_each(|k| turned[k * rows + i] = spectrum[i * half + k]);
+        }
+        plan.process(&mut turned);
+        for i in 0..rows {
+            (0..half).for_each(|k| spectrum[i * half + k] = turned[k * rows + i]);
+        }
+    }
+}
+
+/// Smallest number from `least` on that is even and has no other primes than 2, 3 and 5.
+fn smooth(least: usize) -> usize {
+    let is_smooth = |mut n: usize| {
+        for prime in [2, 3, 5] {
+            while n % prime == 0 {
+                n /= prime;
+            }
+        }
+        n == 1
+    };
+    (least.max(2)..).find(|&n| n % 2 == 0 && is_smooth(n)).unwrap_or(least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::point::{Side, flat_grid};
+    use super::super::{Compliance, total};
+    use super::*;
+    use nalgebra::Vector2;
+
+    /// Source: the half-spaces as a dense matrix. Goal: look-ups and products on a ragged set of points of a grid are those of
+    /// the matrix, with and without coupling of normal and tangential directions. Accuracy over the largest: ROUNDOFF
+    /// of the means' Gauss sums, from either side, and of a transform of some thousand values.
+    #[test]
+    fn look_ups_and_products_are_those_of_the_matrix() {
+        const ROUNDOFF: f64 = 1e-11;
+        let h = 0.5e-3;
+        let mut points = flat_grid((13, 9), h, |_, _| 0.0);
+        points.retain(|point| (point.index.0 + 2 * point.index.1) % 5 != 0 && point.index.0 > 1);
+        let n = points.len();
+        let indices: Vec<(usize, usize)> = points.iter().map(|point| point.index).collect();
+        let table = Arc::new(HatTable::new(Vector2::new(h, h), extent(&indices)));
+        let soft = HalfSpace { shear_modulus: 30e9, poisson: 0.2, side: Side::Base };
+        let stiff = HalfSpace { shear_modulus: 80e9, poisson: 0.3, side: Side::Opposing };
+        let same = HalfSpace { side: Side::Opposing, ..soft };
+        for (directions, other) in [(1, stiff), (3, stiff), (3, same)] {
+            let mut factors = soft.factors();
+            factors += other.factors();
+            let near = NearField::new(table.clone(), factors, directions, &indices);
+            let parts: [&dyn Compliance; 2] = [&soft, &other];
+            let matrix = total(&parts, &points, directions);
+            assert_eq!(near.rows(), matrix.nrows());
+            let forces: Vec<f64> = (0..directions * n).map(|j| ((7 * j + 3) % 11) as f64 - 4.0).collect();
+            let mut product = vec![0.0; forces.len()];
+            near.add_product(&forces, &mut product);
+            let largest = product.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            for row in 0..forces.len() {
+                let mut exact = 0.0;
+                for column in 0..forces.len() {
+                    let value = matrix[(row, column)];
+                    assert!(
+                        (near.value(row, column) - value).abs() < ROUNDOFF * matrix[(0, 0)],
+                        "{row} {column}"
+                    );
+                    exact += value * forces[column];
+                }
+                assert!((product[row] - exact).abs() < ROUNDOFF * largest, "{row}: {} {exact}", product[row]);
+            }
+        }
+    }
+}

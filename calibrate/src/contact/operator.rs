@@ -1,0 +1,46 @@
+//! What the solver needs of the elasticity in a contact.
+
+use faer::Mat;
+
+/// A symmetric compliance, m/N, between the rows `direction·points + point` of a list of contact points. The solver
+/// multiplies with it, and has its values only where points carry load.
+pub trait ComplianceOperator: Send + Sync {
+    /// Number of rows.
+    fn rows(&self) -> usize;
+
+    /// Compliance of one row alone.
+    fn diagonal(&self, row: usize) -> f64;
+
+    /// Adds the displacements under `forces` to `motion`.
+    fn add_product(&self, forces: &[f64], motion: &mut [f64]);
+
+    /// Adds the displacements under a `force` on one row to `motion`.
+    fn add_column(&self, row: usize, force: f64, motion: &mut [f64]);
+
+    /// The matrix between `rows`.
+    fn block(&self, rows: &[usize]) -> Mat<f64>;
+}
+
+impl ComplianceOperator for Mat<f64> {
+    fn rows(&self) -> usize {
+        self.nrows()
+    }
+
+    fn diagonal(&self, row: usize) -> f64 {
+        self[(row, row)]
+    }
+
+    fn add_product(&self, forces: &[f64], motion: &mut [f64]) {
+        for (row, &force) in forces.iter().enumerate().filter(|(_, force)| **force != 0.0) {
+            self.add_column(row, force, motion);
+        }
+    }
+
+    fn add_column(&self, row: usize, force: f64, motion: &mut [f64]) {
+        motion.iter_mut().zip(self.col_as_slice(row)).for_each(|(m, c)| *m += c * force);
+    }
+
+    fn block(&self, rows: &[usize]) -> Mat<f64> {
+        Mat::from_fn(rows.len(), rows.len(), |r, c| self[(rows[r], rows[c])])
+    }
+}
