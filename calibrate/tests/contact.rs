@@ -186,7 +186,7 @@ fn on_half_spaces(radii: [f64; 2], load: f64, cell: [f64; 2], count: [usize; 2])
         point.gap = (s * s + cell[1].powi(2) / 6.0) / (2.0 * radii[1])
             + (x * x + cell[0].powi(2) / 6.0) / (2.0 * radii[0]);
     }
-    let compliance = NearField::of(&HalfSpace::both(&Material::STEEL), &points, 1);
+    let compliance = NearField::new(&HalfSpace::both(&Material::STEEL), &points, 1);
     let free = gaps(&points);
     let problem = Problem {
         points: &points,

@@ -129,7 +129,7 @@ fn drawn(poisson: f64, axis: Unit<Vector3<f64>>, cells: f64, steps: &[f64]) -> V
     let count = 2 * (1.2 * cells) as usize + 1;
     let points = flat_grid((count, count), h, |s, x| (s * s + x * x + h * h / 3.0) / (2.0 * radius));
     let n = points.len();
-    let compliance = NearField::of(&HalfSpace::both(&material), &points, 3);
+    let compliance = NearField::new(&HalfSpace::both(&material), &points, 3);
     // stiffness of the stuck patch (R.D. Mindlin 1949), of both bodies in series
     let sticking = 4.0 * patch * material.shear_modulus() / (2.0 - poisson);
     let full = 1.5 * friction * load / sticking;

@@ -4,13 +4,33 @@
 use super::near_field::NearField;
 use super::operator::ComplianceOperator;
 use faer::Mat;
+use nalgebra::Vector2;
 use std::sync::Arc;
 
-/// Shares of a fine point in the coarse points around it; those that it has none in are zero.
-pub(crate) type Shares = [(usize, f64); 4];
+/// Share of a fine point in a coarse one.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Share {
+    /// The coarse point.
+    pub point: usize,
+    /// Its weight.
+    pub weight: f64,
+    /// Cosine and sine of the angle from the coarse point's normal to the fine one's, towards the lateral tangent.
+    pub turn: Vector2<f64>,
+}
+
+impl Share {
+    /// A share by the normals (y, z) of both points.
+    pub fn new(point: usize, weight: f64, coarse: &Vector2<f64>, fine: &Vector2<f64>) -> Self {
+        Self { point, weight, turn: Vector2::new(fine.dot(coarse), fine.y * coarse.x - fine.x * coarse.y) }
+    }
+}
+
+/// Shares of a fine point in the coarse points around it.
+pub(crate) type Shares = [Share; 4];
 
 /// Compliance `N + P·D·Pᵀ` of the points of a fine grid: half-spaces N between them, and the far field D of the bodies
-/// between coarse points, with the bilinear interpolation P from these to the fine ones.
+/// between coarse points, with the bilinear interpolation P from these to the fine ones. With all three directions P turns them
+/// with the profile, so that the forces keep their resultant; with the normal one alone it cannot.
 pub(crate) struct Hybrid {
     near: NearField,
     /// D, `direction·coarse points + coarse point`, m/N.
@@ -25,6 +45,11 @@ impl Hybrid {
         hybrid.diagonal =
             (0..hybrid.rows()).map(|row| hybrid.near.value(row, row) + hybrid.far_value(row, row)).collect();
         hybrid
+    }
+
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.shares.len()
     }
 
     /// The half-spaces alone.
@@ -44,10 +69,21 @@ impl Hybrid {
     }
 
     /// Rows of the far field with the weights of a row of the fine grid.
-    fn coarse(&self, row: usize) -> [(usize, f64); 4] {
+    fn coarse(&self, row: usize) -> impl Iterator<Item = (usize, f64)> {
         let n = self.shares.len();
-        let first = row / n * (self.far.nrows() / (self.rows() / n));
-        self.shares[row % n].map(|(point, weight)| (first + point, weight))
+        let (direction, directions) = (row / n, self.rows() / n);
+        let points = self.far.nrows() / directions;
+        let turns = directions == 3 && direction < 2;
+        self.shares[row % n].iter().flat_map(move |&Share { point, weight, turn }| {
+            if !turns {
+                return [Some((direction * points + point, weight)), None].into_iter().flatten();
+            }
+            // the normal has the sine of the coarse tangent, the tangent minus that of the coarse normal
+            let across = if direction == 0 { turn.y } else { -turn.y };
+            let own = (direction * points + point, weight * turn.x);
+            let other = ((1 - direction) * points + point, weight * across);
+            [Some(own), Some(other)].into_iter().flatten()
+        })
     }
 
     fn far_value(&self, row: usize, column: usize) -> f64 {
@@ -71,7 +107,7 @@ impl Hybrid {
 
     fn interpolate(&self, coarse: &[f64], motion: &mut [f64]) {
         for (row, m) in motion.iter_mut().enumerate() {
-            *m += self.coarse(row).iter().map(|&(c, weight)| weight * coarse[c]).sum::<f64>();
+            *m += self.coarse(row).map(|(c, weight)| weight * coarse[c]).sum::<f64>();
         }
     }
 }
@@ -79,6 +115,10 @@ impl Hybrid {
 impl ComplianceOperator for Hybrid {
     fn rows(&self) -> usize {
         self.near.rows()
+    }
+
+    fn has_fast_products(&self) -> bool {
+        true
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -93,18 +133,18 @@ impl ComplianceOperator for Hybrid {
 
     fn add_column(&self, row: usize, force: f64, motion: &mut [f64]) {
         self.near.add_column(row, force, motion);
-        let coarse = self.far_motion(self.coarse(row).into_iter().map(|(c, weight)| (c, weight * force)));
+        let coarse = self.far_motion(self.coarse(row).map(|(c, weight)| (c, weight * force)));
         self.interpolate(&coarse, motion);
     }
 
     fn block(&self, rows: &[usize]) -> Mat<f64> {
         let m = rows.len();
         let mut block = Mat::zeros(m, m);
-        let shares: Vec<[(usize, f64); 4]> = rows.iter().map(|&row| self.coarse(row)).collect();
+        let shares: Vec<Vec<(usize, f64)>> = rows.iter().map(|&row| self.coarse(row).collect()).collect();
         let mut motion = vec![0.0; self.far.nrows()];
         for (c, &column) in rows.iter().enumerate() {
             motion.fill(0.0);
-            for (k, weight) in shares[c] {
+            for &(k, weight) in &shares[c] {
                 if weight != 0.0 {
                     motion.iter_mut().zip(self.far.col_as_slice(k)).for_each(|(m, d)| *m += weight * d);
                 }
@@ -126,12 +166,10 @@ impl ComplianceOperator for Hybrid {
 
 #[cfg(test)]
 mod tests {
-    use super::super::half_space::{HalfSpace, HatTable};
-    use super::super::near_field::extent;
+    use super::super::half_space::HalfSpace;
     use super::super::point::flat_grid;
     use super::*;
     use crate::solid::Material;
-    use nalgebra::Vector2;
 
     /// Source: `N + P·D·Pᵀ` written out. Goal: diagonal, blocks, columns and products of the operator are all of this one
     /// matrix. Accuracy over the largest: ROUNDOFF.
@@ -139,30 +177,40 @@ mod tests {
     fn all_parts_are_of_one_matrix() {
         const ROUNDOFF: f64 = 1e-12;
         let points = flat_grid((6, 5), 1e-3, |_, _| 0.0);
-        let (n, coarse) = (points.len(), 7);
-        let indices: Vec<(usize, usize)> = points.iter().map(|point| point.index).collect();
-        let table = Arc::new(HatTable::new(Vector2::new(1e-3, 1e-3), extent(&indices)));
-        let factors = HalfSpace::both(&Material::STEEL)[0].factors();
+        let (n, coarse_points) = (points.len(), 7);
+        let body = HalfSpace::both(&Material::STEEL)[0];
         for directions in [1, 3] {
-            let near = NearField::new(table.clone(), factors, directions, &indices);
-            let far = Mat::from_fn(directions * coarse, directions * coarse, |i, j| {
+            let near = NearField::new(&[body], &points, directions);
+            let far = Mat::from_fn(directions * coarse_points, directions * coarse_points, |i, j| {
                 1e-10 * (1.0 + ((i + 1) * (j + 1) % 13) as f64)
             });
             let share = |j: usize| -> Shares {
-                std::array::from_fn(|k| ((j + 2 * k) % coarse, 0.1 * (k + j % 3) as f64))
+                std::array::from_fn(|k| {
+                    let angle = 0.1 * (j % 4) as f64 - 0.2 * k as f64;
+                    let (fine, coarse) = (Vector2::new(angle.sin(), -angle.cos()), Vector2::new(0.0, -1.0));
+                    Share::new((j + 2 * k) % coarse_points, 0.1 * (k + j % 3) as f64, &coarse, &fine)
+                })
             };
             let shares: Vec<Shares> = (0..n).map(share).collect();
             let rows = directions * n;
-            let matrix = Mat::from_fn(rows, rows, |r, c| {
-                let (to, from) = (r / n * coarse, c / n * coarse);
-                let mut sum = near.value(r, c);
-                for (i, a) in shares[r % n] {
-                    for (k, b) in shares[c % n] {
-                        sum += a * b * far[(to + i, from + k)];
+            // P by world axes: the direction of a row in those of the coarse points
+            let mut spread = Mat::<f64>::zeros(rows, directions * coarse_points);
+            for row in 0..rows {
+                for (k, share) in shares[row % n].iter().enumerate() {
+                    let angle = 0.1 * (row % n % 4) as f64 - 0.2 * k as f64;
+                    let turned = match row / n {
+                        _ if directions == 1 => [1.0, 0.0, 0.0],
+                        0 => [angle.cos(), angle.sin(), 0.0],
+                        1 => [-angle.sin(), angle.cos(), 0.0],
+                        _ => [0.0, 0.0, 1.0],
+                    };
+                    for d in 0..directions {
+                        spread[(row, d * coarse_points + share.point)] += share.weight * turned[d];
                     }
                 }
-                sum
-            });
+            }
+            let far_part = &spread * &far * spread.transpose();
+            let matrix = Mat::from_fn(rows, rows, |r, c| near.value(r, c) + far_part[(r, c)]);
             let hybrid = Hybrid::new(near, Arc::new(far), shares);
             let tolerance = ROUNDOFF * matrix[(0, 0)] * rows as f64;
             let forces: Vec<f64> = (0..rows).map(|j| (j % 5) as f64 - 2.0).collect();

@@ -27,10 +27,14 @@ impl Lattice {
         Point2::new(i as f64 * self.cell.x, (k as f64 - self.middle as f64) * self.cell.y)
     }
 
+    /// Place in lines of a coordinate along the profile (`axis` 0) or along the track (1), m.
+    pub fn coordinate(&self, axis: usize, at: f64) -> f64 {
+        at / self.cell[axis] + if axis == 0 { 0.0 } else { self.middle as f64 }
+    }
+
     /// The lines of nodes within `from..to`, m, along the profile (`axis` 0) or along the track (1).
     pub fn lines_within(&self, axis: usize, from: f64, to: f64) -> std::ops::Range<usize> {
-        let offset = if axis == 0 { 0.0 } else { self.middle as f64 };
-        let line = |at: f64| (at / self.cell[axis] + offset).ceil().max(0.0) as usize;
+        let line = |at: f64| self.coordinate(axis, at).ceil().max(0.0) as usize;
         line(from)..line(to)
     }
 

@@ -1,6 +1,6 @@
 //! Half-spaces on a uniform grid: the matrix by look-ups in a table, products by a convolution.
 
-use super::half_space::{Factors, HalfSpace, HatTable};
+use super::half_space::{Factors, HalfSpace, HatTable, sum_of_factors};
 use super::operator::ComplianceOperator;
 use super::point::ContactPoint;
 use faer::Mat;
@@ -21,39 +21,51 @@ pub struct NearField {
 
 impl NearField {
     /// The half-spaces `bodies` between `points` of a uniform grid with `directions` (1 or 3) unknowns a point.
-    pub fn of(bodies: &[HalfSpace], points: &[ContactPoint], directions: usize) -> Self {
-        let indices: Vec<(usize, usize)> = points.iter().map(|point| point.index).collect();
+    pub fn new(bodies: &[HalfSpace], points: &[ContactPoint], directions: usize) -> Self {
         let cell = points.first().map_or_else(Default::default, |point| point.widths);
-        let table = Arc::new(HatTable::new(cell, extent(&indices)));
-        let mut factors = Factors::default();
-        bodies.iter().for_each(|body| factors += body.factors());
-        Self::new(table, factors, directions, &indices)
+        Self::with_table(Arc::new(HatTable::new(cell, extent(points))), bodies, points, directions)
     }
 
-    /// The half-spaces with `factors` between the points at `indices` of the grid of `table`, whose reach must be at least
-    /// the extent of the points.
-    pub(crate) fn new(
+    /// As [`Self::new`], with the `table` of the grid, which must reach over the extent of the points.
+    pub(crate) fn with_table(
         table: Arc<HatTable>,
-        factors: Factors,
+        bodies: &[HalfSpace],
+        points: &[ContactPoint],
         directions: usize,
-        indices: &[(usize, usize)],
     ) -> Self {
-        let low = |pick: fn(&(usize, usize)) -> usize| indices.iter().map(pick).min().unwrap_or(0);
-        let corner = (low(|i| i.0), low(|i| i.1));
-        let places: Vec<(usize, usize)> =
-            indices.iter().map(|&(i, k)| (i - corner.0, k - corner.1)).collect();
-        let extent = extent(indices);
+        let low = |pick: fn(&ContactPoint) -> usize| points.iter().map(pick).min().unwrap_or(0);
+        let corner = (low(|p| p.index.0), low(|p| p.index.1));
+        let places = points.iter().map(|p| (p.index.0 - corner.0, p.index.1 - corner.1)).collect();
+        let extent = extent(points);
         assert!(extent.0 <= table.reach.0 && extent.1 <= table.reach.1, "the table reaches over all points");
+        let factors = sum_of_factors(bodies);
         let mut convolution = Convolution::new(extent);
         for to in 0..directions {
             for from in 0..directions {
                 let kernel = |offset| factors.entry(&table.at(offset), to, from);
-                convolution
-                    .kernels
-                    .push(Self::couples(&factors, to, from).then(|| convolution.spectrum(kernel)));
+                let spectrum = Self::couples(&factors, to, from).then(|| convolution.spectrum(kernel));
+                convolution.kernels.push(spectrum);
             }
         }
         Self { table, factors, directions, places, convolution }
+    }
+
+    /// The table of the grid.
+    pub(crate) fn table(&self) -> &Arc<HatTable> {
+        &self.table
+    }
+
+    /// Compliance of `bodies` under `forces` on the points: fᵀ·N·f, m·N.
+    pub(crate) fn quadratic(&self, bodies: &[HalfSpace], forces: &[f64]) -> f64 {
+        let factors = sum_of_factors(bodies);
+        let loads: Vec<(usize, f64)> =
+            forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
+        loads
+            .iter()
+            .map(|&(row, force)| {
+                force * loads.iter().map(|&(c, f)| f * self.value_of(&factors, row, c)).sum::<f64>()
+            })
+            .sum()
     }
 
     /// Whether the directions see each other: without `coupling` the normal and the tangential ones do not.
@@ -63,20 +75,28 @@ impl NearField {
 
     /// One value of the matrix.
     pub(crate) fn value(&self, row: usize, column: usize) -> f64 {
+        self.value_of(&self.factors, row, column)
+    }
+
+    fn value_of(&self, factors: &Factors, row: usize, column: usize) -> f64 {
         let n = self.places.len();
         let (to, from) = (row / n, column / n);
-        if !Self::couples(&self.factors, to, from) {
+        if !Self::couples(factors, to, from) {
             return 0.0;
         }
         let (a, b) = (self.places[row % n], self.places[column % n]);
         let offset = (a.0 as isize - b.0 as isize, a.1 as isize - b.1 as isize);
-        self.factors.entry(&self.table.at(offset), to, from)
+        factors.entry(&self.table.at(offset), to, from)
     }
 }
 
 impl ComplianceOperator for NearField {
     fn rows(&self) -> usize {
         self.directions * self.places.len()
+    }
+
+    fn has_fast_products(&self) -> bool {
+        true
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -125,13 +145,13 @@ impl ComplianceOperator for NearField {
     }
 }
 
-/// Number of grid lines that the points at `indices` extend over.
-pub(crate) fn extent(indices: &[(usize, usize)]) -> (usize, usize) {
-    let over = |pick: fn(&(usize, usize)) -> usize| {
-        let (low, high) = indices.iter().map(pick).fold((usize::MAX, 0), |(l, h), v| (l.min(v), h.max(v)));
+/// Number of grid lines that `points` extend over, along the profile and the track.
+pub(crate) fn extent(points: &[ContactPoint]) -> (usize, usize) {
+    let over = |pick: fn(&ContactPoint) -> usize| {
+        let (low, high) = points.iter().map(pick).fold((usize::MAX, 0), |(l, h), v| (l.min(v), h.max(v)));
         if low > high { 0 } else { high - low + 1 }
     };
-    (over(|i| i.0), over(|i| i.1))
+    (over(|p| p.index.0), over(|p| p.index.1))
 }
 
 /// Products on a rectangle of the grid, in twice the rectangle so that it does not repeat itself.
@@ -245,7 +265,6 @@ mod tests {
     use super::super::point::{Side, flat_grid};
     use super::super::{Compliance, total};
     use super::*;
-    use nalgebra::Vector2;
 
     /// Source: the half-spaces as a dense matrix. Goal: look-ups and products on a ragged set of points of a grid are those of
     /// the matrix, with and without coupling of normal and tangential directions. Accuracy over the largest: ROUNDOFF
@@ -257,15 +276,11 @@ mod tests {
         let mut points = flat_grid((13, 9), h, |_, _| 0.0);
         points.retain(|point| (point.index.0 + 2 * point.index.1) % 5 != 0 && point.index.0 > 1);
         let n = points.len();
-        let indices: Vec<(usize, usize)> = points.iter().map(|point| point.index).collect();
-        let table = Arc::new(HatTable::new(Vector2::new(h, h), extent(&indices)));
         let soft = HalfSpace { shear_modulus: 30e9, poisson: 0.2, side: Side::Base };
         let stiff = HalfSpace { shear_modulus: 80e9, poisson: 0.3, side: Side::Opposing };
         let same = HalfSpace { side: Side::Opposing, ..soft };
         for (directions, other) in [(1, stiff), (3, stiff), (3, same)] {
-            let mut factors = soft.factors();
-            factors += other.factors();
-            let near = NearField::new(table.clone(), factors, directions, &indices);
+            let near = NearField::new(&[soft, other], &points, directions);
             let parts: [&dyn Compliance; 2] = [&soft, &other];
             let matrix = total(&parts, &points, directions);
             assert_eq!(near.rows(), matrix.nrows());

@@ -6,12 +6,11 @@
 //! memory of L. Grippo, F. Lampariello, S. Lucidi, "A nonmonotone line search technique for Newton's method",
 //! SIAM J. Numer. Anal. 23 (1986).
 
+use super::dense::DenseFactor;
+use super::iterative::{Cone, Linearised};
 use super::state::{PointMode, Residual, State};
 use crate::error::StopReason;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
-use faer::linalg::lu::partial_pivoting::solve::{solve_in_place, solve_in_place_scratch};
-use faer::{Mat, Par};
+use faer::Mat;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 
@@ -25,6 +24,9 @@ const SHORTEST: f64 = 1.0 / 64.0;
 const MEMORY: usize = 4;
 /// SOLVER: residual over the largest force.
 const TOLERANCE: f64 = 1e-10;
+/// Part of the residual to which the equations of a step are solved where that is done by iteration (R.S. Dembo, S.C. Eisenstat,
+/// T. Steihaug, "Inexact Newton methods", SIAM J. Numer. Anal. 19 (1982)).
+const PART: f64 = 1e-3;
 /// ROUNDOFF: where forces are tiny beside gap times stiffness, rounding may leave as much of them; a hub that
 /// runs away would otherwise pass for rounding.
 const COARSEST: f64 = 1e-8;
@@ -51,7 +53,8 @@ pub(super) fn newton(state: &mut State, spent: &mut usize) -> Result<(), StopRea
         *spent += 1;
         let mut modes = state.modes();
         stick_between_slips(state, &previous, &mut modes);
-        let step = direction(state, &modes).ok_or(StopReason::Singular)?;
+        let tolerance = (PART * residual.relative).clamp(0.1 * TOLERANCE, PART);
+        let step = direction(state, &modes, tolerance).ok_or(StopReason::Singular)?;
         remembered.push_back(residual.squared());
         if remembered.len() > MEMORY {
             remembered.pop_front();
@@ -126,8 +129,8 @@ fn search(state: &mut State, step: &Step, bound: f64) -> Residual {
     best.1
 }
 
-/// The Newton step with every point in its mode; open points lose their force.
-fn direction(state: &State, modes: &[PointMode]) -> Option<Step> {
+/// The Newton step with every point in its mode; open points lose their force. An iteration solves its equations to `tolerance`.
+fn direction(state: &State, modes: &[PointMode], tolerance: f64) -> Option<Step> {
     let problem = state.problem;
     let n = problem.points.len();
     let active: Vec<usize> = (0..n).filter(|&j| modes[j] != PointMode::Open).collect();
@@ -148,28 +151,40 @@ fn direction(state: &State, modes: &[PointMode]) -> Option<Step> {
         return Some(Step { forces, hub: Vec::new(), separation: lost });
     }
     // gap (and slip while sticking) closes; in newtons, so that all rows have one scale
-    let along: Vec<Vector3<f64>> = problem.hub.iter().map(|free| free.along.into_inner()).collect();
-    let mut matrix = state.linearised(&rows, &along, k);
     let mut rhs = vec![0.0; m + k];
     for (r, &row) in rows.iter().enumerate() {
         rhs[r] = -state.scale[row] * (state.separation[row] + lost[row]);
     }
-    // the hub's displacement in the columns is multiplied by this, m/N, to keep the matrix well scaled
-    let hub_unit = m as f64 / rows.iter().map(|&row| state.scale[row]).sum::<f64>();
     for (h, free) in problem.hub.iter().enumerate() {
-        matrix.col_as_slice_mut(m + h).iter_mut().for_each(|value| *value *= hub_unit);
-        let mut carried = 0.0;
-        for (c, &column) in rows.iter().enumerate() {
-            matrix[(m + h, c)] = state.hub_weight(column, &free.along);
-            carried += matrix[(m + h, c)] * state.forces[column];
-        }
-        rhs[m + h] = free.force - carried;
+        rhs[m + h] = free.force
+            - rows.iter().map(|&row| state.hub_weight(row, &free.along) * state.forces[row]).sum::<f64>();
     }
     if state.directions == 3 {
-        slip_rows(state, modes, &active, &mut matrix, &mut rhs);
+        for (local, &j) in active.iter().enumerate().filter(|(_, j)| modes[**j] == PointMode::Slip) {
+            let cone = Cone::new(state, j);
+            rhs[active.len() + local] = cone.limit * cone.unit.x - state.forces[n + j];
+            rhs[2 * active.len() + local] = cone.limit * cone.unit.y - state.forces[2 * n + j];
+        }
     }
-    let change = solve_dense(matrix, Mat::from_fn(m + k, 1, |r, _| rhs[r]))?;
-    let change = change.col_as_slice(0);
+    // the hub's displacement in the columns is multiplied by this, m/N, to keep the matrix well scaled
+    let hub_unit = m as f64 / rows.iter().map(|&row| state.scale[row]).sum::<f64>();
+    let along: Vec<Vector3<f64>> = problem.hub.iter().map(|free| free.along.into_inner()).collect();
+    let linearised = Linearised { state, modes, active: &active, rows: &rows, along: &along, hub_unit };
+    let change = match linearised.solve(std::slice::from_ref(&rhs), tolerance) {
+        Some(mut solutions) => solutions.remove(0),
+        None => {
+            let mut matrix = state.linearised(&rows, &along, k);
+            for (h, free) in along.iter().enumerate() {
+                matrix.col_as_slice_mut(m + h).iter_mut().for_each(|value| *value *= hub_unit);
+                (0..m).for_each(|c| matrix[(m + h, c)] = state.hub_weight(rows[c], free));
+            }
+            if state.directions == 3 {
+                slip_rows(state, modes, &active, &mut matrix);
+            }
+            DenseFactor::new(matrix).solve(&mut rhs);
+            rhs.iter().all(|value| value.is_finite()).then_some(rhs)?
+        }
+    };
     for (r, &row) in rows.iter().enumerate() {
         forces[row] = change[r];
     }
@@ -180,58 +195,24 @@ fn direction(state: &State, modes: &[PointMode]) -> Option<Step> {
 
 /// Replaces the tangential rows of slipping points, which hold the scaled change of their slip, by the linearised
 /// cone condition `τ = μ·p·v/|v|`, `v = τ - scale·slip`. `active` are the points of the rows, in their order.
-pub(super) fn slip_rows(
-    state: &State,
-    modes: &[PointMode],
-    active: &[usize],
-    matrix: &mut Mat<f64>,
-    rhs: &mut [f64],
-) {
-    let n = state.problem.points.len();
+pub(super) fn slip_rows(state: &State, modes: &[PointMode], active: &[usize], matrix: &mut Mat<f64>) {
     let a = active.len();
     for (local, &j) in active.iter().enumerate().filter(|(_, j)| modes[**j] == PointMode::Slip) {
-        let (_, v) = state.trial(j);
-        let length = v.norm();
-        let unit = if length > 0.0 { v / length } else { v };
-        let limit = state.problem.friction * state.forces[j].max(0.0);
-        let turn = if limit > 0.0 { limit / length } else { 0.0 };
+        let cone = Cone::new(state, j);
         let (row1, row2) = (a + local, 2 * a + local);
-        let across = |x: f64, y: f64| {
-            let along = unit.x * x + unit.y * y;
-            (turn * (x - along * unit.x), turn * (y - along * unit.y))
-        };
         for c in 0..matrix.ncols() {
             // these rows hold scale·d(slip); v changes by -d(slip)·scale and +dτ
-            let (s1, s2) = across(matrix[(row1, c)], matrix[(row2, c)]);
+            let (s1, s2) = cone.across(matrix[(row1, c)], matrix[(row2, c)]);
             matrix[(row1, c)] = s1;
             matrix[(row2, c)] = s2;
         }
-        let (e11, e21) = across(1.0, 0.0);
-        let (e12, e22) = across(0.0, 1.0);
+        let (e11, e21) = cone.across(1.0, 0.0);
+        let (e12, e22) = cone.across(0.0, 1.0);
         matrix[(row1, row1)] += 1.0 - e11;
         matrix[(row2, row1)] -= e21;
         matrix[(row1, row2)] -= e12;
         matrix[(row2, row2)] += 1.0 - e22;
-        matrix[(row1, local)] -= state.problem.friction * unit.x;
-        matrix[(row2, local)] -= state.problem.friction * unit.y;
-        rhs[row1] = limit * unit.x - state.forces[n + j];
-        rhs[row2] = limit * unit.y - state.forces[2 * n + j];
+        matrix[(row1, local)] -= cone.friction * cone.unit.x;
+        matrix[(row2, local)] -= cone.friction * cone.unit.y;
     }
-}
-
-/// Solution of a dense system with the columns of `rhs`, on one thread, so that threads do not change it; `None` if it
-/// has none.
-pub(super) fn solve_dense(mut matrix: Mat<f64>, mut rhs: Mat<f64>) -> Option<Mat<f64>> {
-    let n = matrix.nrows();
-    let (mut order, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
-    let mut memory = MemBuffer::new(StackReq::any_of(&[
-        lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default()),
-        solve_in_place_scratch::<usize, f64>(n, rhs.ncols(), Par::Seq),
-    ]));
-    let stack = MemStack::new(&mut memory);
-    let (_, order) =
-        lu_in_place(matrix.as_mut(), &mut order, &mut inverse, Par::Seq, stack, Default::default());
-    solve_in_place(matrix.as_ref(), matrix.as_ref(), order, rhs.as_mut(), Par::Seq, stack);
-    let finite = (0..rhs.ncols()).all(|c| rhs.col_as_slice(c).iter().all(|value| value.is_finite()));
-    finite.then_some(rhs)
 }

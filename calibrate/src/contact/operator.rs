@@ -19,6 +19,11 @@ pub trait ComplianceOperator: Send + Sync {
 
     /// The matrix between `rows`.
     fn block(&self, rows: &[usize]) -> Mat<f64>;
+
+    /// Whether a product takes much less time than the square of the number of rows.
+    fn has_fast_products(&self) -> bool {
+        false
+    }
 }
 
 impl ComplianceOperator for Mat<f64> {

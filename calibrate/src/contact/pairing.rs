@@ -17,11 +17,21 @@ pub struct PairingLimits {
 /// Pairs the base surface (rail) with the opposing one (wheel) at their present positions: the nodes of the base
 /// that are near the other surface, in the order of its grid.
 pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Vec<ContactPoint> {
-    let mut pairing = Pairing::candidates(base, opposing, limits);
-    for i in 0..base.grid.along_profile.len() - 1 {
-        pairing.integrate_row(i);
-    }
-    pairing.means()
+    let nearby = |pairing: &Pairing, line: &Line, (i, k): (usize, usize)| {
+        let facing = pairing.project(line, base.grid.along_track[k], pairing.facing[i]);
+        facing.is_some_and(|p| p.gap < limits.largest_gap)
+    };
+    Pairing::of(base, opposing, nearby)
+}
+
+/// Pairs the `wanted` nodes of the base surface (indices along profile and track), however far they are from the opposing
+/// one; those that do not face it are left out.
+pub(crate) fn pair_nodes(
+    base: &Surface,
+    opposing: &Surface,
+    wanted: impl Fn((usize, usize)) -> bool,
+) -> Vec<ContactPoint> {
+    Pairing::of(base, opposing, |_, _, node| wanted(node))
 }
 
 /// Two surfaces, and the sums over the cells of the base that are integrated so far.
@@ -61,8 +71,25 @@ struct Hit {
 }
 
 impl<'a> Pairing<'a> {
-    /// The nodes of the base near the opposing surface, without any sums yet.
-    fn candidates(base: &'a Surface, opposing: &'a Surface, limits: PairingLimits) -> Self {
+    /// The points of the `wanted` nodes of the base.
+    fn of(
+        base: &'a Surface,
+        opposing: &'a Surface,
+        wanted: impl Fn(&Self, &Line, (usize, usize)) -> bool,
+    ) -> Vec<ContactPoint> {
+        let mut pairing = Self::candidates(base, opposing, wanted);
+        for i in 0..base.grid.along_profile.len() - 1 {
+            pairing.integrate_row(i);
+        }
+        pairing.means()
+    }
+
+    /// The `wanted` nodes of the base, without any sums yet.
+    fn candidates(
+        base: &'a Surface,
+        opposing: &'a Surface,
+        wanted: impl Fn(&Self, &Line, (usize, usize)) -> bool,
+    ) -> Self {
         let (s, x) = (&base.grid.along_profile, &base.grid.along_track);
         let (rows, columns) = (s.len(), x.len());
         let facing = s.iter().map(|&si| opposing.nearest(&base.world(si))).collect();
@@ -74,8 +101,7 @@ impl<'a> Pairing<'a> {
         for i in 0..rows {
             let line = Line::new(base, s[i]);
             for k in 0..columns {
-                let facing = pairing.project(&line, x[k], pairing.facing[i]);
-                if facing.is_some_and(|p| p.gap < limits.largest_gap) {
+                if wanted(&pairing, &line, (i, k)) {
                     pairing.slot[i * columns + k] = Some(pairing.points.len());
                     pairing.points.push(ContactPoint {
                         index: (i, k),

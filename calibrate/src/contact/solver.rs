@@ -8,7 +8,9 @@
 //! answer satisfies the conditions of the problem as it is posed, to the same
 //! tolerance.
 
-use super::newton::{newton, slip_rows, solve_dense};
+use super::dense::DenseFactor;
+use super::iterative::Linearised;
+use super::newton::{newton, slip_rows};
 use super::state::State;
 use super::sweeps::sweep;
 use crate::error::{NumericsError, Result};
@@ -92,6 +94,9 @@ fn raise_friction(problem: &Problem, start: &[f64], spent: &mut usize) -> Option
     None
 }
 
+/// SOLVER: residual of the linearised contact over its right-hand side where it is solved by iteration.
+const LINEAR: f64 = 1e-10;
+
 /// How the contact answers small motions of the hub at a converged state.
 pub struct HubResponse {
     /// Force the hub must apply against its displacement, by direction, N/m.
@@ -122,21 +127,26 @@ pub fn hub_response(
     let rows: Vec<usize> =
         (0..state.directions).flat_map(|d| active.iter().map(move |&j| d * n + j)).collect();
     let (m, k) = (rows.len(), directions.len());
-    // columns: contact forces, then hub motions
     let along: Vec<Vector3<f64>> = directions.iter().map(|d| d.into_inner()).collect();
-    let mut system = state.linearised(&rows, &along, 0);
-    if state.directions == 3 {
-        slip_rows(&state, &modes, &active, &mut system, &mut vec![0.0; m]);
-    }
-    let motion = system.as_ref().subcols(m, k).to_owned();
-    let response = solve_dense(system.as_ref().subcols(0, m).to_owned(), motion)?;
+    let linearised =
+        Linearised { state: &state, modes: &modes, active: &active, rows: &rows, along: &[], hub_unit: 0.0 };
+    let response = linearised.solve(&linearised.motions(&along), LINEAR).or_else(|| {
+        let mut system = state.linearised(&rows, &[], 0);
+        if state.directions == 3 {
+            slip_rows(&state, &modes, &active, &mut system);
+        }
+        let factor = DenseFactor::new(system);
+        let mut sides = linearised.motions(&along);
+        sides.iter_mut().for_each(|side| factor.solve(side));
+        sides.iter().flatten().all(|value| value.is_finite()).then_some(sides)
+    })?;
     let stiffness = DMatrix::from_fn(k, k, |a, h| {
-        (0..m).map(|r| state.hub_weight(rows[r], &directions[a]) * response[(r, h)]).sum()
+        (0..m).map(|r| state.hub_weight(rows[r], &directions[a]) * response[h][r]).sum()
     });
     let mut forces = Mat::zeros(problem.free.len(), k);
     for (r, &row) in rows.iter().enumerate() {
         for h in 0..k {
-            forces[(row, h)] = -response[(r, h)];
+            forces[(row, h)] = -response[h][r];
         }
     }
     Some(HubResponse { stiffness, forces })

@@ -15,7 +15,7 @@ use super::point::{ContactPoint, Side};
 use crate::solid::Material;
 use faer::Mat;
 use means::means;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 use potentials::Kernels;
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -50,7 +50,7 @@ impl HalfSpace {
     }
 
     /// Factors of the kernels.
-    pub(crate) fn factors(&self) -> Factors {
+    pub(super) fn factors(&self) -> Factors {
         let unit = 1.0 / (2.0 * PI * self.shear_modulus);
         let coupling = 0.5 * (1.0 - 2.0 * self.poisson) * unit;
         Factors {
@@ -66,7 +66,7 @@ impl HalfSpace {
 
 /// What the kernels of one or several half-spaces are multiplied by, m²/N.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Factors {
+pub(super) struct Factors {
     /// Of 1/r, in all directions.
     pub inverse: f64,
     /// Of s²/r³, x²/r³ and s·x/r³, between tangential directions.
@@ -98,23 +98,53 @@ impl Factors {
     }
 }
 
+/// The sum of the factors of several half-spaces.
+pub(super) fn sum_of_factors(bodies: &[HalfSpace]) -> Factors {
+    let mut sum = Factors::default();
+    bodies.iter().for_each(|body| sum += body.factors());
+    sum
+}
+
+/// Displacements (normal, lateral, along the track) at an offset (m) far from a force on the surfaces of `bodies`, m.
+pub(crate) fn displacement_far_from(
+    bodies: &[HalfSpace],
+    offset: &Vector2<f64>,
+    force: &Vector3<f64>,
+) -> Vector3<f64> {
+    let (factors, kernels) = (sum_of_factors(bodies), Kernels::at(offset.x, offset.y));
+    Vector3::from_fn(|to, _| (0..3).map(|from| factors.entry(&kernels, to, from) * force[from]).sum())
+}
+
 impl Compliance for HalfSpace {
     fn add_to(&self, points: &[ContactPoint], matrix: &mut Mat<f64>) {
-        let n = points.len();
-        let directions = matrix.nrows().checked_div(n).unwrap_or(0);
-        let factors = self.factors();
-        // on a uniform grid few distances are different
-        let mut known: HashMap<[i64; 6], Kernels> = HashMap::new();
-        let picometres = |v: f64| (v * 1e12).round() as i64;
-        for j in 0..n {
-            for i in 0..=j {
-                let d = points[i].position - points[j].position;
-                let (a, b) = (points[i].widths, points[j].widths);
-                let key = [d.x.abs(), d.y.abs(), a.x, a.y, b.x, b.y].map(picometres);
-                let mut means = *known.entry(key).or_insert_with(|| means(&d.abs(), &a, &b));
-                let sign = Vector2::new(d.x.signum(), d.y.signum());
-                means.shear *= sign.x * sign.y;
-                means.gradient.component_mul_assign(&sign);
+        add_half_spaces([self], points, |_, _| true, [matrix]);
+    }
+}
+
+/// Adds the compliance of several half-spaces to a matrix each, between the `wanted` of the pairs of points, by their places
+/// in the list.
+pub(crate) fn add_half_spaces<const N: usize>(
+    bodies: [&HalfSpace; N],
+    points: &[ContactPoint],
+    wanted: impl Fn(usize, usize) -> bool,
+    mut matrices: [&mut Mat<f64>; N],
+) {
+    let n = points.len();
+    let directions = matrices.first().map_or(0, |matrix| matrix.nrows()).checked_div(n).unwrap_or(0);
+    let factors = bodies.map(HalfSpace::factors);
+    // on a uniform grid few distances are different
+    let mut known: HashMap<[i64; 6], Kernels> = HashMap::new();
+    let picometres = |v: f64| (v * 1e12).round() as i64;
+    for j in 0..n {
+        for i in (0..=j).filter(|&i| wanted(i, j)) {
+            let d = points[i].position - points[j].position;
+            let (a, b) = (points[i].widths, points[j].widths);
+            let key = [d.x.abs(), d.y.abs(), a.x, a.y, b.x, b.y].map(picometres);
+            let mut means = *known.entry(key).or_insert_with(|| means(&d.abs(), &a, &b));
+            let sign = Vector2::new(d.x.signum(), d.y.signum());
+            means.shear *= sign.x * sign.y;
+            means.gradient.component_mul_assign(&sign);
+            for (factors, matrix) in factors.iter().zip(&mut matrices) {
                 for to in 0..directions {
                     for from in 0..directions {
                         let value = factors.entry(&means, to, from);

@@ -1,0 +1,38 @@
+//! Dense factors.
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::lu::partial_pivoting::solve::{solve_in_place, solve_in_place_scratch};
+use faer::perm::Perm;
+use faer::{Mat, MatMut, Par};
+
+/// LU factor of a square matrix, on one thread, so that the number of threads changes nothing. That of a singular matrix gives
+/// solutions that are not finite.
+pub(super) struct DenseFactor {
+    factor: Mat<f64>,
+    order: Perm<usize>,
+}
+
+impl DenseFactor {
+    pub fn new(mut matrix: Mat<f64>) -> Self {
+        let n = matrix.nrows();
+        let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
+        let mut memory =
+            MemBuffer::new(lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default()));
+        let stack = MemStack::new(&mut memory);
+        lu_in_place(matrix.as_mut(), &mut order, &mut inverse, Par::Seq, stack, Default::default());
+        let order = Perm::new_checked(order.into_boxed_slice(), inverse.into_boxed_slice(), n);
+        Self { factor: matrix, order }
+    }
+
+    /// Replaces a right-hand side by its solution.
+    pub fn solve(&self, side: &mut [f64]) {
+        let n = side.len();
+        let request: StackReq = solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq);
+        let mut memory = MemBuffer::new(request);
+        let right = MatMut::from_column_major_slice_mut(side, n, 1);
+        let stack = MemStack::new(&mut memory);
+        let (factor, order) = (self.factor.as_ref(), self.order.as_ref());
+        solve_in_place(factor, factor, order, right, Par::Seq, stack);
+    }
+}
