@@ -2,7 +2,7 @@
 //! with them, and prints how far the two are apart. `cargo run --release --example verdict`.
 
 use railspring::verify::{Limits, compare};
-use railspring_calibrate::calibration::{Enforcement, Reference};
+use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
@@ -18,7 +18,8 @@ fn main() -> Result<()> {
     // 2 % of damping at 1 kHz, as both models have it
     let steel = Material { damping: 2.0 * 0.02 / (std::f64::consts::TAU * 1000.0), ..Material::STEEL };
     let element = Formulation::IncompatibleModes;
-    let contact = ContactConditions { friction: 0.5, enforcement: Enforcement::Exact };
+    let contact =
+        ContactConditions { friction: 0.5, enforcement: Enforcement::Exact, field: ContactField::Elements };
 
     let pair = Pair::new(rail_section("60E1")?, wheel_section("S1002", 0.858)?, &TrackGeometry::standard())?;
     let options =

@@ -1,6 +1,6 @@
 //! Fits the springs between a wheel and a rail, and prints them: `cargo run --release --example fit_pair`.
 
-use railspring_calibrate::calibration::{Enforcement, Reference};
+use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
@@ -15,7 +15,8 @@ fn main() -> Result<()> {
         MeshOptions { contact_element: 3e-3, contact_element_along: 2.5e-3, ..MeshOptions::default() };
     let meshes = pair.mesh(0.555, &options)?;
     let bodies = meshes.condense(&pair, Material::STEEL, Formulation::IncompatibleModes, &Silent)?;
-    let contact = ContactConditions { friction: 0.5, enforcement: Enforcement::Exact };
+    let contact =
+        ContactConditions { friction: 0.5, enforcement: Enforcement::Exact, field: ContactField::Elements };
     let pressed = bodies.press(&pair, contact, &[10e3, 25e3, 45e3, 65e3, 85e3, 120e3], &Silent)?;
     for reference in [Reference::Foot, Reference::Beam, Reference::Local] {
         let law = pressed.fit(reference)?.fit.law;

@@ -123,6 +123,8 @@ fields! {
     WheelZoneFaceDepth = "wheel_zone.face_depth",
     /// Lateral end of the wheel's contact zone.
     WheelZoneFieldY = "wheel_zone.field_y",
+    /// How the contact conditions are enforced.
+    Enforcement = "enforcement",
     /// Loads of the load curve.
     Loads = "loads",
     /// Vertical preloads of the horizontal stiffness.

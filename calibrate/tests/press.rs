@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
+    ContactField, Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal,
+    press_loads,
 };
 use railspring_calibrate::contact::{
     FreeDirection, HalfSpace, PairingLimits, Problem, Surface, gaps, hub_response, pair, solve, total,
@@ -76,11 +77,13 @@ fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadP
         wheel_surface: bodies.wheel_surface(),
         friction: 0.5,
         enforcement: case.enforcement,
+        field: ContactField::Elements,
+        materials: [case.material; 2],
     };
     let states = press_loads(&pair, loads, "press", &Silent).unwrap();
     let points = references
         .iter()
-        .map(|&reference| calibrate_normal(&pair, &states, reference, &case.material).unwrap().points)
+        .map(|&reference| calibrate_normal(&pair, &states, reference).unwrap().points)
         .collect();
     let horizontal = calibrate_horizontal(&pair, &loads[..1], &Silent).unwrap();
     (points, horizontal.stiffness)

@@ -3,7 +3,8 @@
 
 use nalgebra::{Matrix2, Vector3};
 use railspring_calibrate::calibration::{
-    Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal, load_points, press_loads,
+    ContactField, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal, load_points,
+    press_loads,
 };
 use railspring_calibrate::contact::{Problem, Side, hub_response, nodal_forces};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
@@ -78,10 +79,12 @@ fn found(length: f64, loads: &[f64]) -> Found {
         wheel_surface: pair.wheel_surface(&wheel_mesh.contact),
         friction: 0.5,
         enforcement: Enforcement::Exact,
+        field: ContactField::Elements,
+        materials: [Material::STEEL; 2],
     };
     let on_section = wheel_on(&relative);
     let states = press_loads(&on_section, loads, "press", &Silent).unwrap();
-    let points = |reference| load_points(&on_section, &states, reference, &Material::STEEL).unwrap();
+    let points = |reference| load_points(&on_section, &states, reference).unwrap();
     let horizontal = calibrate_horizontal(&on_section, &[20e3, 85e3], &Silent).unwrap();
     let state = &states[3];
     let flexibility = |pair: &WheelOnRail| -> Matrix2<f64> {

@@ -2,7 +2,9 @@
 
 use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::calibration::{HorizontalCalibration, LoadPoint, NormalCalibration, Reference};
+use railspring_calibrate::calibration::{
+    ContactField, HorizontalCalibration, LoadPoint, NormalCalibration, Reference,
+};
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::LawFit;
 use railspring_calibrate::mesh::{HexMesh, quality};
@@ -67,7 +69,11 @@ pub fn calibrate(
 ) -> Result<(Calibration, PressedFields)> {
     let pair = &geometry.pair;
     let beam = SeriesBeam::new(pair, &bodies, &geometry.beam)?;
-    let contact = ContactConditions { friction: study.contact.friction, enforcement: enforcement(study) };
+    let contact = ContactConditions {
+        friction: study.contact.friction,
+        enforcement: enforcement(study),
+        field: ContactField::Elements,
+    };
     // the insides of bodies from the store are factored beside the contact
     let (pressed, interiors) = rayon::join(
         || bodies.press(pair, contact, &study.calibration.loads, monitor),

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
+    ContactField, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
 };
 use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
 use railspring_calibrate::error::{InputError, Result};
@@ -219,10 +219,12 @@ impl<'a> Asked<'a> {
             },
             friction,
             enforcement: Enforcement::Exact,
+            field: ContactField::Elements,
+            materials: [self.study.material; 2],
         };
         // hub against support: what the calibration calls the foot's reference, whatever is held
         let states = press_loads(&pair, &self.loads, "calibration, foot held", self.monitor)?;
-        let points = load_points(&pair, &states, Reference::Foot, &self.study.material)?;
+        let points = load_points(&pair, &states, Reference::Foot)?;
         Ok((AnsweredCurve { points, seconds: clock.elapsed().as_secs_f64() }, states))
     }
 

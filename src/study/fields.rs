@@ -59,6 +59,7 @@ pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::RailZoneFieldY, &[]),
     (InputField::WheelZoneFaceDepth, &[]),
     (InputField::WheelZoneFieldY, &[]),
+    (InputField::Enforcement, &["contact.enforcement"]),
     (InputField::Loads, &["calibration.loads_kn", "calibration.load_max_kn"]),
     (InputField::HorizontalPreloads, &["calibration.horizontal_preloads_kn"]),
     (InputField::BeamElements, &["simulation.rail_elements"]),

@@ -1,19 +1,20 @@
 //! Loads in, stiffness law out: the normal law `k(f) = a + b·(f/f0)^c` from the
 //! tangent of the solid model, and the constant horizontal stiffness.
 
+mod far_field;
+mod fine;
 mod press;
 
-pub use press::{Enforcement, Pressed, WheelOnRail};
+pub use press::{ContactField, Enforcement, Pressed, WheelOnRail};
 pub(crate) use press::{carry_over, edge_reached};
 
 use crate::contact::{
-    BodyCompliance, Compliance, ContactPoint, HalfSpace, PenaltySprings, PointMode, Side, hub_response, total,
+    BodyCompliance, Compliance, ContactPoint, HalfSpace, PointMode, Side, hub_response, total,
 };
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
 use crate::law::{LawFit, fit_law};
 use crate::monitor::Monitor;
-use crate::solid::Material;
 use faer::Mat;
 use nalgebra::{DVector, Vector3};
 
@@ -145,10 +146,9 @@ pub fn load_points(
     wheel_on_rail: &WheelOnRail,
     states: &[Pressed],
     reference: Reference,
-    material: &Material,
 ) -> Result<Vec<LoadPoint>> {
     let mut points: Vec<LoadPoint> =
-        states.iter().map(|state| load_point(wheel_on_rail, state, material)).collect::<Result<_>>()?;
+        states.iter().map(|state| load_point(wheel_on_rail, state)).collect::<Result<_>>()?;
     if reference == Reference::Local {
         let (mut force, mut compliance, mut way) = (0.0, None, 0.0);
         for point in &mut points {
@@ -170,9 +170,8 @@ pub fn calibrate_normal(
     wheel_on_rail: &WheelOnRail,
     states: &[Pressed],
     reference: Reference,
-    material: &Material,
 ) -> Result<NormalCalibration> {
-    let points = load_points(wheel_on_rail, states, reference, material)?;
+    let points = load_points(wheel_on_rail, states, reference)?;
     let loads: Vec<f64> = points.iter().map(|p| p.force).collect();
     let tangents: Vec<f64> = points.iter().map(|p| p.solid_tangent).collect();
     let fit = fit_law(&loads, &tangents)?;
@@ -192,27 +191,19 @@ fn singular(stage: &str, state: &Pressed) -> NumericsError {
 }
 
 /// The point of a load by the displacement of the hub.
-fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed, material: &Material) -> Result<LoadPoint> {
+fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint> {
     let problem = state.problem(wheel_on_rail.friction);
     let response = hub_response(&problem, &state.solution, &[Vector3::z_axis()], false)
         .ok_or_else(|| singular("tangent", state))?;
     let tangent = response.stiffness[(0, 0)];
     // change of the contact forces for one newton of load
     let change: Vec<f64> = response.forces.col_as_slice(0).iter().map(|f| f / tangent).collect();
-    let directions = wheel_on_rail.directions();
-    let share = |part: &dyn Compliance| quadratic(&total(&[part], &state.points, directions), &change);
-    let [rail_half, wheel_half] = HalfSpace::both(material);
-    let normal_change = &change[..state.points.len()];
-    let half_spaces = quadratic(&total(&[&rail_half, &wheel_half], &state.points, 1), normal_change);
+    let [near, wheel, rail] = split(wheel_on_rail, state, &change);
     let penalty = match wheel_on_rail.enforcement {
         Enforcement::Exact => 0.0,
-        Enforcement::Penalty(stiffness) => share(&PenaltySprings { stiffness }),
+        Enforcement::Penalty(stiffness) => change.iter().map(|f| f * f / stiffness).sum(),
     };
-    let local = half_spaces + penalty;
-    let wheel =
-        share(&BodyCompliance { compliance: wheel_on_rail.wheel, side: Side::Opposing }) - 0.5 * half_spaces;
-    let rail =
-        share(&BodyCompliance { compliance: wheel_on_rail.rail, side: Side::Base }) - 0.5 * half_spaces;
+    let local = near + penalty;
     let forces = &state.solution.forces[..state.points.len()];
     let patch = patch(state);
     let penetration = match wheel_on_rail.enforcement {
@@ -233,6 +224,24 @@ fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed, material: &Material)
         penalty_error: penetration / state.hub.y,
         active_points: state.solution.active(),
     })
+}
+
+/// Compliance under a change of the contact forces in parts, m/N for a unit load: both half-spaces under its normal forces, then
+/// wheel and rail beyond their half-spaces.
+fn split(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64]) -> [f64; 3] {
+    if let Some(fine) = state.fine() {
+        return fine.split(change);
+    }
+    let directions = wheel_on_rail.directions();
+    let share = |part: &dyn Compliance| quadratic(&total(&[part], &state.points, directions), change);
+    let normal = &change[..state.points.len()];
+    let half_space =
+        |material, side| quadratic(&total(&[&HalfSpace::new(material, side)], &state.points, 1), normal);
+    let [rail, wheel] = &wheel_on_rail.materials;
+    let (rail_half, wheel_half) = (half_space(rail, Side::Base), half_space(wheel, Side::Opposing));
+    let wheel = share(&BodyCompliance { compliance: wheel_on_rail.wheel, side: Side::Opposing });
+    let rail = share(&BodyCompliance { compliance: wheel_on_rail.rail, side: Side::Base });
+    [rail_half + wheel_half, wheel - wheel_half, rail - rail_half]
 }
 
 /// Size of a contact patch.
@@ -262,13 +271,12 @@ pub fn patch(state: &Pressed) -> Patch {
             mean(&|point| (point.position[axis] - centre).powi(2) + point.widths[axis].powi(2) / 6.0);
         (5.0 * moment).sqrt()
     };
+    let carrying = points.iter().zip(&state.solution.modes).filter(|(_, mode)| **mode != PointMode::Open);
     Patch {
-        area: points
-            .iter()
-            .zip(&state.solution.modes)
-            .filter(|(_, mode)| **mode != PointMode::Open)
-            .map(|(point, _)| point.area)
-            .sum(),
+        area: match state.fine() {
+            Some(fine) => fine::area(&fine.lattice, points, forces),
+            None => carrying.map(|(point, _)| point.area).sum(),
+        },
         max_pressure: forces.iter().zip(points).map(|(f, point)| f / point.area).fold(0.0, f64::max),
         semi_axis_across: semi_axis(0),
         semi_axis_along: semi_axis(1),

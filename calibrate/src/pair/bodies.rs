@@ -3,7 +3,7 @@
 use super::geometry::{Pair, PairMeshes};
 use super::solids::{PairBody, PairSolids};
 use crate::calibration::{
-    Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference, WheelOnRail,
+    ContactField, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference, WheelOnRail,
     calibrate_horizontal, calibrate_normal, press_loads,
 };
 use crate::error::{InputError, Result};
@@ -19,6 +19,8 @@ pub struct ContactConditions {
     pub friction: f64,
     /// How the contact conditions are enforced.
     pub enforcement: Enforcement,
+    /// Where the contact lives.
+    pub field: ContactField,
 }
 
 /// Both bodies condensed. It borrows nothing.
@@ -130,7 +132,7 @@ impl CondensedPair {
         &'a self,
         pair: &'a Pair,
         reference: Reference,
-        ContactConditions { friction, enforcement }: ContactConditions,
+        ContactConditions { friction, enforcement, field }: ContactConditions,
     ) -> WheelOnRail<'a> {
         let rail = self.rail(reference);
         WheelOnRail {
@@ -140,6 +142,8 @@ impl CondensedPair {
             wheel_surface: pair.wheel_surface(&self.wheel.grid),
             friction,
             enforcement,
+            field,
+            materials: [self.material; 2],
         }
     }
 }
@@ -167,12 +171,7 @@ impl PressedPair<'_> {
     /// # Errors
     /// Numerical errors of tangent and fit.
     pub fn fit(&self, reference: Reference) -> Result<NormalCalibration> {
-        calibrate_normal(
-            &self.wheel_on_rail(reference),
-            self.states(reference),
-            reference,
-            &self.bodies.material,
-        )
+        calibrate_normal(&self.wheel_on_rail(reference), self.states(reference), reference)
     }
 
     /// The horizontal stiffness of a sticking wheel under the preloads (N, ascending).
