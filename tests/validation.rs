@@ -43,7 +43,7 @@ fn now(study: &Study) -> Vec<ToolCurve> {
 /// What is stale in a record, or does not hold.
 fn stale(record: &CrosscheckRecord, study: &Study, curves: &[ToolCurve]) -> Vec<String> {
     let mut found = Vec::new();
-    if record.input_hash != study.keys.study {
+    if record.input_hash != study.keys.crosscheck {
         found.push("the study or the program's version has changed".into());
     }
     if record.reference.package_hash != package_hash() {
@@ -180,7 +180,7 @@ fn report_and_page_belong_together() {
     let alone = std::fs::read_to_string(other.file("crosscheck.html")).unwrap();
     assert!(!alone.contains("href=") && !other.file("report.html").exists());
 
-    let stale = made.page("crosscheck.json").replace(&study.keys.study, &"0".repeat(64));
+    let stale = made.page("crosscheck.json").replace(&study.keys.crosscheck, &"0".repeat(64));
     std::fs::write(made.out.join("crosscheck.json"), stale).unwrap();
     made.railspring(&["report"], 0);
     let report = made.page("report.html");

@@ -63,7 +63,7 @@ impl Deck<'_> {
             "*HEADING\nrailspring {}: study {}, input {}",
             env!("CARGO_PKG_VERSION"),
             self.study.name,
-            &self.study.keys.study[..12]
+            &self.study.keys.crosscheck[..12]
         );
         let _ = writeln!(out, "** Units: mm, N, MPa. x along the track, y to the field side, z down.");
         let _ = writeln!(out, "** Displacements of the hub count from touching of the smooth surfaces.");

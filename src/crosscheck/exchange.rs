@@ -132,7 +132,7 @@ impl Exchange {
             loads: answers.loads.clone(),
             friction: answers.friction,
             cases,
-            input_hash: study.keys.study.clone(),
+            input_hash: study.keys.crosscheck.clone(),
         }
     }
 

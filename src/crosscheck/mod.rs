@@ -213,7 +213,7 @@ pub fn crosscheck(
     let record = CrosscheckRecord {
         study: study.name.clone(),
         holds: checks.iter().all(|check| check.holds),
-        input_hash: study.keys.study.clone(),
+        input_hash: study.keys.crosscheck.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
         begun_utc: begun.begun_utc,
         host: begun.host,

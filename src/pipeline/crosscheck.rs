@@ -30,7 +30,7 @@ impl Stage for Crosscheck<'_> {
     }
 
     fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.study.clone()
+        at.study.keys.crosscheck.clone()
     }
 
     fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {

@@ -121,7 +121,7 @@ impl Pipeline<'_> {
     /// or has another layout.
     fn own_crosscheck(&self) -> Option<CrosscheckRecord> {
         let record: CrosscheckRecord = self.folder.read_json(CROSSCHECK, "crosscheck").ok()?;
-        (record.input_hash == self.study.keys.study).then_some(record)
+        (record.input_hash == self.study.keys.crosscheck).then_some(record)
     }
 
     /// The sections of that very cross-check; none if they are not there.

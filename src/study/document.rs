@@ -144,6 +144,14 @@ pub struct MeshKeys {
     /// Longest element around the wheel, as arc at the tape circle, mm.
     #[schemars(range(min = 2.0, max = 500.0))]
     pub wheel_arc_element_mm: f64,
+    /// Number of layers of elements under the contact zone, even; left out, as many as the contact elements need.
+    #[schemars(range(min = 2, max = 40))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers: Option<usize>,
+    /// Thickness of the first layer under the contact zone, mm; left out, it follows from the contact elements.
+    #[schemars(range(min = 0.1, max = 20.0))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_layer_mm: Option<f64>,
     /// Formulation of the eight-node brick.
     pub element: ElementKey,
 }
@@ -159,6 +167,8 @@ impl Default for MeshKeys {
             wheel_section_element_mm: 20.0,
             rail_length_element_mm: 40.0,
             wheel_arc_element_mm: 120.0,
+            layers: None,
+            first_layer_mm: None,
             element: ElementKey::IncompatibleModes,
         }
     }

@@ -16,12 +16,11 @@ use super::{MeasuredSurface, MeshFile, Rail, Wheel};
 /// The hashes of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Keys {
-    /// The whole study without its descriptions and limits.
-    pub study: String,
+    /// What a cross-check depends on: the pair, its meshes, material, friction, loads and reference.
+    pub crosscheck: String,
     /// What the load curve, the laws and the horizontal stiffness depend on.
     pub calibration: String,
-    /// The same without the study's name, which its files only carry, and without the damping, which nothing at rest
-    /// has.
+    /// The same without the study's name, which its files only carry, and without the damping.
     pub springs: String,
     /// The pair that a law belongs to: profiles, bodies, their places and the elastic material; not the rail's length.
     pub pair: String,
@@ -53,10 +52,12 @@ impl Keys {
         // The deflection of the beam is part of the calibration, and the beam is that of the simulation.
         let calibrated = |sections: &Value| hash(&(sections, numeric.simulation.rail_elements));
         let calibration = without(&whole, &["scenario", "simulation", "verification"]);
-        let mut springs = without(&calibration, &["name"]);
+        // nothing at rest has a damping
+        let mut crosscheck = calibration.clone();
         for key in ["damping_ratio", "damping_frequency_hz"] {
-            remove(&mut springs, "material", key);
+            remove(&mut crosscheck, "material", key);
         }
+        let springs = without(&crosscheck, &["name"]);
         let (calibration, springs) = (calibrated(&calibration), calibrated(&springs));
         let mut pair = without(
             &whole,
@@ -97,7 +98,7 @@ impl Keys {
             numeric.scenario.iter().map(|(name, keys)| (name.clone(), with(keys))).collect()
         };
         Self {
-            study: hash(&whole),
+            crosscheck: hash(&("crosscheck", crosscheck)),
             calibration,
             springs,
             pair: hash(&pair),

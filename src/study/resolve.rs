@@ -71,6 +71,10 @@ pub(super) fn resolve(
     let resolved = resolved_keys(&document, &source);
     let keys = Keys::new(&document, &rail, &wheel);
     let mesh = &document.mesh;
+    let thickness = mesh.first_layer_mm.unwrap_or(mesh.contact_element_mm) * MILLIMETRE;
+    let (suited, thin) = MeshOptions::layers_for(thickness);
+    let (layers, first_layer) =
+        (mesh.layers.unwrap_or(suited), mesh.first_layer_mm.map_or(thin, |first| first * MILLIMETRE));
     Ok(Study {
         name: document.name,
         description: document.description,
@@ -89,6 +93,8 @@ pub(super) fn resolve(
             damping: document.material.damping_ratio / (PI * document.material.damping_frequency_hz),
         },
         mesh: MeshOptions {
+            layers,
+            first_layer,
             contact_element: mesh.contact_element_mm * MILLIMETRE,
             contact_element_along: mesh.contact_element_along_mm * MILLIMETRE,
             window_half_length: mesh.window_half_length_mm * MILLIMETRE,

@@ -58,7 +58,7 @@ fn the_shipped_studies_are_the_published_load_cases() {
 
 #[test]
 fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
-    let hash = |more: &str| parse(&format!("{SHORT}{more}")).unwrap().keys.study;
+    let hash = |more: &str| parse(&format!("{SHORT}{more}")).unwrap().keys.crosscheck;
     let plain = hash("");
     assert_eq!(plain, hash("# a comment\n"));
     assert_eq!(plain, hash("[track]\ngauge_mm = 1435.0\n"), "a default that is written out");
@@ -76,11 +76,12 @@ fn every_result_has_a_key_of_its_own_inputs() {
         let text = format!("{SHORT}{rest}\n[scenario.one]\n{LOADS}{one}\n[scenario.two]\n{LOADS}");
         parse(&text).unwrap().keys
     };
-    let names = ["calibration", "pair", "simple one", "solid one", "simple two", "verdict"];
+    let names = ["cross-check", "calibration", "pair", "simple one", "solid one", "simple two", "verdict"];
     let all = |more: &str| {
         let k = keys(more);
         let verdict = k.verdict(&Default::default());
         [
+            k.crosscheck.clone(),
             k.calibration.clone(),
             k.pair.clone(),
             k.simple("one", &1),
@@ -96,14 +97,14 @@ fn every_result_has_a_key_of_its_own_inputs() {
         ("[simulation]\nscenario = \"two\"\n", &[]),
         ("[verification]\nvertical_rms = 0.5\n", &["verdict"]),
         ("steps = 20\n|", &["simple one", "solid one"]),
-        ("[calibration]\nload_max_kn = 140\n", &["calibration"]),
+        ("[calibration]\nload_max_kn = 140\n", &["cross-check", "calibration"]),
         ("[simulation]\nrail_elements = 10\n", &["calibration", "simple one", "simple two"]),
         ("[simulation]\nlaw = \"published\"\n", &["simple one", "simple two"]),
-        ("[mesh]\ngrowth = 1.5\n", &["calibration", "solid one"]),
+        ("[mesh]\ngrowth = 1.5\n", &["cross-check", "calibration", "solid one"]),
         ("[material]\ndamping_ratio = 0\n", &["calibration", "simple one", "solid one", "simple two"]),
         (
             "[track]\nlateral_shift_mm = 1\n",
-            &["calibration", "pair", "simple one", "solid one", "simple two"],
+            &["cross-check", "calibration", "pair", "simple one", "solid one", "simple two"],
         ),
     ] {
         let found: Vec<&str> = names
@@ -263,9 +264,9 @@ fn measured_profiles_are_named_by_file_and_body() {
 
     // The hash follows the content, not the place.
     std::fs::copy(&head, folder.path().join("other.csv")).unwrap();
-    assert_eq!(study(&given.replace("head", "other")).unwrap().keys.study, read.keys.study);
+    assert_eq!(study(&given.replace("head", "other")).unwrap().keys.crosscheck, read.keys.crosscheck);
     std::fs::write(&head, "0,1\n").unwrap();
-    assert_ne!(study(given).unwrap().keys.study, read.keys.study);
+    assert_ne!(study(given).unwrap().keys.crosscheck, read.keys.crosscheck);
 
     let refused = |rail: &str| study(rail).unwrap_err().to_string();
     let body = refused("profile_file = \"head.csv\"");
@@ -435,7 +436,7 @@ fn unit_and_side_of_a_profile_file_are_keys() {
     let of = |more: &str| {
         let study = study(more).unwrap();
         let measured = study.rail.measured.unwrap();
-        (measured.unit, measured.mirrored, study.keys.study)
+        (measured.unit, measured.mirrored, study.keys.crosscheck)
     };
     let plain = of("");
     assert_eq!((plain.0, plain.1), (None, None));
