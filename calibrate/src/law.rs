@@ -5,6 +5,10 @@
 //! integration, `δ(f) = ∫ df/k(f)` from 0. A law is usable when a ≥ 0, b ≥ 0,
 //! a + b > 0 and 0 ≤ c < 1; [`StiffnessLaw::new`] checks that.
 
+mod table;
+
+pub use table::TableLaw;
+
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::brent::BrentOpt;
 use nalgebra::{DMatrix, DVector};
@@ -17,7 +21,8 @@ pub const REFERENCE_FORCE: f64 = 1e3;
 
 /// Search interval for the exponent. Hertz has 1/3 and conformal contact less;
 /// at c = 1 a law without a constant part has no finite displacement.
-const EXPONENT_RANGE: (f64, f64) = (0.0, 0.95);
+const EXPONENT_RANGE: (f64, f64) = (0.0, LARGEST_EXPONENT);
+const LARGEST_EXPONENT: f64 = 0.95;
 
 /// The search comes as close to a bound of the exponent.
 const BOUND_TOLERANCE: f64 = 1e-6;
