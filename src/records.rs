@@ -72,6 +72,14 @@ impl StiffnessRecord {
     pub fn wheel_mass(&self) -> f64 {
         self.mesh.iter().find(|mesh| mesh.body == "wheel").map_or(f64::NAN, |mesh| mesh.mass_kg)
     }
+
+    /// Forces, kN, and tangent stiffness, kN/m, of the reference in use.
+    pub fn table(&self) -> Vec<[f64; 2]> {
+        let in_use = self.references.iter().find(|found| found.reference == self.reference);
+        in_use.map_or_else(Vec::new, |found| {
+            found.points.iter().map(|p| [p.force_kn, p.tangent_kn_per_m]).collect()
+        })
+    }
 }
 
 /// A fitted law `k(f) = a + b·(f/f0)^c`.
@@ -119,8 +127,21 @@ pub struct ReferenceRecord {
     pub law: LawRecord,
     /// The law, integrated, against the displacement of the solid.
     pub displacement: DisplacementRecord,
+    /// What the points are worth as a table.
+    pub table: TableRecord,
     /// The solid's own values, load by load.
     pub points: Vec<TangentRecord>,
+}
+
+/// The points of a reference as a monotone table, the alternative to the law.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TableRecord {
+    /// Largest relative deviation of the tangent at a load from the table of the other loads; none for four loads.
+    pub max_rel_error: Option<f64>,
+    /// The same of the displacement, over that of the largest load.
+    pub max_rel_displacement: Option<f64>,
+    /// The table, integrated, against the displacement of the solid.
+    pub displacement: DisplacementRecord,
 }
 
 /// Where the integrated law is farthest from the displacement of the solid.

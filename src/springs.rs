@@ -10,7 +10,7 @@ use std::path::Path;
 
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::History;
-use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::law::{StiffnessLaw, TableLaw};
 use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE};
 use serde::Deserialize;
@@ -81,6 +81,10 @@ pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> 
     let common = SpringsRecord {
         source: SpringsSource::Calibrated,
         law: stiffness.law.constants,
+        table_kn_and_kn_per_m: match study.simulation.law {
+            LawKey::Table => stiffness.table(),
+            LawKey::Calibrated | LawKey::Published => Vec::new(),
+        },
         horizontal_kn_per_m: horizontal.or(stiffness.horizontal_kn_per_m).ok_or_else(|| {
             InputError::new(
                 "simulation.horizontal_kn_per_m",
@@ -109,7 +113,10 @@ pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> 
         });
     }
     let note = accepted_reference(study, "calibration.reference", Some(&stiffness.reference))?;
-    Ok(SpringsRecord { notes: note.into_iter().collect(), ..common })
+    let table = &common.table_kn_and_kn_per_m;
+    let by_table =
+        (!table.is_empty()).then(|| format!("the law is the table of {} calibrated tangents", table.len()));
+    Ok(SpringsRecord { notes: note.into_iter().chain(by_table).collect(), ..common })
 }
 
 /// The springs of a file: a `stiffness.json`, or a law written by hand.
@@ -152,6 +159,15 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     {
         return own(study, &stiffness);
     }
+    if study.simulation.law == LawKey::Table {
+        return Err(InputError::new(
+            "simulation.law",
+            "\"table\"",
+            "\"calibrated\" beside --law: a file of another calibration gives its constants",
+            "remove simulation.law or the option --law",
+        )
+        .into());
+    }
     let mut notes = Vec::new();
     notes.extend(accepted_reference(study, &format!("{name}: reference"), law.reference.as_deref())?);
     notes.extend(accepted_pair(study, &name, pair.as_ref())?);
@@ -169,6 +185,7 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
             c: given(&name, "c", law.c)?,
             f0_kn: given(&name, "f0_kn", law.f0_kn)?,
         },
+        table_kn_and_kn_per_m: Vec::new(),
         horizontal_kn_per_m: match study.simulation.horizontal {
             Some(horizontal) => horizontal / KILONEWTON_PER_METRE,
             None => given(&name, "horizontal_kn_per_m", law.horizontal_kn_per_m)?,
@@ -188,8 +205,16 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
 /// # Errors
 /// [`InputError`] with key `law` for constants that are no law.
 pub fn springs(record: &SpringsRecord) -> Result<Springs> {
+    let table = &record.table_kn_and_kn_per_m;
+    let normal = if table.is_empty() {
+        StiffnessLaw::try_from(record.law)?.into()
+    } else {
+        let (forces, tangents): (Vec<f64>, Vec<f64>) =
+            table.iter().map(|[force, k]| (force * KILONEWTON, k * KILONEWTON_PER_METRE)).unzip();
+        TableLaw::new(&forces, &tangents)?.into()
+    };
     Ok(Springs {
-        normal: record.law.try_into()?,
+        normal,
         horizontal: record.horizontal_kn_per_m * KILONEWTON_PER_METRE,
         wheel_mass: record.wheel_mass_kg,
         beam: record.beam.into(),

@@ -6,7 +6,9 @@
 //! a + b > 0 and 0 ≤ c < 1; [`StiffnessLaw::new`] checks that.
 
 mod table;
+mod normal;
 
+pub use normal::NormalLaw;
 pub use table::TableLaw;
 
 use argmin::core::{CostFunction, Executor};

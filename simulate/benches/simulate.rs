@@ -20,7 +20,8 @@ fn model(rigid: bool) -> MovingModel {
     let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
     let steel = Material { damping: 6e-6, ..Material::STEEL };
     let beam = pair.beam(&steel, 0.555, 10).unwrap();
-    let springs = WheelSprings { horizontal: 9e8, normal: StiffnessLaw::published(), longitudinal: 9e8 };
+    let springs =
+        WheelSprings { horizontal: 9e8, normal: StiffnessLaw::published().into(), longitudinal: 9e8 };
     let mut model = MovingModel::of_pair(&pair, beam, &steel, springs, 300.0);
     if rigid {
         model.support = RailSupport::Rigid;

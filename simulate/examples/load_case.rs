@@ -15,7 +15,8 @@ fn main() -> Result<()> {
     let pair = Pair::new(rail_section("60E1")?, wheel_section("S1002", 0.858)?, &TrackGeometry::standard())?;
     let steel = Material { damping: 2.0 * 0.02 / (std::f64::consts::TAU * 1000.0), ..Material::STEEL };
     let beam = pair.beam(&steel, 0.555, 20)?; // 0.555 m of rail in 20 elements
-    let springs = WheelSprings { horizontal: 80e6, normal: StiffnessLaw::published(), longitudinal: 80e6 };
+    let springs =
+        WheelSprings { horizontal: 80e6, normal: StiffnessLaw::published().into(), longitudinal: 80e6 };
     let model = MovingModel::of_pair(&pair, beam, &steel, springs, 283.0); // mass of the wheel, kg
     let scenario = Scenario {
         vertical_force: HarmonicForce { amplitude: 30e3, frequency: 10.0, ..HarmonicForce::constant(60e3) },

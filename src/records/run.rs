@@ -49,6 +49,9 @@ pub struct SpringsRecord {
     /// The normal law.
     #[serde(flatten)]
     pub law: LawConstants,
+    /// Forces, kN, and tangent stiffness, kN/m, of the table that takes the place of the constants.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub table_kn_and_kn_per_m: Vec<[f64; 2]>,
     /// Horizontal stiffness, kN/m.
     pub horizontal_kn_per_m: f64,
     /// Mass of the solid wheel, which scenarios without a wheel mass take, kg.

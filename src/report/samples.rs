@@ -10,7 +10,7 @@ use crate::records::{
     BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord,
     FindingRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, Measured,
     PairRecord, PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey, StageMeasure, StiffnessRecord,
-    TangentRecord, TouchRecord,
+    TableRecord, TangentRecord, TouchRecord,
 };
 
 use crate::records::crosscheck::{
@@ -101,7 +101,8 @@ fn reference(name: &str, law: LawRecord) -> ReferenceRecord {
         })
         .collect();
     let displacement = DisplacementRecord { max_rel_error: 0.012, force_kn: 20.0 };
-    ReferenceRecord { reference: name.into(), law, displacement, points }
+    let table = TableRecord { max_rel_error: Some(0.02), max_rel_displacement: Some(0.001), displacement };
+    ReferenceRecord { reference: name.into(), law, displacement, table, points }
 }
 
 /// Springs of about the published size.

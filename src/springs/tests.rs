@@ -46,6 +46,24 @@ fn the_reference_force_scales_the_power() {
     assert!((unscaled.normal.tangent(85e3) / expected - 1.0).abs() < ROUNDOFF);
 }
 
+/// Source: the points of the calibration. Goal: `law = "table"` runs with the tangents (N/m) of the reference in use at its
+/// loads, the constants without it; a file of another calibration is refused beside it. Accuracy: ROUNDOFF.
+#[test]
+fn a_table_has_the_tangents_of_the_calibration() {
+    let with = study("[simulation]\nlaw = \"table\"\n");
+    let record = samples::stiffness();
+    let normal = springs(&own(&with, &record).unwrap()).unwrap().normal;
+    let points = &record.references.iter().find(|r| r.reference == record.reference).unwrap().points;
+    assert!(points.len() > 4);
+    for point in points {
+        let k = normal.tangent(1e3 * point.force_kn) / (1e3 * point.tangent_kn_per_m);
+        assert!((k - 1.0).abs() < ROUNDOFF, "{} kN: {k}", point.force_kn);
+    }
+    assert!(own(&study(""), &record).unwrap().table_kn_and_kn_per_m.is_empty());
+    let said = refusal(&with, LAW);
+    assert!(said.contains("simulation.law = \"table\""), "{said}");
+}
+
 /// Goal: a law written by hand is taken, and the result says what is unknown about it; wrong ones name the key and what it needs.
 #[test]
 fn a_law_written_by_hand_is_checked() {

@@ -6,7 +6,7 @@ use railspring_calibrate::calibration::{
     ContactField, HorizontalCalibration, LoadPoint, NormalCalibration, Reference,
 };
 use railspring_calibrate::error::{Error, InputError, Result};
-use railspring_calibrate::law::LawFit;
+use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{ContactConditions, PairBody, SeriesBeam};
@@ -19,7 +19,7 @@ use super::bodies::rail_in_use;
 use super::{Bodies, Geometry, Meshes, PressedFields, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
-    HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord,
+    HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord, TableRecord,
     TangentRecord, TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, ReferenceKey, Study};
@@ -111,8 +111,9 @@ pub fn calibrate(
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
         beam: beam_record(&beam, geometry, &beam_law, stiffness.filter(|_| in_series.is_some())),
         references: [("foot", &foot), ("beam", &beam_law), ("local", &local)]
+            .into_iter()
             .map(|(name, calibration)| reference_record(name, calibration))
-            .into(),
+            .collect::<Result<_>>()?,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
         penalty: PenaltyRecord {
             enforcement: match study.contact.enforcement {
@@ -202,12 +203,22 @@ fn law_record(fit: &LawFit) -> LawRecord {
     }
 }
 
-fn reference_record(name: &str, calibration: &NormalCalibration) -> ReferenceRecord {
-    let (force, deviation) = calibration.displacement_deviation();
-    ReferenceRecord {
+fn reference_record(name: &str, calibration: &NormalCalibration) -> Result<ReferenceRecord> {
+    let displacement = |law: &NormalLaw| {
+        let (force, deviation) = calibration.displacement_deviation(law);
+        DisplacementRecord { max_rel_error: deviation, force_kn: force / KILONEWTON }
+    };
+    let table = calibration.table()?;
+    let left_out = table.left_out();
+    Ok(ReferenceRecord {
         reference: name.into(),
         law: law_record(&calibration.fit),
-        displacement: DisplacementRecord { max_rel_error: deviation, force_kn: force / KILONEWTON },
+        displacement: displacement(&calibration.fit.law.into()),
+        table: TableRecord {
+            max_rel_error: left_out.map(|[tangent, _]| tangent),
+            max_rel_displacement: left_out.map(|[_, displacement]| displacement),
+            displacement: displacement(&table.into()),
+        },
         points: calibration
             .points
             .iter()
@@ -217,7 +228,7 @@ fn reference_record(name: &str, calibration: &NormalCalibration) -> ReferenceRec
                 tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
             })
             .collect(),
-    }
+    })
 }
 
 fn compliance_record(p: &LoadPoint, beam: Option<&SeriesBeam>) -> ComplianceRecord {

@@ -2,7 +2,7 @@
 
 use railspring_calibrate::error::Result;
 use railspring_calibrate::history::History;
-use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::transient::TransientModel;
 
@@ -12,10 +12,10 @@ use railspring_calibrate::beam::BeamCorrection;
 use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
 
 /// The springs and the mass that the simple model runs with.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Springs {
     /// Normal law.
-    pub normal: StiffnessLaw,
+    pub normal: NormalLaw,
     /// Horizontal stiffness, N/m.
     pub horizontal: f64,
     /// Mass of the solid wheel, kg, which scenarios without a mass of their own take.
@@ -37,7 +37,7 @@ pub fn simulate(
 ) -> Result<History> {
     let wheel_springs = WheelSprings {
         horizontal: springs.horizontal,
-        normal: springs.normal,
+        normal: springs.normal.clone(),
         longitudinal: springs.horizontal,
     };
     let beam = geometry.beam.corrected(&springs.beam)?;

@@ -339,6 +339,8 @@ impl Default for SimulationKeys {
 pub enum LawKey {
     /// The law that the study calibrates, with the reference of `calibration.reference`.
     Calibrated,
+    /// The tangents of the calibration as a monotone table, which follows a contact that no power does.
+    Table,
     /// The published constants (30000 kN/m, 294000 kN/m, 0.241104).
     Published,
 }

@@ -13,7 +13,7 @@ use crate::contact::{
 };
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
-use crate::law::{LawFit, fit_law};
+use crate::law::{LawFit, NormalLaw, TableLaw, fit_law};
 use crate::monitor::Monitor;
 use faer::Mat;
 use nalgebra::{DVector, Vector3};
@@ -73,11 +73,21 @@ pub struct NormalCalibration {
 }
 
 impl NormalCalibration {
-    /// Where the law, integrated from no load, is farthest from the displacement of the solid: the force, N, and the
+    /// The tangents as a table, the alternative to the fitted law.
+    ///
+    /// # Errors
+    /// Those of [`TableLaw::new`].
+    pub fn table(&self) -> Result<TableLaw> {
+        let (forces, tangents): (Vec<f64>, Vec<f64>) =
+            self.points.iter().map(|p| (p.force, p.solid_tangent)).unzip();
+        TableLaw::new(&forces, &tangents)
+    }
+
+    /// Where a `law`, integrated from no load, is farthest from the displacement of the solid: the force, N, and the
     /// deviation over the displacement of the solid under the largest load.
-    pub fn displacement_deviation(&self) -> (f64, f64) {
+    pub fn displacement_deviation(&self, law: &NormalLaw) -> (f64, f64) {
         let whole = self.points.last().map_or(f64::NAN, |p| p.displacement);
-        let deviation = |p: &LoadPoint| (self.fit.law.displacement(p.force) - p.displacement).abs() / whole;
+        let deviation = |p: &LoadPoint| (law.displacement(p.force) - p.displacement).abs() / whole;
         self.points
             .iter()
             .map(|p| (p.force, deviation(p)))

@@ -150,22 +150,19 @@ impl TableLaw {
     }
 
     /// How far the law is off between its knots, estimated by leaving out each inner knot in turn: the largest relative
-    /// deviation of its tangent, and of its displacement over that of the last knot.
-    ///
-    /// # Errors
-    /// [`InputError`] for fewer than five knots.
-    pub fn left_out(&self) -> Result<[f64; 2]> {
+    /// deviation of its tangent, and of its displacement over that of the last knot. `None` for four knots.
+    pub fn left_out(&self) -> Option<[f64; 2]> {
         let whole = self.ends().1.displacement;
         let mut largest = [0.0_f64; 2];
         for out in 1..self.knots.len() - 1 {
             let rest = || self.knots().enumerate().filter(|(i, _)| *i != out).map(|(_, knot)| knot);
             let (forces, tangents): (Vec<f64>, Vec<f64>) = rest().unzip();
-            let without = Self::new(&forces, &tangents)?;
+            let without = Self::new(&forces, &tangents).ok()?;
             let Knot { x, y, displacement, .. } = self.knots[out];
             largest[0] = largest[0].max((without.tangent(x.exp()) / y.exp() - 1.0).abs());
             largest[1] = largest[1].max((without.displacement(x.exp()) - displacement).abs() / whole);
         }
-        Ok(largest)
+        Some(largest)
     }
 
     fn ends(&self) -> (&Knot, &Knot) {

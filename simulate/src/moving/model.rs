@@ -6,7 +6,6 @@ use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::History;
-use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::{PlacedRail, Touch};
 use railspring_calibrate::profile::ProfileCurve;
@@ -198,8 +197,7 @@ impl MovingModel {
             return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
         }
         scenario.check()?;
-        let StiffnessLaw { a, b, c } = self.springs.normal;
-        StiffnessLaw::new(a, b, c)?;
+        self.springs.normal.check()?;
         self.check_start(scenario)
     }
 

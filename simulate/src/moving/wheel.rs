@@ -3,19 +3,19 @@
 use faer::Mat;
 use nalgebra::{Vector2, Vector3};
 
-use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::newmark::{Motion, Newmark};
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::suspension::{Suspension, SuspensionStep};
 
 /// The springs k1, k2 and k3 between the wheel centre A and the contact master B.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct WheelSprings {
     /// k1 along direction 1 (lateral), N/m; constant.
     pub horizontal: f64,
     /// k2 along direction 2 (vertical): the law.
-    pub normal: StiffnessLaw,
+    pub normal: NormalLaw,
     /// k3 along direction 3 (longitudinal), N/m. The element has no longitudinal contact
     /// force, so that this spring stays unloaded while the wheel is led along the track.
     pub longitudinal: f64,

@@ -56,7 +56,7 @@ fn work_is_bounded() {
         let mut scenario = published_scenario(HarmonicForce::constant(500e3));
         scenario.steps = 200;
         let mut model = published();
-        model.springs.normal.a = a;
+        model.springs.normal = StiffnessLaw { a, ..StiffnessLaw::published() }.into();
         let result = model.run(&scenario, &Silent);
 
         match result {
