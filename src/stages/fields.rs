@@ -5,7 +5,7 @@ use railspring_calibrate::calibration::Pressed;
 use railspring_calibrate::contact::Side;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
-use railspring_calibrate::solid::nodal_stress;
+use railspring_calibrate::solid::{largest_shear, nodal_stress, von_mises};
 use railspring_calibrate::superelement::{CondensedBody, Interior};
 
 use super::{Geometry, Meshes};
@@ -130,9 +130,13 @@ pub fn fields_vtu(pressed: &PressedFields, fields: Fields) -> Result<String> {
 }
 
 fn body_vtu(body: &BodyFields) -> Result<String> {
+    let [mises, shear] =
+        [von_mises, largest_shear].map(|of| body.stress.iter().copied().map(of).collect::<Vec<_>>());
     let data = [
         Field::Vector("displacement (m)", &body.displacement),
         Field::SymmetricTensor("stress (Pa)", &body.stress),
+        Field::Scalar("von Mises stress (Pa)", &mises),
+        Field::Scalar("largest shear stress (Pa)", &shear),
     ];
     vtu(&body.points, Cells::Hexes(&body.hexes), &data, &[])
 }

@@ -14,7 +14,7 @@ pub use assembly::{NodalMass, System};
 pub use brick::Formulation;
 pub use locate::Cut;
 pub use numbering::{Numbering, Supports};
-pub use stress::nodal_stress;
+pub use stress::{largest_shear, nodal_stress, von_mises};
 
 use crate::error::{InputError, Result};
 use crate::field::InputField;

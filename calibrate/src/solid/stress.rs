@@ -2,7 +2,7 @@
 
 use super::{Material, assembly::corners, brick};
 use crate::mesh::HexMesh;
-use nalgebra::SVector;
+use nalgebra::{Matrix3, SVector};
 
 /// Stress at every node (xx, yy, zz, xy, yz, zx), Pa, from nodal displacements (`3·node + direction`, m).
 pub fn nodal_stress(mesh: &HexMesh, material: &Material, displacement: &[f64]) -> Vec<[f64; 6]> {
@@ -18,4 +18,40 @@ pub fn nodal_stress(mesh: &HexMesh, material: &Material, displacement: &[f64]) -
         }
     }
     sums.iter().zip(&volumes).map(|(s, v)| (s / *v).into()).collect()
+}
+
+/// Von Mises stress of a stress (xx, yy, zz, xy, yz, zx), Pa.
+pub fn von_mises([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> f64 {
+    let normal = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
+    (0.5 * normal + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt()
+}
+
+/// Largest shear stress of a stress (xx, yy, zz, xy, yz, zx), Pa: half the difference of the outer principal stresses.
+pub fn largest_shear([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> f64 {
+    let principal = Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz).symmetric_eigenvalues();
+    0.5 * (principal.max() - principal.min())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Source: the closed values of uniaxial tension, pure shear and pressure on all sides. Goal: von Mises and largest shear
+    /// stress, Pa, in any axes. Accuracy: ROUNDOFF.
+    #[test]
+    fn simple_stresses_have_their_equivalents() {
+        const ROUNDOFF: f64 = 1e-14;
+        let s = 200e6;
+        let cases = [
+            ([s, 0.0, 0.0, 0.0, 0.0, 0.0], s, 0.5 * s),
+            // uniaxial along (0, 1, 1)
+            ([0.0, 0.5 * s, 0.5 * s, 0.0, 0.5 * s, 0.0], s, 0.5 * s),
+            ([0.0, 0.0, 0.0, 0.0, 0.0, s], 3f64.sqrt() * s, s),
+            ([-s, -s, -s, 0.0, 0.0, 0.0], 0.0, 0.0),
+        ];
+        for (stress, mises, shear) in cases {
+            assert!((von_mises(stress) - mises).abs() < ROUNDOFF * s, "{stress:?}");
+            assert!((largest_shear(stress) - shear).abs() < 10.0 * ROUNDOFF * s, "{stress:?}");
+        }
+    }
 }
