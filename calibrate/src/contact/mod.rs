@@ -27,6 +27,7 @@ mod iterative;
 mod newton;
 mod sweeps;
 mod solver;
+mod subsurface;
 
 pub use compliance::{BodyCompliance, Compliance, PenaltySprings, total};
 pub use half_space::HalfSpace;
@@ -40,4 +41,5 @@ pub(crate) use pairing::pair_nodes;
 pub use pairing::{PairingLimits, pair};
 pub use point::{ContactPoint, NodeWeight, Side, flat_grid, gaps, nodal_forces, resultant};
 pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};
+pub use subsurface::{PatchStress, Peak, Subsurface, stress_below, subsurface};
 pub use surface::{BetweenNodes, Shape, Surface};
