@@ -2,9 +2,7 @@
 
 use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::calibration::{
-    ContactField, HorizontalCalibration, LoadPoint, NormalCalibration, Reference,
-};
+use railspring_calibrate::calibration::{HorizontalCalibration, LoadPoint, NormalCalibration, Reference};
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
@@ -16,7 +14,7 @@ use railspring_calibrate::units::{
 };
 
 use super::bodies::rail_in_use;
-use super::{Bodies, Geometry, Meshes, PressedFields, enforcement};
+use super::{Bodies, Geometry, Meshes, PressedFields, contact_field, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
     HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord, TableRecord,
@@ -72,7 +70,7 @@ pub fn calibrate(
     let contact = ContactConditions {
         friction: study.contact.friction,
         enforcement: enforcement(study),
-        field: ContactField::Elements,
+        field: contact_field(study),
     };
     // the insides of bodies from the store are factored beside the contact
     let (pressed, interiors) = rayon::join(

@@ -1,8 +1,10 @@
-//! The solids as VTU files: meshes, displacements, stresses, contact surface.
+//! The solids as VTU files: meshes, displacements, stresses, contact patch.
+
+use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector2, Vector3};
 use railspring_calibrate::calibration::Pressed;
-use railspring_calibrate::contact::Side;
+use railspring_calibrate::contact::{PointMode, Side, Surface};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
 use railspring_calibrate::solid::{largest_shear, nodal_stress, von_mises};
@@ -17,7 +19,7 @@ pub enum Fields {
     Rail,
     /// The wheel with displacement and stress, in the world frame.
     Wheel,
-    /// The contact surface with gap and pressure.
+    /// The contact patch and its surroundings on the rail.
     Contact,
 }
 
@@ -40,10 +42,16 @@ struct ContactFields {
     quads: Vec<[usize; 4]>,
     gap: Vec<f64>,
     pressure: Vec<f64>,
+    /// What the wheel does to the rail along its surface, Pa.
+    traction: Vec<Vector3<f64>>,
+    /// Motion of the wheel's surface along the rail's since the load before, m.
+    slip: Vec<Vector3<f64>>,
+    /// 0 open, 1 sticking, 2 slipping.
+    mode: Vec<f64>,
 }
 
 impl PressedFields {
-    /// Displacements and stresses of both bodies, gap and pressure on the rail's contact nodes. `carried` (y, z; m) is what
+    /// Displacements and stresses of both bodies; gap, pressure, traction and slip at the points of contact. `carried` (y, z; m) is what
     /// the wheel moves along with the rail's section, beside the hub's motion against it.
     pub(super) fn new(
         state: &Pressed,
@@ -58,7 +66,7 @@ impl PressedFields {
         Self {
             rail: BodyFields::new(&meshes.rail, rail, state, Side::Base, Vector3::zeros(), Vector3::zeros()),
             wheel: BodyFields::new(&meshes.wheel, wheel, state, Side::Opposing, axle, hub),
-            contact: ContactFields::new(state, &meshes.rail),
+            contact: ContactFields::new(state, &geometry.pair.rail_surface(&meshes.rail.contact)),
         }
     }
 }
@@ -87,28 +95,40 @@ impl BodyFields {
 }
 
 impl ContactFields {
-    fn new(state: &Pressed, mesh: &HexMesh) -> Self {
-        let grid = &mesh.contact;
-        let (rows, columns) = (grid.along_profile.len(), grid.along_track.len());
-        // far points have no pairing: not a number, which viewers leave blank
-        let mut gap = vec![f64::NAN; rows * columns];
-        let mut pressure = vec![0.0; rows * columns];
-        for (j, point) in state.points.iter().enumerate() {
-            let (i, k) = point.index;
-            gap[i * columns + k] = state.solution.separation[j];
-            pressure[i * columns + k] = state.solution.forces[j] / point.area;
-        }
-        let node = |i: usize, k: usize| i * columns + k;
+    fn new(state: &Pressed, rail: &Surface) -> Self {
+        let (points, solution) = (&state.points, &state.solution);
+        let n = points.len();
+        let place: HashMap<(usize, usize), usize> =
+            points.iter().enumerate().map(|(j, point)| (point.index, j)).collect();
+        let along = |values: &[f64], j: usize| -> Vector3<f64> {
+            (1..3).filter_map(|d| Some(points[j].direction(d) * *values.get(d * n + j)?)).sum()
+        };
+        let quad = |&(i, k): &(usize, usize)| -> Option<[usize; 4]> {
+            let at = |a, b| place.get(&(i + a, k + b)).copied();
+            Some([at(0, 0)?, at(0, 1)?, at(1, 1)?, at(1, 0)?])
+        };
         Self {
-            points: grid.nodes.iter().map(|&n| mesh.nodes[n]).collect(),
-            quads: (0..rows - 1)
-                .flat_map(|i| {
-                    (0..columns - 1)
-                        .map(move |k| [node(i, k), node(i, k + 1), node(i + 1, k + 1), node(i + 1, k)])
+            points: points
+                .iter()
+                .map(|point| {
+                    let section = rail.world(point.position.x);
+                    Point3::new(point.position.y, section.x, section.y)
                 })
                 .collect(),
-            gap,
-            pressure,
+            quads: points.iter().filter_map(|point| quad(&point.index)).collect(),
+            gap: solution.separation[..n].to_vec(),
+            pressure: points.iter().zip(&solution.forces).map(|(point, f)| f / point.area).collect(),
+            traction: (0..n).map(|j| -along(&solution.forces, j) / points[j].area).collect(),
+            slip: (0..n).map(|j| along(&solution.separation, j)).collect(),
+            mode: solution
+                .modes
+                .iter()
+                .map(|mode| match mode {
+                    PointMode::Open => 0.0,
+                    PointMode::Stick => 1.0,
+                    PointMode::Slip => 2.0,
+                })
+                .collect(),
         }
     }
 }
@@ -123,7 +143,13 @@ pub fn fields_vtu(pressed: &PressedFields, fields: Fields) -> Result<String> {
         Fields::Wheel => body_vtu(&pressed.wheel),
         Fields::Contact => {
             let c = &pressed.contact;
-            let data = [Field::Scalar("gap (m)", &c.gap), Field::Scalar("pressure (Pa)", &c.pressure)];
+            let data = [
+                Field::Scalar("gap (m)", &c.gap),
+                Field::Scalar("pressure (Pa)", &c.pressure),
+                Field::Vector("traction on the rail (Pa)", &c.traction),
+                Field::Vector("slip of the wheel (m)", &c.slip),
+                Field::Scalar("0 open, 1 sticking, 2 slipping", &c.mode),
+            ];
             vtu(&c.points, Cells::Quads(&c.quads), &data, &[])
         }
     }

@@ -24,7 +24,7 @@ use std::path::Path;
 
 use nalgebra::Point2;
 use railspring_calibrate::beam::RailBeam;
-use railspring_calibrate::calibration::Enforcement;
+use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
@@ -36,7 +36,7 @@ use railspring_calibrate::units::MILLIMETRE;
 
 use crate::records::ProfileRecord;
 use crate::report::ProfilePair;
-use crate::study::{ElementKey, EnforcementKey, MeshFile, Study};
+use crate::study::{ElementKey, EnforcementKey, FieldKey, MeshFile, Study};
 
 /// The two sections in place, and where they first touch.
 pub struct Geometry {
@@ -167,6 +167,13 @@ fn formulation(study: &Study) -> Formulation {
     match study.element {
         ElementKey::IncompatibleModes => Formulation::IncompatibleModes,
         ElementKey::FullIntegration => Formulation::FullIntegration,
+    }
+}
+
+fn contact_field(study: &Study) -> ContactField {
+    match study.contact.field {
+        FieldKey::Hybrid => ContactField::Hybrid,
+        FieldKey::Elements => ContactField::Elements,
     }
 }
 

@@ -144,11 +144,11 @@ pub struct MeshKeys {
     /// Longest element around the wheel, as arc at the tape circle, mm.
     #[schemars(range(min = 2.0, max = 500.0))]
     pub wheel_arc_element_mm: f64,
-    /// Number of layers of elements under the contact zone, even; left out, as many as the contact elements need.
+    /// Number of layers of elements under the contact zone, even; left out, 2.
     #[schemars(range(min = 2, max = 40))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<usize>,
-    /// Thickness of the first layer under the contact zone, mm; left out, it follows from the contact elements.
+    /// Thickness of the first layer under the contact zone, mm; left out, 2 mm.
     #[schemars(range(min = 0.1, max = 20.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_layer_mm: Option<f64>,
@@ -188,6 +188,8 @@ pub enum ElementKey {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ContactKeys {
+    /// Where the contact lives, and what is elastic in it.
+    pub field: FieldKey,
     /// How the surfaces are kept from passing through each other.
     pub enforcement: EnforcementKey,
     /// Penalty stiffness of a contact point, kN/m; the published value is 1e6.
@@ -200,8 +202,23 @@ pub struct ContactKeys {
 
 impl Default for ContactKeys {
     fn default() -> Self {
-        Self { enforcement: EnforcementKey::Exact, penalty_kn_per_m: 1e6, friction: 0.5 }
+        Self {
+            field: FieldKey::Elements,
+            enforcement: EnforcementKey::Exact,
+            penalty_kn_per_m: 1e6,
+            friction: 0.5,
+        }
     }
+}
+
+/// Where the contact lives, and what is elastic in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FieldKey {
+    /// On a fine grid that follows the patch: half-spaces there, the bodies beyond them from the meshes.
+    Hybrid,
+    /// On the nodes of the meshes, the elements alone; what the reference solvers are compared with.
+    Elements,
 }
 
 /// How the surfaces are kept from passing through each other.

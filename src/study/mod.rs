@@ -28,7 +28,7 @@ use serde::Deserialize;
 use toml::de::DeTable;
 
 pub use document::{
-    ElementKey, EnforcementKey, LawAcceptedKey, LawKey, ReferenceKey, SlidingMatrixKey, SpacingKey,
+    ElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, ReferenceKey, SlidingMatrixKey, SpacingKey,
     StudyDocument,
 };
 pub use keys::Keys;
@@ -162,6 +162,8 @@ pub struct Track {
 /// Contact between the solids.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSettings {
+    /// Where the contact lives.
+    pub field: FieldKey,
     /// Exact or penalty.
     pub enforcement: EnforcementKey,
     /// Penalty stiffness, N/m.

@@ -71,10 +71,11 @@ pub(super) fn resolve(
     let resolved = resolved_keys(&document, &source);
     let keys = Keys::new(&document, &rail, &wheel);
     let mesh = &document.mesh;
-    let thickness = mesh.first_layer_mm.unwrap_or(mesh.contact_element_mm) * MILLIMETRE;
-    let (suited, thin) = MeshOptions::layers_for(thickness);
-    let (layers, first_layer) =
-        (mesh.layers.unwrap_or(suited), mesh.first_layer_mm.map_or(thin, |first| first * MILLIMETRE));
+    let standard = MeshOptions::default();
+    let (layers, first_layer) = (
+        mesh.layers.unwrap_or(standard.layers),
+        mesh.first_layer_mm.map_or(standard.first_layer, |first| first * MILLIMETRE),
+    );
     Ok(Study {
         name: document.name,
         description: document.description,
@@ -103,10 +104,11 @@ pub(super) fn resolve(
             wheel_section_element: mesh.wheel_section_element_mm * MILLIMETRE,
             rail_length_element: mesh.rail_length_element_mm * MILLIMETRE,
             wheel_arc_element: mesh.wheel_arc_element_mm * MILLIMETRE,
-            ..MeshOptions::default()
+            ..standard
         },
         element: mesh.element,
         contact: ContactSettings {
+            field: document.contact.field,
             enforcement: document.contact.enforcement,
             penalty: document.contact.penalty_kn_per_m * KILONEWTON_PER_METRE,
             friction,

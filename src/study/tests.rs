@@ -63,6 +63,7 @@ fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
     assert_eq!(plain, hash("# a comment\n"));
     assert_eq!(plain, hash("[track]\ngauge_mm = 1435.0\n"), "a default that is written out");
     assert_eq!(plain, hash("[verification]\nvertical_rms = 0.5\n"));
+    assert_eq!(plain, hash("[contact]\nfield = \"hybrid\"\n"), "a cross-check has elements");
     assert_ne!(plain, hash("[track]\ngauge_mm = 1436\n"));
     assert_ne!(plain, hash("[mesh]\nelement = \"full-integration\"\n"));
 }
@@ -76,12 +77,11 @@ fn every_result_has_a_key_of_its_own_inputs() {
         let text = format!("{SHORT}{rest}\n[scenario.one]\n{LOADS}{one}\n[scenario.two]\n{LOADS}");
         parse(&text).unwrap().keys
     };
-    let names = ["cross-check", "calibration", "pair", "simple one", "solid one", "simple two", "verdict"];
+    let names = ["calibration", "pair", "simple one", "solid one", "simple two", "verdict"];
     let all = |more: &str| {
         let k = keys(more);
         let verdict = k.verdict(&Default::default());
         [
-            k.crosscheck.clone(),
             k.calibration.clone(),
             k.pair.clone(),
             k.simple("one", &1),
@@ -97,14 +97,15 @@ fn every_result_has_a_key_of_its_own_inputs() {
         ("[simulation]\nscenario = \"two\"\n", &[]),
         ("[verification]\nvertical_rms = 0.5\n", &["verdict"]),
         ("steps = 20\n|", &["simple one", "solid one"]),
-        ("[calibration]\nload_max_kn = 140\n", &["cross-check", "calibration"]),
+        ("[calibration]\nload_max_kn = 140\n", &["calibration"]),
         ("[simulation]\nrail_elements = 10\n", &["calibration", "simple one", "simple two"]),
         ("[simulation]\nlaw = \"published\"\n", &["simple one", "simple two"]),
-        ("[mesh]\ngrowth = 1.5\n", &["cross-check", "calibration", "solid one"]),
+        ("[mesh]\ngrowth = 1.5\n", &["calibration", "solid one"]),
+        ("[contact]\nfield = \"hybrid\"\n", &["calibration", "simple one", "solid one", "simple two"]),
         ("[material]\ndamping_ratio = 0\n", &["calibration", "simple one", "solid one", "simple two"]),
         (
             "[track]\nlateral_shift_mm = 1\n",
-            &["cross-check", "calibration", "pair", "simple one", "solid one", "simple two"],
+            &["calibration", "pair", "simple one", "solid one", "simple two"],
         ),
     ] {
         let found: Vec<&str> = names

@@ -107,7 +107,7 @@ pub fn subsurface(points: &[ContactPoint], forces: &[f64], poisson: f64) -> Opti
     // between the depths that were looked at
     let step = narrow / DEPTHS as f64;
     for peak in [found.shear, found.mises] {
-        let mut look = |depth: f64| {
+        let look = |depth: f64| {
             let stress = stress_below(points, forces, poisson, &peak.place, depth.max(least));
             [largest_shear(stress), von_mises(stress)]
         };

@@ -158,17 +158,6 @@ impl Default for MeshOptions {
 }
 
 impl MeshOptions {
-    /// Number of layers and thickness of the first one, m, that suit contact elements of the size `contact_element` (m):
-    /// no thicker than these are wide, and together as deep as the default ones.
-    pub fn layers_for(contact_element: f64) -> (usize, f64) {
-        let standard = Self::default();
-        let first = contact_element.min(standard.first_layer);
-        let depth = |first: f64, layers: usize| layer_depth(first, standard.layer_growth, layers);
-        let enough = depth(standard.first_layer, standard.layers) * (1.0 - 1e-9);
-        let layers = (2..).step_by(2).find(|&layers| depth(first, layers) >= enough || layers >= MOST_LAYERS);
-        (layers.unwrap_or(standard.layers), first)
-    }
-
     /// The same mesh with every element smaller by `factor` (> 1 refines), for
     /// convergence studies. The contact zones and the window keep their extent.
     #[must_use]
@@ -256,8 +245,6 @@ fn layer_depth(first: f64, growth: f64, layers: usize) -> f64 {
     first * (0..layers).map(|i| growth.powi(i as i32)).sum::<f64>()
 }
 
-/// Layers that follow from the contact elements at most.
-const MOST_LAYERS: usize = 20;
 /// Largest growth accepted.
 const LARGEST_RATIO: f64 = 4.0;
 /// Smallest length (m) accepted as a size: below it the number of nodes goes beyond all bounds.
