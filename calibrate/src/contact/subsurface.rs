@@ -35,8 +35,10 @@ pub struct Subsurface {
 const NEAR: f64 = 4.0;
 /// Parts of a hat in each direction.
 const PARTS: usize = 8;
-/// Depths that are looked at, over the width of the patch's points that carry load.
+/// Depths that are looked at, over the width of the patch.
 const DEPTHS: usize = 24;
+/// Depth, in widths, from which on hats may be concentrated forces while a place is sought.
+const CONCENTRATED: f64 = 1.5;
 
 /// Stress of the body below at a `place` (arc length, x; m) and `depth` (m, above 0) under the contact `forces` on the body
 /// above, by direction and point as everywhere; one direction or three.
@@ -46,6 +48,18 @@ pub fn stress_below(
     poisson: f64,
     place: &Point2<f64>,
     depth: f64,
+) -> PatchStress {
+    sum_of_forces(points, forces, poisson, place, depth, NEAR)
+}
+
+/// The same with the hats taken apart that are nearer than `near` of their widths.
+fn sum_of_forces(
+    points: &[ContactPoint],
+    forces: &[f64],
+    poisson: f64,
+    place: &Point2<f64>,
+    depth: f64,
+    near: f64,
 ) -> PatchStress {
     let n = points.len();
     let force = |direction: usize, j: usize| forces.get(direction * n + j).copied().unwrap_or(0.0);
@@ -59,7 +73,7 @@ pub fn stress_below(
             sum.iter_mut().zip(stress).for_each(|(s, v)| *s += v);
         };
         let widths = point.widths;
-        if offset.norm().hypot(depth) > NEAR * widths.max() {
+        if offset.norm().hypot(depth) > near * widths.max() {
             add(offset, 1.0);
             continue;
         }
@@ -81,17 +95,18 @@ pub fn stress_below(
 pub fn subsurface(points: &[ContactPoint], forces: &[f64], poisson: f64) -> Option<Subsurface> {
     let loaded: Vec<&ContactPoint> =
         points.iter().zip(forces).filter(|(_, force)| **force > 0.0).map(|(point, _)| point).collect();
+    let first = loaded.first()?;
     let over = |axis: usize| {
         let ends = loaded.iter().map(|p| p.position[axis]);
         let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        high - low
+        high - low + first.widths[axis]
     };
-    let first = loaded.first()?;
-    let narrow = (over(0) + first.widths.x).min(over(1) + first.widths.y);
+    let (least, deep) = (0.25 * first.widths.min(), CONCENTRATED * first.widths.max());
+    let step = over(0).min(over(1)) / DEPTHS as f64;
     let nothing = Peak { stress: 0.0, depth: 0.0, place: first.position };
     let mut found = Subsurface { shear: nothing, mises: nothing };
-    let mut look = |place: Point2<f64>, depth: f64| {
-        let stress = stress_below(points, forces, poisson, &place, depth);
+    let look = |found: &mut Subsurface, place: Point2<f64>, depth: f64, near: f64| {
+        let stress = sum_of_forces(points, forces, poisson, &place, depth, near);
         for (peak, value) in
             [(&mut found.shear, largest_shear(stress)), (&mut found.mises, von_mises(stress))]
         {
@@ -100,28 +115,28 @@ pub fn subsurface(points: &[ContactPoint], forces: &[f64], poisson: f64) -> Opti
             }
         }
     };
-    let least = 0.25 * first.widths.min();
+    // below the surface concentrated forces find the place; at the surface, where friction may have it, hats do
     for point in &loaded {
-        (0..DEPTHS).for_each(|i| look(point.position, least + narrow * i as f64 / DEPTHS as f64));
+        let depths = (0..DEPTHS).map(|i| deep + step * i as f64);
+        depths.for_each(|depth| look(&mut found, point.position, depth, 0.0));
     }
-    // between the depths that were looked at
-    let step = narrow / DEPTHS as f64;
+    let mut exact = Subsurface { shear: nothing, mises: nothing };
+    for point in &loaded {
+        look(&mut exact, point.position, least, NEAR);
+    }
     for peak in [found.shear, found.mises] {
-        let look = |depth: f64| {
-            let stress = stress_below(points, forces, poisson, &peak.place, depth.max(least));
-            [largest_shear(stress), von_mises(stress)]
-        };
         for i in -8..=8 {
             let depth = (peak.depth + step * f64::from(i) / 8.0).max(least);
-            let [shear, mises] = look(depth);
-            for (peak, value) in [(&mut found.shear, shear), (&mut found.mises, mises)] {
-                if value > peak.stress {
-                    *peak = Peak { stress: value, depth, place: peak.place };
-                }
-            }
+            look(&mut exact, peak.place, depth, NEAR);
+        }
+        // a peak near the surface, where concentrated forces say nothing
+        if peak.depth <= deep {
+            (0..=8).for_each(|i| {
+                look(&mut exact, peak.place, least + (deep - least) * f64::from(i) / 8.0, NEAR)
+            });
         }
     }
-    Some(found)
+    Some(exact)
 }
 
 /// Stress at an `offset` and `depth` from a concentrated force: into the body, along 1 and along 2, N.
