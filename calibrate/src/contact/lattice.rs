@@ -140,8 +140,8 @@ impl Lattice {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{PairingLimits, pair};
     use super::*;
+    use crate::contact::{PairingLimits, pair};
     use crate::mesh::SurfaceGrid;
     use crate::profile::ProfileCurve;
 

@@ -224,7 +224,7 @@ impl Convolution {
             let input = &mut spectrum[i * half..(i + 1) * half];
             // those of a real row are real; what is left is rounding
             input[0].im = 0.0;
-            if columns % 2 == 0 {
+            if columns.is_multiple_of(2) {
                 input[half - 1].im = 0.0;
             }
             let output = &mut real[i * columns..(i + 1) * columns];
@@ -251,13 +251,13 @@ impl Convolution {
 fn smooth(least: usize) -> usize {
     let is_smooth = |mut n: usize| {
         for prime in [2, 3, 5] {
-            while n % prime == 0 {
+            while n.is_multiple_of(prime) {
                 n /= prime;
             }
         }
         n == 1
     };
-    (least.max(2)..).find(|&n| n % 2 == 0 && is_smooth(n)).unwrap_or(least)
+    (least.max(2)..).find(|&n| n.is_multiple_of(2) && is_smooth(n)).unwrap_or(least)
 }
 
 #[cfg(test)]
