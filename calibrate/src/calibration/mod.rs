@@ -3,10 +3,12 @@
 
 mod far_field;
 mod fine;
+mod pressed;
+mod candidates;
 mod press;
 
-pub use press::{ContactField, Enforcement, Pressed, WheelOnRail};
-pub(crate) use press::{carry_over, edge_reached};
+pub use pressed::{ContactField, Enforcement, Pressed, WheelOnRail};
+pub(crate) use pressed::{carry_over, edge_reached};
 
 use crate::contact::{
     BodyCompliance, Compliance, ContactPoint, HalfSpace, PointMode, Side, hub_response, total,

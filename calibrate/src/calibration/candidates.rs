@@ -1,0 +1,206 @@
+//! Where contact is sought while a load settles: the nodes of the rail's mesh, or the points of a fine grid.
+
+use super::far_field::Solids;
+use super::fine::{
+    FineContact, cell_for, first_forces, rim_gap, too_coarse, touches_border, widened, widths,
+};
+use super::pressed::{Elasticity, Pressed, WheelOnRail, carry_over};
+use crate::contact::{ContactPoint, HalfSpace, Lattice, Side};
+use nalgebra::Vector2;
+
+/// Rigid gap within which points are candidates while nothing is known of the elastic displacements, m.
+const FIRST_GAP: f64 = 0.15e-3;
+/// Rigid gap within which points are paired at all, m: bodies that roll under the load close less of it.
+const PAIRING_GAP: f64 = 0.5e-3;
+/// Points farther apart than this under the forces of the last pairing are no candidates, m: what the forces
+/// may still change, and the bulging beside a patch.
+const CANDIDATE_MARGIN: f64 = 20e-6;
+/// Changes of the fine grid and its reach at most, while a load settles.
+const GRID_CHANGES: usize = 8;
+/// Of the gap at the rim of a patch, what its neighbourhood must have at most to be in reach.
+const REACH: f64 = 6.0;
+
+/// Points between which contact is sought, their compliance, and forces to start from.
+pub(super) struct Candidates {
+    pub points: Vec<ContactPoint>,
+    pub elasticity: Elasticity,
+    pub start: Vec<f64>,
+}
+
+/// Grid and reach of a fine contact while a load settles.
+#[derive(Default)]
+pub(super) struct FinePlan {
+    chosen: Option<(Lattice, Vec<bool>)>,
+    changes: usize,
+}
+
+impl WheelOnRail<'_> {
+    /// The contact nodes of the rail's mesh near the wheel.
+    pub(super) fn element_candidates(
+        &self,
+        hub: &Vector2<f64>,
+        previous: Option<&Pressed>,
+        near: Option<&Pressed>,
+    ) -> Candidates {
+        let points = match previous {
+            None => self.first_points(hub),
+            Some(last) => {
+                let mut points = self.points_at(hub, PAIRING_GAP);
+                let keep: Vec<bool> =
+                    last.gaps_at(self, &points).iter().map(|gap| *gap < CANDIDATE_MARGIN).collect();
+                // after a large displacement of the hub on a slope the last displacements say nothing of the new place
+                if keep.contains(&true) {
+                    let mut keep = keep.into_iter();
+                    points.retain(|_| keep.next().unwrap_or(false));
+                }
+                points
+            }
+        };
+        let directions = self.directions();
+        let start = match previous.or(near) {
+            Some(p) => carry_over(&p.points, &p.solution.forces, &points, directions),
+            None => vec![0.0; directions * points.len()],
+        };
+        let elasticity = Elasticity::Elements(self.compliance(&points, directions));
+        Candidates { points, elasticity, start }
+    }
+
+    /// The contact nodes of the rail's mesh that are near the wheel before anything is known of the displacements.
+    fn first_points(&self, hub: &Vector2<f64>) -> Vec<ContactPoint> {
+        // long elements on a sharp curve lie farther from the first touch
+        [FIRST_GAP, PAIRING_GAP]
+            .map(|gap| self.points_at(hub, gap))
+            .into_iter()
+            .find(|points| !points.is_empty())
+            .unwrap_or_default()
+    }
+
+    /// Both bodies, the hub displaced by `hub`.
+    pub(super) fn solids(&self, hub: &Vector2<f64>) -> Solids<'_> {
+        let mut wheel_surface = self.wheel_surface.clone();
+        wheel_surface.origin += hub;
+        let [rail, wheel] = &self.materials;
+        let half_spaces = [HalfSpace::new(rail, Side::Base), HalfSpace::new(wheel, Side::Opposing)];
+        Solids {
+            rail: self.rail,
+            wheel: self.wheel,
+            rail_surface: &self.rail_surface,
+            wheel_surface,
+            half_spaces,
+        }
+    }
+
+    /// The points of a fine grid where `plan` wants them; where it has no plan yet, by the state `last`.
+    pub(super) fn fine_candidates(
+        &self,
+        hub: &Vector2<f64>,
+        load: f64,
+        last: Option<&Pressed>,
+        plan: &mut FinePlan,
+    ) -> Candidates {
+        let solids = self.solids(hub);
+        let directions = self.directions();
+        let known = last.and_then(|last| Some((last, last.fine()?)));
+        let (lattice, region) = plan.chosen.get_or_insert_with(|| match known {
+            Some((last, fine)) => {
+                // patch and approach grow as on Hertz' ellipses
+                let growth = (load / last.load).cbrt();
+                let across = widths(&fine.lattice, &last.points, &last.solution.forces).map(|w| w * growth);
+                (self.lattice(cell_for(across)), self.region(last, growth.max(1.0).powi(2)))
+            }
+            None => {
+                let points = self.first_points(hub);
+                let nodes = points.iter().map(|point| point.index);
+                (self.lattice(cell_for([f64::INFINITY; 2])), self.marked(nodes))
+            }
+        });
+        let (points, fine) =
+            FineContact::new(&solids, *lattice, region, known.map(|(_, fine)| fine), directions);
+        let start = match known {
+            Some((last, of)) => {
+                let growth = (load / last.load).cbrt();
+                of.carry_over(&last.points, &last.solution.forces, lattice, &points, growth)
+            }
+            None => {
+                let mut start = first_forces(&solids.half_spaces, &points, load);
+                start.resize(directions * points.len(), 0.0);
+                start
+            }
+        };
+        Candidates { points, elasticity: Elasticity::Hybrid(Box::new(fine)), start }
+    }
+
+    /// Changes the `plan` of a fine contact where the `state` shows that grid or reach do not suit it; whether it did.
+    pub(super) fn revise(&self, plan: &mut FinePlan, state: &Pressed, settled: bool) -> bool {
+        let Some((lattice, region)) = &mut plan.chosen else { return false };
+        if plan.changes == GRID_CHANGES {
+            return false;
+        }
+        let columns = self.rail_surface.grid.along_track.len();
+        let forces = &state.solution.forces[..state.points.len()];
+        let across = widths(lattice, &state.points, forces);
+        let wanted = self.lattice(cell_for(across));
+        let spreads = touches_border(&state.points, forces);
+        if spreads || (plan.changes == 0 && wanted != *lattice) || too_coarse(lattice, across) {
+            let mut reach = self.region(state, 1.0);
+            if spreads {
+                reach.iter_mut().zip(region.iter()).for_each(|(reach, sought)| *reach |= sought);
+                reach = widened(&reach, columns, 1);
+            }
+            plan.chosen = Some((wanted, reach));
+        } else {
+            // contact far from where it was sought
+            let closed = if settled { self.region(state, 0.0) } else { Vec::new() };
+            if closed.iter().zip(region.iter()).all(|(closed, sought)| !closed || *sought) {
+                return false;
+            }
+            region.iter_mut().zip(closed).for_each(|(sought, closed)| *sought |= closed);
+        }
+        plan.changes += 1;
+        true
+    }
+
+    /// A fine grid as long as the rail's contact window.
+    fn lattice(&self, cell: Vector2<f64>) -> Lattice {
+        let x = &self.rail_surface.grid.along_track;
+        Lattice::new(cell, x[0].abs().max(x[x.len() - 1].abs()))
+    }
+
+    /// Marks among the nodes of the rail's grid.
+    fn marked(&self, nodes: impl Iterator<Item = (usize, usize)>) -> Vec<bool> {
+        let grid = self.rail_surface.grid;
+        let mut marks = vec![false; grid.along_profile.len() * grid.along_track.len()];
+        nodes.for_each(|(i, k)| marks[i * grid.along_track.len() + k] = true);
+        marks
+    }
+
+    /// The nodes of the rail's grid that are near the wheel with the displacements of a state: as near as the contact of its
+    /// load may reach, times `part`; with 0, those where the surfaces overlap.
+    fn region(&self, state: &Pressed, part: f64) -> Vec<bool> {
+        let points = self.points_at(&state.hub, PAIRING_GAP);
+        let forces = &state.solution.forces[..state.points.len()];
+        let area: f64 =
+            state.points.iter().zip(forces).filter(|(_, force)| **force > 0.0).map(|(p, _)| p.area).sum();
+        let rim = rim_gap(&self.solids(&state.hub).half_spaces, state.load, area);
+        let margin = part * (REACH * rim).min(CANDIDATE_MARGIN);
+        let gaps = state.gaps_at(self, &points);
+        let near = points.iter().zip(gaps).filter(|(_, gap)| *gap < margin).map(|(point, _)| point.index);
+        let mut marks = self.marked(near);
+        if part > 0.0 {
+            // the patch itself, which may lie between nodes
+            let grid = self.rail_surface.grid;
+            let columns = grid.along_track.len();
+            for (point, _) in state.points.iter().zip(forces).filter(|(_, force)| **force > 0.0) {
+                let line =
+                    |axis: &[f64], at: f64| axis.partition_point(|a| *a <= at).clamp(1, axis.len() - 1) - 1;
+                let (i, k) =
+                    (line(&grid.along_profile, point.position.x), line(&grid.along_track, point.position.y));
+                for node in [i * columns + k, (i + 1) * columns + k] {
+                    marks[node] = true;
+                    marks[node + 1] = true;
+                }
+            }
+        }
+        marks
+    }
+}

@@ -1,0 +1,213 @@
+//! A wheel above a rail, and its equilibrium under a load.
+
+use super::fine::FineContact;
+use crate::contact::{
+    BodyCompliance, ComplianceOperator, ContactPoint, PairingLimits, PenaltySprings, Problem, Side, Solution,
+    Surface, nodal_forces, pair, resultant, total,
+};
+use crate::error::StopReason;
+use crate::solid::Material;
+use crate::superelement::times;
+use faer::Mat;
+use nalgebra::{Vector2, Vector3};
+use std::sync::OnceLock;
+
+/// How the contact conditions are enforced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Enforcement {
+    /// No penetration at all.
+    Exact,
+    /// A spring at every contact node, N/m (published: 1e9).
+    Penalty(f64),
+}
+
+impl Enforcement {
+    /// Compliance at `points` of both bodies, given at their contact nodes, and of the penalty springs if there are any.
+    pub(crate) fn compliance(
+        self,
+        rail: &Mat<f64>,
+        wheel: &Mat<f64>,
+        points: &[ContactPoint],
+        directions: usize,
+    ) -> Mat<f64> {
+        let rail = BodyCompliance { compliance: rail, side: Side::Base };
+        let wheel = BodyCompliance { compliance: wheel, side: Side::Opposing };
+        match self {
+            Self::Exact => total(&[&rail, &wheel], points, directions),
+            Self::Penalty(stiffness) => {
+                total(&[&rail, &wheel, &PenaltySprings { stiffness }], points, directions)
+            }
+        }
+    }
+}
+
+/// Where the contact lives, and what is elastic in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ContactField {
+    /// On a fine grid of about 0.65 by 0.5 mm that follows the patch: half-spaces between its points, and the bodies beyond
+    /// their half-spaces interpolated from the nodes of the meshes.
+    Hybrid,
+    /// On the contact nodes of the meshes, the elements alone.
+    #[default]
+    Elements,
+}
+
+/// A wheel above a rail, both condensed.
+pub struct WheelOnRail<'a> {
+    /// Compliance of the rail's contact nodes (`3·node + axis`), m/N: against its supports, or against its own section
+    /// ([`crate::superelement::SectionMotion::relative`]).
+    pub rail: &'a Mat<f64>,
+    /// Compliance of the wheel's contact nodes against its hub, m/N.
+    pub wheel: &'a Mat<f64>,
+    /// Contact surface of the rail, at rest.
+    pub rail_surface: Surface<'a>,
+    /// Contact surface of the wheel; its origin is the just-touching position.
+    pub wheel_surface: Surface<'a>,
+    /// Coulomb friction coefficient; 0 leaves friction out.
+    pub friction: f64,
+    /// How the contact conditions are enforced.
+    pub enforcement: Enforcement,
+    /// Where the contact lives.
+    pub field: ContactField,
+    /// Materials of rail and wheel.
+    pub materials: [Material; 2],
+}
+
+/// Equilibrium under one load.
+pub struct Pressed {
+    /// Vertical load, N.
+    pub load: f64,
+    /// Displacement of the wheel's hub from just touching (y, z), m.
+    pub hub: Vector2<f64>,
+    /// Contact points at the final position.
+    pub points: Vec<ContactPoint>,
+    /// Gaps and slips without contact forces.
+    pub free: Vec<f64>,
+    /// Forces and modes.
+    pub solution: Solution,
+    pub(super) elasticity: Elasticity,
+    /// Displacements of the contact nodes of rail and wheel relative to the bodies' supports, m, once they are asked for.
+    pub(super) displacement: OnceLock<[Vec<f64>; 2]>,
+}
+
+/// Compliance of the contact points.
+pub(super) enum Elasticity {
+    Elements(Mat<f64>),
+    Hybrid(Box<FineContact>),
+}
+
+impl Elasticity {
+    pub fn operator(&self) -> &dyn ComplianceOperator {
+        match self {
+            Self::Elements(matrix) => matrix,
+            Self::Hybrid(fine) => fine.operator(),
+        }
+    }
+}
+
+/// Why the points that carry load are not all there are: the patch of `forces` reaches the end of the contact
+/// window along the track (of the grid with `columns` lines; the window of the wheel, equal in angle, may end within its
+/// last cells), or the end of the contact zone on a profile.
+pub(crate) fn edge_reached(points: &[ContactPoint], forces: &[f64], columns: usize) -> Option<StopReason> {
+    let mut reached = None;
+    for (point, _) in points.iter().zip(forces).filter(|(point, force)| point.at_edge && **force > 0.0) {
+        let line = point.index.1;
+        if line > 1 && line + 2 < columns {
+            return Some(StopReason::EdgeOfCandidates);
+        }
+        reached = Some(StopReason::EndOfWindow);
+    }
+    reached
+}
+
+impl WheelOnRail<'_> {
+    /// Directions a point: 1 without friction, else 3.
+    pub fn directions(&self) -> usize {
+        if self.friction > 0.0 { 3 } else { 1 }
+    }
+
+    /// Compliance of both bodies and the penalty springs at `points`.
+    pub fn compliance(&self, points: &[ContactPoint], directions: usize) -> Mat<f64> {
+        self.enforcement.compliance(self.rail, self.wheel, points, directions)
+    }
+
+    /// Contact points with the hub displaced by `hub` from just touching.
+    pub fn points_at(&self, hub: &Vector2<f64>, largest_gap: f64) -> Vec<ContactPoint> {
+        let mut wheel = self.wheel_surface.clone();
+        wheel.origin += hub;
+        pair(&self.rail_surface, &wheel, PairingLimits { largest_gap })
+    }
+}
+
+impl Pressed {
+    /// The contact problem at this state, for linearisation.
+    pub fn problem<'b>(&'b self, friction: f64) -> Problem<'b> {
+        let compliance = self.elasticity.operator();
+        Problem { points: &self.points, compliance, free: &self.free, friction, hub: &[] }
+    }
+
+    /// The fine contact, if it is one.
+    pub(super) fn fine(&self) -> Option<&FineContact> {
+        match &self.elasticity {
+            Elasticity::Elements(_) => None,
+            Elasticity::Hybrid(fine) => Some(fine),
+        }
+    }
+
+    /// Displacements of the contact nodes of rail and wheel, m.
+    pub(super) fn displacement(&self, bodies: &WheelOnRail) -> &[Vec<f64>; 2] {
+        self.displacement.get_or_init(|| {
+            let of = |body: &Mat<f64>, side| times(body, &self.body_forces(side, body.nrows()));
+            [of(bodies.rail, Side::Base), of(bodies.wheel, Side::Opposing)]
+        })
+    }
+
+    /// Gaps at `points` of the rail's contact nodes, m, with the elastic displacements of this state.
+    pub(super) fn gaps_at(&self, bodies: &WheelOnRail, points: &[ContactPoint]) -> Vec<f64> {
+        let [rail, wheel] = self.displacement(bodies);
+        points
+            .iter()
+            .map(|point| {
+                point.gap + point.displacement(Side::Opposing, 0, wheel)
+                    - point.displacement(Side::Base, 0, rail)
+            })
+            .collect()
+    }
+
+    /// Resultant of the contact forces on the wheel in world axes, N.
+    pub fn force_on_wheel(&self) -> Vector3<f64> {
+        resultant(&self.points, &self.solution.forces)
+    }
+
+    /// Forces on the retained `equations` of one body, N.
+    pub fn body_forces(&self, side: Side, equations: usize) -> Vec<f64> {
+        let forces = &self.solution.forces;
+        match &self.elasticity {
+            Elasticity::Elements(_) => nodal_forces(&self.points, side, forces, equations),
+            Elasticity::Hybrid(fine) => fine.nodal_forces(side, forces, equations),
+        }
+    }
+}
+
+/// Forces of the points that both sets share, zero for the others.
+pub(crate) fn carry_over(
+    from: &[ContactPoint],
+    forces: &[f64],
+    to: &[ContactPoint],
+    directions: usize,
+) -> Vec<f64> {
+    let mut start = vec![0.0; directions * to.len()];
+    // both sets are sorted by grid index
+    let mut i = 0;
+    for (j, point) in to.iter().enumerate() {
+        while i < from.len() && from[i].index < point.index {
+            i += 1;
+        }
+        if i < from.len() && from[i].index == point.index {
+            for d in 0..directions {
+                start[d * to.len() + j] = forces[d * from.len() + i];
+            }
+        }
+    }
+    start
+}
