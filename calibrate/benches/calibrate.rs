@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector2;
-use railspring_calibrate::calibration::{ContactField, Enforcement, WheelOnRail};
+use railspring_calibrate::calibration::{ContactField, DOWNWARDS, Enforcement, WheelOnRail};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{Pair, PairMeshes};
@@ -58,6 +58,7 @@ fn contact(criterion: &mut Criterion) {
         enforcement: Enforcement::Exact,
         field: ContactField::Elements,
         materials: [Material::STEEL; 2],
+        along: DOWNWARDS,
     };
     let (smooth, rough) = (with_friction(0.0), with_friction(0.3));
     let mut group = criterion.benchmark_group("contact");

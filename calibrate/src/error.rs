@@ -121,6 +121,9 @@ pub enum StopReason {
     /// The contact reached the end of the contact window along the track.
     #[error("the contact reached the end of the contact window along the track")]
     EndOfWindow,
+    /// The load is carried in two places of the profiles.
+    #[error("a second region of the profiles carries load")]
+    SecondRegion,
 }
 
 /// An iteration that did not converge.

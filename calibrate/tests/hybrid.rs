@@ -5,7 +5,7 @@ use faer::Mat;
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{
-    ContactField, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
 };
 use railspring_calibrate::contact::{Side, Surface};
 use railspring_calibrate::error::{Error, StopReason};
@@ -67,6 +67,7 @@ fn on<'a>(bodies: &'a Bodies, pair: &'a Pair, friction: f64, field: ContactField
         enforcement: Enforcement::Exact,
         field,
         materials: [MATERIAL; 2],
+        along: DOWNWARDS,
     }
 }
 

@@ -1,6 +1,6 @@
 //! The wheel pressed on the rail away from the middle, with little and much friction, on coarse meshes.
 
-use railspring_calibrate::calibration::{ContactField, Enforcement, WheelOnRail, press_loads};
+use railspring_calibrate::calibration::{ContactField, DOWNWARDS, Enforcement, WheelOnRail, press_loads};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{Pair, PairBody, PairMeshes, PairSolids};
@@ -55,6 +55,7 @@ fn tread_corner_and_flange_reach_their_answer() {
                     enforcement: Enforcement::Exact,
                     field: ContactField::Elements,
                     materials: [Material::STEEL; 2],
+                    along: DOWNWARDS,
                 };
                 let case = format!("{name}, shift {lateral_shift} m, friction {friction}");
                 let states = press_loads(&pair, &loads, "press", &Silent)

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    ContactField, Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal,
     press_loads,
 };
 use railspring_calibrate::contact::{
@@ -79,6 +79,7 @@ fn press(case: &Case, loads: &[f64], references: &[Reference]) -> (Vec<Vec<LoadP
         enforcement: case.enforcement,
         field: ContactField::Elements,
         materials: [case.material; 2],
+        along: DOWNWARDS,
     };
     let states = press_loads(&pair, loads, "press", &Silent).unwrap();
     let points = references

@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix2, Vector3};
 use railspring_calibrate::calibration::{
-    ContactField, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal, load_points,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal, load_points,
     press_loads,
 };
 use railspring_calibrate::contact::{Problem, Side, hub_response, nodal_forces};
@@ -81,6 +81,7 @@ fn found(length: f64, loads: &[f64]) -> Found {
         enforcement: Enforcement::Exact,
         field: ContactField::Elements,
         materials: [Material::STEEL; 2],
+        along: DOWNWARDS,
     };
     let on_section = wheel_on(&relative);
     let states = press_loads(&on_section, loads, "press", &Silent).unwrap();

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    ContactField, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
 };
 use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
 use railspring_calibrate::error::{InputError, Result};
@@ -221,6 +221,7 @@ impl<'a> Asked<'a> {
             enforcement: Enforcement::Exact,
             field: ContactField::Elements,
             materials: [self.study.material; 2],
+            along: DOWNWARDS,
         };
         // hub against support: what the calibration calls the foot's reference, whatever is held
         let states = press_loads(&pair, &self.loads, "calibration, foot held", self.monitor)?;

@@ -7,7 +7,7 @@ mod pressed;
 mod candidates;
 mod press;
 
-pub use pressed::{ContactField, Enforcement, Pressed, WheelOnRail};
+pub use pressed::{ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};
 pub(crate) use pressed::{carry_over, edge_reached};
 
 use crate::contact::{
@@ -18,7 +18,7 @@ use crate::field::InputField;
 use crate::law::{LawFit, NormalLaw, TableLaw, fit_law};
 use crate::monitor::Monitor;
 use faer::Mat;
-use nalgebra::{DVector, Vector3};
+use nalgebra::{DVector, Matrix2, Vector3};
 
 /// What the displacement of the law is measured against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -37,11 +37,11 @@ pub enum Reference {
 /// One load of the calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadPoint {
-    /// Vertical load, N.
+    /// Load along the direction in which the wheel is pressed, N.
     pub force: f64,
-    /// Displacement by the reference, m.
+    /// Displacement along that direction by the reference, m.
     pub displacement: f64,
-    /// Tangent stiffness dP/dδ of the solid by the reference, N/m.
+    /// Tangent stiffness of the solid along that direction by the reference, N/m.
     pub solid_tangent: f64,
     /// Area that carries pressure, m².
     pub contact_area: f64,
@@ -75,6 +75,17 @@ pub struct NormalCalibration {
 }
 
 impl NormalCalibration {
+    /// Fits the law to the tangents of `points`.
+    ///
+    /// # Errors
+    /// Those of [`fit_law`].
+    pub fn new(reference: Reference, points: Vec<LoadPoint>) -> Result<Self> {
+        let loads: Vec<f64> = points.iter().map(|p| p.force).collect();
+        let tangents: Vec<f64> = points.iter().map(|p| p.solid_tangent).collect();
+        let fit = fit_law(&loads, &tangents)?;
+        Ok(Self { reference, points, fit })
+    }
+
     /// The tangents as a table, the alternative to the fitted law.
     ///
     /// # Errors
@@ -100,7 +111,7 @@ impl NormalCalibration {
 /// Horizontal stiffness at one preload.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HorizontalPoint {
-    /// Vertical preload, N.
+    /// Preload along the direction in which the wheel is pressed, N.
     pub preload: f64,
     /// Slope of lateral force against lateral hub displacement, all points sticking, the vertical load constant, N/m.
     pub stiffness: f64,
@@ -162,16 +173,21 @@ pub fn load_points(
     let mut points: Vec<LoadPoint> =
         states.iter().map(|state| load_point(wheel_on_rail, state)).collect::<Result<_>>()?;
     if reference == Reference::Local {
-        let (mut force, mut compliance, mut way) = (0.0, None, 0.0);
-        for point in &mut points {
-            let bodies = point.wheel_compliance + point.rail_compliance;
-            way += 0.5 * (bodies + compliance.unwrap_or(bodies)) * (point.force - force);
-            (force, compliance) = (point.force, Some(bodies));
-            point.displacement -= way;
-            point.solid_tangent = 1.0 / point.local_compliance;
-        }
+        subtract_bodies(&mut points);
     }
     Ok(points)
+}
+
+/// Turns the displacements and tangents of the hub under ascending loads into those of the approach alone.
+pub(crate) fn subtract_bodies(points: &mut [LoadPoint]) {
+    let (mut force, mut compliance, mut way) = (0.0, None, 0.0);
+    for point in points {
+        let bodies = point.wheel_compliance + point.rail_compliance;
+        way += 0.5 * (bodies + compliance.unwrap_or(bodies)) * (point.force - force);
+        (force, compliance) = (point.force, Some(bodies));
+        point.displacement -= way;
+        point.solid_tangent = 1.0 / point.local_compliance;
+    }
 }
 
 /// Fits the normal law with `reference` to the states of [`press_loads`], as [`load_points`].
@@ -183,11 +199,7 @@ pub fn calibrate_normal(
     states: &[Pressed],
     reference: Reference,
 ) -> Result<NormalCalibration> {
-    let points = load_points(wheel_on_rail, states, reference)?;
-    let loads: Vec<f64> = points.iter().map(|p| p.force).collect();
-    let tangents: Vec<f64> = points.iter().map(|p| p.solid_tangent).collect();
-    let fit = fit_law(&loads, &tangents)?;
-    Ok(NormalCalibration { reference, points, fit })
+    NormalCalibration::new(reference, load_points(wheel_on_rail, states, reference)?)
 }
 
 /// The linearised contact of `stage` has no answer.
@@ -203,9 +215,9 @@ fn singular(stage: &str, state: &Pressed) -> NumericsError {
 }
 
 /// The point of a load by the displacement of the hub.
-fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint> {
+pub(crate) fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint> {
     let problem = state.problem(wheel_on_rail.friction);
-    let response = hub_response(&problem, &state.solution, &[Vector3::z_axis()], false)
+    let response = hub_response(&problem, &state.solution, &[wheel_on_rail.world_direction()], false)
         .ok_or_else(|| singular("tangent", state))?;
     let tangent = response.stiffness[(0, 0)];
     // change of the contact forces for one newton of load
@@ -222,9 +234,10 @@ fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint>
         Enforcement::Exact => 0.0,
         Enforcement::Penalty(stiffness) => forces.iter().map(|f| f / stiffness).fold(0.0, f64::max),
     };
+    let displacement = state.hub.dot(&wheel_on_rail.along);
     Ok(LoadPoint {
         force: state.load,
-        displacement: state.hub.y,
+        displacement,
         solid_tangent: tangent,
         contact_area: patch.area,
         max_pressure: patch.max_pressure,
@@ -233,7 +246,7 @@ fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint>
         local_compliance: local,
         wheel_compliance: wheel,
         rail_compliance: rail,
-        penalty_error: penetration / state.hub.y,
+        penalty_error: penetration / displacement,
         active_points: state.solution.active(),
     })
 }
@@ -295,9 +308,44 @@ pub fn patch(state: &Pressed) -> Patch {
     }
 }
 
+/// Of the normal force, what a second region of contact must carry to count as one.
+const SECOND_REGION: f64 = 0.01;
+
+/// Regions of contact beside each other across the track, with lines along the track between them that carry nothing. One that
+/// carries less than a hundredth of the force does not count.
+pub fn regions(state: &Pressed) -> usize {
+    // between points of a fine grid, lines beside a patch may stay without load
+    let apart = if state.fine().is_some() { 2 } else { 1 };
+    let forces = &state.solution.forces[..state.points.len()];
+    let mut carried: Vec<f64> = Vec::new();
+    let mut last = None;
+    for (point, force) in state.points.iter().zip(forces).filter(|(_, force)| **force > 0.0) {
+        let line = point.index.0;
+        match (last, carried.last_mut()) {
+            (Some(before), Some(sum)) if line <= before + apart => *sum += force,
+            _ => carried.push(*force),
+        }
+        last = Some(line);
+    }
+    let whole: f64 = carried.iter().sum();
+    carried.iter().filter(|force| **force >= SECOND_REGION * whole).count()
+}
+
 fn quadratic(matrix: &Mat<f64>, vector: &[f64]) -> f64 {
     let product = crate::superelement::times(matrix, vector);
     product.iter().zip(vector).map(|(p, v)| p * v).sum()
+}
+
+/// Flexibility of the hub in world (y, z), m/N, all load-carrying points sticking.
+///
+/// # Errors
+/// [`NumericsError`] where no point carries load, or none sticks.
+pub fn sticking_flexibility(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<Matrix2<f64>> {
+    let problem = state.problem(wheel_on_rail.friction);
+    let response = hub_response(&problem, &state.solution, &[Vector3::y_axis(), Vector3::z_axis()], true)
+        .and_then(|r| r.stiffness.try_inverse())
+        .ok_or_else(|| singular("horizontal stiffness", state))?;
+    Ok(Matrix2::from_fn(|row, column| response[(row, column)]))
 }
 
 /// Horizontal stiffness at every preload, all points sticking, and its mean, against what the rail's compliance
@@ -315,11 +363,7 @@ pub fn calibrate_horizontal(
     for (i, &preload) in preloads.iter().enumerate() {
         monitor.progress("horizontal stiffness", i, preloads.len())?;
         let state = wheel_on_rail.press(preload, before.as_ref())?;
-        let problem = state.problem(wheel_on_rail.friction);
-        let flexibility =
-            hub_response(&problem, &state.solution, &[Vector3::y_axis(), Vector3::z_axis()], true)
-                .and_then(|r| r.stiffness.try_inverse())
-                .ok_or_else(|| singular("horizontal stiffness", &state))?;
+        let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
         let modes = &state.solution.modes;
         points.push(HorizontalPoint {
             preload,

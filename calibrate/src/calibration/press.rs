@@ -5,7 +5,7 @@ use super::pressed::{ContactField, Elasticity, Enforcement, Pressed, WheelOnRail
 use crate::contact::{ContactPoint, FreeDirection, Problem, Side, gaps, solve};
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 use std::sync::OnceLock;
 
 /// The hub is found when pairing it again moves it by less, m.
@@ -19,7 +19,7 @@ const LOAD_LEVELS: usize = 12;
 const LEAST_RISE: f64 = 1.0 / 32.0;
 
 impl WheelOnRail<'_> {
-    /// Presses the wheel with the vertical `load` (N, > 0), the hub held laterally; `before` is the state
+    /// Presses the wheel with the `load` (N, > 0) along its direction, the hub held across it; `before` is the state
     /// the load grew from, for friction and as a start. Where the iteration does not settle from there, it
     /// gets starts from loads in between; slips count from `before` all the same.
     ///
@@ -86,8 +86,11 @@ impl WheelOnRail<'_> {
             Error::from(NumericsError { stage, step: None, iteration, residual, active, reason })
         };
         let directions = self.directions();
-        let mut hub =
-            near.map_or(Vector2::zeros(), |b| Vector2::new(b.hub.x, b.hub.y * (load / b.load).powf(0.75)));
+        let along = self.along.into_inner();
+        let mut hub = near.map_or(Vector2::zeros(), |b| {
+            let pressed = along * b.hub.dot(&along);
+            (b.hub - pressed) + pressed * (load / b.load).powf(0.75)
+        });
         let (mut share, mut moved, mut active) = (1.0, 0.0_f64, 0);
         let mut previous: Option<Pressed> = None;
         let mut plan = FinePlan::default();
@@ -106,7 +109,7 @@ impl WheelOnRail<'_> {
             if directions == 3 {
                 self.add_slip_since(before, &points, &elasticity, &hub, &mut free);
             }
-            let wanted = [FreeDirection { along: Vector3::z_axis(), force: -load }];
+            let wanted = [FreeDirection { along: self.world_direction(), force: -load }];
             let problem = Problem {
                 points: &points,
                 compliance: elasticity.operator(),
@@ -121,7 +124,7 @@ impl WheelOnRail<'_> {
                 share = (share * moved / (moved - way)).clamp(LEAST_SHARE, LARGEST_SHARE);
             }
             moved = way;
-            hub.y += if way.abs() < HUB_TOLERANCE { way } else { share * way };
+            hub += along * if way.abs() < HUB_TOLERANCE { way } else { share * way };
             active = solution.active();
             let state =
                 Pressed { load, hub, points, free, solution, elasticity, displacement: OnceLock::new() };

@@ -9,7 +9,7 @@ use crate::error::StopReason;
 use crate::solid::Material;
 use crate::superelement::times;
 use faer::Mat;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Unit, Vector2, Vector3};
 use std::sync::OnceLock;
 
 /// How the contact conditions are enforced.
@@ -52,6 +52,9 @@ pub enum ContactField {
     Elements,
 }
 
+/// Vertically down, world (y, z): how a wheel is pressed whose hub is held laterally.
+pub const DOWNWARDS: Unit<Vector2<f64>> = Unit::new_unchecked(Vector2::new(0.0, 1.0));
+
 /// A wheel above a rail, both condensed.
 pub struct WheelOnRail<'a> {
     /// Compliance of the rail's contact nodes (`3·node + axis`), m/N: against its supports, or against its own section
@@ -71,11 +74,13 @@ pub struct WheelOnRail<'a> {
     pub field: ContactField,
     /// Materials of rail and wheel.
     pub materials: [Material; 2],
+    /// Direction in world (y, z) along which the wheel is pressed and its hub is free; across it, the hub is held.
+    pub along: Unit<Vector2<f64>>,
 }
 
 /// Equilibrium under one load.
 pub struct Pressed {
-    /// Vertical load, N.
+    /// Load along the direction in which the wheel is pressed, N.
     pub load: f64,
     /// Displacement of the wheel's hub from just touching (y, z), m.
     pub hub: Vector2<f64>,
@@ -124,6 +129,11 @@ impl WheelOnRail<'_> {
     /// Directions a point: 1 without friction, else 3.
     pub fn directions(&self) -> usize {
         if self.friction > 0.0 { 3 } else { 1 }
+    }
+
+    /// The direction in which the wheel is pressed, in world axes.
+    pub fn world_direction(&self) -> Unit<Vector3<f64>> {
+        Unit::new_unchecked(Vector3::new(0.0, self.along.x, self.along.y))
     }
 
     /// Compliance of both bodies and the penalty springs at `points`.

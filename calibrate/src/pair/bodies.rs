@@ -3,7 +3,7 @@
 use super::geometry::{Pair, PairMeshes};
 use super::solids::{PairBody, PairSolids};
 use crate::calibration::{
-    ContactField, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference, WheelOnRail,
+    ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference, WheelOnRail,
     calibrate_horizontal, calibrate_normal, press_loads,
 };
 use crate::error::{InputError, Result};
@@ -128,7 +128,8 @@ impl CondensedPair {
         Ok(PressedPair { pair, bodies: self, contact, on_foot, on_section })
     }
 
-    fn wheel_on_rail<'a>(
+    /// The wheel in place on the rail, pressed downwards, with what the reference fixes of the rail.
+    pub(super) fn wheel_on_rail<'a>(
         &'a self,
         pair: &'a Pair,
         reference: Reference,
@@ -144,6 +145,7 @@ impl CondensedPair {
             enforcement,
             field,
             materials: [self.material; 2],
+            along: DOWNWARDS,
         }
     }
 }

@@ -50,6 +50,16 @@ impl Pair {
         Ok(Self { rail, wheel, properties, shear_stresses, placed, tape_y: track.tape_y(), touch })
     }
 
+    /// The same two sections with the wheel's tape circle at another lateral world position (m): the sections and the rail's place
+    /// stay, the first touch is found anew.
+    ///
+    /// # Errors
+    /// A wheel that misses the rail.
+    pub fn with_wheel_at(&self, tape_y: f64) -> Result<Self> {
+        let touch = touch(&self.placed, &self.wheel.running, tape_y)?;
+        Ok(Self { tape_y, touch, ..self.clone() })
+    }
+
     /// The rail as a beam of a length (m), fixed at both ends, of so many elements.
     ///
     /// # Errors

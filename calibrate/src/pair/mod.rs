@@ -4,14 +4,18 @@
 //! * [`PairSolids`]: the bodies of a pair as solids, each condensed by itself;
 //! * [`CondensedPair`]: the bodies reduced to their contact nodes, which are pressed together;
 //! * [`PressedPair`]: the states under the loads, to which the laws are fitted;
+//! * [`law_by_shift`]: the same bodies with the wheel in other places across the track, pressed along the contact normal: the law
+//!   by contact angle ([`AngleLaw`]);
 //! * [`SeriesBeam`]: the rail beam that stands in series with the law.
 
 mod geometry;
 mod solids;
 mod bodies;
+mod by_shift;
 mod series_beam;
 
 pub use bodies::{CondensedPair, ContactConditions, PressedPair, condense_all};
+pub use by_shift::{AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, law_by_shift};
 pub use geometry::{Pair, PairMeshes};
 pub use series_beam::SeriesBeam;
 pub use solids::{PairBody, PairSolids};

@@ -1,0 +1,317 @@
+//! The law by contact angle: the bodies of a pair with the wheel in other places across the track.
+//!
+//! Neither body depends on where the wheel stands, so both are condensed once, and every further place is dense algebra. A wheel on
+//! the flange is not pressed down with its hub held laterally but along the normal of the contact at the first touch, the hub held
+//! across it; so the force of the law is that of the contact.
+
+use super::bodies::{CondensedPair, ContactConditions};
+use super::geometry::Pair;
+use crate::calibration::{
+    DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, WheelOnRail, load_point, regions,
+    sticking_flexibility, subtract_bodies,
+};
+use crate::error::{Error, InputError, NumericsError, Result, StopReason};
+use crate::field::InputField;
+use crate::monitor::Monitor;
+use crate::placement::Touch;
+use nalgebra::{Matrix2, Point2, Unit, Vector2};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Along what a wheel is pressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PressDirection {
+    /// Vertically down, the hub held laterally.
+    Vertical,
+    /// Along the contact normal at the first touch, the hub held across it.
+    #[default]
+    Normal,
+}
+
+impl PressDirection {
+    /// The direction at a first touch, world (y, z).
+    fn at(self, pair: &Pair) -> Unit<Vector2<f64>> {
+        match self {
+            Self::Vertical => DOWNWARDS,
+            Self::Normal => Unit::new_normalize(-pair.placed.curve.upward_normal(pair.touch.rail_s)),
+        }
+    }
+}
+
+/// How the laws by contact angle are made.
+#[derive(Debug, Clone, Copy)]
+pub struct AngleSettings<'a> {
+    /// How wheel and rail meet.
+    pub contact: ContactConditions,
+    /// Along what the wheel is pressed.
+    pub direction: PressDirection,
+    /// Loads along that direction to which the laws are fitted, N, ascending.
+    pub loads: &'a [f64],
+    /// Loads at which displacement and stiffness are given, N, ascending: the constants of a law do not interpolate from shift to
+    /// shift. Those beyond the range of `loads` are left out.
+    pub fixed_loads: &'a [f64],
+}
+
+/// What a wheel in one place of the track has come to.
+#[derive(Debug, Clone)]
+pub struct ShiftLaw {
+    /// Lateral world position of the tape circle, m.
+    pub tape_y: f64,
+    /// Where the wheel first touches; none where it misses the rail.
+    pub touch: Option<TouchPoint>,
+    /// The law, or why there is none.
+    pub law: Result<AngleLaw>,
+}
+
+/// A first touch, and the places on both profiles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TouchPoint {
+    /// The first touch.
+    pub touch: Touch,
+    /// The touching point in the rail's profile frame, m.
+    pub on_rail: Point2<f64>,
+    /// The touching point in the wheel's profile frame, m.
+    pub on_wheel: Point2<f64>,
+    /// Direction in world (y, z) along which the wheel is pressed.
+    pub along: Unit<Vector2<f64>>,
+}
+
+/// The laws of a contact at one angle. All forces, displacements and tangents are along the direction in which the wheel is pressed.
+#[derive(Debug, Clone)]
+pub struct AngleLaw {
+    /// The laws against the foot, the section and of the approach alone, in the order of [`AngleLaw::REFERENCES`].
+    pub laws: [NormalCalibration; 3],
+    /// The solid at the fixed loads.
+    pub fixed: Vec<FixedLoad>,
+    /// Why the laws end before the largest load, if they do.
+    pub ended: Option<Error>,
+}
+
+/// The solid under a fixed load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixedLoad {
+    /// Displacement, tangent and patch in the order of [`AngleLaw::REFERENCES`].
+    pub points: [LoadPoint; 3],
+    /// Slope of lateral force against lateral hub displacement (world y), all points sticking, the vertical force constant, N/m; against
+    /// the section.
+    pub horizontal_stiffness: f64,
+    /// The same across the direction in which the wheel is pressed, N/m.
+    pub tangential_stiffness: f64,
+}
+
+impl AngleLaw {
+    /// The references of the laws, in order.
+    pub const REFERENCES: [Reference; 3] = [Reference::Foot, Reference::Beam, Reference::Local];
+}
+
+/// The laws with the tape circle at every lateral world position `tape_ys` (m), on bodies that were condensed once. A place that has no law is
+/// an entry with its reason. The places share the threads; the answer does not depend on how many there are.
+///
+/// # Errors
+/// [`InputError`] for loads that are not positive and ascending, fewer than four, or no friction; an interruption.
+pub fn law_by_shift(
+    pair: &Pair,
+    bodies: &CondensedPair,
+    settings: &AngleSettings,
+    tape_ys: &[f64],
+    monitor: &dyn Monitor,
+) -> Result<Vec<ShiftLaw>> {
+    check(settings)?;
+    let done = AtomicUsize::new(0);
+    let report = |count: usize| monitor.progress("law by contact angle", count, tape_ys.len());
+    report(0)?;
+    tape_ys
+        .par_iter()
+        .map(|&tape_y| {
+            let entry = shift_law(pair, bodies, settings, tape_y, &|| report(done.load(Ordering::Relaxed)))?;
+            report(done.fetch_add(1, Ordering::Relaxed) + 1)?;
+            Ok(entry)
+        })
+        .collect()
+}
+
+fn check(settings: &AngleSettings) -> Result<()> {
+    let AngleSettings { loads, fixed_loads, contact, .. } = settings;
+    let listed = |loads: &[f64]| format!("{:?} kN", loads.iter().map(|l| l * 1e-3).collect::<Vec<_>>());
+    let ascending = |loads: &[f64]| {
+        loads.iter().all(|l| *l > 0.0 && l.is_finite()) && loads.windows(2).all(|w| w[0] < w[1])
+    };
+    for (loads, least) in [(loads, 4), (fixed_loads, 0)] {
+        if loads.len() < least || !ascending(loads) {
+            return Err(InputError::new(
+                InputField::Loads,
+                listed(loads),
+                format!("at least {least} positive loads in ascending order"),
+                "sort them, remove doubles, or add loads",
+            )
+            .into());
+        }
+    }
+    if !(contact.friction > 0.0) {
+        return Err(InputError::new(
+            InputField::Friction,
+            contact.friction,
+            "a positive coefficient: the horizontal stiffness is that of a sticking wheel",
+            "give the coefficient of the pair",
+        )
+        .into());
+    }
+    Ok(())
+}
+
+/// The entry of one place; `going_on` is asked before every load.
+///
+/// # Errors
+/// An interruption.
+fn shift_law(
+    pair: &Pair,
+    bodies: &CondensedPair,
+    settings: &AngleSettings,
+    tape_y: f64,
+    going_on: &dyn Fn() -> Result<()>,
+) -> Result<ShiftLaw> {
+    let pair = match pair.with_wheel_at(tape_y) {
+        Ok(pair) => pair,
+        Err(reason) => return Ok(ShiftLaw { tape_y, touch: None, law: Err(reason) }),
+    };
+    let along = settings.direction.at(&pair);
+    let touch = TouchPoint {
+        touch: pair.touch,
+        on_rail: pair.rail.running.point(pair.touch.rail_s),
+        on_wheel: pair.wheel.running.point(pair.touch.wheel_s),
+        along,
+    };
+    let placed = |reference| WheelOnRail { along, ..bodies.wheel_on_rail(&pair, reference, settings.contact) };
+    let on_foot = Sequence::press(&placed(Reference::Foot), settings, going_on)?;
+    let on_section = Sequence::press(&placed(Reference::Beam), settings, going_on)?;
+    Ok(ShiftLaw { tape_y, touch: Some(touch), law: angle_law(on_foot, on_section, along) })
+}
+
+/// The laws of the loads that both ways of holding the rail have carried.
+fn angle_law(mut on_foot: Sequence, mut on_section: Sequence, along: Unit<Vector2<f64>>) -> Result<AngleLaw> {
+    let carried = on_foot.points.len().min(on_section.points.len());
+    // of two reasons, that of the smaller load
+    let ended = if on_foot.points.len() <= on_section.points.len() {
+        on_foot.ended.take().or(on_section.ended.take())
+    } else {
+        on_section.ended.take()
+    };
+    if let Some(reason) = ended.as_ref().filter(|_| carried < LEAST_LOADS) {
+        return Err(reason.clone());
+    }
+    on_foot.points.truncate(carried);
+    on_section.points.truncate(carried);
+    let largest = on_foot.points.last().map_or(0.0, |point| point.force);
+    let across = Vector2::new(along.y, -along.x);
+    let fixed = on_foot
+        .fixed
+        .iter()
+        .zip(&on_section.fixed)
+        .filter(|(foot, _)| foot.point.force <= largest)
+        .map(|(foot, section)| {
+            // the way of the bodies is integrated over the loads before
+            let smaller = on_foot.points.iter().filter(|point| point.force < foot.point.force);
+            let mut local: Vec<LoadPoint> = smaller.chain([&foot.point]).copied().collect();
+            subtract_bodies(&mut local);
+            let flexibility = section.flexibility;
+            FixedLoad {
+                points: [foot.point, section.point, local[local.len() - 1]],
+                horizontal_stiffness: 1.0 / flexibility[(0, 0)],
+                tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
+            }
+        })
+        .collect();
+    let mut local = on_foot.points.clone();
+    subtract_bodies(&mut local);
+    let laws = [
+        NormalCalibration::new(Reference::Foot, on_foot.points)?,
+        NormalCalibration::new(Reference::Beam, on_section.points)?,
+        NormalCalibration::new(Reference::Local, local)?,
+    ];
+    Ok(AngleLaw { laws, fixed, ended })
+}
+
+/// Fewer loads are no law.
+const LEAST_LOADS: usize = 4;
+
+/// What the loads in turn have come to, the rail held in one way.
+struct Sequence {
+    points: Vec<LoadPoint>,
+    fixed: Vec<Fixed>,
+    /// Why it ended before the largest load.
+    ended: Option<Error>,
+}
+
+/// What a fixed load has come to, the rail held in one way.
+struct Fixed {
+    point: LoadPoint,
+    /// Flexibility of the hub, all points sticking, m/N.
+    flexibility: Matrix2<f64>,
+}
+
+impl Sequence {
+    /// Presses with every load in turn, and from the load before each fixed load with that; until one is not carried in one region.
+    ///
+    /// # Errors
+    /// An interruption.
+    fn press(
+        wheel_on_rail: &WheelOnRail,
+        settings: &AngleSettings,
+        going_on: &dyn Fn() -> Result<()>,
+    ) -> Result<Self> {
+        let mut sequence = Self { points: Vec::new(), fixed: Vec::new(), ended: None };
+        let mut before: Option<Pressed> = None;
+        for (i, &load) in settings.loads.iter().enumerate() {
+            going_on()?;
+            let last = before.as_ref().map_or(f64::INFINITY, |b| b.load);
+            let mut between = settings.fixed_loads.iter().filter(|fixed| last < **fixed && **fixed < load);
+            let pressed = between
+                .try_for_each(|&fixed| {
+                    let state = carried(wheel_on_rail, fixed, before.as_ref())?;
+                    let point = load_point(wheel_on_rail, &state)?;
+                    let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
+                    sequence.fixed.push(Fixed { point, flexibility });
+                    Ok(())
+                })
+                .and_then(|()| {
+                    let state = carried(wheel_on_rail, load, before.as_ref())?;
+                    let point = load_point(wheel_on_rail, &state)?;
+                    if settings.fixed_loads.contains(&load) {
+                        let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
+                        sequence.fixed.push(Fixed { point, flexibility });
+                    }
+                    sequence.points.push(point);
+                    Ok(state)
+                });
+            match pressed {
+                Ok(state) => before = Some(state),
+                Err(Error::Interrupted) => return Err(Error::Interrupted),
+                Err(error) => {
+                    sequence.ended = Some(error.at_step(i + 1));
+                    break;
+                }
+            }
+        }
+        Ok(sequence)
+    }
+}
+
+/// Equilibrium under a load that one region of the profiles carries.
+///
+/// # Errors
+/// Those of [`WheelOnRail::press`], and [`StopReason::SecondRegion`].
+fn carried(wheel_on_rail: &WheelOnRail, load: f64, before: Option<&Pressed>) -> Result<Pressed> {
+    let state = wheel_on_rail.press(load, before)?;
+    if regions(&state) < 2 {
+        return Ok(state);
+    }
+    Err(NumericsError {
+        stage: format!("law of one contact at {:.3} kN", load * 1e-3),
+        step: None,
+        iteration: 0,
+        residual: 0.0,
+        active: state.solution.active(),
+        reason: StopReason::SecondRegion,
+    }
+    .into())
+}

@@ -1,0 +1,205 @@
+//! The law by contact angle: S1002 on 60E1 in several places across the track, on coarse meshes.
+
+use nalgebra::Vector2;
+use railspring_calibrate::calibration::{ContactField, Enforcement, LoadPoint, Reference};
+use railspring_calibrate::error::{Error, StopReason};
+use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::pair::{
+    AngleLaw, AngleSettings, CondensedPair, ContactConditions, Pair, PressDirection, ShiftLaw, law_by_shift,
+};
+use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::solid::{Formulation, Material};
+
+const LOADS: [f64; 6] = [1e3, 5e3, 12e3, 25e3, 40e3, 60e3];
+const FIXED: [f64; 3] = [20e3, 40e3, 80e3];
+
+fn condensed(window_half_length: f64) -> (Pair, CondensedPair) {
+    let options = MeshOptions {
+        contact_element: 3e-3,
+        contact_element_along: 2.5e-3,
+        rail_section_element: 16e-3,
+        wheel_section_element: 24e-3,
+        growth: 2.0,
+        window_half_length,
+        ..MeshOptions::default()
+    };
+    let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.858).unwrap());
+    let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
+    let meshes = pair.mesh(0.4, &options).unwrap();
+    let bodies = meshes.condense(&pair, Material::STEEL, Formulation::FullIntegration, &Silent).unwrap();
+    (pair, bodies)
+}
+
+fn settings(friction: f64, direction: PressDirection) -> AngleSettings<'static> {
+    let contact =
+        ContactConditions { friction, enforcement: Enforcement::Exact, field: ContactField::Elements };
+    AngleSettings { contact, direction, loads: &LOADS, fixed_loads: &FIXED }
+}
+
+fn laws(pair: &Pair, bodies: &CondensedPair, settings: &AngleSettings, shifts: &[f64]) -> Vec<ShiftLaw> {
+    let tape_ys: Vec<f64> = shifts.iter().map(|shift| pair.tape_y + shift).collect();
+    let laws = law_by_shift(pair, bodies, settings, &tape_ys, &Silent).unwrap();
+    assert_eq!(laws.len(), shifts.len());
+    laws
+}
+
+fn law(entry: &ShiftLaw) -> &AngleLaw {
+    entry.law.as_ref().unwrap_or_else(|reason| panic!("tape circle at {} m: {reason}", entry.tape_y))
+}
+
+/// Goal: where the wheel of the calibration stands, pressed down, the laws by angle are the calibration's own; a fixed load that is one of
+/// the loads has its values, one between them lies between; what lies beyond the range is left out; and a place has the same
+/// law alone and among others. Source: `CondensedPair::press` on the same bodies. Units N, m. Accuracy: to the bit; the parts of the
+/// compliance make up the tangent to ROUNDOFF.
+#[test]
+fn the_place_of_the_calibration_has_its_laws() {
+    const ROUNDOFF: f64 = 1e-9;
+    let (pair, bodies) = condensed(12e-3);
+    let settings = settings(0.3, PressDirection::Vertical);
+    let pressed = bodies.press(&pair, settings.contact, &LOADS, &Silent).unwrap();
+    let entries = laws(&pair, &bodies, &settings, &[-4e-3, 0.0]);
+    let entry = law(&entries[1]);
+    assert!(entry.ended.is_none());
+    for (found, reference) in entry.laws.iter().zip(AngleLaw::REFERENCES) {
+        let wanted = pressed.fit(reference).unwrap();
+        assert_eq!(found.reference, reference);
+        assert_eq!(found.points, wanted.points);
+        assert_eq!(found.fit.law, wanted.fit.law);
+    }
+    let touch = entries[1].touch.unwrap();
+    assert_eq!(touch.touch, pair.touch);
+    assert_eq!(touch.along.into_inner(), Vector2::new(0.0, 1.0));
+    assert_eq!(entry.fixed.iter().map(|f| f.points[0].force).collect::<Vec<_>>(), FIXED[..2]);
+    for (i, calibration) in entry.laws.iter().enumerate() {
+        let of = |p: &LoadPoint| [p.displacement, p.solid_tangent];
+        assert_eq!(entry.fixed[1].points[i], calibration.points[4], "{:?}", calibration.reference);
+        let [below, between, above] =
+            [&calibration.points[2], &entry.fixed[0].points[i], &calibration.points[3]].map(of);
+        for k in 0..2 {
+            assert!(below[k] < between[k] && between[k] < above[k], "{below:?} {between:?} {above:?}");
+        }
+        for p in &calibration.points {
+            let parts = p.local_compliance
+                + if calibration.reference == Reference::Local {
+                    0.0
+                } else {
+                    p.wheel_compliance + p.rail_compliance
+                };
+            assert!((parts * p.solid_tangent - 1.0).abs() < ROUNDOFF, "{parts} {}", p.solid_tangent);
+        }
+    }
+    // pressed down, across is lateral
+    for fixed in &entry.fixed {
+        assert!((fixed.tangential_stiffness / fixed.horizontal_stiffness - 1.0).abs() < ROUNDOFF);
+    }
+    let alone = laws(&pair, &bodies, &settings, &[-4e-3]);
+    assert_eq!(law(&alone[0]).fixed, law(&entries[0]).fixed);
+    assert_ne!(law(&alone[0]).fixed, entry.fixed);
+}
+
+/// Goal: the flange, pressed along its normal, has its laws for little and much friction; the contact lies on the flange of both profiles,
+/// which rises steeply there, and against foot and section the contact is softer than its approach alone. Units N, m, rad.
+/// Accuracy: MODEL, what friction changes of a law along the normal: a tenth of its tangents (pressed down, it was a quarter).
+#[test]
+fn the_flange_has_its_law_whatever_the_friction() {
+    const MODEL: f64 = 0.1;
+    let (pair, bodies) = condensed(18e-3);
+    let shifts = [6.5e-3, 7e-3, 7.5e-3, 8e-3];
+    let mut first: Option<Vec<ShiftLaw>> = None;
+    for friction in [0.05, 0.3, 0.6] {
+        let entries = laws(&pair, &bodies, &settings(friction, PressDirection::Normal), &shifts);
+        for (k, entry) in entries.iter().enumerate() {
+            let touch = entry.touch.unwrap();
+            let angle = touch.touch.contact_angle;
+            println!("{friction} {} mm {:.1} deg", shifts[k] * 1e3, angle.to_degrees());
+            let found = law(entry);
+            assert!(found.ended.is_none(), "{friction} {}: {:?}", shifts[k], found.ended);
+            assert!(angle > 0.4 && touch.on_wheel.x < -0.02 && touch.on_rail.x < -0.02, "{touch:?}");
+            assert!((touch.along.x.atan2(touch.along.y) - angle).abs() < 1e-12);
+            let [foot, beam, local] = &found.laws;
+            for (p, q) in foot.points.iter().zip(&local.points).chain(beam.points.iter().zip(&local.points)) {
+                assert!(p.solid_tangent < q.solid_tangent && p.displacement > q.displacement);
+            }
+            for fixed in &found.fixed {
+                assert!(fixed.horizontal_stiffness > 0.0 && fixed.tangential_stiffness > 0.0);
+            }
+            if let Some(first) = &first {
+                for (a, b) in law(&first[k]).laws.iter().zip(&found.laws) {
+                    for (p, q) in a.points.iter().zip(&b.points) {
+                        let change = q.solid_tangent / p.solid_tangent - 1.0;
+                        assert!(change.abs() < MODEL, "{friction} {}: {change}", shifts[k]);
+                    }
+                }
+            }
+        }
+        first.get_or_insert(entries);
+    }
+}
+
+/// Goal: a wheel that misses the rail, a contact that reaches the end of the window and one in two places are entries
+/// with their reasons, beside laws that are what they would be without them; a law ends before the load that is not carried.
+#[test]
+fn what_has_no_law_says_why() {
+    let (pair, bodies) = condensed(6e-3);
+    let settings = settings(0.3, PressDirection::Normal);
+    let shifts = [-90e-3, -4e-3, 7e-3];
+    let entries = laws(&pair, &bodies, &settings, &shifts);
+    assert!(entries[0].touch.is_none());
+    let Err(Error::Input(missed)) = &entries[0].law else { panic!("the wheel misses the rail") };
+    assert!(missed.key == "lateral_shift" && missed.expected.contains("touch"), "{missed}");
+    assert_eq!(law(&laws(&pair, &bodies, &settings, &[-4e-3])[0]).fixed, law(&entries[1]).fixed);
+    let reason = match &entries[2].law {
+        Ok(law) => {
+            let largest = law.laws[0].points.last().unwrap().force;
+            assert!(law.laws.iter().all(|l| l.points.len() == law.laws[0].points.len()));
+            assert!(largest < LOADS[5] && law.fixed.iter().all(|f| f.points[0].force <= largest));
+            law.ended.clone().unwrap()
+        }
+        Err(reason) => reason.clone(),
+    };
+    let Error::Numerics(reason) = reason else { panic!("{reason}") };
+    assert_eq!(reason.reason, StopReason::EndOfWindow, "{reason}");
+    assert!(reason.step.is_some() && reason.stage.contains("kN"), "{reason}");
+}
+
+/// Goal: loads that cannot be used are refused by name before anything is pressed.
+#[test]
+fn wrong_loads_are_refused() {
+    let (pair, bodies) = condensed(6e-3);
+    let good = settings(0.3, PressDirection::Normal);
+    let unordered: &[f64] = &[1e3, 3e3, 2e3, 4e3];
+    let cases = [
+        AngleSettings { loads: &[1e3, 2e3, 3e3], ..good },
+        AngleSettings { loads: unordered, ..good },
+        AngleSettings { loads: &[0.0, 1e3, 2e3, 3e3], ..good },
+        AngleSettings { fixed_loads: &[f64::NAN], ..good },
+        settings(0.0, PressDirection::Normal),
+    ];
+    for case in cases {
+        let Err(Error::Input(refused)) = law_by_shift(&pair, &bodies, &case, &[pair.tape_y], &Silent) else {
+            panic!("{case:?}")
+        };
+        assert!(["loads", "friction"].contains(&refused.key.as_str()), "{refused}");
+    }
+}
+
+/// Prints contact angles over shifts.
+#[test]
+#[ignore]
+fn probe() {
+    for (r, w) in [("60E1", "S1002"), ("UIC60", "S1002"), ("60E1", "EN13715-1in40")] {
+        let (rail, wheel) = (rail_section(r).unwrap(), wheel_section(w, 0.92).unwrap());
+        let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
+        print!("{r} {w}:");
+        for i in -40..=56 {
+            let shift = f64::from(i) * 0.25e-3;
+            match pair.with_wheel_at(pair.tape_y + shift) {
+                Ok(p) => print!(" {:.2}:{:.1}@{:.1}", shift * 1e3, p.touch.contact_angle.to_degrees(), p.touch.point.x * 1e3),
+                Err(_) => print!(" {:.2}:-", shift * 1e3),
+            }
+        }
+        println!();
+    }
+}
