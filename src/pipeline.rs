@@ -9,6 +9,7 @@
 mod stage;
 mod bodies;
 mod calibration;
+mod by_angle;
 mod crosscheck;
 mod runs;
 mod verdict;
@@ -19,18 +20,20 @@ use std::path::Path;
 use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::pair::CondensedPair;
 use serde::de::DeserializeOwned;
 
 use crate::estimate::{Resources, Work};
 use crate::measure::{Stopwatch, begin};
 use crate::output::OutputFolder;
-use crate::records::{LoadCurveRow, Measured, RunRecord, VerificationRecord};
+use crate::records::{LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, VerificationRecord};
 use crate::results::{NewFile, Results, hash};
 use crate::springs;
 use crate::stages::{self, Geometry, Meshes};
 use crate::store::{Artefact, Store};
 use crate::study::Study;
 
+use by_angle::ByAngle;
 use calibration::Calibrate;
 use pages::Report;
 use runs::{Simulate, SimulateSolid};
@@ -42,6 +45,10 @@ use verdict::{Runs, Verify};
 pub const STIFFNESS: &str = "stiffness.json";
 /// The calibrated load curve with the reference in use.
 pub const LOAD_CURVE: &str = "load_curve.csv";
+/// The laws by contact angle.
+pub const BY_ANGLE: &str = "stiffness_by_angle.json";
+/// The same at fixed loads, as a table.
+pub const BY_ANGLE_ROWS: &str = "stiffness_by_angle.csv";
 /// The verdict.
 pub const VERIFICATION: &str = "verification.json";
 /// Time, memory and host of the stages.
@@ -75,6 +82,8 @@ pub struct Pipeline<'a> {
     geometry: Option<Arc<Geometry>>,
     meshes: Option<Meshes>,
     reach: Option<Reach>,
+    /// The bodies of the calibration, for the laws by contact angle.
+    condensed: Option<CondensedPair>,
 }
 
 impl<'a> Pipeline<'a> {
@@ -93,6 +102,7 @@ impl<'a> Pipeline<'a> {
             geometry: None,
             meshes: None,
             reach: None,
+            condensed: None,
         }
     }
 
@@ -111,6 +121,7 @@ impl<'a> Pipeline<'a> {
         self.measured.stages.clear();
         self.check_calibration()?;
         let calibration = self.get(&Calibrate)?;
+        let by_angle = self.by_angle()?;
         let springs = springs::own(self.study, &calibration.stiffness)?;
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
@@ -119,17 +130,28 @@ impl<'a> Pipeline<'a> {
             runs.push((name.clone(), Runs { simple, solid }));
         }
         let verdict = self.get(&Verify { stiffness: Some(&calibration.stiffness), runs: &runs })?;
-        self.report_stage(&Report { calibration: &calibration, runs: &runs, verdict: &verdict })?;
+        self.report_stage(&Report {
+            calibration: &calibration,
+            by_angle: by_angle.as_ref(),
+            runs: &runs,
+            verdict: &verdict,
+        })?;
         Ok(verdict)
     }
 
-    /// Calibration alone: `stiffness.json`, `load_curve.csv` and the VTU files.
+    /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files.
     ///
     /// # Errors
-    /// Those of the stage.
+    /// Those of the stages.
     pub fn calibrate(mut self) -> Result<()> {
         self.check_calibration()?;
-        self.get(&Calibrate).map(drop)
+        self.get(&Calibrate)?;
+        self.by_angle().map(drop)
+    }
+
+    /// The laws by contact angle, if the study wants them.
+    fn by_angle(&mut self) -> Result<Option<StiffnessByAngleRecord>> {
+        self.study.wants_by_angle().then(|| self.get(&ByAngle)).transpose()
     }
 
     /// Says what was done to measured profiles, and checks that the study can be calibrated: friction, and room for the
@@ -208,8 +230,13 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// Files that are missing or were made from other inputs: all of them in one message.
     pub fn report(mut self) -> Result<()> {
-        let Stored { calibration, runs, verdict } = self.stored_results()?;
-        self.report_stage(&Report { calibration: &calibration, runs: &runs, verdict: &verdict })
+        let Stored { calibration, by_angle, runs, verdict } = self.stored_results()?;
+        self.report_stage(&Report {
+            calibration: &calibration,
+            by_angle: by_angle.as_ref(),
+            runs: &runs,
+            verdict: &verdict,
+        })
     }
 
     /// The pages after a cross-check: the report too, if the folder has the study's other results;

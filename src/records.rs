@@ -6,11 +6,16 @@ use serde::{Deserialize, Serialize};
 use railspring_calibrate::beam::BeamCorrection;
 
 pub mod crosscheck;
+mod by_angle;
 pub mod history_csv;
 mod law;
 mod run;
 mod verdict;
 
+pub use by_angle::{
+    AngleLawRecord, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
+    StiffnessByAngleRecord,
+};
 pub use law::LawConstants;
 pub use run::{PairRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};

@@ -39,6 +39,8 @@ pub enum Kind {
     Body,
     /// Springs, load curve and fields of a pair.
     Calibration,
+    /// Laws of a pair by contact angle.
+    ByAngle,
     /// A run of the simple model.
     SimpleRun,
     /// A run of the solid model.
@@ -48,13 +50,15 @@ pub enum Kind {
 }
 
 impl Kind {
-    const ALL: [Self; 5] = [Self::Body, Self::Calibration, Self::SimpleRun, Self::SolidRun, Self::Crosscheck];
+    const ALL: [Self; 6] =
+        [Self::Body, Self::Calibration, Self::ByAngle, Self::SimpleRun, Self::SolidRun, Self::Crosscheck];
 
     /// The name in file names and lists.
     pub fn name(self) -> &'static str {
         match self {
             Self::Body => "body",
             Self::Calibration => "calibration",
+            Self::ByAngle => "stiffness-by-angle",
             Self::SimpleRun => "simple-run",
             Self::SolidRun => "solid-run",
             Self::Crosscheck => "crosscheck",

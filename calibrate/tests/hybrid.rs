@@ -5,7 +5,8 @@ use faer::Mat;
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points,
+    press_loads,
 };
 use railspring_calibrate::contact::{Side, Surface};
 use railspring_calibrate::error::{Error, StopReason};

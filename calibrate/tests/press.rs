@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal, calibrate_normal,
-    press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Reference, WheelOnRail, calibrate_horizontal,
+    calibrate_normal, press_loads,
 };
 use railspring_calibrate::contact::{
     FreeDirection, HalfSpace, PairingLimits, Problem, Surface, gaps, hub_response, pair, solve, total,

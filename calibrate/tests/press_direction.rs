@@ -3,7 +3,8 @@
 use faer::Mat;
 use nalgebra::{Point2, Unit, Vector2};
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points,
+    press_loads,
 };
 use railspring_calibrate::contact::Surface;
 use railspring_calibrate::mesh::SurfaceGrid;
@@ -46,22 +47,23 @@ impl Bodies {
             SurfaceGrid { along_profile, along_track, nodes }
         };
         let grids = [grid(&rail, 2e-3, 1.0), grid(&wheel, 2e-3, ROLLING_RADIUS)];
-        let compliances = [(&rail, &grids[0], 1.0), (&wheel, &grids[1], ROLLING_RADIUS)].map(|(curve, grid, radius)| {
-            let places: Vec<[f64; 3]> = grid
-                .along_profile
-                .iter()
-                .flat_map(|&s| {
-                    let p = curve.point(s);
-                    grid.along_track.iter().map(move |&x| [p.x, p.y, x * radius])
+        let compliances =
+            [(&rail, &grids[0], 1.0), (&wheel, &grids[1], ROLLING_RADIUS)].map(|(curve, grid, radius)| {
+                let places: Vec<[f64; 3]> = grid
+                    .along_profile
+                    .iter()
+                    .flat_map(|&s| {
+                        let p = curve.point(s);
+                        grid.along_track.iter().map(move |&x| [p.x, p.y, x * radius])
+                    })
+                    .collect();
+                // exponential of the distance: positive definite, and the same for every turn and reflection
+                Mat::from_fn(3 * places.len(), 3 * places.len(), |r, c| {
+                    let (a, b) = (places[r / 3], places[c / 3]);
+                    let distance = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+                    if r % 3 == c % 3 { 1e-9 * (-distance / 2e-3).exp() } else { 0.0 }
                 })
-                .collect();
-            // exponential of the distance: positive definite, and the same for every turn and reflection
-            Mat::from_fn(3 * places.len(), 3 * places.len(), |r, c| {
-                let (a, b) = (places[r / 3], places[c / 3]);
-                let distance = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
-                if r % 3 == c % 3 { 1e-9 * (-distance / 2e-3).exp() } else { 0.0 }
-            })
-        });
+            });
         Self { rail, wheel, grids, compliances }
     }
 
@@ -119,8 +121,7 @@ fn a_slope_is_as_stiff_as_the_square_of_its_cosine() {
     for shift in [0.0382, 0.068] {
         let (angle, states, normal) = bodies.press(shift, normal, 0.0, &LOADS);
         let cosine = angle.cos();
-        let (_, held, vertical) =
-            bodies.press(shift, |_| DOWNWARDS, 0.0, &LOADS.map(|load| load * cosine));
+        let (_, held, vertical) = bodies.press(shift, |_| DOWNWARDS, 0.0, &LOADS.map(|load| load * cosine));
         for (i, (v, n)) in vertical.iter().zip(&normal).enumerate() {
             let moved = v.displacement * cosine / n.displacement - 1.0;
             let stiff = v.solid_tangent / (cosine * cosine * n.solid_tangent) - 1.0;

@@ -11,7 +11,7 @@ use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{StiffnessRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Calibration, Fields, Geometry, Meshes};
+use crate::stages::{self, Bodies, Calibration, Fields, Geometry, Meshes};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::Study;
 
@@ -49,20 +49,25 @@ impl Stage for Calibrate {
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
         };
-        let (Calibration { stiffness, load_curve, horizontal_failure }, pressed) = stages::within_zones(
-            study,
-            &geometry,
-            &mut meshes,
-            monitor,
-            accept,
-            |meshes| {
-                let bodies = source.bodies(stages::solids(study, &geometry, meshes))?;
-                stages::calibrate(study, &geometry, meshes, bodies, monitor)
-            },
-            |(calibration, _)| calibration.horizontal_failure.as_ref(),
-        )
-        .map_err(|error| uncarried(study, error))?;
+        let (Calibration { stiffness, load_curve, horizontal_failure }, pressed, condensed) =
+            stages::within_zones(
+                study,
+                &geometry,
+                &mut meshes,
+                monitor,
+                accept,
+                |meshes| {
+                    let Bodies { condensed, interiors } =
+                        source.bodies(stages::solids(study, &geometry, meshes))?;
+                    let (calibration, pressed) =
+                        stages::calibrate(study, &geometry, meshes, &condensed, interiors, monitor)?;
+                    Ok((calibration, pressed, condensed))
+                },
+                |(calibration, ..)| calibration.horizontal_failure.as_ref(),
+            )
+            .map_err(|error| uncarried(study, error))?;
         let reach = at.go_on_with(meshes);
+        at.condensed = study.wants_by_angle().then_some(condensed);
         let mut artefact = Artefact::default()
             .with(REACH, to_json(&reach))
             .with(STIFFNESS, to_json(&stiffness))

@@ -4,9 +4,9 @@ use railspring_calibrate::error::Result;
 
 use super::stage::{Made, Stage};
 use super::verdict::Runs;
-use super::{CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, Pipeline, REPORT, STIFFNESS};
-use crate::records::VerificationRecord;
+use super::{BY_ANGLE, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, Pipeline, REPORT, STIFFNESS};
 use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
+use crate::records::{StiffnessByAngleRecord, VerificationRecord};
 use crate::report::crosscheck::{Crosscheck, PageData, page};
 use crate::report::{self, ReportData, ScenarioRun};
 use crate::results::NewFile;
@@ -16,6 +16,8 @@ use crate::store::{Address, Artefact};
 /// The report on all results.
 pub(super) struct Report<'a> {
     pub calibration: &'a Calibration,
+    /// The laws by contact angle, if the study wants them.
+    pub by_angle: Option<&'a StiffnessByAngleRecord>,
     pub runs: &'a [(String, Runs)],
     pub verdict: &'a VerificationRecord,
 }
@@ -54,7 +56,7 @@ impl Stage for Report<'_> {
         let crosscheck = at.own_crosscheck();
         let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| at.differences(record));
         // The folder may have runs of other load cases.
-        let inputs = std::iter::once(STIFFNESS).chain(self.verdict.inputs.keys().map(String::as_str));
+        let inputs = [STIFFNESS, BY_ANGLE].into_iter().chain(self.verdict.inputs.keys().map(String::as_str));
         let keys: Vec<String> = inputs.filter_map(|name| Some(at.results.entry(name)?.key)).collect();
         let mut measured = at.measured.clone();
         measured.stages.retain(|stage| keys.contains(&stage.key));
@@ -64,6 +66,7 @@ impl Stage for Report<'_> {
             inputs: &at.study.resolved,
             stiffness: &self.calibration.stiffness,
             load_curve: &self.calibration.load_curve,
+            by_angle: self.by_angle,
             profiles: &profiles,
             scenarios,
             ratio_window: at.study.limits.ratio_window_s,

@@ -5,10 +5,11 @@ use railspring_calibrate::history::{Ending, History};
 
 use super::runs::Run;
 use super::verdict::{Runs, inputs};
-use super::{LOAD_CURVE, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
+use super::{BY_ANGLE, LOAD_CURVE, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
 use crate::records::{
-    LoadCurveRow, RunRecord, SpringsSource, StiffnessRecord, VerificationRecord, history_csv,
+    LoadCurveRow, RunRecord, SpringsSource, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord,
+    history_csv,
 };
 use crate::results::Entry;
 use crate::springs;
@@ -22,6 +23,7 @@ const OTHER_STEP: f64 = 1e-3;
 /// What the report needs.
 pub(super) struct Stored {
     pub calibration: Calibration,
+    pub by_angle: Option<StiffnessByAngleRecord>,
     pub runs: Vec<(String, Runs)>,
     pub verdict: VerificationRecord,
 }
@@ -33,6 +35,17 @@ impl Pipeline<'_> {
         let stiffness = parse_json(&self.folder.file(STIFFNESS), &text, "calibrate")?;
         self.results.check(STIFFNESS, &text, &self.study.keys.calibration, "calibrate")?;
         Ok(stiffness)
+    }
+
+    /// The folder's laws by contact angle, if the study wants them.
+    fn stored_by_angle(&self) -> Result<Option<StiffnessByAngleRecord>> {
+        if !self.study.wants_by_angle() {
+            return Ok(None);
+        }
+        let text = self.results.text(BY_ANGLE, "calibrate")?;
+        let laws = parse_json(&self.folder.file(BY_ANGLE), &text, "calibrate")?;
+        self.results.check(BY_ANGLE, &text, &self.study.keys.by_angle, "calibrate")?;
+        Ok(Some(laws))
     }
 
     fn stored_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
@@ -124,6 +137,7 @@ impl Pipeline<'_> {
         let mut faults = Faults::default();
         let stiffness = faults.note("calibrate", self.stored_stiffness());
         let load_curve = faults.note("calibrate", self.stored_load_curve());
+        let by_angle = faults.note("calibrate", self.stored_by_angle());
         let mut runs = Vec::new();
         let mut any_calibrated = self.study.scenarios.is_empty();
         for (name, scenario) in &self.study.scenarios {
@@ -141,10 +155,10 @@ impl Pipeline<'_> {
             }
         }
         let verdict = faults.note("verify", self.stored_verdict(any_calibrated));
-        match (stiffness, load_curve, verdict) {
-            (Some(stiffness), Some(load_curve), Some(verdict)) if faults.is_empty() => {
+        match (stiffness, load_curve, by_angle, verdict) {
+            (Some(stiffness), Some(load_curve), Some(by_angle), Some(verdict)) if faults.is_empty() => {
                 let calibration = Calibration { stiffness, load_curve, horizontal_failure: None };
-                Ok(Stored { calibration, runs, verdict })
+                Ok(Stored { calibration, by_angle, runs, verdict })
             }
             _ => Err(faults.error(self.study)),
         }

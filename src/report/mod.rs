@@ -9,6 +9,7 @@ pub mod panel;
 mod tables;
 mod html;
 mod figures;
+mod by_angle;
 mod positions;
 pub mod crosscheck;
 
@@ -16,7 +17,9 @@ use railspring_calibrate::history::History;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::records::{LoadCurveRow, Measured, ResolvedKey, StiffnessRecord, VerificationRecord};
+use crate::records::{
+    LoadCurveRow, Measured, ResolvedKey, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord,
+};
 
 pub use positions::ProfilePair;
 
@@ -48,6 +51,8 @@ pub struct ReportData<'a> {
     pub stiffness: &'a StiffnessRecord,
     /// The load curve with the reference in use.
     pub load_curve: &'a [LoadCurveRow],
+    /// The laws by contact angle, if there are any.
+    pub by_angle: Option<&'a StiffnessByAngleRecord>,
     /// The two profiles.
     pub profiles: &'a ProfilePair,
     /// The load cases.
@@ -110,6 +115,9 @@ pub fn build(data: &ReportData<'_>) -> Report {
             figures::horizontal(horizontal, constant),
             "Horizontal stiffness under sticking at several preloads, and the constant in use.".into(),
         ));
+    }
+    if let Some(laws) = data.by_angle {
+        springs.push(collected.add("by_angle", by_angle::stiffness(laws), by_angle::caption(laws)));
     }
     let scenarios: Vec<Value> =
         data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();

@@ -7,10 +7,11 @@ use nalgebra::Point2;
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 use crate::records::{
-    BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord,
-    FindingRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, Measured,
-    PairRecord, PenaltyRecord, ProfileRecord, ReferenceRecord, ResolvedKey, StageMeasure, StiffnessRecord,
-    TableRecord, TangentRecord, TouchRecord,
+    AngleLawRecord, BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord,
+    DisplacementRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord, HorizontalPointRecord,
+    HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, Measured, PairRecord, PenaltyRecord,
+    ProfileRecord, ReferenceRecord, ResolvedKey, ShiftRecord, ShiftTouchRecord, StageMeasure,
+    StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
 };
 
 use crate::records::crosscheck::{
@@ -419,4 +420,67 @@ pub(crate) fn sections() -> Vec<SectionDifference> {
             cells: cells(height),
         })
         .into()
+}
+
+/// Laws at three shifts: whole on the tread, up to 40 kN on the flange, none where the wheel misses the rail.
+pub(crate) fn by_angle() -> StiffnessByAngleRecord {
+    let sample = stiffness();
+    let laws = || {
+        let entry = |reference: &ReferenceRecord| AngleLawRecord {
+            reference: reference.reference.clone(),
+            law: reference.law,
+            displacement: reference.displacement,
+        };
+        sample.references.iter().map(entry).collect::<Vec<_>>()
+    };
+    let load = |force: f64, angle: f64| FixedLoadRecord {
+        force_kn: force,
+        references: sample
+            .references
+            .iter()
+            .enumerate()
+            .map(|(n, reference)| FixedReferenceRecord {
+                reference: reference.reference.clone(),
+                displacement_mm: 0.01 * force.powf(0.7),
+                tangent_kn_per_m: (3.0 + n as f64) * 1e5 * force.powf(0.3) * (1.0 - 0.005 * angle),
+                local_um_per_kn: 0.5,
+                wheel_um_per_kn: (reference.reference != "local").then_some(0.1),
+                rail_um_per_kn: (reference.reference != "local").then_some(0.2),
+                sliding_um_per_kn: (reference.reference != "local").then_some(0.0),
+            })
+            .collect(),
+        horizontal_kn_per_m: 4e5,
+        tangential_kn_per_m: 4.1e5,
+        contact_area_mm2: 80.0,
+        max_pressure_mpa: 900.0,
+        semi_axis_along_mm: 6.0,
+        semi_axis_across_mm: 4.0,
+    };
+    let touch = |angle: f64| ShiftTouchRecord {
+        contact_angle_deg: angle,
+        rail_y_mm: -angle / 2.0,
+        rail_z_mm: angle / 5.0,
+        wheel_y_mm: -angle / 2.0,
+        wheel_z_mm: angle / 5.0,
+    };
+    let shift = |shift_mm: f64, angle: Option<f64>, loads: &[f64], reason: Option<&str>| ShiftRecord {
+        shift_mm,
+        touch: angle.map(touch),
+        laws: if loads.is_empty() { Vec::new() } else { laws() },
+        loads: loads.iter().map(|force| load(*force, angle.unwrap_or_default())).collect(),
+        reason: reason.map(String::from),
+    };
+    StiffnessByAngleRecord {
+        study: "sample".into(),
+        friction: 0.5,
+        shifts: vec![
+            shift(-60.0, None, &[], Some("the wheel misses the rail")),
+            shift(0.0, Some(1.4), &[20.0, 40.0, 80.0], None),
+            shift(4.0, Some(5.8), &[20.0, 40.0, 80.0], None),
+            shift(7.0, Some(70.0), &[20.0, 40.0], Some("the contact reached the end of the window")),
+        ],
+        pair: sample.pair.clone(),
+        input_hash: "ef".repeat(32),
+        version: "0.1.0".into(),
+    }
 }

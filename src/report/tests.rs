@@ -17,12 +17,14 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
     let verdict = verdict(&simple, &solid);
     let (load_curve, profiles) = (samples::load_curve(), samples::profiles());
     let (inputs, measured) = (samples::inputs(), samples::measured());
+    let laws = samples::by_angle();
     build(&ReportData {
         name: "sample <study>",
         description: "Made-up numbers.",
         inputs: &inputs,
         stiffness: &stiffness,
         load_curve: &load_curve,
+        by_angle: Some(&laws),
         profiles: &profiles,
         scenarios: vec![ScenarioRun {
             name: "sample",

@@ -7,14 +7,14 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{ContactConditions, PairBody, SeriesBeam};
+use railspring_calibrate::pair::{CondensedPair, ContactConditions, PairBody, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 
 use super::bodies::rail_in_use;
-use super::{Bodies, Geometry, Meshes, PressedFields, contact_field, enforcement};
+use super::{Geometry, Interiors, Meshes, PressedFields, contact_field, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
     HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord, TableRecord,
@@ -23,7 +23,7 @@ use crate::records::{
 use crate::study::{EnforcementKey, MeshFile, ReferenceKey, Study};
 
 /// One m/N in µm/kN.
-const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
+pub(super) const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
 
 /// What the calibration hands on.
 pub struct Calibration {
@@ -52,6 +52,15 @@ pub fn check_friction(study: &Study) -> Result<()> {
     Ok(())
 }
 
+/// How wheel and rail meet in the calibration of a study.
+pub(super) fn contact_conditions(study: &Study) -> ContactConditions {
+    ContactConditions {
+        friction: study.contact.friction,
+        enforcement: enforcement(study),
+        field: ContactField::Elements,
+    }
+}
+
 /// The load curve, the laws and the horizontal stiffness, and the fields of the solids under the largest load.
 ///
 /// A horizontal stiffness without an answer is no error here: the normal laws are finished and worth keeping.
@@ -62,16 +71,13 @@ pub fn calibrate(
     study: &Study,
     geometry: &Geometry,
     meshes: &Meshes,
-    Bodies { condensed: bodies, interiors }: Bodies<'_>,
+    bodies: &CondensedPair,
+    interiors: Interiors<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(Calibration, PressedFields)> {
     let pair = &geometry.pair;
-    let beam = SeriesBeam::new(pair, &bodies, &geometry.beam)?;
-    let contact = ContactConditions {
-        friction: study.contact.friction,
-        enforcement: enforcement(study),
-        field: contact_field(study),
-    };
+    let beam = SeriesBeam::new(pair, bodies, &geometry.beam)?;
+    let contact = contact_conditions(study);
     // the insides of bodies from the store are factored beside the contact
     let (pressed, interiors) = rayon::join(
         || bodies.press(pair, contact, &study.calibration.loads, monitor),
@@ -187,7 +193,7 @@ fn horizontal_record(horizontal: &HorizontalCalibration) -> HorizontalRecord {
     }
 }
 
-fn law_record(fit: &LawFit) -> LawRecord {
+pub(super) fn law_record(fit: &LawFit) -> LawRecord {
     let [a, b, c] = fit.standard_error;
     LawRecord {
         constants: fit.law.into(),
@@ -201,21 +207,22 @@ fn law_record(fit: &LawFit) -> LawRecord {
     }
 }
 
+pub(super) fn displacement_record(calibration: &NormalCalibration, law: &NormalLaw) -> DisplacementRecord {
+    let (force, deviation) = calibration.displacement_deviation(law);
+    DisplacementRecord { max_rel_error: deviation, force_kn: force / KILONEWTON }
+}
+
 fn reference_record(name: &str, calibration: &NormalCalibration) -> Result<ReferenceRecord> {
-    let displacement = |law: &NormalLaw| {
-        let (force, deviation) = calibration.displacement_deviation(law);
-        DisplacementRecord { max_rel_error: deviation, force_kn: force / KILONEWTON }
-    };
     let table = calibration.table()?;
     let left_out = table.left_out();
     Ok(ReferenceRecord {
         reference: name.into(),
         law: law_record(&calibration.fit),
-        displacement: displacement(&calibration.fit.law.into()),
+        displacement: displacement_record(calibration, &calibration.fit.law.into()),
         table: TableRecord {
             max_rel_error: left_out.map(|[tangent, _]| tangent),
             max_rel_displacement: left_out.map(|[_, displacement]| displacement),
-            displacement: displacement(&table.into()),
+            displacement: displacement_record(calibration, &table.into()),
         },
         points: calibration
             .points

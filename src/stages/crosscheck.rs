@@ -7,7 +7,8 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points,
+    press_loads,
 };
 use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
 use railspring_calibrate::error::{InputError, Result};

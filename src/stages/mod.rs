@@ -5,6 +5,7 @@
 
 mod bodies;
 mod calibrate;
+mod by_angle;
 mod crosscheck;
 mod fields;
 mod mesh_files;
@@ -13,6 +14,7 @@ mod simulate;
 mod zones;
 
 pub use bodies::{Bodies, Interiors, solids};
+pub use by_angle::by_angle;
 pub use calibrate::{Calibration, calibrate, check_friction};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};

@@ -285,8 +285,8 @@ mod tests {
         let press = |meshes: &Meshes| {
             let solids = stages::solids(&study, &geometry, meshes);
             let condense = |body| solids.condense(body).map(|(body, inside)| (body, Some(inside)));
-            let bodies = stages::Bodies::new(solids, condense, &notes)?;
-            stages::calibrate(&study, &geometry, meshes, bodies, &notes)
+            let stages::Bodies { condensed, interiors } = stages::Bodies::new(solids, condense, &notes)?;
+            stages::calibrate(&study, &geometry, meshes, &condensed, interiors, &notes)
         };
         let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
         assert_eq!(cause.reason, StopReason::EdgeOfCandidates);

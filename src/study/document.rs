@@ -255,6 +255,11 @@ pub struct CalibrationKeys {
     /// Vertical preloads at which the horizontal stiffness is measured, kN.
     #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1))]
     pub horizontal_preloads_kn: Vec<f64>,
+    /// Lateral shifts of the wheelset at which the law by contact angle is made, mm, ascending, as `track.lateral_shift_mm`; an empty list
+    /// makes none. Left out, they lie on tread, gauge corner and flange of the pair.
+    #[schemars(inner(range(min = -100.0, max = 100.0)), length(max = 200))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shifts_mm: Option<Vec<f64>>,
 }
 
 impl Default for CalibrationKeys {
@@ -267,6 +272,7 @@ impl Default for CalibrationKeys {
             loads_kn: None,
             reference: ReferenceKey::Beam,
             horizontal_preloads_kn: vec![20.0, 50.0, 85.0, 120.0],
+            shifts_mm: None,
         }
     }
 }

@@ -23,6 +23,8 @@ pub struct Keys {
     pub calibration: String,
     /// The same without the study's name, which its files only carry, and without the damping.
     pub springs: String,
+    /// What the laws by contact angle depend on: the calibration's inputs, and their shifts, which nothing else depends on.
+    pub by_angle: String,
     /// The pair that a law belongs to: profiles, bodies, their places and the elastic material; not the rail's length.
     pub pair: String,
     /// What a run of the simple model depends on besides its springs, by scenario.
@@ -42,6 +44,7 @@ impl Keys {
         numeric.rail.mesh_file = rail.mesh.as_ref().map(MeshFile::fingerprint);
         numeric.wheel.mesh_file = wheel.mesh.as_ref().map(MeshFile::fingerprint);
         numeric.description.clear();
+        let shifts = numeric.calibration.shifts_mm.take();
         for keys in numeric.scenario.values_mut() {
             keys.description.clear();
             keys.snapshots_s.clear();
@@ -101,6 +104,7 @@ impl Keys {
         };
         Self {
             crosscheck: hash(&crosscheck),
+            by_angle: hash(&("stiffness by angle", &calibration, shifts)),
             calibration,
             springs,
             pair: hash(&pair),

@@ -181,6 +181,8 @@ pub struct CalibrationSettings {
     pub reference: ReferenceKey,
     /// Preloads of the horizontal stiffness, N.
     pub horizontal_preloads: Vec<f64>,
+    /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
+    pub shifts: Option<Vec<f64>>,
 }
 
 /// The simple model.
@@ -230,6 +232,11 @@ pub const SECTIONS: [&str; 10] = [
 ];
 
 impl Study {
+    /// Whether there are to be laws by contact angle.
+    pub fn wants_by_angle(&self) -> bool {
+        self.calibration.shifts.as_ref().is_none_or(|shifts| !shifts.is_empty())
+    }
+
     /// Reads and checks a study file.
     ///
     /// # Errors

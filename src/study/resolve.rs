@@ -261,7 +261,17 @@ fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
             "sort the list",
         ));
     }
+    let shifts = keys.shifts_mm.as_deref().unwrap_or_default();
+    if let Some(index) = shifts.windows(2).position(|pair| pair[1] <= pair[0]) {
+        return Err(InputError::new(
+            "calibration.shifts_mm",
+            format!("{}, {}", shifts[index], shifts[index + 1]),
+            "ascending shifts without repetition",
+            "sort the list",
+        ));
+    }
     Ok(CalibrationSettings {
+        shifts: keys.shifts_mm.as_ref().map(|list| list.iter().map(|shift| shift * MILLIMETRE).collect()),
         loads: loads.iter().map(|load| load * KILONEWTON).collect(),
         reference: keys.reference,
         horizontal_preloads: keys.horizontal_preloads_kn.iter().map(|load| load * KILONEWTON).collect(),

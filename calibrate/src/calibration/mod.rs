@@ -57,6 +57,9 @@ pub struct LoadPoint {
     pub wheel_compliance: f64,
     /// Share of the rail beyond its half-space, m/N: down to what the displacement is measured against.
     pub rail_compliance: f64,
+    /// Share of points that slide, m/N: what friction does as the load grows and the bodies move along each other. With the three
+    /// other shares it is the tangent compliance of the hub.
+    pub sliding_compliance: f64,
     /// Largest penetration over the displacement of the wheel centre (the published criterion asks for less than 1/1000).
     pub penalty_error: f64,
     /// Load-carrying contact points.
@@ -182,7 +185,7 @@ pub fn load_points(
 pub(crate) fn subtract_bodies(points: &mut [LoadPoint]) {
     let (mut force, mut compliance, mut way) = (0.0, None, 0.0);
     for point in points {
-        let bodies = point.wheel_compliance + point.rail_compliance;
+        let bodies = point.wheel_compliance + point.rail_compliance + point.sliding_compliance;
         way += 0.5 * (bodies + compliance.unwrap_or(bodies)) * (point.force - force);
         (force, compliance) = (point.force, Some(bodies));
         point.displacement -= way;
@@ -246,6 +249,7 @@ pub(crate) fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result
         local_compliance: local,
         wheel_compliance: wheel,
         rail_compliance: rail,
+        sliding_compliance: sliding(wheel_on_rail, state, &change, 1.0 / tangent),
         penalty_error: penetration / displacement,
         active_points: state.solution.active(),
     })
@@ -267,6 +271,27 @@ fn split(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64]) -> [f64; 
     let wheel = share(&BodyCompliance { compliance: wheel_on_rail.wheel, side: Side::Opposing });
     let rail = share(&BodyCompliance { compliance: wheel_on_rail.rail, side: Side::Base });
     [rail_half + wheel_half, wheel - wheel_half, rail - rail_half]
+}
+
+/// Work of friction on the points that slide, for the `change` of the contact forces under a unit load and the motion of the hub (m/N)
+/// along the direction in which the wheel is pressed, m/N. Of what the load does, it is the part that no body stores: `δ = fᵀ·C·f - τᵀ·s`.
+fn sliding(wheel_on_rail: &WheelOnRail, state: &Pressed, change: &[f64], hub: f64) -> f64 {
+    let n = state.points.len();
+    let slides = |j: &usize| state.solution.modes[*j] == PointMode::Slip;
+    if wheel_on_rail.directions() == 1 || !(0..n).any(|j| slides(&j)) {
+        return 0.0;
+    }
+    let mut motion = vec![0.0; change.len()];
+    state.problem(wheel_on_rail.friction).compliance.add_product(change, &mut motion);
+    let along = wheel_on_rail.world_direction();
+    let work = |j: usize| {
+        let in_direction = |d: usize| {
+            let row = d * n + j;
+            -change[row] * (motion[row] + hub * state.points[j].direction(d).dot(&along))
+        };
+        in_direction(1) + in_direction(2)
+    };
+    (0..n).filter(slides).map(work).sum()
 }
 
 /// Size of a contact patch.

@@ -3,8 +3,8 @@
 use super::geometry::{Pair, PairMeshes};
 use super::solids::{PairBody, PairSolids};
 use crate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference, WheelOnRail,
-    calibrate_horizontal, calibrate_normal, press_loads,
+    ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference,
+    WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
 };
 use crate::error::{InputError, Result};
 use crate::monitor::Monitor;

@@ -181,7 +181,8 @@ fn shift_law(
         on_wheel: pair.wheel.running.point(pair.touch.wheel_s),
         along,
     };
-    let placed = |reference| WheelOnRail { along, ..bodies.wheel_on_rail(&pair, reference, settings.contact) };
+    let placed =
+        |reference| WheelOnRail { along, ..bodies.wheel_on_rail(&pair, reference, settings.contact) };
     let on_foot = Sequence::press(&placed(Reference::Foot), settings, going_on)?;
     let on_section = Sequence::press(&placed(Reference::Beam), settings, going_on)?;
     Ok(ShiftLaw { tape_y, touch: Some(touch), law: angle_law(on_foot, on_section, along) })

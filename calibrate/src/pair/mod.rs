@@ -15,7 +15,7 @@ mod by_shift;
 mod series_beam;
 
 pub use bodies::{CondensedPair, ContactConditions, PressedPair, condense_all};
-pub use by_shift::{AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, law_by_shift};
+pub use by_shift::{AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, TouchPoint, law_by_shift};
 pub use geometry::{Pair, PairMeshes};
 pub use series_beam::SeriesBeam;
 pub use solids::{PairBody, PairSolids};

@@ -1,0 +1,73 @@
+//! The law by contact angle as a stage.
+
+use railspring_calibrate::error::Result;
+
+use super::bodies::BodySource;
+use super::stage::{Made, Stage};
+use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
+use crate::output::to_json;
+use crate::records::{StiffnessByAngleRecord, to_csv};
+use crate::results::NewFile;
+use crate::stages;
+use crate::store::{Address, Artefact, Kind};
+
+/// The laws of the study's shifts, on the bodies of its calibration.
+pub(super) struct ByAngle;
+
+impl Stage for ByAngle {
+    type Value = StiffnessByAngleRecord;
+
+    fn name(&self) -> String {
+        "law by contact angle".into()
+    }
+
+    fn key(&self, at: &Pipeline<'_>) -> String {
+        at.study.keys.by_angle.clone()
+    }
+
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        let reach = at.reach()?;
+        let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach);
+        Ok(at.store.map(|store| store.address(Kind::ByAngle, &inputs)))
+    }
+
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+        let geometry = at.geometry()?;
+        let (study, monitor) = (at.study, at.resources.monitor);
+        let bodies = match at.condensed.take() {
+            Some(bodies) => bodies,
+            None => {
+                let meshes = at.meshes(|at| {
+                    let mut work = at.solid_work()?;
+                    work.calibrate = true;
+                    Ok(work)
+                })?;
+                let source = BodySource { store: at.store, fresh: at.fresh, study: &study.name, monitor };
+                let bodies = source.bodies(stages::solids(study, &geometry, &meshes))?.condensed;
+                at.go_on_with(meshes);
+                bodies
+            }
+        };
+        let laws = stages::by_angle(study, &geometry, &bodies, monitor)?;
+        let rows = to_csv(&laws.rows());
+        Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
+    }
+
+    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<StiffnessByAngleRecord> {
+        let mut laws: StiffnessByAngleRecord = part_json(artefact, BY_ANGLE)?;
+        laws.study.clone_from(&at.study.name);
+        laws.input_hash = self.key(at);
+        laws.pair = at.study.pair();
+        Ok(laws)
+    }
+
+    fn files(&self, artefact: &Artefact, value: &StiffnessByAngleRecord, at: &Pipeline<'_>) -> Vec<NewFile> {
+        let rows = artefact.part(BY_ANGLE_ROWS).unwrap_or_default().to_vec();
+        let files = [(BY_ANGLE, to_json(value)), (BY_ANGLE_ROWS, rows)];
+        files.map(|(name, content)| NewFile::new(name, content, &self.key(at))).into()
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_VERDICT
+    }
+}

@@ -1,0 +1,207 @@
+//! `stiffness_by_angle.json` and `stiffness_by_angle.csv`: the laws of the pair with the wheel in several places across the track.
+
+use serde::{Deserialize, Serialize};
+
+use super::{DisplacementRecord, LawRecord, PairRecord};
+
+/// `stiffness_by_angle.json`: the law by contact angle. Loads, displacements and tangents are those along the contact normal at the
+/// first touch of each shift, the hub held across it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StiffnessByAngleRecord {
+    /// Name of the study.
+    pub study: String,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// The shifts, ascending.
+    pub shifts: Vec<ShiftRecord>,
+    /// The pair.
+    pub pair: PairRecord,
+    /// Hash of what the laws depend on.
+    pub input_hash: String,
+    /// Version of the program that made this.
+    pub version: String,
+}
+
+/// The wheel at one shift.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShiftRecord {
+    /// Lateral shift of the wheelset, mm, as `track.lateral_shift_mm`.
+    pub shift_mm: f64,
+    /// Where the wheel first touches; none where it misses the rail.
+    pub touch: Option<ShiftTouchRecord>,
+    /// The laws, against `foot`, `beam` and `local`; none where there is no law.
+    pub laws: Vec<AngleLawRecord>,
+    /// The solid at fixed loads within the range of the laws: the constants of a law do not interpolate between shifts, these values do.
+    pub loads: Vec<FixedLoadRecord>,
+    /// Why there is no law, or why it ends before the largest load.
+    pub reason: Option<String>,
+}
+
+/// The first touch of a shift.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ShiftTouchRecord {
+    /// Contact angle, degrees.
+    pub contact_angle_deg: f64,
+    /// Touching point on the rail, rail profile frame, mm.
+    pub rail_y_mm: f64,
+    /// See `rail_y_mm`.
+    pub rail_z_mm: f64,
+    /// Touching point on the wheel, wheel profile frame, mm.
+    pub wheel_y_mm: f64,
+    /// See `wheel_y_mm`.
+    pub wheel_z_mm: f64,
+}
+
+/// The law of a shift with one reference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AngleLawRecord {
+    /// `foot`, `beam` or `local`.
+    pub reference: String,
+    /// The law.
+    pub law: LawRecord,
+    /// The law, integrated, against the displacement of the solid.
+    pub displacement: DisplacementRecord,
+}
+
+/// The solid under a fixed load.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FixedLoadRecord {
+    /// Load along the contact normal, kN.
+    pub force_kn: f64,
+    /// Displacement and tangent with each reference.
+    pub references: Vec<FixedReferenceRecord>,
+    /// Lateral stiffness of the sticking wheel against the rail's section, the vertical force constant, kN/m.
+    pub horizontal_kn_per_m: f64,
+    /// The same across the contact normal, the force along it constant, kN/m.
+    pub tangential_kn_per_m: f64,
+    /// Contact area, mm².
+    pub contact_area_mm2: f64,
+    /// Largest pressure, MPa.
+    pub max_pressure_mpa: f64,
+    /// Semi-axis of the patch along the track, mm.
+    pub semi_axis_along_mm: f64,
+    /// Semi-axis of the patch across, mm.
+    pub semi_axis_across_mm: f64,
+}
+
+/// The solid under a fixed load with one reference.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FixedReferenceRecord {
+    /// `foot`, `beam` or `local`.
+    pub reference: String,
+    /// Displacement, mm.
+    pub displacement_mm: f64,
+    /// Tangent stiffness, kN/m.
+    pub tangent_kn_per_m: f64,
+    /// Part of the tangent compliance in the contact itself, µm/kN.
+    pub local_um_per_kn: f64,
+    /// Part of the wheel body, µm/kN; none in `local`.
+    pub wheel_um_per_kn: Option<f64>,
+    /// Part of the rail body, µm/kN; none in `local`.
+    pub rail_um_per_kn: Option<f64>,
+    /// Part of the friction of points that slide, µm/kN; none in `local`. The parts make up the tangent compliance.
+    pub sliding_um_per_kn: Option<f64>,
+}
+
+/// One row of `stiffness_by_angle.csv`: a shift, a fixed load and a reference; a shift without a law has one row with its reason.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[allow(missing_docs)] // the columns are fields of the records above
+pub struct ByAngleRow {
+    pub shift_mm: f64,
+    pub contact_angle_deg: Option<f64>,
+    pub rail_y_mm: Option<f64>,
+    pub rail_z_mm: Option<f64>,
+    pub wheel_y_mm: Option<f64>,
+    pub wheel_z_mm: Option<f64>,
+    pub reference: String,
+    pub force_kn: Option<f64>,
+    pub displacement_mm: Option<f64>,
+    pub tangent_kn_per_m: Option<f64>,
+    pub horizontal_kn_per_m: Option<f64>,
+    pub tangential_kn_per_m: Option<f64>,
+    pub contact_area_mm2: Option<f64>,
+    pub max_pressure_mpa: Option<f64>,
+    pub semi_axis_along_mm: Option<f64>,
+    pub semi_axis_across_mm: Option<f64>,
+    pub local_um_per_kn: Option<f64>,
+    pub wheel_um_per_kn: Option<f64>,
+    pub rail_um_per_kn: Option<f64>,
+    pub sliding_um_per_kn: Option<f64>,
+    pub law_a_kn_per_m: Option<f64>,
+    pub law_b_kn_per_m: Option<f64>,
+    pub law_c: Option<f64>,
+    pub law_from_kn: Option<f64>,
+    pub law_to_kn: Option<f64>,
+    pub law_max_rel_error: Option<f64>,
+    pub reason: String,
+}
+
+impl StiffnessByAngleRecord {
+    /// The rows of the CSV file.
+    pub fn rows(&self) -> Vec<ByAngleRow> {
+        self.shifts.iter().flat_map(ShiftRecord::rows).collect()
+    }
+}
+
+impl ShiftRecord {
+    /// Contact angle at the first touch, degrees.
+    pub fn angle(&self) -> Option<f64> {
+        self.touch.map(|touch| touch.contact_angle_deg)
+    }
+
+    fn rows(&self) -> Vec<ByAngleRow> {
+        let shift = ByAngleRow {
+            shift_mm: self.shift_mm,
+            contact_angle_deg: self.angle(),
+            rail_y_mm: self.touch.map(|touch| touch.rail_y_mm),
+            rail_z_mm: self.touch.map(|touch| touch.rail_z_mm),
+            wheel_y_mm: self.touch.map(|touch| touch.wheel_y_mm),
+            wheel_z_mm: self.touch.map(|touch| touch.wheel_z_mm),
+            reason: self.reason.clone().unwrap_or_default(),
+            ..ByAngleRow::default()
+        };
+        if self.laws.is_empty() {
+            return vec![shift];
+        }
+        let mut rows = Vec::new();
+        for law in &self.laws {
+            let reference = ByAngleRow {
+                reference: law.reference.clone(),
+                law_a_kn_per_m: Some(law.law.constants.a_kn_per_m),
+                law_b_kn_per_m: Some(law.law.constants.b_kn_per_m),
+                law_c: Some(law.law.constants.c),
+                law_from_kn: Some(law.law.range_kn[0]),
+                law_to_kn: Some(law.law.range_kn[1]),
+                law_max_rel_error: Some(law.law.max_rel_error),
+                ..shift.clone()
+            };
+            let before = rows.len();
+            for load in &self.loads {
+                let Some(point) = load.references.iter().find(|p| p.reference == law.reference) else {
+                    continue;
+                };
+                rows.push(ByAngleRow {
+                    force_kn: Some(load.force_kn),
+                    displacement_mm: Some(point.displacement_mm),
+                    tangent_kn_per_m: Some(point.tangent_kn_per_m),
+                    horizontal_kn_per_m: Some(load.horizontal_kn_per_m),
+                    tangential_kn_per_m: Some(load.tangential_kn_per_m),
+                    contact_area_mm2: Some(load.contact_area_mm2),
+                    max_pressure_mpa: Some(load.max_pressure_mpa),
+                    semi_axis_along_mm: Some(load.semi_axis_along_mm),
+                    semi_axis_across_mm: Some(load.semi_axis_across_mm),
+                    local_um_per_kn: Some(point.local_um_per_kn),
+                    wheel_um_per_kn: point.wheel_um_per_kn,
+                    rail_um_per_kn: point.rail_um_per_kn,
+                    sliding_um_per_kn: point.sliding_um_per_kn,
+                    ..reference.clone()
+                });
+            }
+            // a law that no fixed load lies in has its constants all the same
+            if rows.len() == before {
+                rows.push(reference);
+            }
+        }
+        rows
+    }
+}

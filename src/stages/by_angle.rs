@@ -1,0 +1,196 @@
+//! The law by contact angle: the calibration's bodies with the wheel in other places across the track.
+
+use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
+use railspring_calibrate::error::{Error, Result, StopReason};
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::{
+    AngleLaw, AngleSettings, CondensedPair, FixedLoad, Pair, PressDirection, ShiftLaw, TouchPoint,
+    law_by_shift,
+};
+use railspring_calibrate::units::{
+    KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
+};
+
+use super::Geometry;
+use super::calibrate::{MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record};
+use crate::records::{
+    AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
+    StiffnessByAngleRecord,
+};
+use crate::study::Study;
+
+/// Loads along the contact normal at which displacement and stiffness are given, N.
+const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
+
+/// The laws of the pair at the shifts of the study, on the condensed bodies of its calibration.
+///
+/// # Errors
+/// Loads that cannot be used, and an interruption; a shift without a law is an entry with its reason.
+pub fn by_angle(
+    study: &Study,
+    geometry: &Geometry,
+    bodies: &CondensedPair,
+    monitor: &dyn Monitor,
+) -> Result<StiffnessByAngleRecord> {
+    let pair = &geometry.pair;
+    let shifts = shifts(study, pair);
+    let settings = AngleSettings {
+        contact: contact_conditions(study),
+        direction: PressDirection::Normal,
+        loads: &study.calibration.loads,
+        fixed_loads: &FIXED_LOADS,
+    };
+    let places: Vec<f64> = shifts.iter().map(|shift| tape_y(study, pair, *shift)).collect();
+    let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
+    Ok(StiffnessByAngleRecord {
+        study: study.name.clone(),
+        friction: study.contact.friction,
+        shifts: shifts.iter().zip(laws).map(|(shift, law)| shift_record(study, *shift, law)).collect(),
+        pair: study.pair(),
+        input_hash: study.keys.by_angle.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+    })
+}
+
+/// World position of the tape circle at a shift of the wheelset, m.
+fn tape_y(study: &Study, pair: &Pair, shift: f64) -> f64 {
+    pair.tape_y + (shift - study.track.lateral_shift)
+}
+
+/// The shifts of the study, m, ascending. Left out: that of its track and places on tread, gauge corner and flange. The tread is
+/// where the contact angle stays below 10°; the flange where it reaches 95 % of its largest, and the corner lies between.
+fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
+    if let Some(shifts) = &study.calibration.shifts {
+        return shifts.clone();
+    }
+    const TREAD: f64 = 10.0;
+    const FLANGE: f64 = 0.95;
+    // tread by 2 mm; corner and flange by half a millimetre, at most so many places
+    const ON_CORNER: usize = 4;
+    const ON_FLANGE: usize = 2;
+    let angle = |shift: f64| {
+        let touch = pair.with_wheel_at(tape_y(study, pair, shift)).ok()?.touch;
+        Some((shift, touch.contact_angle.to_degrees()))
+    };
+    let tread = (-2..=4).map(|n| f64::from(n) * 2.0 * MILLIMETRE).filter_map(angle);
+    let mut chosen: Vec<f64> =
+        tread.filter(|(_, angle)| angle.abs() < TREAD).map(|(shift, _)| shift).collect();
+    let beyond: Vec<(f64, f64)> =
+        (1..=40).map(|n| f64::from(n) * 0.5 * MILLIMETRE).filter_map(angle).collect();
+    let steepest = beyond.iter().map(|(_, angle)| *angle).fold(0.0, f64::max);
+    if steepest >= TREAD {
+        let first = beyond.iter().position(|(_, angle)| *angle >= FLANGE * steepest).unwrap_or(beyond.len());
+        let corner: Vec<f64> =
+            beyond[..first].iter().filter(|(_, angle)| *angle >= TREAD).map(|(shift, _)| *shift).collect();
+        let every = corner.len().div_ceil(ON_CORNER).max(1);
+        chosen.extend(corner.into_iter().step_by(every));
+        chosen.extend(beyond[first..].iter().take(ON_FLANGE).map(|(shift, _)| *shift));
+    }
+    chosen.push(study.track.lateral_shift);
+    chosen.sort_by(f64::total_cmp);
+    chosen.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * MILLIMETRE);
+    chosen
+}
+
+fn shift_record(study: &Study, shift: f64, ShiftLaw { touch, law, .. }: ShiftLaw) -> ShiftRecord {
+    let shift_mm = shift / MILLIMETRE;
+    let touch = touch.map(touch_record);
+    match law {
+        Ok(AngleLaw { laws, fixed, ended }) => ShiftRecord {
+            shift_mm,
+            touch,
+            laws: laws.iter().map(law_entry).collect(),
+            loads: fixed.iter().map(load_record).collect(),
+            reason: ended.map(|error| reason(study, shift_mm, error)),
+        },
+        Err(error) => ShiftRecord {
+            shift_mm,
+            touch,
+            laws: Vec::new(),
+            loads: Vec::new(),
+            reason: Some(reason(study, shift_mm, error)),
+        },
+    }
+}
+
+/// Why a shift has no law, or its law ends early, and what can be done about it.
+fn reason(study: &Study, shift_mm: f64, error: Error) -> String {
+    match error {
+        Error::Numerics(cause) => {
+            let advice = match cause.reason {
+                StopReason::EndOfWindow => {
+                    "; a longer patch needs a larger `mesh.window_half_length_mm`, or a smaller `calibration.load_max_kn`"
+                }
+                StopReason::EdgeOfCandidates => {
+                    "; the contact leaves the contact zones of the meshes here: leave this shift out"
+                }
+                StopReason::SecondRegion => {
+                    "; the law of one contact angle ends there: a neighbouring shift has one contact"
+                }
+                _ => "; try a shift beside it, or a finer mesh in `mesh.contact_element_mm`",
+            };
+            format!("{cause}{advice}")
+        }
+        Error::Input(mut cause) if cause.key == "lateral_shift" => {
+            cause.key = "calibration.shifts_mm".into();
+            cause.value = format!("{shift_mm} mm, {}", cause.value);
+            cause.remedy = "leave this shift out".into();
+            cause.to_string()
+        }
+        Error::Input(cause) => study.with_keys(cause).to_string(),
+        other => other.to_string(),
+    }
+}
+
+fn touch_record(TouchPoint { touch, on_rail, on_wheel, .. }: TouchPoint) -> ShiftTouchRecord {
+    ShiftTouchRecord {
+        contact_angle_deg: touch.contact_angle.to_degrees(),
+        rail_y_mm: on_rail.x / MILLIMETRE,
+        rail_z_mm: on_rail.y / MILLIMETRE,
+        wheel_y_mm: on_wheel.x / MILLIMETRE,
+        wheel_z_mm: on_wheel.y / MILLIMETRE,
+    }
+}
+
+fn name(reference: Reference) -> String {
+    match reference {
+        Reference::Foot => "foot",
+        Reference::Beam => "beam",
+        Reference::Local => "local",
+    }
+    .into()
+}
+
+fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
+    AngleLawRecord {
+        reference: name(calibration.reference),
+        law: law_record(&calibration.fit),
+        displacement: displacement_record(calibration),
+    }
+}
+
+fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
+    let foot = &fixed.points[0];
+    let reference = |(reference, p): (Reference, &LoadPoint)| {
+        let body = |part: f64| (reference != Reference::Local).then_some(part / MICROMETRE_PER_KILONEWTON);
+        FixedReferenceRecord {
+            reference: name(reference),
+            displacement_mm: p.displacement / MILLIMETRE,
+            tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
+            local_um_per_kn: p.local_compliance / MICROMETRE_PER_KILONEWTON,
+            wheel_um_per_kn: body(p.wheel_compliance),
+            rail_um_per_kn: body(p.rail_compliance),
+            sliding_um_per_kn: body(p.sliding_compliance),
+        }
+    };
+    FixedLoadRecord {
+        force_kn: foot.force / KILONEWTON,
+        references: AngleLaw::REFERENCES.into_iter().zip(&fixed.points).map(reference).collect(),
+        horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,
+        tangential_kn_per_m: fixed.tangential_stiffness / KILONEWTON_PER_METRE,
+        contact_area_mm2: foot.contact_area / SQUARE_MILLIMETRE,
+        max_pressure_mpa: foot.max_pressure / MEGAPASCAL,
+        semi_axis_along_mm: foot.semi_axis_along / MILLIMETRE,
+        semi_axis_across_mm: foot.semi_axis_across / MILLIMETRE,
+    }
+}
