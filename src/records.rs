@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use railspring_calibrate::beam::BeamCorrection;
 
 pub mod crosscheck;
-mod by_angle;
 pub mod history_csv;
 mod law;
 mod run;
 mod verdict;
+mod by_angle;
 
 pub use by_angle::{
     AngleLawRecord, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,

@@ -23,6 +23,7 @@ load_min_kn = 10
 load_max_kn = 80
 load_count = 5
 horizontal_preloads_kn = [40, 60]
+shifts_mm = [0, 7]
 [scenario.push]
 steps = 6
 vertical_force = { mean_kn = 10, amplitude_kn = 61.25, frequency_hz = 10 }
@@ -38,7 +39,7 @@ lateral_force = {}
 "#;
 
 /// Names of the files that one study writes, in order.
-const FILES: [&str; 11] = [
+const FILES: [&str; 13] = [
     "contact.vtu",
     "history-ride.csv",
     "history.csv",
@@ -48,6 +49,8 @@ const FILES: [&str; 11] = [
     "results.json",
     "solid_history.csv",
     "stiffness.json",
+    "stiffness_by_angle.csv",
+    "stiffness_by_angle.json",
     "verification.json",
     "wheel.vtu",
 ];
@@ -117,8 +120,8 @@ fn every_file_is_there_and_nothing_else() {
     let (figures, files): (Vec<&String>, Vec<&String>) =
         results.keys().partition(|name| name.starts_with("figures"));
     assert_eq!(files, FILES);
-    // Five of the springs, five of each scenario.
-    assert_eq!(figures.len(), 15, "{figures:?}");
+    // Six of the springs, five of each scenario.
+    assert_eq!(figures.len(), 16, "{figures:?}");
     assert!(
         results["report.html"].contains("Scenario push") && !results["report.html"].contains("figure failed")
     );

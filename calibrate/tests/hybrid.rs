@@ -333,6 +333,7 @@ fn a_crowned_wheel_on_an_irregular_mesh_is_hertz() {
             enforcement: Enforcement::Exact,
             field: ContactField::Hybrid,
             materials: [MATERIAL, stiff],
+            along: DOWNWARDS,
         };
         for p in press(&pressed, &[10e3, 30e3, 60e3], Reference::Local) {
             // the crown is a hyperbola of this radius at its vertex

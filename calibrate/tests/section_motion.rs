@@ -3,8 +3,8 @@
 
 use nalgebra::{Matrix2, Vector3};
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal, load_points,
-    press_loads,
+    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal,
+    load_points, press_loads,
 };
 use railspring_calibrate::contact::{Problem, Side, hub_response, nodal_forces};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};

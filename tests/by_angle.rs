@@ -1,0 +1,202 @@
+//! `stiffness_by_angle.json` and `.csv`: their content, what has no law, and what they depend on.
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+/// The coarse study with these shifts, and a load case.
+fn study(shifts: &str) -> String {
+    let coarse = include_str!("studies/coarse.toml");
+    assert!(coarse.contains("shifts_mm = []"));
+    format!(
+        "{}\n[scenario.one]\nsteps = 2\nvertical_force = {{ mean_kn = 50 }}\n",
+        coarse.replace("shifts_mm = []", shifts)
+    )
+}
+
+/// A command on a study in `root`, with the store and the output folder there.
+fn railspring(root: &Path, command: &str, study: &str) -> Output {
+    std::fs::write(root.join("study.toml"), study).unwrap();
+    let mut all = Command::cargo_bin("railspring").unwrap();
+    all.current_dir(root).env("RAILSPRING_CACHE", root.join("cache"));
+    all.args([command, "study.toml", "-o", "out", "--cache", "store"]).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn made(output: &Output) -> Vec<String> {
+    let names = ["calibration", "law by contact angle", "simple model, one", "solid model, one"];
+    let said = said(output);
+    let made = names.into_iter().filter(|name| said.lines().any(|line| line == format!("{name}: made")));
+    made.map(String::from).collect()
+}
+
+fn read(root: &Path, file: &str) -> String {
+    std::fs::read_to_string(root.join("out").join(file)).unwrap()
+}
+
+/// Goal: the table has the numbers of the JSON file, a row for each shift, load and reference, units in its headings; a place at which the wheel
+/// misses the rail is an entry with the key to change, beside whole ones; the report shows the figure and says so; `results.json` lists
+/// both files. Units mm, kN, kN/m. Accuracy: equal numbers.
+#[test]
+fn table_and_record_agree() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let output = railspring(root, "run", &study("shifts_mm = [-90, 0, 6.5, 7]"));
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", said(&output));
+    let record: Value = serde_json::from_str(&read(root, "stiffness_by_angle.json")).unwrap();
+    let shifts = record["shifts"].as_array().unwrap();
+    let at: Vec<f64> = shifts.iter().map(|shift| shift["shift_mm"].as_f64().unwrap()).collect();
+    assert_eq!(at, [-90.0, 0.0, 6.5, 7.0]);
+    let angles = [0.0, 1.4, 28.6, 70.0];
+    let table = read(root, "stiffness_by_angle.csv");
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let headings = reader.headers().unwrap().clone();
+    let units = ["_mm", "_deg", "_kn", "_kn_per_m", "_mm2", "_mpa", "_um_per_kn"];
+    for heading in
+        headings.iter().filter(|h| !["reference", "law_c", "law_max_rel_error", "reason"].contains(h))
+    {
+        assert!(units.iter().any(|unit| heading.ends_with(unit)), "{heading} has no unit");
+    }
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let cell = |row: &csv::StringRecord, name: &str| {
+        row[headings.iter().position(|h| h == name).unwrap_or_else(|| panic!("{name}"))].to_string()
+    };
+    let number = |row: &csv::StringRecord, name: &str| cell(row, name).parse::<f64>().unwrap();
+    let mut seen = 0;
+    for (n, shift) in shifts.iter().enumerate() {
+        let of_shift: Vec<_> = rows.iter().filter(|row| number(row, "shift_mm") == at[n]).collect();
+        seen += of_shift.len();
+        if n == 0 {
+            let reason = shift["reason"].as_str().unwrap();
+            assert!(
+                reason.contains("calibration.shifts_mm = -90 mm") && reason.contains("misses"),
+                "{reason}"
+            );
+            assert!(shift["touch"].is_null() && shift["laws"].as_array().unwrap().is_empty());
+            assert_eq!(of_shift.len(), 1);
+            assert_eq!(
+                (cell(of_shift[0], "reason").as_str(), cell(of_shift[0], "force_kn").as_str()),
+                (reason, "")
+            );
+            continue;
+        }
+        assert!(shift["reason"].is_null(), "{shift}");
+        let angle = shift["touch"]["contact_angle_deg"].as_f64().unwrap();
+        assert!((angle - angles[n]).abs() < 0.1, "{angle}");
+        assert_eq!(shift["laws"].as_array().unwrap().len(), 3);
+        let loads = shift["loads"].as_array().unwrap();
+        let forces: Vec<f64> = loads.iter().map(|load| load["force_kn"].as_f64().unwrap()).collect();
+        assert_eq!(forces, [20.0, 40.0, 60.0, 80.0], "within 5 to 85 kN");
+        assert_eq!(of_shift.len(), 3 * loads.len());
+        for row in of_shift {
+            let reference = cell(row, "reference");
+            let load = loads.iter().find(|load| load["force_kn"] == number(row, "force_kn")).unwrap();
+            let named = |list: &Value| {
+                list.as_array()
+                    .unwrap()
+                    .iter()
+                    .find(|p| p["reference"] == reference.as_str())
+                    .unwrap()
+                    .clone()
+            };
+            let (point, law) = (named(&load["references"]), named(&shift["laws"])["law"].clone());
+            let pairs = [
+                ("contact_angle_deg", &shift["touch"]["contact_angle_deg"]),
+                ("wheel_y_mm", &shift["touch"]["wheel_y_mm"]),
+                ("rail_z_mm", &shift["touch"]["rail_z_mm"]),
+                ("displacement_mm", &point["displacement_mm"]),
+                ("tangent_kn_per_m", &point["tangent_kn_per_m"]),
+                ("local_um_per_kn", &point["local_um_per_kn"]),
+                ("horizontal_kn_per_m", &load["horizontal_kn_per_m"]),
+                ("tangential_kn_per_m", &load["tangential_kn_per_m"]),
+                ("max_pressure_mpa", &load["max_pressure_mpa"]),
+                ("semi_axis_across_mm", &load["semi_axis_across_mm"]),
+                ("law_a_kn_per_m", &law["a_kn_per_m"]),
+                ("law_b_kn_per_m", &law["b_kn_per_m"]),
+                ("law_c", &law["c"]),
+                ("law_to_kn", &law["range_kn"][1]),
+            ];
+            for (name, value) in pairs {
+                assert_eq!(Some(number(row, name)), value.as_f64(), "{name} at {} mm", at[n]);
+            }
+            let bodies = ["wheel_um_per_kn", "rail_um_per_kn", "sliding_um_per_kn"];
+            if reference == "local" {
+                assert!(bodies.iter().all(|part| cell(row, part).is_empty() && point[*part].is_null()));
+            } else {
+                let parts: f64 =
+                    bodies.iter().map(|p| number(row, p)).sum::<f64>() + number(row, "local_um_per_kn");
+                // µm/kN by kN/m
+                assert!((parts * number(row, "tangent_kn_per_m") * 1e-6 - 1.0).abs() < 1e-6, "{parts}");
+            }
+        }
+    }
+    assert_eq!(seen, rows.len());
+    let page = read(root, "report.html");
+    assert!(
+        page.contains("no law: calibration.shifts_mm = ")
+            && page.contains("contact angle at the first touch")
+    );
+    assert!(root.join("out/figures/by_angle.svg").exists());
+    let listed = read(root, "results.json");
+    assert!(listed.contains("stiffness_by_angle.json") && listed.contains("stiffness_by_angle.csv"));
+}
+
+/// Goal: other shifts make the laws by angle again and nothing else; the same ones take them; what the springs depend on makes them again;
+/// none leave the files out; left out, the shifts cover tread, corner and flange, that of the track among them.
+#[test]
+fn the_shifts_are_the_laws_own() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let made_of = |study: &str| {
+        let output = railspring(root, "run", study);
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{}", said(&output));
+        made(&output)
+    };
+    assert_eq!(
+        made_of(&study("shifts_mm = [0]")),
+        ["calibration", "law by contact angle", "simple model, one", "solid model, one"]
+    );
+    assert_eq!(made_of(&study("shifts_mm = [0]")), Vec::<String>::new());
+    assert_eq!(made_of(&study("shifts_mm = [0, 2]")), ["law by contact angle"]);
+    let damped = format!("{}\n[material]\ndamping_ratio = 0.03\n", study("shifts_mm = [0, 2]"));
+    assert_eq!(made_of(&damped), ["simple model, one", "solid model, one"]);
+    let more = study("shifts_mm = [0, 2]").replace("load_max_kn = 85", "load_max_kn = 84");
+    assert_eq!(made_of(&more), ["calibration", "law by contact angle", "simple model, one"]);
+    for file in ["stiffness_by_angle.json", "stiffness_by_angle.csv"] {
+        std::fs::remove_file(root.join("out").join(file)).unwrap();
+    }
+    // the report needs them
+    let refused = railspring(root, "calibrate", &study("shifts_mm = []"));
+    assert_eq!(refused.status.code(), Some(0), "{}", said(&refused));
+    assert!(!root.join("out/stiffness_by_angle.json").exists());
+    assert_eq!(made_of(&study("")), ["law by contact angle"]);
+    let record: Value = serde_json::from_str(&read(root, "stiffness_by_angle.json")).unwrap();
+    let angles: Vec<(f64, f64)> = record["shifts"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| (s["shift_mm"].as_f64().unwrap(), s["touch"]["contact_angle_deg"].as_f64().unwrap()))
+        .collect();
+    assert!(angles.windows(2).all(|w| w[0].0 < w[1].0), "{angles:?}");
+    assert!(angles.iter().any(|a| a.0 == 0.0));
+    let count = |from: f64, to: f64| angles.iter().filter(|a| (from..to).contains(&a.1)).count();
+    assert!(count(0.0, 10.0) >= 3 && count(10.0, 60.0) >= 2 && count(60.0, 90.0) == 2, "{angles:?}");
+}
+
+/// Goal: shifts that are not ascending are refused with key, value, line and remedy before anything is computed.
+#[test]
+fn shifts_out_of_order_are_refused() {
+    let root = tempfile::tempdir().unwrap();
+    let output = railspring(root.path(), "calibrate", &study("shifts_mm = [0, 4, 2]"));
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    for part in ["study.toml:", "calibration.shifts_mm", "4, 2", "ascending", "sort the list"] {
+        assert!(said.contains(part), "{said}");
+    }
+    assert!(!root.path().join("out").exists());
+}
