@@ -11,7 +11,7 @@ fn study(shifts: &str) -> String {
     let coarse = include_str!("studies/coarse.toml");
     assert!(coarse.contains("shifts_mm = []"));
     format!(
-        "{}\n[scenario.one]\nsteps = 2\nvertical_force = {{ mean_kn = 50 }}\n",
+        "{}\n[scenario.one]\nsteps = 2\nvertical_force = {{ mean_kn = 50 }}\nlateral_force = {{ mean_kn = 5 }}\n",
         coarse.replace("shifts_mm = []", shifts)
     )
 }

@@ -134,7 +134,8 @@ fn reason(study: &Study, shift_mm: f64, error: Error) -> String {
         Error::Input(mut cause) if cause.key == "lateral_shift" => {
             cause.key = "calibration.shifts_mm".into();
             cause.value = format!("{shift_mm} mm, {}", cause.value);
-            cause.remedy = "leave this shift out".into();
+            let what = cause.remedy.split(';').next().unwrap_or_default();
+            cause.remedy = format!("{what}; leave this shift out");
             cause.to_string()
         }
         Error::Input(cause) => study.with_keys(cause).to_string(),
