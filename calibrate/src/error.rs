@@ -121,8 +121,8 @@ pub enum StopReason {
     /// The contact reached the end of the contact window along the track.
     #[error("the contact reached the end of the contact window along the track")]
     EndOfWindow,
-    /// The load is carried in two places of the profiles.
-    #[error("a second region of the profiles carries load")]
+    /// The load is carried in two places of the profiles with different normals.
+    #[error("a second region of the profiles, with another normal, carries load")]
     SecondRegion,
 }
 

@@ -182,6 +182,26 @@ fn what_has_no_law_says_why() {
     assert!(reason.step.is_some() && reason.stage.contains("kN"), "{reason}");
 }
 
+/// Goal: S1002 in the middle touches 60E1 in two places of the tread that are nearly parallel, 11 mm apart, and has its law all the
+/// same; at 5.5 mm, tread and gauge corner share the load with normals 11 degrees apart, and the law of the corner ends before that load, with
+/// the part that the tread carries. Units N, m, rad.
+#[test]
+fn a_law_ends_where_a_second_contact_begins() {
+    let (pair, bodies) = condensed(12e-3);
+    let settings = settings_in(ContactField::Elements, 0.3, PressDirection::Normal);
+    let settings = AngleSettings { loads: &[1e3, 3e3, 6e3, 10e3, 60e3, 120e3], ..settings };
+    let entries = laws(&pair, &bodies, &settings, &[0.0, 0.25e-3, 5.5e-3]);
+    for entry in &entries[..2] {
+        assert!(law(entry).ended.is_none(), "{:?}", law(entry).ended);
+    }
+    let corner = law(&entries[2]);
+    let Some(Error::Numerics(reason)) = &corner.ended else { panic!("{:?}", corner.ended) };
+    assert_eq!(reason.reason, StopReason::SecondRegion, "{reason}");
+    assert!((0.01..0.9).contains(&reason.residual), "{reason}");
+    let carried = corner.laws[0].points.len();
+    assert!(carried >= 4 && reason.step == Some(carried + 1), "{carried} {reason}");
+}
+
 /// Goal: loads that cannot be used are refused by name before anything is pressed.
 #[test]
 fn wrong_loads_are_refused() {

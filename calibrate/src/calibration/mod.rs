@@ -18,7 +18,7 @@ use crate::field::InputField;
 use crate::law::{LawFit, NormalLaw, TableLaw, fit_law};
 use crate::monitor::Monitor;
 use faer::Mat;
-use nalgebra::{DVector, Matrix2, Vector3};
+use nalgebra::{DVector, Matrix2, Vector2, Vector3};
 
 /// What the displacement of the law is measured against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -333,27 +333,34 @@ pub fn patch(state: &Pressed) -> Patch {
     }
 }
 
-/// Of the normal force, what a second region of contact must carry to count as one.
-const SECOND_REGION: f64 = 0.01;
+/// Contact between lines along the track that carry nothing.
+pub(crate) struct Region {
+    /// Normal force, N.
+    pub force: f64,
+    /// Mean normal out of the rail, world (y, z).
+    pub normal: Vector2<f64>,
+}
 
-/// Regions of contact beside each other across the track, with lines along the track between them that carry nothing. One that
-/// carries less than a hundredth of the force does not count.
-pub fn regions(state: &Pressed) -> usize {
+/// The regions of contact beside each other across the track.
+pub(crate) fn regions(state: &Pressed) -> Vec<Region> {
     // between points of a fine grid, lines beside a patch may stay without load
     let apart = if state.fine().is_some() { 2 } else { 1 };
     let forces = &state.solution.forces[..state.points.len()];
-    let mut carried: Vec<f64> = Vec::new();
+    let mut regions: Vec<Region> = Vec::new();
     let mut last = None;
     for (point, force) in state.points.iter().zip(forces).filter(|(_, force)| **force > 0.0) {
         let line = point.index.0;
-        match (last, carried.last_mut()) {
-            (Some(before), Some(sum)) if line <= before + apart => *sum += force,
-            _ => carried.push(*force),
+        match (last, regions.last_mut()) {
+            (Some(before), Some(region)) if line <= before + apart => {
+                region.force += force;
+                region.normal += point.normal * *force;
+            }
+            _ => regions.push(Region { force: *force, normal: point.normal * *force }),
         }
         last = Some(line);
     }
-    let whole: f64 = carried.iter().sum();
-    carried.iter().filter(|force| **force >= SECOND_REGION * whole).count()
+    regions.iter_mut().for_each(|region| region.normal = region.normal.normalize());
+    regions
 }
 
 fn quadratic(matrix: &Mat<f64>, vector: &[f64]) -> f64 {
