@@ -140,7 +140,7 @@ fn the_flange_has_its_law_whatever_the_friction() {
                     }
                 }
                 for law in &found.laws {
-                    let (force, deviation) = law.displacement_deviation();
+                    let (force, deviation) = law.displacement_deviation(&law.fit.law.into());
                     if field == ContactField::Hybrid {
                         assert!(
                             deviation < DISCRETISATION,

@@ -166,7 +166,7 @@ fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
     AngleLawRecord {
         reference: name(calibration.reference),
         law: law_record(&calibration.fit),
-        displacement: displacement_record(calibration),
+        displacement: displacement_record(calibration, &calibration.fit.law.into()),
     }
 }
 

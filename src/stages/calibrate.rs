@@ -57,7 +57,7 @@ pub(super) fn contact_conditions(study: &Study) -> ContactConditions {
     ContactConditions {
         friction: study.contact.friction,
         enforcement: enforcement(study),
-        field: ContactField::Elements,
+        field: contact_field(study),
     }
 }
 
