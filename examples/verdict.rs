@@ -45,7 +45,7 @@ fn main() -> Result<()> {
     let simple = MovingModel::of_pair(&pair, beam, &steel, springs, bodies.wheel.mass);
     let simple = simple.run(&scenario, &Silent)?.history;
     let meshes = [&meshes.rail, &meshes.wheel];
-    let solid = TransientModel::of_pair(&pair, meshes, steel, element, contact.enforcement);
+    let solid = TransientModel::of_pair(&pair, meshes, steel, element, (contact.enforcement, contact.field));
     let solid = solid.run(&scenario, &Silent)?.history;
     for line in compare(&simple, &solid, &Limits::default())?.lines {
         let value = line.value.map_or_else(|| "none".into(), |value| format!("{value:.3}"));

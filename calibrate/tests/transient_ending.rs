@@ -2,7 +2,7 @@
 //! rigid-body motions.
 
 use nalgebra::Vector2;
-use railspring_calibrate::calibration::Enforcement;
+use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::contact::Surface;
 use railspring_calibrate::history::{Departure, Ending, History};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
@@ -44,6 +44,7 @@ fn run(scenarios: &[Scenario]) -> (Vec<History>, f64) {
         rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
         wheel_surface: Surface::revolved(&wheel.running, &wheel_mesh.contact, wheel.radius, tape),
         enforcement: Enforcement::Exact,
+        field: ContactField::Elements,
     };
     let runs: Vec<_> = scenarios.iter().map(|scenario| model.run(scenario, &Silent).unwrap()).collect();
     let mass = runs[0].wheel_mass;

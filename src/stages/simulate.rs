@@ -6,7 +6,7 @@ use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::transient::TransientModel;
 
-use super::{Geometry, Meshes, enforcement, formulation};
+use super::{Geometry, Meshes, contact_field, enforcement, formulation};
 use crate::study::{SlidingMatrixKey, Study, StudyScenario};
 use railspring_calibrate::beam::BeamCorrection;
 use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
@@ -68,7 +68,7 @@ pub fn simulate_solid(
         [&meshes.rail, &meshes.wheel],
         study.material,
         formulation(study),
-        enforcement(study),
+        (enforcement(study), contact_field(study)),
     );
     Ok(model.run(&scenario.scenario, monitor)?.history)
 }

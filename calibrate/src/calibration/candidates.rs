@@ -115,7 +115,7 @@ impl WheelOnRail<'_> {
             }
         });
         let (points, fine) =
-            FineContact::new(&solids, *lattice, region, known.map(|(_, fine)| fine), directions);
+            FineContact::new(&solids, *lattice, region, known.map(|(_, fine)| fine), None, directions);
         let start = match known {
             Some((last, of)) => {
                 let growth = (load / last.load).cbrt();

@@ -9,7 +9,7 @@ use nalgebra::Point2;
 use std::sync::Arc;
 
 /// Two condensed bodies in place.
-pub(super) struct Solids<'a> {
+pub(crate) struct Solids<'a> {
     /// Compliance of the rail's contact nodes, m/N.
     pub rail: &'a Mat<f64>,
     /// Compliance of the wheel's contact nodes, m/N.

@@ -2,7 +2,7 @@
 
 use super::far_field::{FarField, Solids};
 use crate::contact::{
-    ComplianceOperator, ContactPoint, HalfSpace, HatTable, Hybrid, Lattice, NearField, Share, Side,
+    ComplianceOperator, ContactPoint, HalfSpace, HatTable, Hybrid, Lattice, NearField, Share, Shares, Side,
     displacement_far_from, extent, nodal_forces,
 };
 use crate::error::StopReason;
@@ -25,7 +25,7 @@ const FINEST: i32 = 10;
 const SPARE_NODES: usize = 2;
 
 /// A fine grid in the reach of the contact, and the compliance of its points.
-pub(super) struct FineContact {
+pub(crate) struct FineContact {
     pub lattice: Lattice,
     far: Arc<FarField>,
     hybrid: Hybrid,
@@ -34,12 +34,13 @@ pub(super) struct FineContact {
 
 impl FineContact {
     /// The grid `lattice` around the nodes `region` of the rail's grid, with its points; far field and table of `known` serve
-    /// again where they can.
+    /// again where they can. Of bodies that are `displaced` only the points in reach remain.
     pub fn new(
         solids: &Solids,
         lattice: Lattice,
         region: &[bool],
         known: Option<&Self>,
+        displaced: Option<&Displaced>,
         directions: usize,
     ) -> (Vec<ContactPoint>, Self) {
         let rail = solids.rail_surface;
@@ -68,12 +69,19 @@ impl FineContact {
         let mut points = lattice.points(rail, &solids.wheel_surface, &nodes);
         points.retain_mut(|point| {
             let Some((share, cut)) = far.shares(rail, &point.position) else { return false };
-            point.at_edge = cut;
+            point.at_edge = cut || at_end(rail.grid, &lattice, &point.position);
             shares.push(share.map(|(coarse, weight)| {
                 Share::new(coarse, weight, &far.points[coarse].normal, &point.normal)
             }));
             true
         });
+        if let Some(displaced) = displaced {
+            let near = displaced.near(&far, &points, &shares, directions);
+            let mut keep = near.iter();
+            points.retain(|_| *keep.next().unwrap_or(&false));
+            let mut keep = near.iter();
+            shares.retain(|_| *keep.next().unwrap_or(&false));
+        }
         let reach = extent(&points);
         let table = known.map(|known| known.hybrid.near().table()).filter(|table| {
             table.cell == lattice.cell && reach.0 <= table.reach.0 && reach.1 <= table.reach.1
@@ -95,6 +103,46 @@ impl FineContact {
     /// Forces of the points on the nodes of a body's contact grid, as many as `equations`, N.
     pub fn nodal_forces(&self, side: Side, forces: &[f64], equations: usize) -> Vec<f64> {
         nodal_forces(&self.far.points, side, &self.hybrid.carried(forces), equations)
+    }
+
+    /// Whether both contacts have one far field.
+    pub fn shares_far_field(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.far, &other.far)
+    }
+
+    /// Displacements of the opposing surface against the base at the points, m, by direction and point: those of the contact
+    /// nodes of the bodies (`3·node + axis`, m), as the forces of the points reach these nodes.
+    pub fn motion_of_nodes(&self, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
+        let rows = self.hybrid.rows();
+        let directions = rows.checked_div(self.hybrid.points()).unwrap_or(0);
+        let coarse: Vec<f64> = (0..directions)
+            .flat_map(|d| {
+                self.far.points.iter().map(move |point| {
+                    point.displacement(Side::Opposing, d, wheel) - point.displacement(Side::Base, d, rail)
+                })
+            })
+            .collect();
+        let mut motion = vec![0.0; rows];
+        self.hybrid.interpolate(&coarse, &mut motion);
+        motion
+    }
+
+    /// `values` of the points `own`, by direction and point, at the places of other `points`, bilinear between points; zero where
+    /// there are none around.
+    pub fn values_at(&self, own: &[ContactPoint], values: &[f64], points: &[ContactPoint]) -> Vec<f64> {
+        let n = own.len();
+        let directions = values.len().checked_div(n).unwrap_or(0);
+        let place: HashMap<(usize, usize), usize> =
+            own.iter().enumerate().map(|(j, point)| (point.index, j)).collect();
+        let mut found = vec![0.0; directions * points.len()];
+        for (j, point) in points.iter().enumerate() {
+            for (from, weight) in around(&self.lattice, &place, &point.position).into_iter().flatten() {
+                for d in 0..directions {
+                    found[d * points.len() + j] += weight * values[d * n + from];
+                }
+            }
+        }
+        found
     }
 
     /// Compliance under `forces` on the points, fᵀ·C·f in m·N, in parts: the half-spaces by the normal forces, then
@@ -228,6 +276,61 @@ impl FineContact {
     }
 }
 
+/// Whether the next point of a lattice lies beyond the end of a mesh's contact grid.
+fn at_end(grid: &SurfaceGrid, lattice: &Lattice, place: &Point2<f64>) -> bool {
+    [&grid.along_profile, &grid.along_track].into_iter().enumerate().any(|(axis, lines)| {
+        let cell = lattice.cell[axis];
+        place[axis] - cell < lines[0] || place[axis] + cell > lines[lines.len() - 1]
+    })
+}
+
+/// Displacements of the contact nodes of both bodies (`3·node + axis`, m), the wheel's beyond its hub's, with which only points
+/// whose gap is smaller than `margin` (m) are in reach.
+pub(crate) struct Displaced<'a> {
+    pub rail: &'a [f64],
+    pub wheel: &'a [f64],
+    pub margin: f64,
+}
+
+impl Displaced<'_> {
+    /// Which of the points, with their `shares` in those of the far field, are in reach, or beside one that is.
+    fn near(
+        &self,
+        far: &FarField,
+        points: &[ContactPoint],
+        shares: &[Shares],
+        directions: usize,
+    ) -> Vec<bool> {
+        let motion = |d: usize| -> Vec<f64> {
+            let of = |point: &ContactPoint| {
+                point.displacement(Side::Opposing, d, self.wheel)
+                    - point.displacement(Side::Base, d, self.rail)
+            };
+            far.points.iter().map(of).collect()
+        };
+        let (normal, tangential) = (motion(0), motion(1));
+        let moved = |share: &Share| match directions {
+            1 => share.weight * normal[share.point],
+            _ => share.weight * share.turn.dot(&Vector2::new(normal[share.point], tangential[share.point])),
+        };
+        let closed: Vec<bool> = points
+            .iter()
+            .zip(shares)
+            .map(|(point, shares)| point.gap + shares.iter().map(moved).sum::<f64>() < self.margin)
+            .collect();
+        let mut near = closed.clone();
+        for j in (0..points.len()).filter(|&j| closed[j]) {
+            let (i, k) = points[j].index;
+            for (a, b) in [(i + 1, k), (i.wrapping_sub(1), k), (i, k + 1), (i, k.wrapping_sub(1))] {
+                if let Ok(beside) = points.binary_search_by_key(&(a, b), |point| point.index) {
+                    near[beside] = true;
+                }
+            }
+        }
+        near
+    }
+}
+
 /// The four points around a place with their bilinear weights; `None` where one is not there.
 fn around(
     lattice: &Lattice,
@@ -262,7 +365,7 @@ fn cells_at(grid: &SurfaceGrid, region: &[bool]) -> Vec<(usize, usize)> {
 }
 
 /// Nodes of a grid with `columns` lines along the track within so many lines of those in `nodes`.
-pub(super) fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool> {
+pub(crate) fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool> {
     let rows = nodes.len() / columns;
     let mut wide = vec![false; nodes.len()];
     for node in (0..nodes.len()).filter(|&node| nodes[node]) {
@@ -277,7 +380,7 @@ pub(super) fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool>
 
 /// The spacing for a patch of the widths `across` (along the profile, along the track; m): the largest one, divided by √2 as
 /// often as it takes.
-pub(super) fn cell_for(across: [f64; 2]) -> Vector2<f64> {
+pub(crate) fn cell_for(across: [f64; 2]) -> Vector2<f64> {
     let spacing = |axis: usize| {
         // a conversion of what is beyond all numbers ends at their ends
         let steps = (2.0 * (LARGEST_CELL[axis] * CELLS_ACROSS / across[axis]).log2()).ceil() as i32;
@@ -287,7 +390,7 @@ pub(super) fn cell_for(across: [f64; 2]) -> Vector2<f64> {
 }
 
 /// Whether a patch of the widths `across` (m) has too few cells, though there are smaller ones.
-pub(super) fn too_coarse(lattice: &Lattice, across: [f64; 2]) -> bool {
+pub(crate) fn too_coarse(lattice: &Lattice, across: [f64; 2]) -> bool {
     let least = cell_for([0.0; 2]);
     (0..2).any(|axis| {
         across[axis] < LEAST_ACROSS * lattice.cell[axis] && lattice.cell[axis] > least[axis] * (1.0 + 1e-9)
@@ -296,7 +399,7 @@ pub(super) fn too_coarse(lattice: &Lattice, across: [f64; 2]) -> bool {
 
 /// Widths (along the profile, along the track; m) of the patch that carries most of the `forces`: those of the ellipse of
 /// Hertz with the same second moments. Patches are parted by at least two lines along the track without load.
-pub(super) fn widths(lattice: &Lattice, points: &[ContactPoint], forces: &[f64]) -> [f64; 2] {
+pub(crate) fn widths(lattice: &Lattice, points: &[ContactPoint], forces: &[f64]) -> [f64; 2] {
     let mut patches: Vec<(usize, Vec<usize>)> = Vec::new();
     for j in (0..points.len()).filter(|&j| forces[j] > 0.0) {
         let line = points[j].index.0;
@@ -373,7 +476,7 @@ fn variance(some: &[usize], points: &[ContactPoint], forces: &[f64], axis: usize
 }
 
 /// Whether a point that carries load has no neighbour on the grid, though the meshes go on there.
-pub(super) fn touches_border(points: &[ContactPoint], forces: &[f64]) -> bool {
+pub(crate) fn touches_border(points: &[ContactPoint], forces: &[f64]) -> bool {
     let there = |index: (usize, usize)| points.binary_search_by_key(&index, |point| point.index).is_ok();
     points.iter().zip(forces).filter(|(point, force)| !point.at_edge && **force > 0.0).any(|(point, _)| {
         let (i, k) = point.index;

@@ -7,6 +7,8 @@ mod pressed;
 mod candidates;
 mod press;
 
+pub(crate) use far_field::Solids;
+pub(crate) use fine::{Displaced, FineContact, cell_for, too_coarse, touches_border, widened, widths};
 pub use pressed::{ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};
 pub(crate) use pressed::{carry_over, edge_reached};
 

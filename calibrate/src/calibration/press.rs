@@ -1,7 +1,7 @@
 //! The wheel pressed on the rail: static equilibrium under a wanted load.
 
 use super::candidates::{Candidates, FinePlan};
-use super::pressed::{ContactField, Elasticity, Enforcement, Pressed, WheelOnRail, edge_reached};
+use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reached};
 use crate::contact::{ContactPoint, FreeDirection, Problem, Side, gaps, solve};
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
@@ -37,15 +37,7 @@ impl WheelOnRail<'_> {
             )
             .into());
         }
-        if let (ContactField::Hybrid, Enforcement::Penalty(stiffness)) = (self.field, self.enforcement) {
-            return Err(InputError::new(
-                InputField::Enforcement,
-                format!("penalty springs of {:.4} kN/m", stiffness * 1e-3),
-                "exact contact conditions on a fine grid",
-                "penalty springs stand at the nodes of a mesh: choose exact conditions, or contact between elements",
-            )
-            .into());
-        }
+        self.field.check(self.enforcement)?;
         let mut error = match self.settle(load, before, before) {
             Err(error) if unsettled(&error) => error,
             done => return done,

@@ -5,7 +5,8 @@ use crate::contact::{
     BodyCompliance, ComplianceOperator, ContactPoint, PairingLimits, PenaltySprings, Problem, Side, Solution,
     Surface, nodal_forces, pair, resultant, total,
 };
-use crate::error::StopReason;
+use crate::error::{InputError, Result, StopReason};
+use crate::field::InputField;
 use crate::solid::Material;
 use crate::superelement::times;
 use faer::Mat;
@@ -54,6 +55,23 @@ pub enum ContactField {
 
 /// Vertically down, world (y, z): how a wheel is pressed whose hub is held laterally.
 pub const DOWNWARDS: Unit<Vector2<f64>> = Unit::new_unchecked(Vector2::new(0.0, 1.0));
+
+impl ContactField {
+    /// # Errors
+    /// [`InputError`] for penalty springs on a fine grid.
+    pub(crate) fn check(self, enforcement: Enforcement) -> Result<()> {
+        if let (Self::Hybrid, Enforcement::Penalty(stiffness)) = (self, enforcement) {
+            return Err(InputError::new(
+                InputField::Enforcement,
+                format!("penalty springs of {:.4} kN/m", stiffness * 1e-3),
+                "exact contact conditions on a fine grid",
+                "penalty springs stand at the nodes of a mesh: choose exact conditions, or contact between elements",
+            )
+            .into());
+        }
+        Ok(())
+    }
+}
 
 /// A wheel above a rail, both condensed.
 pub struct WheelOnRail<'a> {

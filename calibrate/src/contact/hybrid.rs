@@ -105,7 +105,8 @@ impl Hybrid {
         motion
     }
 
-    fn interpolate(&self, coarse: &[f64], motion: &mut [f64]) {
+    /// Adds what the points move by with the coarse ones, both by direction and point.
+    pub fn interpolate(&self, coarse: &[f64], motion: &mut [f64]) {
         for (row, m) in motion.iter_mut().enumerate() {
             *m += self.coarse(row).map(|(c, weight)| weight * coarse[c]).sum::<f64>();
         }

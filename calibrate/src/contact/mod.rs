@@ -32,7 +32,7 @@ mod subsurface;
 pub use compliance::{BodyCompliance, Compliance, PenaltySprings, total};
 pub use half_space::HalfSpace;
 pub(crate) use half_space::{HatTable, add_half_spaces, displacement_far_from};
-pub(crate) use hybrid::{Hybrid, Share};
+pub(crate) use hybrid::{Hybrid, Share, Shares};
 pub(crate) use lattice::Lattice;
 pub use near_field::NearField;
 pub(crate) use near_field::extent;

@@ -9,15 +9,13 @@
 //! force alternates between zero and a multiple of the true one, and the work of these forces adds energy.
 
 mod body;
+mod contact;
 #[cfg(test)]
 mod tests;
 
-use crate::calibration::{Enforcement, carry_over, edge_reached};
-use crate::contact::{
-    ContactPoint, PairingLimits, PointMode, Problem, Side, Solution, Surface, nodal_forces, pair, resultant,
-    solve,
-};
-use crate::error::{Error, InputError, NumericsError, Result, StopReason};
+use crate::calibration::{ContactField, Enforcement};
+use crate::contact::{ContactPoint, PointMode, Side, Solution, Surface, resultant};
+use crate::error::{InputError, Result, StopReason};
 use crate::field::InputField;
 use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use crate::linear_part::{LinearPart, LinearStep};
@@ -30,6 +28,7 @@ use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Supports, System};
 use crate::suspension::{Suspension, SuspensionStep};
 use body::{Body, BodyLoad, BodyState, BodyStep};
+use contact::{LastContact, StepContact, failure};
 use nalgebra::{Point2, Point3, Vector2};
 
 /// Everything the transient solid model is made of.
@@ -50,6 +49,8 @@ pub struct TransientModel<'a> {
     pub wheel_surface: Surface<'a>,
     /// How the contact conditions are enforced.
     pub enforcement: Enforcement,
+    /// Where the contact lives.
+    pub field: ContactField,
 }
 
 impl<'a> TransientModel<'a> {
@@ -59,7 +60,7 @@ impl<'a> TransientModel<'a> {
         [rail, wheel]: [&'a HexMesh; 2],
         material: Material,
         formulation: Formulation,
-        enforcement: Enforcement,
+        (enforcement, field): (Enforcement, ContactField),
     ) -> Self {
         Self {
             rail_mesh: rail,
@@ -70,6 +71,7 @@ impl<'a> TransientModel<'a> {
             rail_surface: pair.rail_surface(&rail.contact),
             wheel_surface: pair.wheel_surface(&wheel.contact),
             enforcement,
+            field,
         }
     }
 }
@@ -86,26 +88,19 @@ pub struct TransientRun {
     pub most_active: usize,
 }
 
-/// Points whose gap without contact forces in this step exceeds this cannot come to carry load, m.
-const CANDIDATE_MARGIN: f64 = 5e-6;
-/// Gap within which points are paired at all, m.
-const PAIRING_GAP: f64 = 0.25e-3;
-/// The geometry is paired again until the hub has moved by less, m: the gap changes by the relative
-/// curvature (below 1/m·10²) times its square, which is below a picometre.
-const HUB_TOLERANCE: f64 = 1e-7;
-const PAIRING_LIMIT: usize = 12;
-
 impl TransientModel<'_> {
     /// Runs `scenario` from just touching and at rest.
     ///
     /// # Errors
-    /// [`InputError`] for a scenario only the moving solver can run; [`NumericsError`] with the step if
+    /// [`InputError`] for a scenario only the moving solver can run, and for penalty springs on a fine grid;
+    /// [`crate::error::NumericsError`] with the step if
     /// the contact does not settle or leaves the meshed contact zone.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         refuse_moving(scenario)?;
         scenario.check()?;
+        self.field.check(self.enforcement)?;
         self.run_from(&InitialVelocity::default(), scenario, monitor, &mut |step| {
-            step.contact.refuse_edge(self.rail_surface.grid.along_track.len())
+            step.contact.refuse_edge(self.rail_surface.grid)
         })
     }
 
@@ -130,6 +125,7 @@ impl TransientModel<'_> {
         let mut hub_motion = HubMotion::at_start(scenario, &initial.wheel, wheel_mass);
         let mut rail_state = rail.in_motion(&initial.rail, &Vector2::zeros());
         let mut wheel_state = wheel.in_motion(&hub_motion.velocity(), &hub_motion.acceleration());
+        let step_contact = StepContact::new(self, scenario, &scheme);
         let mut contact = LastContact::default();
         let mut rows = vec![HistoryRow {
             time: 0.0,
@@ -153,12 +149,12 @@ impl TransientModel<'_> {
                 || rail.predict(&rail_state, &BodyLoad::default()),
                 || wheel.predict(&wheel_state, &wheel_load),
             );
-            let solved = self
-                .contact_step(scenario, [&rail_step, &wheel_step], &hub_motion.predicted(dt), &contact)
+            let solved = step_contact
+                .solve([&rail_step, &wheel_step], &hub_motion.predicted(dt), &contact)
                 .map_err(|e| e.at_step(step))?;
             let (points, solution) = (&solved.points, &solved.solution);
             most_active = most_active.max(solution.active());
-            let on = |side, step: &BodyStep| nodal_forces(points, side, &solution.forces, step.free().len());
+            let on = |side, step: &BodyStep| solved.nodal_forces(side, step.free().len());
             let forces = [on(Side::Base, &rail_step), on(Side::Opposing, &wheel_step)];
             (rail_state, wheel_state) =
                 rayon::join(|| rail_step.finish(&forces[0]), || wheel_step.finish(&forces[1]));
@@ -222,52 +218,6 @@ impl TransientModel<'_> {
         Ok(System::new(self.wheel_mesh, self.material, self.formulation, &supports)?.with_massless_contact())
     }
 
-    /// Solves the contact at the end of a step, pairing again until the hub stays where it was paired.
-    fn contact_step(
-        &self,
-        scenario: &Scenario,
-        [rail, wheel]: [&BodyStep; 2],
-        predicted: &Vector2<f64>,
-        last: &LastContact,
-    ) -> Result<LastContact> {
-        let mut hub = *predicted;
-        let mut start = last.clone();
-        let mut moved = f64::NAN;
-        for _ in 0..PAIRING_LIMIT {
-            let mut opposing = self.wheel_surface.clone();
-            opposing.origin += hub;
-            let mut points = pair(&self.rail_surface, &opposing, PairingLimits { largest_gap: PAIRING_GAP });
-            let gaps = free_gaps(&points, &hub, rail.free(), wheel.free());
-            let mut near = gaps.iter().map(|g| *g < CANDIDATE_MARGIN);
-            points.retain(|_| near.next().unwrap_or(false));
-            let mut free: Vec<f64> = gaps.into_iter().filter(|g| *g < CANDIDATE_MARGIN).collect();
-            let directions = if scenario.friction > 0.0 { 3 } else { 1 };
-            if directions == 3 {
-                add_slips(&points, rail, wheel, &mut free);
-            }
-            let compliance =
-                self.enforcement.compliance(rail.flexibility(), wheel.flexibility(), &points, directions);
-            let first = carry_over(&start.points, &start.solution.forces, &points, directions);
-            let problem = Problem {
-                points: &points,
-                compliance: &compliance,
-                free: &free,
-                friction: scenario.friction,
-                hub: &[],
-            };
-            let solution = solve(&problem, &first)?;
-            let forces = nodal_forces(&points, Side::Opposing, &solution.forces, wheel.free().len());
-            let position = wheel.hub(&forces);
-            moved = (position - hub).norm();
-            if moved < HUB_TOLERANCE {
-                return Ok(LastContact { points, solution });
-            }
-            hub = position;
-            start = LastContact { points, solution };
-        }
-        Err(failure(moved, start.solution.active(), StopReason::IterationLimit))
-    }
-
     /// The patches that carry load: runs of load-carrying grid lines with at least two free lines between them.
     fn contacts(&self, points: &[ContactPoint], solution: &Solution) -> Vec<ContactState> {
         let n = points.len();
@@ -325,71 +275,6 @@ struct Step<'s, 'a> {
     /// Contact forces on the retained equations of each body, N.
     forces: &'s [Vec<f64>; 2],
     hub: &'s HubMotion,
-}
-
-/// Contact of the step before, as a start for the next.
-#[derive(Clone)]
-struct LastContact {
-    points: Vec<ContactPoint>,
-    solution: Solution,
-}
-
-impl LastContact {
-    /// An error if a point at the edge of either grid carries load: the surface goes on beyond it. The rail's grid
-    /// has `columns` lines along the track.
-    fn refuse_edge(&self, columns: usize) -> Result<()> {
-        match edge_reached(&self.points, &self.solution.forces, columns) {
-            Some(reason) => Err(failure(0.0, self.solution.active(), reason)),
-            None => Ok(()),
-        }
-    }
-}
-
-impl Default for LastContact {
-    fn default() -> Self {
-        let solution = Solution {
-            forces: Vec::new(),
-            separation: Vec::new(),
-            modes: Vec::new(),
-            hub: Vec::new(),
-            iterations: 0,
-        };
-        Self { points: Vec::new(), solution }
-    }
-}
-
-/// Normal gaps at the end of the step without contact forces: the rigid gap at `hub` plus what the
-/// bodies move beyond it.
-fn free_gaps(points: &[ContactPoint], hub: &Vector2<f64>, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
-    points
-        .iter()
-        .map(|point| {
-            let beyond: f64 = point
-                .row(Side::Opposing, 0)
-                .map(|(dof, w)| w * (wheel[dof] - [0.0, hub.x, hub.y][dof % 3]))
-                .sum();
-            point.gap + beyond - point.displacement(Side::Base, 0, rail)
-        })
-        .collect()
-}
-
-/// Appends the slips (lateral, then along the track) of the step without contact forces.
-fn add_slips(points: &[ContactPoint], rail: &BodyStep, wheel: &BodyStep, free: &mut Vec<f64>) {
-    let (rail_free, wheel_free) = (rail.free(), wheel.free());
-    let (rail_before, wheel_before) = (rail.contact_before(), wheel.contact_before());
-    for direction in 1..3 {
-        for point in points {
-            let wheel: f64 = point
-                .row(Side::Opposing, direction)
-                .map(|(dof, w)| w * (wheel_free[dof] - wheel_before[dof]))
-                .sum();
-            let rail: f64 = point
-                .row(Side::Base, direction)
-                .map(|(dof, w)| w * (rail_free[dof] - rail_before[dof]))
-                .sum();
-            free.push(wheel - rail);
-        }
-    }
 }
 
 /// Motion of the hub and of the suspended mass, positive down and to the field side.
@@ -469,16 +354,4 @@ fn refuse_moving(scenario: &Scenario) -> Result<()> {
         return refuse(InputField::RailTorsion, format!("{} N·m", torsion.amplitude));
     }
     Ok(())
-}
-
-fn failure(residual: f64, active: usize, reason: StopReason) -> Error {
-    NumericsError {
-        stage: "contact of the transient solid model".into(),
-        step: None,
-        iteration: PAIRING_LIMIT,
-        residual,
-        active,
-        reason,
-    }
-    .into()
 }

@@ -4,6 +4,8 @@
 //! another bar or a thin plate as wall. Poisson's ratio is 0, so that the waves are those of one dimension:
 //! K.F. Graff, Wave Motion in Elastic Solids (1975), section 2.4; speed `c = √(E/ρ)`.
 
+mod fine;
+
 use super::*;
 use crate::analytic::drop::drop;
 use crate::law::StiffnessLaw;
@@ -105,6 +107,7 @@ fn collide(
         rail_surface: Surface::extruded(&curve, &rail_mesh.contact),
         wheel_surface,
         enforcement: Enforcement::Exact,
+        field: ContactField::Elements,
     };
     let initial = InitialVelocity { wheel: Vector2::new(0.0, SPEED), ..Default::default() };
     let mut ledger = Ledger::default();
