@@ -188,7 +188,7 @@ pub enum ElementKey {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ContactKeys {
-    /// Where the contact lives, and what is elastic in it.
+    /// Where the contact of the calibration lives, and what is elastic in it; the runs of the solid model are on elements.
     pub field: FieldKey,
     /// How the surfaces are kept from passing through each other.
     pub enforcement: EnforcementKey,

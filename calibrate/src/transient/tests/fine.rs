@@ -127,15 +127,14 @@ impl Crowned {
 /// The blocks are so small that both have the far field of all their nodes. Accuracy: MODEL, the inertia of the wheel's block, which
 /// bends it and has 7e-5 of the mass, in a far field whose values between neighbours stand for others, 1e-7; SOLVER, 1e-10 of the
 /// largest force, 6e-8 N, at each of 300 points, added at random, over the stiffness 4·m/Δt² of the hub alone, 9e-11 m of 7e-5 m.
-/// FORCES, what gaps of 1.5e-11 m change
-/// at the nodes: some thirty points of 7e7 N/m belong to one, 0.03 N of 2 kN, and at the rim, where points open and close, more.
+/// The forces at the nodes follow to the same.
 #[test]
 fn a_slow_load_gives_the_static_state() {
     const MODEL: f64 = 1e-7;
     const SOLVER: f64 = 1e-6;
-    const FORCES: f64 = 1e-4;
     let dt = 1.0;
-    let blocks = Crowned::new(0.5 * HALF_WIDTH, 400.0);
+    // a line of the fine grid runs along the crest, so that there is no lateral force on the hub, which is free in one model only
+    let blocks = Crowned::new(24.0 * 0.65e-3, 400.0);
     for friction in [0.0, 0.3] {
         // no load at t = 0
         let scenario = Scenario {
@@ -161,7 +160,7 @@ fn a_slow_load_gives_the_static_state() {
             let most = expected.iter().fold(0.0, |m: f64, f| m.max(f.abs()));
             let errors = forces.iter().zip(&expected).map(|(found, expected)| (found - expected).abs());
             let error = largest(errors) / most;
-            assert!(error < FORCES, "{friction} {} N: {error:e}", state.load);
+            assert!(error < MODEL + SOLVER, "{friction} {} N: {error:e}", state.load);
         }
     }
 }
