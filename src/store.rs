@@ -137,7 +137,7 @@ struct Header {
 
 /// What the store has at an address.
 #[derive(Debug)]
-pub enum Found {
+enum Found {
     /// The artefact, complete.
     Whole(Artefact),
     /// An entry that cannot be used, with the reason; it is removed.
@@ -226,7 +226,7 @@ impl Store {
     }
 
     /// The artefact at an address; an entry that is not what was written is removed.
-    pub fn take(&self, address: &Address) -> Found {
+    fn take(&self, address: &Address) -> Found {
         let path = self.folder.file(&address.file());
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
@@ -246,8 +246,43 @@ impl Store {
         }
     }
 
+    /// What `read` makes of the artefact at an address; `say` hears why an entry cannot be used, which is then removed.
+    pub fn take_as<T>(
+        &self,
+        address: &Address,
+        read: impl FnOnce(Artefact) -> Result<T>,
+        say: &dyn Fn(String),
+    ) -> Option<T> {
+        let found = match self.take(address) {
+            Found::Whole(artefact) => match read(artefact) {
+                Ok(value) => return Some(value),
+                Err(cause) => self.discard(address, cause.to_string()),
+            },
+            found => found,
+        };
+        if let Found::Damaged(reason) = found {
+            say(format!("the entry of the store is damaged ({reason}): made again"));
+        }
+        None
+    }
+
+    /// Keeps an artefact, in place of what stands at its address; `name` and `study` are for lists. The result stands without
+    /// the store: `say` hears why it is not kept.
+    pub fn keep(
+        &self,
+        address: &Address,
+        name: &str,
+        study: &str,
+        artefact: &Artefact,
+        say: &dyn Fn(String),
+    ) {
+        if let Err(cause) = self.put(address, name, study, artefact) {
+            say(format!("not kept in the store: {cause}"));
+        }
+    }
+
     /// Removes an entry that cannot be used.
-    pub fn discard(&self, address: &Address, reason: String) -> Found {
+    fn discard(&self, address: &Address, reason: String) -> Found {
         // One that cannot be removed is found damaged again, and is not used then either.
         let _ = self.folder.remove(&address.file());
         Found::Damaged(reason)
@@ -257,7 +292,7 @@ impl Store {
     ///
     /// # Errors
     /// [`InputError`] if the file cannot be written; the store is then as it was.
-    pub fn put(&self, address: &Address, name: &str, study: &str, artefact: &Artefact) -> Result<()> {
+    fn put(&self, address: &Address, name: &str, study: &str, artefact: &Artefact) -> Result<()> {
         self.folder.write(&address.file(), &encode(address, name, study, artefact))
     }
 

@@ -1,4 +1,4 @@
-//! A wheel pressed along a direction of its own choice, on bodies whose compliance is known.
+//! A wheel pressed along any direction of the section, on bodies whose compliance is known.
 
 use faer::Mat;
 use nalgebra::{Point2, Unit, Vector2};

@@ -6,20 +6,29 @@ use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::superelement::{CondensedBody, Interior};
 use std::sync::Mutex;
 
+use super::Pipeline;
 use crate::stages::Bodies;
-use crate::store::{Artefact, Found, Kind, Store};
+use crate::store::{Artefact, Kind, Store};
 
 /// Part of an artefact: the body's file.
 const BODY: &str = "body.safetensors";
 
 /// Where condensed bodies come from.
 pub(super) struct BodySource<'a> {
-    pub store: Option<&'a Store>,
+    store: Option<&'a Store>,
     /// Whether all are condensed anew.
-    pub fresh: bool,
+    fresh: bool,
     /// Name of the study, for lists.
-    pub study: &'a str,
-    pub monitor: &'a dyn Monitor,
+    study: &'a str,
+    monitor: &'a dyn Monitor,
+}
+
+impl<'a> Pipeline<'a> {
+    /// Where the condensed bodies of the study come from.
+    pub(super) fn body_source(&self) -> BodySource<'a> {
+        let Self { store, fresh, study, resources, .. } = self;
+        BodySource { store: *store, fresh: *fresh, study: &study.name, monitor: resources.monitor }
+    }
 }
 
 impl BodySource<'_> {
@@ -53,29 +62,14 @@ impl BodySource<'_> {
             return solids.condense(body).map(|(condensed, interior)| (condensed, Some(interior)));
         };
         let address = store.address(Kind::Body, &solids.key(body));
-        if !self.fresh {
-            let damaged = match store.take(&address) {
-                Found::Whole(artefact) => {
-                    match CondensedBody::read(artefact.part(BODY).unwrap_or_default()) {
-                        Ok(condensed) => {
-                            say("taken from the store".into());
-                            return Ok((condensed, None));
-                        }
-                        Err(cause) => store.discard(&address, cause.to_string()),
-                    }
-                }
-                found => found,
-            };
-            if let Found::Damaged(reason) = damaged {
-                say(format!("the entry of the store is damaged ({reason}): made again"));
-            }
+        let read = |artefact: Artefact| CondensedBody::read(artefact.part(BODY).unwrap_or_default());
+        if let Some(condensed) = (!self.fresh).then(|| store.take_as(&address, read, say)).flatten() {
+            say("taken from the store".into());
+            return Ok((condensed, None));
         }
         let (condensed, interior) = solids.condense(body)?;
         let artefact = Artefact::default().with(BODY, condensed.write());
-        // a store that cannot be written takes nothing from the result
-        if let Err(cause) = store.put(&address, body.name(), self.study, &artefact) {
-            say(format!("not kept in the store: {cause}"));
-        }
+        store.keep(&address, body.name(), self.study, &artefact, say);
         say("made".into());
         Ok((condensed, Some(interior)))
     }

@@ -2,7 +2,6 @@
 
 use railspring_calibrate::error::Result;
 
-use super::bodies::BodySource;
 use super::stage::{Made, Stage};
 use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
 use crate::output::to_json;
@@ -37,13 +36,8 @@ impl Stage for ByAngle {
         let bodies = match at.condensed.take() {
             Some(bodies) => bodies,
             None => {
-                let meshes = at.meshes(|at| {
-                    let mut work = at.solid_work()?;
-                    work.calibrate = true;
-                    Ok(work)
-                })?;
-                let source = BodySource { store: at.store, fresh: at.fresh, study: &study.name, monitor };
-                let bodies = source.bodies(stages::solids(study, &geometry, &meshes))?.condensed;
+                let meshes = at.meshes(Pipeline::calibration_work)?;
+                let bodies = at.body_source().bodies(stages::solids(study, &geometry, &meshes))?.condensed;
                 at.go_on_with(meshes);
                 bodies
             }

@@ -4,7 +4,6 @@ use railspring_calibrate::error::{Error, InputError, Result, StopReason};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::units::MILLIMETRE;
 
-use super::bodies::BodySource;
 use super::stage::{Made, REACH, Stage};
 use super::{LOAD_CURVE, OF_THE_RUNS, Pipeline, STIFFNESS, load_curve, part_json, part_text};
 use crate::estimate::Work;
@@ -39,13 +38,9 @@ impl Stage for Calibrate {
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
         let geometry = at.geometry()?;
-        let mut meshes = at.meshes(|at| {
-            let mut work = at.solid_work()?;
-            work.calibrate = true;
-            Ok(work)
-        })?;
+        let mut meshes = at.meshes(Pipeline::calibration_work)?;
         let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
-        let source = BodySource { store: at.store, fresh: at.fresh, study: &study.name, monitor };
+        let source = at.body_source();
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
         };

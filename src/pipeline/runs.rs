@@ -138,6 +138,11 @@ impl Pipeline<'_> {
         }
         Ok(work)
     }
+
+    /// The same with the calibration.
+    pub(super) fn calibration_work(&mut self) -> Result<Work> {
+        Ok(Work { calibrate: true, ..self.solid_work()? })
+    }
 }
 
 fn artefact(history: &History, record: &RunRecord) -> Artefact {

@@ -11,7 +11,7 @@ use crate::estimate::{self, Work};
 use crate::measure::Stopwatch;
 use crate::results::NewFile;
 use crate::stages::{self, Geometry, Meshes};
-use crate::store::{Address, Artefact, Found};
+use crate::store::{Address, Artefact};
 
 /// Part of an artefact: how far the contact zones reached in the end.
 pub(super) const REACH: &str = "reach.json";
@@ -130,29 +130,16 @@ impl Pipeline<'_> {
 
     /// What the store has for a stage; an entry that cannot be used is said and removed.
     fn take<S: Stage>(&mut self, stage: &S, address: &Address) -> Option<(Artefact, S::Value)> {
-        let store = self.store?;
-        let found = match store.take(address) {
-            Found::Whole(artefact) => match stage.value(&artefact, self) {
-                Ok(value) => return Some((artefact, value)),
-                Err(cause) => store.discard(address, cause.to_string()),
-            },
-            found => found,
-        };
-        if let Found::Damaged(reason) = found {
-            let name = stage.name();
-            self.resources
-                .monitor
-                .notice(&format!("{name}: the entry of the store is damaged ({reason}): made again"));
-        }
-        None
+        let (store, monitor, name) = (self.store?, self.resources.monitor, stage.name());
+        let read = |artefact: Artefact| stage.value(&artefact, self).map(|value| (artefact, value));
+        store.take_as(address, read, &|text| monitor.notice(&format!("{name}: {text}")))
     }
 
     /// Keeps an artefact. A store that cannot be written takes nothing from the result.
     fn keep(&self, address: &Address, name: &str, artefact: &Artefact) {
         let Some(store) = self.store else { return };
-        if let Err(cause) = store.put(address, name, &self.study.name, artefact) {
-            self.resources.monitor.notice(&format!("{name}: not kept in the store: {cause}"));
-        }
+        let say = |text| self.resources.monitor.notice(&format!("{name}: {text}"));
+        store.keep(address, name, &self.study.name, artefact, &say);
     }
 
     /// Adds a measure, and drops those of results that the folder has no longer.

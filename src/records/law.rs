@@ -5,7 +5,7 @@ use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE};
 use serde::{Deserialize, Serialize};
 
-/// Constants of a law `k(f) = a + b·(f/f0)^c` as files have them. The library's law has a reference force of its own, so
+/// Constants of a law `k(f) = a + b·(f/f0)^c` as files have them. The library's law has another reference force, so
 /// that only `TryFrom` and `From` turn one into the other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LawConstants {

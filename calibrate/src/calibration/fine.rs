@@ -3,7 +3,7 @@
 use super::far_field::{FarField, Solids};
 use crate::contact::{
     ComplianceOperator, ContactPoint, HalfSpace, HatTable, Hybrid, Lattice, NearField, Share, Shares, Side,
-    displacement_far_from, extent, nodal_forces,
+    corners, displacement_far_from, extent, nodal_forces,
 };
 use crate::error::StopReason;
 use crate::mesh::SurfaceGrid;
@@ -344,15 +344,13 @@ fn around(
         (whole >= 0.0).then_some((whole as usize, (line - whole).clamp(0.0, 1.0)))
     };
     let ((i, u), (k, v)) = (split(0)?, split(1)?);
-    let mut corners = [(0, 0.0); 4];
-    let weights =
-        [(0, 0, (1.0 - u) * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 0, u * (1.0 - v)), (1, 1, u * v)];
-    for (corner, (a, b, weight)) in corners.iter_mut().zip(weights) {
+    let mut found = [(0, 0.0); 4];
+    for (corner, (a, b, weight)) in found.iter_mut().zip(corners(u, v)) {
         if weight > 1e-6 {
             *corner = (*place.get(&(i + a, k + b))?, weight);
         }
     }
-    Some(corners)
+    Some(found)
 }
 
 /// First nodes of the cells with a corner in `region`.

@@ -42,4 +42,5 @@ pub use pairing::{PairingLimits, pair};
 pub use point::{ContactPoint, NodeWeight, Side, flat_grid, gaps, nodal_forces, resultant};
 pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};
 pub use subsurface::{PatchStress, Peak, Subsurface, stress_below, subsurface};
+pub(crate) use surface::corners;
 pub use surface::{BetweenNodes, Shape, Surface};

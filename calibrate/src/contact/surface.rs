@@ -54,7 +54,7 @@ pub struct Projection {
 }
 
 /// Bilinear weights of the four corners of a cell: grid offsets (along profile, along track) and value.
-pub(super) fn corners(u: f64, v: f64) -> [(usize, usize, f64); 4] {
+pub(crate) fn corners(u: f64, v: f64) -> [(usize, usize, f64); 4] {
     [(0, 0, (1.0 - u) * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 0, u * (1.0 - v)), (1, 1, u * v)]
 }
 

@@ -314,7 +314,7 @@ mod tests {
     }
 
     /// Goal: between rising knots the stiffness rises, between falling ones it falls, and it stays between theirs, whatever
-    /// steps they make; a knot of its own law that is left out is found again.
+    /// steps they make; a knot of a power law that is left out is found again.
     #[test]
     fn the_table_is_monotone_where_its_knots_are() {
         let tangents = [3e8, 3e8, 2.9e9, 3e9, 1e9, 1e9];

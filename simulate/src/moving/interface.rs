@@ -61,8 +61,8 @@ impl Interface {
         self.stiffness * (x - self.free)
     }
 
-    /// Adds the part, whose coordinates are the unknowns `at`, to the balance of forces at `x`. A held coordinate has a
-    /// row of its own, whatever else stands there.
+    /// Adds the part, whose coordinates are the unknowns `at`, to the balance of forces at `x`. The row of a held
+    /// coordinate is replaced, whatever else stands there.
     pub fn add_to<const N: usize>(
         &self,
         at: [usize; 3],

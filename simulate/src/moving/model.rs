@@ -107,7 +107,7 @@ impl MovingModel {
     pub const DEFAULT_NODE_SPACING: f64 = 0.25e-3;
 
     /// A wheel that just touches the rail at `touch`, its tape circle at the world position `tape_y` (m).
-    #[expect(clippy::too_many_arguments, reason = "the parts of the model, each of its own type")]
+    #[expect(clippy::too_many_arguments, reason = "the parts of the model, all of different types")]
     pub fn new(
         rail: PlacedRail,
         wheel: ProfileCurve,
