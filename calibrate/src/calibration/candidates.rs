@@ -1,9 +1,8 @@
 //! Where contact is sought while a load settles: the nodes of the rail's mesh, or the points of a fine grid.
 
 use super::far_field::Solids;
-use super::fine::{
-    FineContact, cell_for, first_forces, rim_gap, too_coarse, touches_border, widened, widths,
-};
+use super::fine::{FineContact, widened};
+use super::grid::{cell_for, first_forces, rim_gap, too_coarse, touches_border, widths};
 use super::pressed::{Elasticity, Pressed, WheelOnRail, carry_over};
 use crate::contact::{ContactPoint, HalfSpace, Lattice, Side};
 use nalgebra::Vector2;

@@ -2,13 +2,15 @@
 //! tangent of the solid model, and the constant horizontal stiffness.
 
 mod far_field;
+mod grid;
 mod fine;
 mod pressed;
 mod candidates;
 mod press;
 
 pub(crate) use far_field::Solids;
-pub(crate) use fine::{Displaced, FineContact, cell_for, too_coarse, touches_border, widened, widths};
+pub(crate) use fine::{Displaced, FineContact, widened};
+pub(crate) use grid::{cell_for, too_coarse, touches_border, widths};
 pub use pressed::{ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};
 pub(crate) use pressed::{carry_over, edge_reached};
 
@@ -326,7 +328,7 @@ pub fn patch(state: &Pressed) -> Patch {
     let carrying = points.iter().zip(&state.solution.modes).filter(|(_, mode)| **mode != PointMode::Open);
     Patch {
         area: match state.fine() {
-            Some(fine) => fine::area(&fine.lattice, points, forces),
+            Some(fine) => grid::area(&fine.lattice, points, forces),
             None => carrying.map(|(point, _)| point.area).sum(),
         },
         max_pressure: forces.iter().zip(points).map(|(f, point)| f / point.area).fold(0.0, f64::max),

@@ -1,0 +1,249 @@
+//! The grid that a patch asks for, and what is measured of a patch on its grid.
+
+use crate::contact::{ContactPoint, HalfSpace, Lattice};
+use nalgebra::Vector2;
+use std::f64::consts::PI;
+
+/// Largest spacing of the grid along the profile and along the track, m.
+const LARGEST_CELL: [f64; 2] = [0.65e-3, 0.5e-3];
+/// Cells across a patch that are wanted at least. With twelve the approach of Hertz' ellipses is right to 0.1 %, the largest
+/// pressure to 0.5 % and the area to 3 %.
+const CELLS_ACROSS: f64 = 16.0;
+/// Fewer cells than these do not remain.
+const LEAST_ACROSS: f64 = 11.0;
+/// Halvings of the spacing at most, in both directions: half of these times.
+const FINEST: i32 = 10;
+/// The spacing for a patch of the widths `across` (along the profile, along the track; m): the largest one, divided by √2 as
+/// often as it takes.
+pub(crate) fn cell_for(across: [f64; 2]) -> Vector2<f64> {
+    let spacing = |axis: usize| {
+        // a conversion of what is beyond all numbers ends at their ends
+        let steps = (2.0 * (LARGEST_CELL[axis] * CELLS_ACROSS / across[axis]).log2()).ceil() as i32;
+        LARGEST_CELL[axis] * 0.5_f64.powf(0.5 * f64::from(steps.clamp(0, FINEST)))
+    };
+    Vector2::new(spacing(0), spacing(1))
+}
+
+/// Whether a patch of the widths `across` (m) has too few cells, though there are smaller ones.
+pub(crate) fn too_coarse(lattice: &Lattice, across: [f64; 2]) -> bool {
+    let least = cell_for([0.0; 2]);
+    (0..2).any(|axis| {
+        across[axis] < LEAST_ACROSS * lattice.cell[axis] && lattice.cell[axis] > least[axis] * (1.0 + 1e-9)
+    })
+}
+
+/// Widths (along the profile, along the track; m) of the patch that carries most of the `forces`: those of the ellipse of
+/// Hertz with the same second moments. Patches are parted by at least two lines along the track without load.
+pub(crate) fn widths(lattice: &Lattice, points: &[ContactPoint], forces: &[f64]) -> [f64; 2] {
+    let mut patches: Vec<(usize, Vec<usize>)> = Vec::new();
+    for j in (0..points.len()).filter(|&j| forces[j] > 0.0) {
+        let line = points[j].index.0;
+        match patches.last_mut() {
+            Some((last, patch)) if line <= *last + 2 => {
+                *last = line;
+                patch.push(j);
+            }
+            _ => patches.push((line, vec![j])),
+        }
+    }
+    let carried = |patch: &[usize]| patch.iter().map(|&j| forces[j]).sum::<f64>();
+    let Some((_, patch)) = patches.iter().max_by(|a, b| carried(&a.1).total_cmp(&carried(&b.1))) else {
+        return [0.0; 2];
+    };
+    [0, 1].map(|axis| 2.0 * (5.0 * variance(patch, points, forces, axis, lattice)).sqrt())
+}
+
+/// Area of the patches, m². Along the track, where the wheel is round, the pressure of a line is a semi-ellipse (Hertz; J.J.
+/// Kalker's line contact), whose width follows from its second moment. The square of the width is smooth: it is linear between
+/// lines, and goes on beyond the last ones to zero, by one and a half lines at most, as a point nearer than half a cell to the
+/// rim carries nothing.
+pub(super) fn area(lattice: &Lattice, points: &[ContactPoint], forces: &[f64]) -> f64 {
+    let carrying: Vec<usize> = (0..points.len()).filter(|&j| forces[j] > 0.0).collect();
+    let follows = |a: &usize, b: &usize| {
+        let (a, b) = (points[*a].index, points[*b].index);
+        a.0 == b.0 && a.1 + 1 == b.1
+    };
+    // number and width, m, of every line with load
+    let mut lines: Vec<(usize, f64)> = Vec::new();
+    for run in carrying.chunk_by(follows) {
+        let line = points[run[0]].index.0;
+        let width = 4.0 * variance(run, points, forces, 1, lattice).sqrt();
+        match lines.last_mut() {
+            Some((last, whole)) if *last == line => *whole += width,
+            _ => lines.push((line, width)),
+        }
+    }
+    let cells: f64 = lines
+        .chunk_by(|a, b| a.0 + 1 == b.0)
+        .map(|patch| {
+            let last = patch.len() - 1;
+            let between = |a: f64, b: f64| {
+                if (a - b).abs() > 1e-6 * a {
+                    2.0 / 3.0 * (a.powi(3) - b.powi(3)) / (a * a - b * b)
+                } else {
+                    a
+                }
+            };
+            let inside: f64 = patch.windows(2).map(|pair| between(pair[0].1, pair[1].1)).sum();
+            // lines from the last one to where the square of the width is zero, and what lies below the parabola
+            let cap = |end: f64, inner: Option<&(usize, f64)>| {
+                let beyond = match inner {
+                    Some(&(_, inner)) if inner > end => (end * end / (inner * inner - end * end)).min(1.5),
+                    _ => 0.5,
+                };
+                2.0 / 3.0 * end * beyond
+            };
+            let before_last = last.checked_sub(1).map(|n| &patch[n]);
+            inside + cap(patch[0].1, patch.get(1)) + cap(patch[last].1, before_last)
+        })
+        .sum();
+    cells * lattice.cell.x
+}
+
+/// Variance of the places along an `axis` of the pressure of `some` points, m²: that of the points and that of a hat.
+fn variance(some: &[usize], points: &[ContactPoint], forces: &[f64], axis: usize, lattice: &Lattice) -> f64 {
+    let sum: f64 = some.iter().map(|&j| forces[j]).sum();
+    let mean = |value: &dyn Fn(f64) -> f64| {
+        some.iter().map(|&j| forces[j] * value(points[j].position[axis])).sum::<f64>() / sum
+    };
+    let centre = mean(&|at| at);
+    mean(&|at| (at - centre).powi(2)) + lattice.cell[axis].powi(2) / 6.0
+}
+
+/// Whether a point that carries load has no neighbour on the grid, though the meshes go on there.
+pub(crate) fn touches_border(points: &[ContactPoint], forces: &[f64]) -> bool {
+    let there = |index: (usize, usize)| points.binary_search_by_key(&index, |point| point.index).is_ok();
+    points.iter().zip(forces).filter(|(point, force)| !point.at_edge && **force > 0.0).any(|(point, _)| {
+        let (i, k) = point.index;
+        let (below, before) = (i.wrapping_sub(1), k.wrapping_sub(1));
+        ![(i + 1, k), (below, k), (i, k + 1), (i, before)].into_iter().all(there)
+    })
+}
+
+/// Gap at the rim of the patch under a normal force (N) that would press a round contact into an area (m²), m: half of
+/// the approach, `F = 8/3·E*·a·g` (Hertz).
+pub(super) fn rim_gap(half_spaces: &[HalfSpace], force: f64, area: f64) -> f64 {
+    let contact_modulus =
+        1.0 / half_spaces.iter().map(|b| 0.5 * (1.0 - b.poisson) / b.shear_modulus).sum::<f64>();
+    0.375 * force / (contact_modulus * (area / PI).sqrt())
+}
+
+/// Normal forces (N) to start from where nothing is known but the gaps of the points at first touch: `√(1 - gap/rim)` as in
+/// Hertz' contact, where the area with a smaller gap than that of the rim belongs to the `force`.
+pub(super) fn first_forces(half_spaces: &[HalfSpace], points: &[ContactPoint], force: f64) -> Vec<f64> {
+    let mut gaps: Vec<f64> = points.iter().map(|point| point.gap).collect();
+    gaps.sort_by(f64::total_cmp);
+    let cell = points.first().map_or(0.0, |point| point.area);
+    let enough = |n: &usize| gaps[*n] >= rim_gap(half_spaces, force, (*n as f64 + 1.0) * cell);
+    let rim = (0..gaps.len()).find(enough).map_or(f64::INFINITY, |n| gaps[n]);
+    let share = |gap: f64| if gap <= gaps[0] { 1.0 } else { (1.0 - gap / rim).max(0.0).sqrt() };
+    let sum: f64 = points.iter().map(|point| share(point.gap)).sum();
+    points.iter().map(|point| force * share(point.gap) / sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analytic::hertz::point_contact;
+    use crate::contact::{FreeDirection, NearField, Problem, flat_grid, gaps, solve};
+    use crate::solid::Material;
+    use nalgebra::Vector3;
+
+    /// Points and normal forces of a load (N) on two half-spaces of steel with relative radii along the profile and the track (m), on a
+    /// grid of `cells` to each semi-axis whose middle is off the patch's by the parts `off` of a cell.
+    fn pressed(
+        load: f64,
+        radii: [f64; 2],
+        cells: f64,
+        off: [f64; 2],
+    ) -> (Lattice, Vec<ContactPoint>, Vec<f64>) {
+        let exact = point_contact(load, radii[0], radii[1], Material::STEEL.contact_modulus()).unwrap();
+        let cell = Vector2::new(exact.semi_axis_x, exact.semi_axis_y) / cells;
+        let count = 2 * (1.4 * cells) as usize + 1;
+        let mut points = flat_grid((count, count), 1.0, |_, _| 0.0);
+        for point in &mut points {
+            point.widths = cell;
+            point.area = cell.x * cell.y;
+            for axis in 0..2 {
+                point.position[axis] = (point.position[axis] + off[axis]) * cell[axis];
+                point.gap += (point.position[axis].powi(2) + cell[axis].powi(2) / 6.0) / (2.0 * radii[axis]);
+            }
+        }
+        let compliance = NearField::new(&HalfSpace::both(&Material::STEEL), &points, 1);
+        let free = gaps(&points);
+        let hub = [FreeDirection { along: Vector3::z_axis(), force: -load }];
+        let problem =
+            Problem { points: &points, compliance: &compliance, free: &free, friction: 0.0, hub: &hub };
+        let forces =
+            solve(&problem, &first_forces(&HalfSpace::both(&Material::STEEL), &points, load)).unwrap().forces;
+        (Lattice { cell, middle: count / 2 }, points, forces)
+    }
+
+    /// Source: Hertz (K.L. Johnson, Contact Mechanics, 1985, chapter 4). Goal: widths and area of a patch, m and m², of a round
+    /// and of a long contact anywhere on the grid. Accuracy: DISCRETISATION, widths half a cell, the area 3 % with eight cells to a
+    /// semi-axis and 1.5 % with twelve, as the ends of the patch between lines are as wide as a line.
+    #[test]
+    fn a_patch_is_measured_between_the_points() {
+        for (cells, discretisation) in [(8.0, 0.03), (12.0, 0.015)] {
+            for radii in [[0.3, 0.3], [0.1, 0.46]] {
+                for off in [[0.0, 0.0], [0.5, 0.5], [0.3, 0.1], [0.2, 0.45]] {
+                    let (lattice, points, forces) = pressed(50e3, radii, cells, off);
+                    let exact = PI * cells * cells * lattice.cell.x * lattice.cell.y;
+                    let ratio = area(&lattice, &points, &forces) / exact;
+                    assert!((ratio - 1.0).abs() < discretisation, "{cells} {radii:?} {off:?}: {ratio}");
+                    for (width, cell) in widths(&lattice, &points, &forces).iter().zip(lattice.cell.iter()) {
+                        assert!(
+                            (width / cell - 2.0 * cells).abs() < 0.5,
+                            "{cells} {radii:?} {off:?}: {width}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// Source: Hertz. Goal: the gap at the rim of a round contact, m, and the forces to start from, which are those of the
+    /// contact. Accuracy: ROUNDOFF; DISCRETISATION, a fifth of a cell at the rim of eight, √(2·0.2/8) of the largest force.
+    #[test]
+    fn the_first_forces_are_those_of_hertz() {
+        const ROUNDOFF: f64 = 1e-12;
+        const DISCRETISATION: f64 = 0.2;
+        let (load, radius) = (50e3, 0.3);
+        let both = HalfSpace::both(&Material::STEEL);
+        let exact = point_contact(load, radius, radius, Material::STEEL.contact_modulus()).unwrap();
+        let rim = rim_gap(&both, load, PI * exact.semi_axis_x.powi(2));
+        assert!((rim / (0.5 * exact.approach) - 1.0).abs() < ROUNDOFF, "{rim}");
+        let (_, points, forces) = pressed(load, [radius; 2], 8.0, [0.3, 0.1]);
+        let first = first_forces(&both, &points, load);
+        let largest = forces.iter().copied().fold(0.0, f64::max);
+        assert!((first.iter().sum::<f64>() / load - 1.0).abs() < ROUNDOFF);
+        for (a, b) in first.iter().zip(&forces) {
+            assert!((a - b).abs() < DISCRETISATION * largest, "{a} {b} of {largest}");
+        }
+    }
+
+    /// Goal: the spacing follows the patch in steps of √2 between its ends, whatever the width; a patch that reaches points
+    /// without neighbours touches the border of its grid.
+    #[test]
+    fn the_grid_follows_the_patch() {
+        for width in [0.0, f64::MIN_POSITIVE, 1e-5, 0.7e-3, 3e-3, 9e-3, 1.0, f64::INFINITY] {
+            let cell = cell_for([width; 2]);
+            for axis in 0..2 {
+                let steps = 2.0 * (LARGEST_CELL[axis] / cell[axis]).log2();
+                assert!(
+                    (steps - steps.round()).abs() < 1e-9 && (-0.1..10.1).contains(&steps),
+                    "{width}: {steps}"
+                );
+                let (coarsest, finest) = (steps < 0.5, steps > 9.5);
+                assert!(coarsest || width >= CELLS_ACROSS * cell[axis] * (1.0 - 1e-9) || finest, "{width}");
+                assert!(coarsest || width < CELLS_ACROSS * cell[axis] * 1.5, "{width}: {cell}");
+            }
+            assert!(!too_coarse(&Lattice { cell, middle: 0 }, [width; 2]), "{width}: {cell}");
+        }
+        let (_, mut points, mut forces) = pressed(50e3, [0.3; 2], 6.0, [0.0; 2]);
+        points[0].at_edge = false;
+        assert!(!touches_border(&points, &forces));
+        forces[0] = 1.0;
+        assert!(touches_border(&points, &forces));
+    }
+}
