@@ -153,18 +153,9 @@ fn touch_record(TouchPoint { touch, on_rail, on_wheel, .. }: TouchPoint) -> Shif
     }
 }
 
-fn name(reference: Reference) -> String {
-    match reference {
-        Reference::Foot => "foot",
-        Reference::Beam => "beam",
-        Reference::Local => "local",
-    }
-    .into()
-}
-
 fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
     AngleLawRecord {
-        reference: name(calibration.reference),
+        reference: calibration.reference.name().into(),
         law: law_record(&calibration.fit),
         displacement: displacement_record(calibration, &calibration.fit.law.into()),
     }
@@ -175,7 +166,7 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
     let reference = |(reference, p): (Reference, &LoadPoint)| {
         let body = |part: f64| (reference != Reference::Local).then_some(part / MICROMETRE_PER_KILONEWTON);
         FixedReferenceRecord {
-            reference: name(reference),
+            reference: reference.name().into(),
             displacement_mm: p.displacement / MILLIMETRE,
             tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
             local_um_per_kn: p.local_compliance / MICROMETRE_PER_KILONEWTON,

@@ -20,7 +20,7 @@ use crate::records::{
     HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord, TableRecord,
     TangentRecord, TouchRecord,
 };
-use crate::study::{EnforcementKey, MeshFile, ReferenceKey, Study};
+use crate::study::{EnforcementKey, MeshFile, Study};
 
 /// One m/N in µm/kN.
 pub(super) const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
@@ -87,10 +87,11 @@ pub fn calibrate(
     let foot = pressed.fit(Reference::Foot)?;
     let beam_law = pressed.fit(Reference::Beam)?;
     let local = pressed.fit(Reference::Local)?;
-    let (reference, in_use) = match study.calibration.reference {
-        ReferenceKey::Beam => (Reference::Beam, &beam_law),
-        ReferenceKey::Foot => (Reference::Foot, &foot),
-        ReferenceKey::Local => (Reference::Local, &local),
+    let reference = Reference::from(study.calibration.reference);
+    let in_use = match reference {
+        Reference::Beam => &beam_law,
+        Reference::Foot => &foot,
+        Reference::Local => &local,
     };
     let in_series = (reference == Reference::Beam).then_some(&beam);
     let largest = pressed.states(reference).last().expect("a study has loads");
@@ -108,16 +109,13 @@ pub fn calibrate(
     let stiffness = horizontal.as_ref().map(|h| h.stiffness);
     let record = StiffnessRecord {
         study: study.name.clone(),
-        reference: study.calibration.reference.name().into(),
+        reference: reference.name().into(),
         law: law_record(&in_use.fit),
         horizontal_kn_per_m: stiffness.map(|k| k / KILONEWTON_PER_METRE),
         horizontal: horizontal.as_ref().map(horizontal_record),
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
         beam: beam_record(&beam, geometry, &beam_law, stiffness.filter(|_| in_series.is_some())),
-        references: [("foot", &foot), ("beam", &beam_law), ("local", &local)]
-            .into_iter()
-            .map(|(name, calibration)| reference_record(name, calibration))
-            .collect::<Result<_>>()?,
+        references: [&foot, &beam_law, &local].into_iter().map(reference_record).collect::<Result<_>>()?,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
         penalty: PenaltyRecord {
             enforcement: match study.contact.enforcement {
@@ -151,7 +149,7 @@ pub fn calibrate(
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    let row = |point| load_curve_row(study.calibration.reference, point, &in_use.fit);
+    let row = |point| load_curve_row(reference, point, &in_use.fit);
     let load_curve = in_use.points.iter().map(row).collect();
     Ok((Calibration { stiffness: record, load_curve, horizontal_failure }, fields))
 }
@@ -212,11 +210,11 @@ pub(super) fn displacement_record(calibration: &NormalCalibration, law: &NormalL
     DisplacementRecord { max_rel_error: deviation, force_kn: force / KILONEWTON }
 }
 
-fn reference_record(name: &str, calibration: &NormalCalibration) -> Result<ReferenceRecord> {
+fn reference_record(calibration: &NormalCalibration) -> Result<ReferenceRecord> {
     let table = calibration.table()?;
     let left_out = table.left_out();
     Ok(ReferenceRecord {
-        reference: name.into(),
+        reference: calibration.reference.name().into(),
         law: law_record(&calibration.fit),
         displacement: displacement_record(calibration, &calibration.fit.law.into()),
         table: TableRecord {
@@ -249,7 +247,7 @@ fn compliance_record(p: &LoadPoint, beam: Option<&SeriesBeam>) -> ComplianceReco
     }
 }
 
-fn load_curve_row(reference: ReferenceKey, p: &LoadPoint, fit: &LawFit) -> LoadCurveRow {
+fn load_curve_row(reference: Reference, p: &LoadPoint, fit: &LawFit) -> LoadCurveRow {
     LoadCurveRow {
         reference: reference.name().into(),
         force_kn: p.force / KILONEWTON,

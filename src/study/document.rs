@@ -9,6 +9,7 @@ mod bodies;
 
 use std::collections::BTreeMap;
 
+use railspring_calibrate::calibration::Reference;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -304,10 +305,16 @@ pub enum ReferenceKey {
 impl ReferenceKey {
     /// Name in files and figures.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Foot => "foot",
-            Self::Beam => "beam",
-            Self::Local => "local",
+        Reference::from(self).name()
+    }
+}
+
+impl From<ReferenceKey> for Reference {
+    fn from(key: ReferenceKey) -> Self {
+        match key {
+            ReferenceKey::Foot => Self::Foot,
+            ReferenceKey::Beam => Self::Beam,
+            ReferenceKey::Local => Self::Local,
         }
     }
 }

@@ -76,15 +76,13 @@ impl WheelOnRail<'_> {
 
     /// Both bodies, the hub displaced by `hub`.
     pub(super) fn solids(&self, hub: &Vector2<f64>) -> Solids<'_> {
-        let mut wheel_surface = self.wheel_surface.clone();
-        wheel_surface.origin += hub;
         let [rail, wheel] = &self.materials;
         let half_spaces = [HalfSpace::new(rail, Side::Base), HalfSpace::new(wheel, Side::Opposing)];
         Solids {
             rail: self.rail,
             wheel: self.wheel,
             rail_surface: &self.rail_surface,
-            wheel_surface,
+            wheel_surface: self.wheel_surface.moved(hub),
             half_spaces,
         }
     }
@@ -159,10 +157,8 @@ impl WheelOnRail<'_> {
         true
     }
 
-    /// A fine grid as long as the rail's contact window.
     fn lattice(&self, cell: Vector2<f64>) -> Lattice {
-        let x = &self.rail_surface.grid.along_track;
-        Lattice::new(cell, x[0].abs().max(x[x.len() - 1].abs()))
+        Lattice::over(self.rail_surface.grid, cell)
     }
 
     /// Marks among the nodes of the rail's grid.

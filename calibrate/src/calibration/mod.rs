@@ -38,6 +38,17 @@ pub enum Reference {
     Local,
 }
 
+impl Reference {
+    /// Its name in files and figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Foot => "foot",
+            Self::Beam => "beam",
+            Self::Local => "local",
+        }
+    }
+}
+
 /// One load of the calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadPoint {

@@ -161,9 +161,7 @@ impl WheelOnRail<'_> {
 
     /// Contact points with the hub displaced by `hub` from just touching.
     pub fn points_at(&self, hub: &Vector2<f64>, largest_gap: f64) -> Vec<ContactPoint> {
-        let mut wheel = self.wheel_surface.clone();
-        wheel.origin += hub;
-        pair(&self.rail_surface, &wheel, PairingLimits { largest_gap })
+        pair(&self.rail_surface, &self.wheel_surface.moved(hub), PairingLimits { largest_gap })
     }
 }
 

@@ -3,6 +3,7 @@
 use super::pairing::profile_intervals;
 use super::point::ContactPoint;
 use super::surface::{Projection, Surface};
+use crate::mesh::SurfaceGrid;
 use crate::quadrature::gauss_2_on;
 use nalgebra::{Point2, Vector2};
 
@@ -16,6 +17,12 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
+    /// A grid as long as the contact window of a mesh.
+    pub fn over(grid: &SurfaceGrid, cell: Vector2<f64>) -> Self {
+        let x = &grid.along_track;
+        Self::new(cell, x[0].abs().max(x[x.len() - 1].abs()))
+    }
+
     /// A grid that reaches as far as `half_length` (m) on both sides of x = 0.
     pub fn new(cell: Vector2<f64>, half_length: f64) -> Self {
         // a line more on either side for the means of the last

@@ -76,6 +76,12 @@ impl<'a> Surface<'a> {
         Self { curve, shape: Shape::Revolved { radius }, grid, origin, between_nodes: BetweenNodes::Smooth }
     }
 
+    /// The surface moved by (y, z), m.
+    #[must_use]
+    pub fn moved(&self, by: &Vector2<f64>) -> Self {
+        Self { origin: self.origin + by, ..self.clone() }
+    }
+
     /// Point of the curve in world coordinates (y, z).
     pub fn world(&self, s: f64) -> Point2<f64> {
         self.curve.point(s) + self.origin

@@ -10,8 +10,7 @@ use crate::calibration::{
     touches_border, widened, widths,
 };
 use crate::contact::{
-    ContactPoint, HalfSpace, Lattice, PairingLimits, Problem, Side, Solution, Surface, nodal_forces, pair,
-    solve,
+    ContactPoint, HalfSpace, Lattice, PairingLimits, Problem, Side, Solution, nodal_forces, pair, solve,
 };
 use crate::error::{Error, NumericsError, Result, StopReason};
 use crate::linear_part::LinearStep;
@@ -185,13 +184,6 @@ impl<'m> StepContact<'m> {
         }
     }
 
-    /// The wheel's surface with the hub displaced by `hub`.
-    fn wheel_at(&self, hub: &Vector2<f64>) -> Surface<'m> {
-        let mut wheel = self.model.wheel_surface.clone();
-        wheel.origin += hub;
-        wheel
-    }
-
     fn between_nodes(
         &self,
         [rail, wheel]: [&BodyStep; 2],
@@ -204,7 +196,7 @@ impl<'m> StepContact<'m> {
         let mut moved = f64::NAN;
         for _ in 0..PAIRING_LIMIT {
             let limits = PairingLimits { largest_gap: PAIRING_GAP };
-            let mut points = pair(&self.model.rail_surface, &self.wheel_at(&hub), limits);
+            let mut points = pair(&self.model.rail_surface, &self.model.wheel_surface.moved(&hub), limits);
             let gaps = free_gaps(&points, &hub, rail.free(), wheel.free());
             let mut near = gaps.iter().map(|g| *g < CANDIDATE_MARGIN);
             points.retain(|_| near.next().unwrap_or(false));
@@ -314,7 +306,7 @@ impl<'m> StepContact<'m> {
             rail: rail.flexibility(),
             wheel: wheel.flexibility(),
             rail_surface: &self.model.rail_surface,
-            wheel_surface: self.wheel_at(hub),
+            wheel_surface: self.model.wheel_surface.moved(hub),
             half_spaces: self.half_spaces,
         };
         let of_hub: Vec<f64> = (0..wheel.free().len()).map(|dof| [0.0, hub.x, hub.y][dof % 3]).collect();
@@ -384,7 +376,7 @@ impl<'m> StepContact<'m> {
         let grid = self.model.rail_surface.grid;
         let (rows, columns) = (grid.along_profile.len(), grid.along_track.len());
         let limits = PairingLimits { largest_gap: PAIRING_GAP };
-        let points = pair(&self.model.rail_surface, &self.wheel_at(hub), limits);
+        let points = pair(&self.model.rail_surface, &self.model.wheel_surface.moved(hub), limits);
         let mut gaps = vec![PAIRING_GAP; rows * columns];
         for (point, gap) in points.iter().zip(free_gaps(&points, hub, rail.free(), wheel.free())) {
             gaps[point.index.0 * columns + point.index.1] = gap;
@@ -440,10 +432,8 @@ impl<'m> StepContact<'m> {
         self.lattice(cell_for(widths(lattice, &contact.points, forces)).sup(&(largest * FINEST_CELL)))
     }
 
-    /// A fine grid as long as the rail's contact window.
     fn lattice(&self, cell: Vector2<f64>) -> Lattice {
-        let x = &self.model.rail_surface.grid.along_track;
-        Lattice::new(cell, x[0].abs().max(x[x.len() - 1].abs()))
+        Lattice::over(self.model.rail_surface.grid, cell)
     }
 }
 
