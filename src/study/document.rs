@@ -145,11 +145,12 @@ pub struct MeshKeys {
     /// Longest element around the wheel, as arc at the tape circle, mm.
     #[schemars(range(min = 2.0, max = 500.0))]
     pub wheel_arc_element_mm: f64,
-    /// Number of layers of elements under the contact zone, even; left out, 2.
+    /// Number of layers of elements under the contact zone, even; left out, as many as it takes down to 4 mm.
     #[schemars(range(min = 2, max = 40))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<usize>,
-    /// Thickness of the first layer under the contact zone, mm; left out, 2 mm.
+    /// Thickness of the first layer under the contact zone, mm, each further one 1.25 times as thick; left out,
+    /// `contact_element_mm`, but 2 mm at most.
     #[schemars(range(min = 0.1, max = 20.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_layer_mm: Option<f64>,

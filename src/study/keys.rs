@@ -7,6 +7,8 @@
 
 use std::collections::BTreeMap;
 
+use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::units::MILLIMETRE;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -36,7 +38,7 @@ pub struct Keys {
 }
 
 impl Keys {
-    pub(super) fn new(document: &StudyDocument, rail: &Rail, wheel: &Wheel) -> Self {
+    pub(super) fn new(document: &StudyDocument, rail: &Rail, wheel: &Wheel, mesh: &MeshOptions) -> Self {
         let mut numeric = document.clone();
         // A file counts by its content, wherever it lies.
         numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
@@ -44,6 +46,12 @@ impl Keys {
         numeric.rail.mesh_file = rail.mesh.as_ref().map(MeshFile::fingerprint);
         numeric.wheel.mesh_file = wheel.mesh.as_ref().map(MeshFile::fingerprint);
         numeric.description.clear();
+        // Layers count as they are, given or following from the contact element; those under the default one by being left out.
+        let (layers, first_layer) = mesh.layering();
+        let usual = MeshOptions::default().layering();
+        numeric.mesh.layers = Some(layers).filter(|layers| *layers != usual.0);
+        numeric.mesh.first_layer_mm =
+            Some(first_layer).filter(|first| *first != usual.1).map(|first| first / MILLIMETRE);
         let shifts = numeric.calibration.shifts_mm.take();
         for keys in numeric.scenario.values_mut() {
             keys.description.clear();

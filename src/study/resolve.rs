@@ -17,7 +17,7 @@ use serde_json::Value;
 use super::check::{Finding, nearest};
 use super::collect::Collector;
 use super::document::{
-    CalibrationKeys, ForceKeys, Inclination, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
+    CalibrationKeys, ForceKeys, Inclination, MeshKeys, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
     SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
 };
 use super::fields::translate;
@@ -69,13 +69,8 @@ pub(super) fn resolve(
         return Err(mistakes);
     };
     let resolved = resolved_keys(&document, &source);
-    let keys = Keys::new(&document, &rail, &wheel);
-    let mesh = &document.mesh;
-    let standard = MeshOptions::default();
-    let (layers, first_layer) = (
-        mesh.layers.unwrap_or(standard.layers),
-        mesh.first_layer_mm.map_or(standard.first_layer, |first| first * MILLIMETRE),
-    );
+    let mesh = mesh_options(&document.mesh);
+    let keys = Keys::new(&document, &rail, &wheel, &mesh);
     Ok(Study {
         name: document.name,
         description: document.description,
@@ -93,20 +88,8 @@ pub(super) fn resolve(
             density: document.material.density_kg_per_m3,
             damping: document.material.damping_ratio / (PI * document.material.damping_frequency_hz),
         },
-        mesh: MeshOptions {
-            layers,
-            first_layer,
-            contact_element: mesh.contact_element_mm * MILLIMETRE,
-            contact_element_along: mesh.contact_element_along_mm * MILLIMETRE,
-            window_half_length: mesh.window_half_length_mm * MILLIMETRE,
-            growth: mesh.growth,
-            rail_section_element: mesh.rail_section_element_mm * MILLIMETRE,
-            wheel_section_element: mesh.wheel_section_element_mm * MILLIMETRE,
-            rail_length_element: mesh.rail_length_element_mm * MILLIMETRE,
-            wheel_arc_element: mesh.wheel_arc_element_mm * MILLIMETRE,
-            ..standard
-        },
-        element: mesh.element,
+        mesh,
+        element: document.mesh.element,
         contact: ContactSettings {
             field: document.contact.field,
             enforcement: document.contact.enforcement,
@@ -420,6 +403,23 @@ fn main_scenario(document: &StudyDocument, source: &Source) -> Result<Option<Str
 }
 
 /// All keys with their values, flattened: the sections in their order, the keys of each by name.
+/// Sizes of the elements.
+fn mesh_options(mesh: &MeshKeys) -> MeshOptions {
+    MeshOptions {
+        contact_element: mesh.contact_element_mm * MILLIMETRE,
+        contact_element_along: mesh.contact_element_along_mm * MILLIMETRE,
+        window_half_length: mesh.window_half_length_mm * MILLIMETRE,
+        layers: mesh.layers,
+        first_layer: mesh.first_layer_mm.map(|first| first * MILLIMETRE),
+        growth: mesh.growth,
+        rail_section_element: mesh.rail_section_element_mm * MILLIMETRE,
+        wheel_section_element: mesh.wheel_section_element_mm * MILLIMETRE,
+        rail_length_element: mesh.rail_length_element_mm * MILLIMETRE,
+        wheel_arc_element: mesh.wheel_arc_element_mm * MILLIMETRE,
+        ..MeshOptions::default()
+    }
+}
+
 fn resolved_keys(document: &StudyDocument, source: &Source) -> Vec<ResolvedKey> {
     let value = serde_json::to_value(document).expect("a study is plain data");
     let mut keys = Vec::new();

@@ -66,6 +66,14 @@ fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
     assert_eq!(plain, hash("[contact]\nfield = \"hybrid\"\n"), "a cross-check has elements");
     assert_ne!(plain, hash("[track]\ngauge_mm = 1436\n"));
     assert_ne!(plain, hash("[mesh]\nelement = \"full-integration\"\n"));
+    // layers count as they are in the end, whether they are given or follow
+    let mesh = |keys: &str| hash(&format!("[mesh]\n{keys}"));
+    assert_eq!(plain, mesh("layers = 2\nfirst_layer_mm = 2\n"));
+    assert_ne!(plain, mesh("layers = 4\n"));
+    assert_ne!(plain, mesh("first_layer_mm = 1.8\n"));
+    let fine = "contact_element_mm = 1.4\n";
+    assert_eq!(mesh(fine), mesh(&format!("{fine}layers = 4\nfirst_layer_mm = 1.4\n")));
+    assert_ne!(mesh(fine), mesh(&format!("{fine}layers = 2\nfirst_layer_mm = 2\n")));
 }
 
 /// Goal: each result depends on its own inputs and on nothing else; a change makes exactly those stale that it concerns.

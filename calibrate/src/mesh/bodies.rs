@@ -492,7 +492,7 @@ mod tests {
             ("contact_element", MeshOptions { contact_element: 0.0, ..default.clone() }),
             ("contact_element", MeshOptions { contact_element: f64::NAN, ..default.clone() }),
             ("growth", MeshOptions { growth: 0.9, ..default.clone() }),
-            ("layers", MeshOptions { layers: 3, ..default.clone() }),
+            ("layers", MeshOptions { layers: Some(3), ..default.clone() }),
             ("rail_zone.face_depth", MeshOptions { rail_zone: zone(0.2, 22e-3), ..default.clone() }),
             ("rail_zone.field_y", MeshOptions { rail_zone: zone(20e-3, 0.2), ..default.clone() }),
             ("rail_zone.field_y", MeshOptions { rail_zone: zone(20e-3, -0.0362), ..default.clone() }),

@@ -111,10 +111,10 @@ pub struct MeshOptions {
     pub contact_element_along: f64,
     /// Half the length of the contact window along the track.
     pub window_half_length: f64,
-    /// Number of structured layers under the contact zone; even.
-    pub layers: usize,
-    /// Thickness of the first layer.
-    pub first_layer: f64,
+    /// Number of structured layers under the contact zone, even; none: as many as it takes down to 4 mm.
+    pub layers: Option<usize>,
+    /// Thickness of the first layer; none: that of the contact element, 2 mm at most.
+    pub first_layer: Option<f64>,
     /// Ratio of the thicknesses of neighbouring layers.
     pub layer_growth: f64,
     /// Contact zone of a rail.
@@ -142,8 +142,8 @@ impl Default for MeshOptions {
             contact_element: 2e-3,
             contact_element_along: 1.5e-3,
             window_half_length: 12e-3,
-            layers: 2,
-            first_layer: 2e-3,
+            layers: None,
+            first_layer: None,
             layer_growth: 1.25,
             rail_zone: ContactZone { face_depth: 20e-3, field_y: 22e-3 },
             wheel_zone: ContactZone { face_depth: 21e-3, field_y: 32e-3 },
@@ -162,11 +162,16 @@ impl MeshOptions {
     /// convergence studies. The contact zones and the window keep their extent.
     #[must_use]
     pub fn refined(&self, factor: f64) -> Self {
-        // An even number of layers of the same total thickness.
-        let layers = 2 * ((self.layers as f64 * factor / 2.0).round() as usize).max(1);
-        let layer_growth = self.layer_growth.powf(self.layers as f64 / layers as f64);
-        let first_layer = layer_depth(self.first_layer, self.layer_growth, self.layers)
-            / layer_depth(1.0, layer_growth, layers);
+        let (layers, first_layer, layer_growth) = if (self.layers, self.first_layer) == (None, None) {
+            (None, None, self.layer_growth.powf(1.0 / factor))
+        } else {
+            // an even number of layers of the same total thickness
+            let (layers, first) = self.layering();
+            let more = 2 * ((layers as f64 * factor / 2.0).round() as usize).max(1);
+            let growth = self.layer_growth.powf(layers as f64 / more as f64);
+            let depth = layer_depth(first, self.layer_growth, layers);
+            (Some(more), Some(depth / layer_depth(1.0, growth, more)), growth)
+        };
         Self {
             contact_element: self.contact_element / factor,
             contact_element_along: self.contact_element_along / factor,
@@ -185,12 +190,24 @@ impl MeshOptions {
 }
 
 impl MeshOptions {
+    /// Structured layers under the contact zone: their number, and the thickness of the first, m. Where they are not given they
+    /// follow from the contact element, so that the far field of the bodies converges with it: elements as high as wide, down to
+    /// where a patch no longer bends the stresses much within an element.
+    #[must_use]
+    pub fn layering(&self) -> (usize, f64) {
+        let first = self.first_layer.unwrap_or(self.contact_element.min(LARGEST_FIRST_LAYER));
+        let deep = |layers: &usize| layer_depth(first, self.layer_growth, *layers) >= LEAST_DEPTH;
+        let layers = self.layers.or_else(|| (2..=MOST_LAYERS).step_by(2).find(deep));
+        (layers.unwrap_or(MOST_LAYERS), first)
+    }
+
     /// Sizes of a section whose largest element is `largest`.
     #[must_use]
     pub(crate) fn sizes(&self, largest: f64) -> SectionSizes {
+        let (layers, first_layer) = self.layering();
         SectionSizes {
-            layers: self.layers,
-            first_layer: self.first_layer,
+            layers,
+            first_layer,
             layer_growth: self.layer_growth,
             growth: self.section_growth,
             largest,
@@ -203,7 +220,7 @@ impl MeshOptions {
             (InputField::ContactElement, self.contact_element),
             (InputField::ContactElementAlong, self.contact_element_along),
             (InputField::WindowHalfLength, self.window_half_length),
-            (InputField::FirstLayer, self.first_layer),
+            (InputField::FirstLayer, self.layering().1),
             (InputField::RailSectionElement, self.rail_section_element),
             (InputField::WheelSectionElement, self.wheel_section_element),
             (InputField::RailLengthElement, self.rail_length_element),
@@ -245,6 +262,12 @@ fn layer_depth(first: f64, growth: f64, layers: usize) -> f64 {
     first * (0..layers).map(|i| growth.powi(i as i32)).sum::<f64>()
 }
 
+/// Largest thickness of a first layer that follows from the contact element, m.
+const LARGEST_FIRST_LAYER: f64 = 2e-3;
+/// Least depth of layers whose number follows, m: two layers under elements of 2 mm are 4.5 mm.
+const LEAST_DEPTH: f64 = 4e-3;
+/// More layers do not follow: the smallest elements that are accepted need as many.
+const MOST_LAYERS: usize = 80;
 /// Largest growth accepted.
 const LARGEST_RATIO: f64 = 4.0;
 /// Smallest length (m) accepted as a size: below it the number of nodes goes beyond all bounds.
@@ -254,4 +277,39 @@ const SMALLEST_ELEMENT: f64 = 5e-5;
 /// with the first coordinate to the right and the second up.
 fn signed_area(a: &Point2<f64>, b: &Point2<f64>, c: &Point2<f64>) -> f64 {
     0.5 * (b - a).perp(&(c - a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: number of layers and thickness of the first, m, of some contact elements. Under 2 mm and more they are those that the
+    /// kept comparisons were made with; what is given stays, and the other follows from it; a refined mesh has the layers of its
+    /// own elements, or those given, divided, of the same depth. Accuracy: ROUNDOFF.
+    #[test]
+    fn the_layers_follow_from_the_contact_element() {
+        const ROUNDOFF: f64 = 1e-15;
+        let of = |contact_element: f64| MeshOptions { contact_element, ..MeshOptions::default() };
+        for (element, layers, first) in
+            [(6e-3, 2, 2e-3), (2e-3, 2, 2e-3), (1.4e-3, 4, 1.4e-3), (0.7e-3, 4, 0.7e-3), (0.5e-3, 6, 0.5e-3)]
+        {
+            assert_eq!(of(element).layering(), (layers, first), "{element} m");
+        }
+        assert_eq!(MeshOptions { layers: Some(6), ..of(1.4e-3) }.layering(), (6, 1.4e-3));
+        assert_eq!(MeshOptions { first_layer: Some(1e-3), ..of(2e-3) }.layering(), (4, 1e-3));
+        assert_eq!(of(2e-3).refined(2.0).layering(), (4, 1e-3));
+        assert_eq!(of(2e-3).refined(0.5).layering(), (2, 2e-3));
+        let given = MeshOptions { layers: Some(2), first_layer: Some(2e-3), ..of(2e-3) };
+        let fine = given.refined(2.0);
+        let depth = |options: &MeshOptions| {
+            let (layers, first) = options.layering();
+            layer_depth(first, options.layer_growth, layers)
+        };
+        assert_eq!(fine.layers, Some(4));
+        assert!((depth(&fine) - depth(&given)).abs() < ROUNDOFF, "{fine:?}");
+        // no size makes an endless list
+        for element in [0.0, f64::NAN, f64::INFINITY, -1.0] {
+            assert!(of(element).layering().0 <= MOST_LAYERS);
+        }
+    }
 }

@@ -109,7 +109,7 @@ pub fn rail_properties(section: &RailSection) -> Result<SectionProperties> {
 pub fn rail_analysis(section: &RailSection) -> Result<RailAnalysis> {
     let options = MeshOptions {
         contact_element: SURFACE_ELEMENT,
-        first_layer: SURFACE_ELEMENT,
+        first_layer: Some(SURFACE_ELEMENT),
         rail_section_element: ELEMENT,
         ..MeshOptions::default()
     };
