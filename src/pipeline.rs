@@ -45,6 +45,8 @@ use verdict::{Runs, Verify};
 pub const STIFFNESS: &str = "stiffness.json";
 /// The calibrated load curve with the reference in use.
 pub const LOAD_CURVE: &str = "load_curve.csv";
+/// The contact patches under some loads of the calibration.
+pub const PATCHES: &str = "contact_patches.json";
 /// The laws by contact angle.
 pub const BY_ANGLE: &str = "stiffness_by_angle.json";
 /// The same at fixed loads, as a table.

@@ -11,12 +11,14 @@ mod law;
 mod run;
 mod verdict;
 mod by_angle;
+mod patches;
 
 pub use by_angle::{
     AngleLawRecord, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
 };
 pub use law::LawConstants;
+pub use patches::{PatchRecord, PatchesRecord, PointState};
 pub use run::{PairRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};
 

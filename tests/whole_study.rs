@@ -39,8 +39,9 @@ lateral_force = {}
 "#;
 
 /// Names of the files that one study writes, in order.
-const FILES: [&str; 13] = [
+const FILES: [&str; 14] = [
     "contact.vtu",
+    "contact_patches.json",
     "history-ride.csv",
     "history.csv",
     "load_curve.csv",
@@ -120,8 +121,8 @@ fn every_file_is_there_and_nothing_else() {
     let (figures, files): (Vec<&String>, Vec<&String>) =
         results.keys().partition(|name| name.starts_with("figures"));
     assert_eq!(files, FILES);
-    // Six of the springs, five of each scenario.
-    assert_eq!(figures.len(), 16, "{figures:?}");
+    // Eight of the springs, five of each scenario.
+    assert_eq!(figures.len(), 18, "{figures:?}");
     assert!(
         results["report.html"].contains("Scenario push") && !results["report.html"].contains("figure failed")
     );

@@ -5,10 +5,10 @@ use railspring_calibrate::field::InputField;
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::stage::{Made, REACH, Stage};
-use super::{LOAD_CURVE, OF_THE_RUNS, Pipeline, STIFFNESS, load_curve, part_json, part_text};
+use super::{LOAD_CURVE, OF_THE_RUNS, PATCHES, Pipeline, STIFFNESS, load_curve, part_json, part_text};
 use crate::estimate::Work;
 use crate::output::to_json;
-use crate::records::{StiffnessRecord, to_csv};
+use crate::records::{PatchesRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
 use crate::stages::{self, Bodies, Calibration, Fields, Geometry, Meshes};
 use crate::store::{Address, Artefact, Kind};
@@ -44,7 +44,7 @@ impl Stage for Calibrate {
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
         };
-        let (Calibration { stiffness, load_curve, horizontal_failure }, pressed, condensed) =
+        let (Calibration { stiffness, load_curve, patches, horizontal_failure }, pressed, condensed) =
             stages::within_zones(
                 study,
                 &geometry,
@@ -66,7 +66,8 @@ impl Stage for Calibrate {
         let mut artefact = Artefact::default()
             .with(REACH, to_json(&reach))
             .with(STIFFNESS, to_json(&stiffness))
-            .with(LOAD_CURVE, to_csv(&load_curve));
+            .with(LOAD_CURVE, to_csv(&load_curve))
+            .with(PATCHES, to_json(&patches));
         for (fields, name) in FIELDS {
             artefact = artefact.with(name, stages::fields_vtu(&pressed, fields)?);
         }
@@ -80,14 +81,18 @@ impl Stage for Calibrate {
         let mut stiffness: StiffnessRecord = part_json(artefact, STIFFNESS)?;
         label(&mut stiffness, at.study, &*at.geometry()?);
         let load_curve = load_curve(LOAD_CURVE, part_text(artefact, LOAD_CURVE)?)?;
+        let mut patches: PatchesRecord = part_json(artefact, PATCHES)?;
+        patches.study.clone_from(&at.study.name);
+        patches.input_hash = self.key(at);
         at.go_on_with_reach(artefact)?;
-        Ok(Calibration { stiffness, load_curve, horizontal_failure: None })
+        Ok(Calibration { stiffness, load_curve, patches, horizontal_failure: None })
     }
 
     fn files(&self, artefact: &Artefact, value: &Calibration, at: &Pipeline<'_>) -> Vec<NewFile> {
         let part = |name| (name, artefact.part(name).unwrap_or_default().to_vec());
         let fields = FIELDS.map(|(_, name)| part(name));
-        let records = [(STIFFNESS, to_json(&value.stiffness)), part(LOAD_CURVE)];
+        let records =
+            [(STIFFNESS, to_json(&value.stiffness)), part(LOAD_CURVE), (PATCHES, to_json(&value.patches))];
         let files = records.into_iter().chain(fields);
         files.map(|(name, content)| NewFile::new(name, content, &self.key(at))).collect()
     }

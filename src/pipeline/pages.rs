@@ -66,6 +66,7 @@ impl Stage for Report<'_> {
             inputs: &at.study.resolved,
             stiffness: &self.calibration.stiffness,
             load_curve: &self.calibration.load_curve,
+            patches: &self.calibration.patches,
             by_angle: self.by_angle,
             profiles: &profiles,
             scenarios,

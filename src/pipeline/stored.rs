@@ -5,11 +5,11 @@ use railspring_calibrate::history::{Ending, History};
 
 use super::runs::Run;
 use super::verdict::{Runs, inputs};
-use super::{BY_ANGLE, LOAD_CURVE, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
+use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
 use crate::records::{
-    LoadCurveRow, RunRecord, SpringsSource, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord,
-    history_csv,
+    LoadCurveRow, PatchesRecord, RunRecord, SpringsSource, StiffnessByAngleRecord, StiffnessRecord,
+    VerificationRecord, history_csv,
 };
 use crate::results::Entry;
 use crate::springs;
@@ -52,6 +52,13 @@ impl Pipeline<'_> {
         let text = self.results.text(LOAD_CURVE, "calibrate")?;
         self.results.check(LOAD_CURVE, &text, &self.study.keys.calibration, "calibrate")?;
         load_curve(&self.folder.file(LOAD_CURVE).display().to_string(), &text)
+    }
+
+    fn stored_patches(&self) -> Result<PatchesRecord> {
+        let text = self.results.text(PATCHES, "calibrate")?;
+        let patches = parse_json(&self.folder.file(PATCHES), &text, "calibrate")?;
+        self.results.check(PATCHES, &text, &self.study.keys.calibration, "calibrate")?;
+        Ok(patches)
     }
 
     /// The runs of the simple model, and the study's springs if one of them ran with them.
@@ -137,6 +144,7 @@ impl Pipeline<'_> {
         let mut faults = Faults::default();
         let stiffness = faults.note("calibrate", self.stored_stiffness());
         let load_curve = faults.note("calibrate", self.stored_load_curve());
+        let patches = faults.note("calibrate", self.stored_patches());
         let by_angle = faults.note("calibrate", self.stored_by_angle());
         let mut runs = Vec::new();
         let mut any_calibrated = self.study.scenarios.is_empty();
@@ -155,9 +163,11 @@ impl Pipeline<'_> {
             }
         }
         let verdict = faults.note("verify", self.stored_verdict(any_calibrated));
-        match (stiffness, load_curve, by_angle, verdict) {
-            (Some(stiffness), Some(load_curve), Some(by_angle), Some(verdict)) if faults.is_empty() => {
-                let calibration = Calibration { stiffness, load_curve, horizontal_failure: None };
+        match (stiffness, load_curve, patches, by_angle, verdict) {
+            (Some(stiffness), Some(load_curve), Some(patches), Some(by_angle), Some(verdict))
+                if faults.is_empty() =>
+            {
+                let calibration = Calibration { stiffness, load_curve, patches, horizontal_failure: None };
                 Ok(Stored { calibration, by_angle, runs, verdict })
             }
             _ => Err(faults.error(self.study)),

@@ -11,6 +11,8 @@ mod html;
 mod figures;
 mod by_angle;
 mod positions;
+mod patches;
+mod patch_section;
 pub mod crosscheck;
 
 use railspring_calibrate::history::History;
@@ -18,7 +20,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::records::{
-    LoadCurveRow, Measured, ResolvedKey, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord,
+    LoadCurveRow, Measured, PatchesRecord, ResolvedKey, StiffnessByAngleRecord, StiffnessRecord,
+    VerificationRecord,
 };
 
 pub use positions::ProfilePair;
@@ -51,6 +54,8 @@ pub struct ReportData<'a> {
     pub stiffness: &'a StiffnessRecord,
     /// The load curve with the reference in use.
     pub load_curve: &'a [LoadCurveRow],
+    /// The contact patches under some loads.
+    pub patches: &'a PatchesRecord,
     /// The laws by contact angle, if there are any.
     pub by_angle: Option<&'a StiffnessByAngleRecord>,
     /// The two profiles.
@@ -109,6 +114,16 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "Semi-axes of the contact patch and largest pressure in the solid.".into(),
         ),
     ];
+    springs.push(collected.add(
+        "patch_fields",
+        patches::fields(data.patches),
+        patches::fields_caption(data.patches),
+    ));
+    springs.push(collected.add(
+        "patch_sections",
+        patch_section::section(data.patches, data.profiles),
+        patch_section::caption(data.patches),
+    ));
     if let (Some(horizontal), Some(constant)) = (&stiffness.horizontal, stiffness.horizontal_kn_per_m) {
         springs.push(collected.add(
             "horizontal",

@@ -30,7 +30,7 @@ pub struct ProfilePair {
 }
 
 impl ProfilePair {
-    fn rail_to_world(&self, point: &Point2<f64>) -> Point2<f64> {
+    pub(super) fn rail_to_world(&self, point: &Point2<f64>) -> Point2<f64> {
         self.rail_origin + Rotation2::new(self.rail_angle) * point.coords
     }
 
@@ -42,7 +42,7 @@ impl ProfilePair {
 /// Height of one picture, px.
 const PICTURE: u32 = 282;
 /// Inside of the wheel.
-const WHEEL_FILL: RGBColor = RGBColor(238, 241, 246);
+pub(super) const WHEEL_FILL: RGBColor = RGBColor(238, 241, 246);
 /// What is seen below the top of the rail, mm.
 const DEPTH_MM: f64 = 46.0;
 /// What is seen above the top of the rail, mm.
@@ -179,9 +179,9 @@ fn signed(value: f64) -> String {
 }
 
 /// A rectangle that outlines are cut at.
-struct Window {
-    low: Point2<f64>,
-    high: Point2<f64>,
+pub(super) struct Window {
+    pub low: Point2<f64>,
+    pub high: Point2<f64>,
 }
 
 impl Window {
@@ -190,12 +190,12 @@ impl Window {
     }
 
     /// The parts of a fine polyline inside the window.
-    fn pieces<'a>(&self, line: &'a [Point2<f64>]) -> Vec<&'a [Point2<f64>]> {
+    pub fn pieces<'a>(&self, line: &'a [Point2<f64>]) -> Vec<&'a [Point2<f64>]> {
         line.split(|p| !self.contains(p)).filter(|piece| piece.len() > 1).collect()
     }
 
     /// The part of a closed outline inside the window, cut at one edge after the other.
-    fn polygon(&self, outline: &[Point2<f64>]) -> Vec<Point2<f64>> {
+    pub fn polygon(&self, outline: &[Point2<f64>]) -> Vec<Point2<f64>> {
         type Inside<'w> = Box<dyn Fn(&Point2<f64>) -> f64 + 'w>;
         let edges: [Inside<'_>; 4] = [
             Box::new(|p| p.x - self.low.x),
@@ -220,7 +220,7 @@ impl Window {
 }
 
 /// A polyline with points so close that it may be cut at any of them.
-fn fine(line: impl Iterator<Item = Point2<f64>>) -> Vec<Point2<f64>> {
+pub(super) fn fine(line: impl Iterator<Item = Point2<f64>>) -> Vec<Point2<f64>> {
     /// About a pixel of the picture, m.
     const STEP: f64 = 4e-4;
     let mut points: Vec<Point2<f64>> = Vec::new();

@@ -18,12 +18,14 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
     let (load_curve, profiles) = (samples::load_curve(), samples::profiles());
     let (inputs, measured) = (samples::inputs(), samples::measured());
     let laws = samples::by_angle();
+    let patches = samples::patches();
     build(&ReportData {
         name: "sample <study>",
         description: "Made-up numbers.",
         inputs: &inputs,
         stiffness: &stiffness,
         load_curve: &load_curve,
+        patches: &patches,
         by_angle: Some(&laws),
         profiles: &profiles,
         scenarios: vec![ScenarioRun {
@@ -75,7 +77,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
         }
     }
     assert_eq!(report.html.matches("<figure>").count(), report.figures.len());
-    assert_eq!(report.figures.len(), 16);
+    assert_eq!(report.figures.len(), 18);
     assert!(!report.html.contains("could not be written"), "{}", report.html);
     assert!(!report.html.contains("figure failed"));
     for outside in ["src=\"", "@import", "url("] {
@@ -98,7 +100,7 @@ fn the_chapter_says_what_is_missing() {
         (Crosscheck::Stale, "of another study"),
     ] {
         let report = build_with(state);
-        assert_eq!(report.figures.len(), 11);
+        assert_eq!(report.figures.len(), 13);
         assert!(report.html.contains(word) && report.html.contains("railspring crosscheck"), "{word}");
         assert!(!report.html.contains("href=\""), "{word}");
     }

@@ -14,11 +14,12 @@ use railspring_calibrate::units::{
 };
 
 use super::bodies::rail_in_use;
+use super::patches::{chosen, patch_record};
 use super::{Geometry, Interiors, Meshes, PressedFields, contact_field, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
-    HorizontalRecord, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceRecord, StiffnessRecord, TableRecord,
-    TangentRecord, TouchRecord,
+    HorizontalRecord, LawRecord, LoadCurveRow, PatchesRecord, PenaltyRecord, ReferenceRecord,
+    StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, Study};
 
@@ -31,6 +32,8 @@ pub struct Calibration {
     pub stiffness: StiffnessRecord,
     /// `load_curve.csv`.
     pub load_curve: Vec<LoadCurveRow>,
+    /// `contact_patches.json`.
+    pub patches: PatchesRecord,
     /// Why the horizontal stiffness is missing, if it is.
     pub horizontal_failure: Option<Error>,
 }
@@ -94,7 +97,8 @@ pub fn calibrate(
         Reference::Local => &local,
     };
     let in_series = (reference == Reference::Beam).then_some(&beam);
-    let largest = pressed.states(reference).last().expect("a study has loads");
+    let states = pressed.states(reference);
+    let largest = states.last().expect("a study has loads");
     let on_wheel = largest.force_on_wheel();
     let along = in_series.map_or_else(Default::default, |beam| beam.solid * -on_wheel.yz());
     let solids = [(bodies.rail(reference), &rail), (&bodies.wheel, &wheel)];
@@ -151,7 +155,16 @@ pub fn calibrate(
     };
     let row = |point| load_curve_row(reference, point, &in_use.fit);
     let load_curve = in_use.points.iter().map(row).collect();
-    Ok((Calibration { stiffness: record, load_curve, horizontal_failure }, fields))
+    let patches = PatchesRecord {
+        study: study.name.clone(),
+        reference: reference.name().into(),
+        field: study.contact.field.name().into(),
+        friction: study.contact.friction,
+        patches: chosen(states.len()).into_iter().map(|index| patch_record(pair, &states[index])).collect(),
+        input_hash: study.keys.calibration.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+    };
+    Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure }, fields))
 }
 
 /// `horizontal` is the stiffness in series with the beam, N/m.

@@ -4,6 +4,7 @@
 //! [`crate::pipeline`].
 
 mod bodies;
+mod patches;
 mod calibrate;
 mod by_angle;
 mod crosscheck;

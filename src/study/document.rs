@@ -223,6 +223,16 @@ pub enum FieldKey {
     Elements,
 }
 
+impl FieldKey {
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hybrid => "hybrid",
+            Self::Elements => "elements",
+        }
+    }
+}
+
 /// How the surfaces are kept from passing through each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

@@ -1,0 +1,61 @@
+//! `contact_patches.json`: the pressed surface of the rail under some loads of the calibration.
+
+use serde::{Deserialize, Serialize};
+
+/// `contact_patches.json`: contact patches on the rail with the reference in use.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PatchesRecord {
+    /// Name of the study.
+    pub study: String,
+    /// What the rail is held against: `foot`, `beam` or `local`.
+    pub reference: String,
+    /// Where the contact lives: `hybrid` or `elements`.
+    pub field: String,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// The patches: those of the smallest, a middle and the largest load.
+    pub patches: Vec<PatchRecord>,
+    /// Hash of what the calibration depends on.
+    pub input_hash: String,
+    /// Version of the program that made this.
+    pub version: String,
+}
+
+/// The patch under one load: a grid of points on the rail, one line beyond those that carry load.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PatchRecord {
+    /// Load, kN.
+    pub force_kn: f64,
+    /// Place of every line of points across: arc length on the rail's profile from the first touch, mm, positive to the field side;
+    /// ascending.
+    pub across_mm: Vec<f64>,
+    /// The same place in the rail's profile frame, y, mm.
+    pub rail_y_mm: Vec<f64>,
+    /// See `rail_y_mm`, z, mm.
+    pub rail_z_mm: Vec<f64>,
+    /// Place of every line of points along the track, mm from the middle of the contact window; ascending.
+    pub along_mm: Vec<f64>,
+    /// Pressure, MPa, by line across and line along.
+    pub pressure_mpa: Vec<Vec<f64>>,
+    /// State, by line across and line along.
+    pub state: Vec<Vec<PointState>>,
+}
+
+/// State of a contact point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PointState {
+    /// The surfaces are apart, or not paired there.
+    Open,
+    /// No slip since the load before.
+    Stick,
+    /// Friction at its limit.
+    Slip,
+}
+
+impl PatchRecord {
+    /// Largest pressure, MPa.
+    pub fn largest(&self) -> f64 {
+        self.pressure_mpa.iter().flatten().copied().fold(0.0, f64::max)
+    }
+}
