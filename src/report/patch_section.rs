@@ -35,9 +35,12 @@ fn look(index: usize, count: usize) -> (RGBColor, Dash) {
     }
 }
 
-/// The patch seen along the track: places on the rail (world, m) with the largest pressure of the line along the track, MPa, piece by piece.
-fn pieces(profiles: &ProfilePair, patch: &PatchRecord) -> Vec<Vec<(Point2<f64>, f64)>> {
-    let lines: Vec<(Point2<f64>, f64)> = patch
+/// A line of points along the track: its place on the rail (world, m), and the largest pressure, MPa.
+type Line = (Point2<f64>, f64);
+
+/// The patch seen along the track, piece by piece.
+fn pieces(profiles: &ProfilePair, patch: &PatchRecord) -> Vec<Vec<Line>> {
+    let lines: Vec<Line> = patch
         .rail_y_mm
         .iter()
         .zip(&patch.rail_z_mm)
@@ -48,7 +51,7 @@ fn pieces(profiles: &ProfilePair, patch: &PatchRecord) -> Vec<Vec<(Point2<f64>, 
         })
         .collect();
     // lines of a patch with the unloaded line at either side
-    let mut found: Vec<Vec<(Point2<f64>, f64)>> = Vec::new();
+    let mut found: Vec<Vec<Line>> = Vec::new();
     for i in 0..lines.len() {
         let loaded = |n: usize| lines.get(n).is_some_and(|line| line.1 > 0.0);
         if !loaded(i) {
@@ -120,7 +123,7 @@ impl View {
 }
 
 /// Unit normal out of the rail at a point of a line that runs to the field side.
-fn outward(line: &[(Point2<f64>, f64)], index: usize) -> Vector2<f64> {
+fn outward(line: &[Line], index: usize) -> Vector2<f64> {
     let (a, b) = (line[index.saturating_sub(1)].0, line[(index + 1).min(line.len() - 1)].0);
     let along = (b - a).try_normalize(0.0).unwrap_or_else(Vector2::x);
     Vector2::new(along.y, -along.x)
@@ -185,7 +188,7 @@ fn head_view(rail: &[Point2<f64>], top: u32) -> View {
 }
 
 /// The patches with room for the pressures over them.
-fn patch_view(patches: &[Vec<Vec<(Point2<f64>, f64)>>], touch: Point2<f64>, top: u32) -> View {
+fn patch_view(patches: &[Vec<Vec<Line>>], touch: Point2<f64>, top: u32) -> View {
     let size = (430, PICTURE);
     let places = || patches.iter().flatten().flatten().map(|(place, _)| *place).chain([touch]);
     let low = places().fold(touch, |a, b| Point2::new(a.x.min(b.x), a.y.min(b.y)));
