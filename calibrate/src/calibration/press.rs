@@ -8,8 +8,11 @@ use crate::field::InputField;
 use nalgebra::Vector2;
 use std::sync::OnceLock;
 
-/// The hub is found when pairing it again moves it by less, m.
+/// The hub is found when pairing it again moves it by less, m: between elements, whose nodes slide past each other.
 const HUB_TOLERANCE: f64 = 1e-10;
+/// The same on a fine grid, whose gaps follow the hub along the normals of the rail. Across a patch those of the wheel differ from
+/// them by a tenth of a radian at most, so that pairing again would move the hub by less than [`HUB_TOLERANCE`].
+const FINE_HUB_TOLERANCE: f64 = 1e-9;
 const PAIRING_LIMIT: usize = 40;
 /// Smallest factor on the step of the hub where pairings make it oscillate, and largest where they creep.
 const LEAST_SHARE: f64 = 1.0 / 16.0;
@@ -86,13 +89,17 @@ impl WheelOnRail<'_> {
         let (mut share, mut moved, mut active) = (1.0, 0.0_f64, 0);
         let mut previous: Option<Pressed> = None;
         let mut plan = FinePlan::default();
+        let tolerance = match self.field {
+            ContactField::Elements => HUB_TOLERANCE,
+            ContactField::Hybrid => FINE_HUB_TOLERANCE,
+        };
         for iteration in 0..PAIRING_LIMIT {
             let last = previous.as_ref().or(near);
             let candidates = match self.field {
                 ContactField::Elements => self.element_candidates(&hub, previous.as_ref(), near),
                 ContactField::Hybrid => self.fine_candidates(&hub, load, last, &mut plan),
             };
-            let Candidates { points, elasticity, start } = candidates;
+            let Candidates { mut points, elasticity, start } = candidates;
             if points.is_empty() {
                 return Err(failure(iteration, f64::NAN, 0, StopReason::EdgeOfCandidates));
             }
@@ -116,11 +123,17 @@ impl WheelOnRail<'_> {
                 share = (share * moved / (moved - way)).clamp(LEAST_SHARE, LARGEST_SHARE);
             }
             moved = way;
-            hub += along * if way.abs() < HUB_TOLERANCE { way } else { share * way };
             active = solution.active();
+            let settled = way.abs() < tolerance && previous.is_some();
+            if settled {
+                hub += along * way;
+                points.iter_mut().for_each(|point| point.gap += point.normal.dot(&along) * way);
+                add_motion(&points, &(along * way), &mut free);
+            } else {
+                hub += along * share * way;
+            }
             let state =
                 Pressed { load, hub, points, free, solution, elasticity, displacement: OnceLock::new() };
-            let settled = moved.abs() < HUB_TOLERANCE && previous.is_some();
             if self.revise(&mut plan, &state, settled) {
                 previous = Some(state);
                 continue;
@@ -173,6 +186,13 @@ impl WheelOnRail<'_> {
                 free[row] += points[j].displacement(Side::Base, d, rail);
             }
         }
+    }
+}
+
+/// Adds what the gaps and slips change by as the wheel moves by `way`, world (y, z) in m.
+fn add_motion(points: &[ContactPoint], way: &Vector2<f64>, free: &mut [f64]) {
+    for (row, value) in free.iter_mut().enumerate() {
+        *value += points[row % points.len()].direction(row / points.len()).yz().dot(way);
     }
 }
 

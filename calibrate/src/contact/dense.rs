@@ -1,6 +1,7 @@
 //! Dense factors.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::llt;
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::lu::partial_pivoting::solve::{solve_in_place, solve_in_place_scratch};
 use faer::perm::Perm;
@@ -34,5 +35,42 @@ impl DenseFactor {
         let stack = MemStack::new(&mut memory);
         let (factor, order) = (self.factor.as_ref(), self.order.as_ref());
         solve_in_place(factor, factor, order, right, Par::Seq, stack);
+    }
+}
+
+/// Factor of a symmetric matrix that is positive but for what an interpolation may do to it: that of Cholesky, or LU.
+pub(super) enum SymmetricFactor {
+    Cholesky(Mat<f64>),
+    General(DenseFactor),
+}
+
+impl SymmetricFactor {
+    pub fn new(matrix: Mat<f64>) -> Self {
+        let n = matrix.nrows();
+        let mut lower = matrix.clone();
+        let request = llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
+        let mut memory = MemBuffer::new(request);
+        let stack = MemStack::new(&mut memory);
+        let done = llt::factor::cholesky_in_place(
+            lower.as_mut(),
+            Default::default(),
+            Par::Seq,
+            stack,
+            Default::default(),
+        );
+        if done.is_ok() { Self::Cholesky(lower) } else { Self::General(DenseFactor::new(matrix)) }
+    }
+
+    /// Replaces a right-hand side by its solution.
+    pub fn solve(&self, side: &mut [f64]) {
+        match self {
+            Self::Cholesky(lower) => {
+                let n = side.len();
+                let mut memory = MemBuffer::new(llt::solve::solve_in_place_scratch::<f64>(n, 1, Par::Seq));
+                let right = MatMut::from_column_major_slice_mut(side, n, 1);
+                llt::solve::solve_in_place(lower.as_ref(), right, Par::Seq, MemStack::new(&mut memory));
+            }
+            Self::General(factor) => factor.solve(side),
+        }
     }
 }

@@ -57,12 +57,31 @@ impl Hybrid {
         &self.near
     }
 
+    /// Number of unknowns a point.
+    fn directions(&self) -> usize {
+        self.rows().checked_div(self.points()).unwrap_or(1)
+    }
+
     /// Fine forces carried to the coarse points.
     pub fn carried(&self, forces: &[f64]) -> Vec<f64> {
+        let (n, directions) = (self.points(), self.directions());
+        let m = self.far.nrows() / directions;
         let mut coarse = vec![0.0; self.far.nrows()];
-        for (row, force) in forces.iter().enumerate().filter(|(_, force)| **force != 0.0) {
-            for (c, weight) in self.coarse(row) {
-                coarse[c] += weight * force;
+        for (j, shares) in self.shares.iter().enumerate() {
+            if directions == 1 {
+                if forces[j] != 0.0 {
+                    shares.iter().for_each(|share| coarse[share.point] += share.weight * forces[j]);
+                }
+                continue;
+            }
+            let [normal, lateral, along] = [forces[j], forces[n + j], forces[2 * n + j]];
+            if normal == 0.0 && lateral == 0.0 && along == 0.0 {
+                continue;
+            }
+            for Share { point, weight, turn } in shares {
+                coarse[*point] += weight * (turn.x * normal - turn.y * lateral);
+                coarse[m + point] += weight * (turn.x * lateral + turn.y * normal);
+                coarse[2 * m + point] += weight * along;
             }
         }
         coarse
@@ -107,8 +126,19 @@ impl Hybrid {
 
     /// Adds what the points move by with the coarse ones, both by direction and point.
     pub fn interpolate(&self, coarse: &[f64], motion: &mut [f64]) {
-        for (row, m) in motion.iter_mut().enumerate() {
-            *m += self.coarse(row).map(|(c, weight)| weight * coarse[c]).sum::<f64>();
+        let (n, directions) = (self.points(), self.directions());
+        let m = coarse.len() / directions;
+        for (j, shares) in self.shares.iter().enumerate() {
+            for Share { point, weight, turn } in shares {
+                if directions == 1 {
+                    motion[j] += weight * coarse[*point];
+                    continue;
+                }
+                let [normal, lateral, along] = [coarse[*point], coarse[m + point], coarse[2 * m + point]];
+                motion[j] += weight * (turn.x * normal + turn.y * lateral);
+                motion[n + j] += weight * (turn.x * lateral - turn.y * normal);
+                motion[2 * n + j] += weight * along;
+            }
         }
     }
 }
@@ -118,8 +148,25 @@ impl ComplianceOperator for Hybrid {
         self.near.rows()
     }
 
-    fn has_fast_products(&self) -> bool {
-        true
+    fn among(&self, points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
+        let (n, directions) = (self.points(), self.rows().checked_div(self.points())?);
+        let coarse_points = self.far.nrows() / directions;
+        // only the coarse points in which these have a share
+        let mut place = vec![None; coarse_points];
+        let mut used = Vec::new();
+        let mut shares: Vec<Shares> = points.iter().map(|&j| self.shares[j]).collect();
+        for share in shares.iter_mut().flatten() {
+            share.point = *place[share.point].get_or_insert_with(|| {
+                used.push(share.point);
+                used.len() - 1
+            });
+        }
+        let m = used.len();
+        let row = |r: usize| r / m * coarse_points + used[r % m];
+        let far = Mat::from_fn(directions * m, directions * m, |r, c| self.far[(row(r), row(c))]);
+        let diagonal =
+            (0..directions).flat_map(|d| points.iter().map(move |&j| self.diagonal[d * n + j])).collect();
+        Some(Box::new(Self { near: self.near.between(points), far: Arc::new(far), shares, diagonal }))
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -140,21 +187,24 @@ impl ComplianceOperator for Hybrid {
 
     fn block(&self, rows: &[usize]) -> Mat<f64> {
         let m = rows.len();
-        let mut block = Mat::zeros(m, m);
+        let values = self.near.values(rows);
         let shares: Vec<Vec<(usize, f64)>> = rows.iter().map(|&row| self.coarse(row).collect()).collect();
-        let mut motion = vec![0.0; self.far.nrows()];
-        for (c, &column) in rows.iter().enumerate() {
-            motion.fill(0.0);
-            for &(k, weight) in &shares[c] {
-                if weight != 0.0 {
-                    motion.iter_mut().zip(self.far.col_as_slice(k)).for_each(|(m, d)| *m += weight * d);
-                }
+        // P·D, of the coarse rows that are used
+        let mut spread: Vec<Option<Vec<f64>>> = vec![None; self.far.nrows()];
+        for &(k, _) in shares.iter().flatten() {
+            spread[k].get_or_insert_with(|| {
+                let far = self.far.col_as_slice(k);
+                shares.iter().map(|share| share.iter().map(|&(l, weight)| weight * far[l]).sum()).collect()
+            });
+        }
+        let mut block = Mat::zeros(m, m);
+        for c in 0..m {
+            let column = &mut block.col_as_slice_mut(c)[c..];
+            for (k, weight) in &shares[c] {
+                let spread = spread[*k].iter().flat_map(|spread| &spread[c..]);
+                column.iter_mut().zip(spread).for_each(|(value, far)| *value += weight * far);
             }
-            let values = &mut block.col_as_slice_mut(c)[c..];
-            for (value, (share, &row)) in values.iter_mut().zip(shares[c..].iter().zip(&rows[c..])) {
-                let far: f64 = share.iter().map(|&(k, weight)| weight * motion[k]).sum();
-                *value = far + self.near.value(row, column);
-            }
+            column.iter_mut().enumerate().for_each(|(r, value)| *value += values.at(c + r, c));
         }
         for c in 0..m {
             for r in 0..c {
@@ -172,8 +222,8 @@ mod tests {
     use super::*;
     use crate::solid::Material;
 
-    /// Source: `N + P·D·Pᵀ` written out. Goal: diagonal, blocks, columns and products of the operator are all of this one
-    /// matrix. Accuracy over the largest: ROUNDOFF.
+    /// Source: `N + P·D·Pᵀ` written out. Goal: diagonal, blocks, columns and products of the operator, and those among some of
+    /// its points, are all of this one matrix. Accuracy over the largest: ROUNDOFF.
     #[test]
     fn all_parts_are_of_one_matrix() {
         const ROUNDOFF: f64 = 1e-12;
@@ -228,6 +278,22 @@ mod tests {
             }
             for (r, &row) in some.iter().enumerate() {
                 for (c, &column) in some.iter().enumerate() {
+                    assert!((block[(r, c)] - matrix[(row, column)]).abs() < tolerance, "{row} {column}");
+                }
+            }
+            let few: Vec<usize> = (0..n).filter(|j| j % 4 == 1).collect();
+            let among = hybrid.among(&few).unwrap();
+            let rows: Vec<usize> = (0..directions).flat_map(|d| few.iter().map(move |j| d * n + j)).collect();
+            let forces: Vec<f64> = rows.iter().map(|&row| forces[row]).collect();
+            let mut product = vec![0.0; rows.len()];
+            among.add_product(&forces, &mut product);
+            let all: Vec<usize> = (0..rows.len()).collect();
+            let block = among.block(&all);
+            for (r, &row) in rows.iter().enumerate() {
+                let exact: f64 = rows.iter().zip(&forces).map(|(&c, f)| matrix[(row, c)] * f).sum();
+                assert!((product[r] - exact).abs() < tolerance, "{row}");
+                assert!((among.diagonal(r) - matrix[(row, row)]).abs() < tolerance);
+                for (c, &column) in rows.iter().enumerate() {
                     assert!((block[(r, c)] - matrix[(row, column)]).abs() < tolerance, "{row} {column}");
                 }
             }

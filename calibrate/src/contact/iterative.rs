@@ -5,13 +5,14 @@
 //! (normal and tangential ones not at all on half-spaces of one material), so the preconditioner has a dense factor for
 //! each of them, at a twenty-seventh of the work of one for all.
 
-use super::dense::DenseFactor;
+use super::dense::{DenseFactor, SymmetricFactor};
+use super::operator::ComplianceOperator;
 use super::state::{PointMode, State};
 use faer::Mat;
 use nalgebra::{Vector2, Vector3};
 
 /// Rows from which products are faster than a dense factor.
-const ROWS: usize = 450;
+const ROWS: usize = 100;
 /// Products at most, before a dense factor takes over.
 const LIMIT: usize = 60;
 
@@ -63,16 +64,6 @@ pub(super) struct Linearised<'a> {
     pub hub_unit: f64,
 }
 
-/// An approximate inverse: direction by direction, sliding points without what their friction turns.
-struct Preconditioner {
-    normal: DenseFactor,
-    tangential: [Option<DenseFactor>; 2],
-    /// Solutions for the hub's columns.
-    hub: Vec<Vec<f64>>,
-    /// The hub's rows of these.
-    reduced: Option<DenseFactor>,
-}
-
 impl Linearised<'_> {
     /// What hub motions by one along `directions` do to the rows, sliding points with their share of the slip only.
     pub fn motions(&self, directions: &[Vector3<f64>]) -> Vec<Vec<f64>> {
@@ -92,44 +83,12 @@ impl Linearised<'_> {
     /// Solutions for right-hand sides as long as rows and hub directions, to a residual of `tolerance` times these; `None` where this way is not worth it or does not
     /// lead there.
     pub fn solve(&self, sides: &[Vec<f64>], tolerance: f64) -> Option<Vec<Vec<f64>>> {
-        if !self.state.problem.compliance.has_fast_products() || self.rows.len() < ROWS {
+        if self.rows.len() < ROWS {
             return None;
         }
-        let preconditioner = self.preconditioner()?;
-        sides
-            .iter()
-            .map(|side| gmres(side, tolerance, |x| self.product(x), |r| self.inverse(&preconditioner, r)))
-            .collect()
-    }
-
-    fn product(&self, x: &[f64]) -> Vec<f64> {
-        let state = self.state;
-        let m = self.rows.len();
-        let mut forces = vec![0.0; state.forces.len()];
-        self.rows.iter().zip(x).for_each(|(&row, &value)| forces[row] = value);
-        let mut motion = vec![0.0; forces.len()];
-        state.problem.compliance.add_product(&forces, &mut motion);
-        let mut product = vec![0.0; x.len()];
-        for (r, &row) in self.rows.iter().enumerate() {
-            let hub: f64 = self
-                .along
-                .iter()
-                .zip(&x[m..])
-                .map(|(along, h)| state.hub_weight(row, along) * self.hub_unit * h)
-                .sum();
-            product[r] = state.scale[row] * (motion[row] + hub);
-        }
-        for (h, along) in self.along.iter().enumerate() {
-            product[m + h] = self.rows.iter().zip(x).map(|(&row, x)| state.hub_weight(row, along) * x).sum();
-        }
-        let a = self.active.len();
-        for (local, cone) in self.sliding() {
-            let (row1, row2) = (a + local, 2 * a + local);
-            let (s1, s2) = cone.across(product[row1] - x[row1], product[row2] - x[row2]);
-            product[row1] = s1 + x[row1] - cone.friction * cone.unit.x * x[local];
-            product[row2] = s2 + x[row2] - cone.friction * cone.unit.y * x[local];
-        }
-        product
+        let products = Products::new(self)?;
+        let inverse = Inverse::new(&products);
+        sides.iter().map(|side| gmres(side, tolerance, |x| products.of(x), |r| inverse.of(r))).collect()
     }
 
     /// The sliding points, by their place among the active ones.
@@ -140,66 +99,125 @@ impl Linearised<'_> {
             .filter(move |(_, j)| three && self.modes[**j] == PointMode::Slip)
             .map(|(local, &j)| (local, Cone::new(self.state, j)))
     }
+}
 
-    /// Places among the active points of those that stick.
-    fn sticking(&self) -> Vec<usize> {
-        (0..self.active.len()).filter(|&local| self.modes[self.active[local]] != PointMode::Slip).collect()
+/// The linearised conditions as products.
+struct Products<'a> {
+    linearised: &'a Linearised<'a>,
+    /// Compliance between the active points.
+    compliance: Box<dyn ComplianceOperator + 'a>,
+    /// Sliding points, by their place among the active ones.
+    sliding: Vec<(usize, Cone)>,
+    /// What turns metres into newtons, by row.
+    scale: Vec<f64>,
+    /// By hub direction and row, what the row's separation changes by where the hub moves by one.
+    hub: Vec<Vec<f64>>,
+}
+
+impl<'a> Products<'a> {
+    fn new(linearised: &'a Linearised<'a>) -> Option<Self> {
+        let Linearised { state, active, rows, along, .. } = linearised;
+        let weights = |along: &Vector3<f64>| rows.iter().map(|&row| state.hub_weight(row, along)).collect();
+        Some(Self {
+            linearised,
+            compliance: state.problem.compliance.among(active)?,
+            sliding: linearised.sliding().collect(),
+            scale: rows.iter().map(|&row| state.scale[row]).collect(),
+            hub: along.iter().map(weights).collect(),
+        })
     }
 
-    fn preconditioner(&self) -> Option<Preconditioner> {
-        let a = self.active.len();
-        let compliance = self.state.problem.compliance;
-        let factor = |places: &[usize], direction: usize| -> DenseFactor {
-            let rows: Vec<usize> = places.iter().map(|&local| self.rows[direction * a + local]).collect();
-            DenseFactor::new(compliance.block(&rows))
-        };
-        let all: Vec<usize> = (0..a).collect();
-        let sticking = self.sticking();
-        let tangential = [1, 2].map(|direction| {
-            (self.state.directions == 3 && !sticking.is_empty()).then(|| factor(&sticking, direction))
-        });
-        let mut preconditioner =
-            Preconditioner { normal: factor(&all, 0), tangential, hub: Vec::new(), reduced: None };
-        for mut column in self.motions(self.along) {
-            column.iter_mut().for_each(|value| *value *= self.hub_unit);
-            preconditioner.hub.push(self.inverse(&preconditioner, &column));
+    fn of(&self, x: &[f64]) -> Vec<f64> {
+        let m = self.scale.len();
+        let mut product = vec![0.0; x.len()];
+        self.compliance.add_product(&x[..m], &mut product[..m]);
+        for (weights, h) in self.hub.iter().zip(&x[m..]) {
+            let way = self.linearised.hub_unit * h;
+            product.iter_mut().zip(weights).for_each(|(p, weight)| *p += weight * way);
         }
-        if !self.along.is_empty() {
-            let k = self.along.len();
-            let reduced = Mat::from_fn(k, k, |h, l| self.hub_row(h, &preconditioner.hub[l]));
-            preconditioner.reduced = Some(DenseFactor::new(reduced));
+        product.iter_mut().zip(&self.scale).for_each(|(p, scale)| *p *= scale);
+        for h in 0..self.hub.len() {
+            product[m + h] = self.hub_row(h, x);
         }
-        Some(preconditioner)
+        let a = self.linearised.active.len();
+        for (local, cone) in &self.sliding {
+            let (row1, row2) = (a + local, 2 * a + local);
+            let (s1, s2) = cone.across(product[row1] - x[row1], product[row2] - x[row2]);
+            product[row1] = s1 + x[row1] - cone.friction * cone.unit.x * x[*local];
+            product[row2] = s2 + x[row2] - cone.friction * cone.unit.y * x[*local];
+        }
+        product
     }
 
     fn hub_row(&self, h: usize, x: &[f64]) -> f64 {
-        self.rows.iter().zip(x).map(|(&row, x)| self.state.hub_weight(row, &self.along[h]) * x).sum()
+        self.hub[h].iter().zip(x).map(|(weight, x)| weight * x).sum()
+    }
+}
+
+/// An approximate inverse of the products: direction by direction, sliding points without what their friction turns.
+struct Inverse<'a> {
+    products: &'a Products<'a>,
+    normal: SymmetricFactor,
+    /// Places among the active points of those that stick.
+    sticking: Vec<usize>,
+    /// Of these, by tangential direction.
+    tangential: Vec<SymmetricFactor>,
+    /// Solutions for the hub's columns.
+    hub: Vec<Vec<f64>>,
+    /// The hub's rows of these.
+    reduced: Option<DenseFactor>,
+}
+
+impl<'a> Inverse<'a> {
+    fn new(products: &'a Products<'a>) -> Self {
+        let Linearised { state, modes, active, along, hub_unit, .. } = products.linearised;
+        let a = active.len();
+        let factor = |places: &[usize], direction: usize| {
+            let rows: Vec<usize> = places.iter().map(|local| direction * a + local).collect();
+            SymmetricFactor::new(products.compliance.block(&rows))
+        };
+        let all: Vec<usize> = (0..a).collect();
+        let sticks = |local: &usize| state.directions == 3 && modes[active[*local]] != PointMode::Slip;
+        let sticking: Vec<usize> = all.iter().copied().filter(sticks).collect();
+        let tangential =
+            if sticking.is_empty() { Vec::new() } else { vec![factor(&sticking, 1), factor(&sticking, 2)] };
+        let normal = factor(&all, 0);
+        let mut inverse = Self { products, normal, sticking, tangential, hub: Vec::new(), reduced: None };
+        for mut column in products.linearised.motions(along) {
+            column.iter_mut().for_each(|value| *value *= hub_unit);
+            inverse.hub.push(inverse.of(&column));
+        }
+        if !along.is_empty() {
+            let k = along.len();
+            let reduced = Mat::from_fn(k, k, |h, l| products.hub_row(h, &inverse.hub[l]));
+            inverse.reduced = Some(DenseFactor::new(reduced));
+        }
+        inverse
     }
 
-    fn inverse(&self, preconditioner: &Preconditioner, residual: &[f64]) -> Vec<f64> {
-        let (a, m) = (self.active.len(), self.rows.len());
-        let scaled = |r: usize| residual[r] / self.state.scale[self.rows[r]];
+    fn of(&self, residual: &[f64]) -> Vec<f64> {
+        let Products { linearised, scale, sliding, .. } = self.products;
+        let (a, m) = (linearised.active.len(), scale.len());
         let mut x = residual.to_vec();
-        let mut normal: Vec<f64> = (0..a).map(scaled).collect();
-        preconditioner.normal.solve(&mut normal);
-        x[..a].copy_from_slice(&normal);
-        let sticking = self.sticking();
-        for (d, factor) in preconditioner.tangential.iter().enumerate() {
-            let Some(factor) = factor else { continue };
+        x[..a].iter_mut().zip(scale).for_each(|(x, scale)| *x /= scale);
+        self.normal.solve(&mut x[..a]);
+        let mut values = vec![0.0; self.sticking.len()];
+        for (d, factor) in self.tangential.iter().enumerate() {
             let first = (d + 1) * a;
-            let mut values: Vec<f64> = sticking.iter().map(|local| scaled(first + local)).collect();
+            let places = self.sticking.iter().map(|local| first + local);
+            values.iter_mut().zip(places.clone()).for_each(|(v, row)| *v = residual[row] / scale[row]);
             factor.solve(&mut values);
-            sticking.iter().zip(values).for_each(|(local, value)| x[first + local] = value);
+            places.zip(&values).for_each(|(row, value)| x[row] = *value);
         }
-        for (local, cone) in self.sliding() {
-            x[a + local] += cone.friction * cone.unit.x * x[local];
-            x[2 * a + local] += cone.friction * cone.unit.y * x[local];
+        for (local, cone) in sliding {
+            x[a + local] += cone.friction * cone.unit.x * x[*local];
+            x[2 * a + local] += cone.friction * cone.unit.y * x[*local];
         }
-        if let Some(reduced) = &preconditioner.reduced {
+        if let Some(reduced) = &self.reduced {
             let mut hub: Vec<f64> =
-                (0..self.along.len()).map(|h| self.hub_row(h, &x) - residual[m + h]).collect();
+                (0..self.hub.len()).map(|h| self.products.hub_row(h, &x) - residual[m + h]).collect();
             reduced.solve(&mut hub);
-            for (h, solution) in hub.iter().zip(&preconditioner.hub) {
+            for (h, solution) in hub.iter().zip(&self.hub) {
                 x.iter_mut().zip(solution).for_each(|(x, s)| *x -= h * s);
             }
             x[m..].copy_from_slice(&hub);

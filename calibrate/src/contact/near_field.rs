@@ -33,12 +33,23 @@ impl NearField {
         points: &[ContactPoint],
         directions: usize,
     ) -> Self {
-        let low = |pick: fn(&ContactPoint) -> usize| points.iter().map(pick).min().unwrap_or(0);
-        let corner = (low(|p| p.index.0), low(|p| p.index.1));
-        let places = points.iter().map(|p| (p.index.0 - corner.0, p.index.1 - corner.1)).collect();
-        let extent = extent(points);
+        let places = points.iter().map(|point| point.index).collect();
+        Self::at(table, sum_of_factors(bodies), places, directions)
+    }
+
+    fn at(
+        table: Arc<HatTable>,
+        factors: Factors,
+        mut places: Vec<(usize, usize)>,
+        directions: usize,
+    ) -> Self {
+        let low = |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).min().unwrap_or(0);
+        let corner = (low(|place| place.0), low(|place| place.1));
+        places.iter_mut().for_each(|place| *place = (place.0 - corner.0, place.1 - corner.1));
+        let lines =
+            |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).max().map_or(0, |last| last + 1);
+        let extent = (lines(|place| place.0), lines(|place| place.1));
         assert!(extent.0 <= table.reach.0 && extent.1 <= table.reach.1, "the table reaches over all points");
-        let factors = sum_of_factors(bodies);
         let mut convolution = Convolution::new(extent);
         for to in 0..directions {
             for from in 0..directions {
@@ -50,6 +61,12 @@ impl NearField {
         Self { table, factors, directions, places, convolution }
     }
 
+    /// The half-spaces between some of the points, by their places in the list.
+    pub(crate) fn between(&self, points: &[usize]) -> Self {
+        let places = points.iter().map(|&j| self.places[j]).collect();
+        Self::at(self.table.clone(), self.factors, places, self.directions)
+    }
+
     /// The table of the grid.
     pub(crate) fn table(&self) -> &Arc<HatTable> {
         &self.table
@@ -57,15 +74,16 @@ impl NearField {
 
     /// Compliance of `bodies` under `forces` on the points: fᵀ·N·f, m·N.
     pub(crate) fn quadratic(&self, bodies: &[HalfSpace], forces: &[f64]) -> f64 {
-        let factors = sum_of_factors(bodies);
-        let loads: Vec<(usize, f64)> =
-            forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
-        loads
-            .iter()
-            .map(|&(row, force)| {
-                force * loads.iter().map(|&(c, f)| f * self.value_of(&factors, row, c)).sum::<f64>()
-            })
-            .sum()
+        let n = self.places.len();
+        let loaded: Vec<usize> =
+            (0..n).filter(|&j| (0..self.directions).any(|d| forces[d * n + j] != 0.0)).collect();
+        let places = loaded.iter().map(|&j| self.places[j]).collect();
+        let near = Self::at(self.table.clone(), sum_of_factors(bodies), places, self.directions);
+        let forces: Vec<f64> =
+            (0..self.directions).flat_map(|d| loaded.iter().map(move |&j| forces[d * n + j])).collect();
+        let mut motion = vec![0.0; forces.len()];
+        near.add_product(&forces, &mut motion);
+        motion.iter().zip(&forces).map(|(u, f)| u * f).sum()
     }
 
     /// Whether the directions see each other: without `coupling` the normal and the tangential ones do not.
@@ -75,18 +93,60 @@ impl NearField {
 
     /// One value of the matrix.
     pub(crate) fn value(&self, row: usize, column: usize) -> f64 {
-        self.value_of(&self.factors, row, column)
-    }
-
-    fn value_of(&self, factors: &Factors, row: usize, column: usize) -> f64 {
         let n = self.places.len();
         let (to, from) = (row / n, column / n);
-        if !Self::couples(factors, to, from) {
+        if !Self::couples(&self.factors, to, from) {
             return 0.0;
         }
         let (a, b) = (self.places[row % n], self.places[column % n]);
         let offset = (a.0 as isize - b.0 as isize, a.1 as isize - b.1 as isize);
-        factors.entry(&self.table.at(offset), to, from)
+        self.factors.entry(&self.table.at(offset), to, from)
+    }
+
+    /// The values between `rows`, for many of them.
+    pub(crate) fn values(&self, rows: &[usize]) -> Values {
+        let (n, d) = (self.places.len(), self.directions);
+        let (lines, columns) = self.convolution.extent;
+        let width = (2 * columns).saturating_sub(1);
+        let placed = |&row: &usize| (row / n, self.places[row % n].0 * width + self.places[row % n].1);
+        let rows: Vec<(usize, usize)> = rows.iter().map(placed).collect();
+        let mut there = vec![false; d];
+        rows.iter().for_each(|row| there[row.0] = true);
+        let offset = |t: usize| {
+            let (i, k) = (t / width, t % width);
+            (i as isize - (lines as isize - 1), k as isize - (columns as isize - 1))
+        };
+        let table = |to: usize, from: usize| {
+            (there[to] && there[from] && Self::couples(&self.factors, to, from)).then(|| {
+                let at = |t| self.factors.entry(&self.table.at(offset(t)), to, from);
+                (0..(2 * lines).saturating_sub(1) * width).map(at).collect()
+            })
+        };
+        let tables = (0..d * d).map(|t| table(t / d, t % d)).collect();
+        Values {
+            rows,
+            directions: d,
+            middle: lines.saturating_sub(1) * width + columns.saturating_sub(1),
+            tables,
+        }
+    }
+}
+
+/// Values of the matrix between some of its rows: a table over the signed offsets for each pair of directions.
+pub(crate) struct Values {
+    /// Direction and place of every row.
+    rows: Vec<(usize, usize)>,
+    directions: usize,
+    /// Place of the offset zero.
+    middle: usize,
+    tables: Vec<Option<Vec<f64>>>,
+}
+
+impl Values {
+    /// The value between two rows, by their places in the list.
+    pub fn at(&self, row: usize, column: usize) -> f64 {
+        let ((to, a), (from, b)) = (self.rows[row], self.rows[column]);
+        self.tables[to * self.directions + from].as_ref().map_or(0.0, |table| table[self.middle + a - b])
     }
 }
 
@@ -95,8 +155,8 @@ impl ComplianceOperator for NearField {
         self.directions * self.places.len()
     }
 
-    fn has_fast_products(&self) -> bool {
-        true
+    fn among(&self, points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
+        Some(Box::new(self.between(points)))
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -108,7 +168,8 @@ impl ComplianceOperator for NearField {
     }
 
     fn block(&self, rows: &[usize]) -> Mat<f64> {
-        Mat::from_fn(rows.len(), rows.len(), |r, c| self.value(rows[r], rows[c]))
+        let values = self.values(rows);
+        Mat::from_fn(rows.len(), rows.len(), |r, c| values.at(r, c))
     }
 
     fn add_product(&self, forces: &[f64], motion: &mut [f64]) {
@@ -288,6 +349,13 @@ mod tests {
             let mut product = vec![0.0; forces.len()];
             near.add_product(&forces, &mut product);
             let largest = product.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let every_third: Vec<usize> = (0..forces.len()).step_by(3).collect();
+            let block = near.block(&every_third);
+            for (r, &row) in every_third.iter().enumerate() {
+                for (c, &column) in every_third.iter().enumerate() {
+                    assert!((block[(r, c)] - matrix[(row, column)]).abs() < ROUNDOFF * matrix[(0, 0)]);
+                }
+            }
             for row in 0..forces.len() {
                 let mut exact = 0.0;
                 for column in 0..forces.len() {

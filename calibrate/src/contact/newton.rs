@@ -85,11 +85,10 @@ fn stick_between_slips(state: &State, previous: &[PointMode], modes: &mut [Point
     }
 }
 
-/// Change of forces and hub, and what it does to the separations.
+/// Change of forces and hub.
 struct Step {
     forces: Vec<f64>,
     hub: Vec<f64>,
-    separation: Vec<f64>,
 }
 
 fn advance(state: &mut State, step: &Step, length: f64) {
@@ -98,12 +97,8 @@ fn advance(state: &mut State, step: &Step, length: f64) {
     };
     add(&mut state.forces, &step.forces);
     add(&mut state.hub, &step.hub);
-    if length == 1.0 {
-        // anew from the forces, so that rounding does not add up
-        state.update_separation();
-    } else {
-        add(&mut state.separation, &step.separation);
-    }
+    // anew from the forces, so that rounding does not add up
+    state.update_separation();
 }
 
 /// Halves the step until the residual falls below `bound`; takes the best of them if none does.
@@ -144,12 +139,16 @@ fn direction(state: &State, modes: &[PointMode], tolerance: f64) -> Option<Step>
     for j in (0..n).filter(|&j| modes[j] == PointMode::Open) {
         (0..state.directions).for_each(|d| forces[d * n + j] = -state.forces[d * n + j]);
     }
-    // separations once the open points have lost their forces
-    let lost = state.motion(&forces, &vec![0.0; k]);
     if m == 0 {
         // the surfaces part: nothing to solve
-        return Some(Step { forces, hub: Vec::new(), separation: lost });
+        return Some(Step { forces, hub: Vec::new() });
     }
+    // what the separations change by as the open points lose their forces
+    let lost = if forces.iter().any(|force| *force != 0.0) {
+        state.motion(&forces, &vec![0.0; k])
+    } else {
+        vec![0.0; forces.len()]
+    };
     // gap (and slip while sticking) closes; in newtons, so that all rows have one scale
     let mut rhs = vec![0.0; m + k];
     for (r, &row) in rows.iter().enumerate() {
@@ -189,8 +188,7 @@ fn direction(state: &State, modes: &[PointMode], tolerance: f64) -> Option<Step>
         forces[row] = change[r];
     }
     let hub: Vec<f64> = (0..k).map(|h| change[m + h] * hub_unit).collect();
-    let separation = state.motion(&forces, &hub);
-    Some(Step { forces, hub, separation })
+    Some(Step { forces, hub })
 }
 
 /// Replaces the tangential rows of slipping points, which hold the scaled change of their slip, by the linearised

@@ -11,6 +11,7 @@
 use super::dense::DenseFactor;
 use super::iterative::Linearised;
 use super::newton::{newton, slip_rows};
+use super::start::approach;
 use super::state::State;
 use super::sweeps::sweep;
 use crate::error::{NumericsError, Result};
@@ -35,6 +36,7 @@ const SWEEPS: [(f64, f64); 3] = [(1e-5, 1.0), (1e-8, 1.0), (1e-12, 0.5)];
 pub fn solve(problem: &Problem, start: &[f64]) -> Result<Solution> {
     let mut spent = 0;
     let mut state = State::new(problem, start);
+    approach(&mut state, &mut spent);
     let Err(mut stopped) = newton(&mut state, &mut spent) else { return Ok(state.solution(spent)) };
     if let Some(solution) = raise_friction(problem, start, &mut spent) {
         return Ok(solution);

@@ -1,0 +1,132 @@
+//! Where Newton's iteration starts: first the normal conditions alone, then friction within the bounds that the normal forces give it.
+//!
+//! Both are convex, settle from anywhere, and see little of each other (nothing on half-spaces of one material), as in P.D.
+//! Panagiotopoulos, "A nonlinear programming approach to the unilateral contact- and friction-boundary value problem in the theory of
+//! elasticity", Ingenieur-Archiv 44 (1975). What they come to is near the solution of the coupled problem and no more: the
+//! residual of that decides.
+
+use super::newton::newton;
+use super::operator::NormalRows;
+use super::state::{FreeDirection, Problem, State};
+
+/// Rounds at most. Where sliding bodies roll under friction more of them do not help.
+const ROUNDS: usize = 6;
+/// Products at most for the friction of a start.
+const PRODUCTS: usize = 80;
+/// SOLVER: change of a friction force by a step of its point alone, over the largest bound, at which friction is near enough to
+/// start from: the points that slide are then the right ones but for a few.
+const NEAR: f64 = 1e-3;
+
+/// Gives a `state` with a free hub the normal forces that its tangential ones ask for, these the friction that goes with them, and
+/// so on until it is near the solution. A state whose normal conditions do not settle stays what it is. Adds the Newton steps to
+/// `spent`.
+pub(super) fn approach(state: &mut State, spent: &mut usize) {
+    if state.directions == 1 || state.problem.hub.is_empty() {
+        return;
+    }
+    state.update_separation();
+    for _ in 0..ROUNDS {
+        if state.residual().relative < NEAR || !press(state, spent) || state.problem.friction == 0.0 {
+            return;
+        }
+        rub(state);
+        state.update_separation();
+    }
+}
+
+/// The normal forces and the hub with the tangential forces as they are; whether they settle.
+fn press(state: &mut State, spent: &mut usize) -> bool {
+    let problem = state.problem;
+    let n = problem.points.len();
+    let mut tangential = state.forces.clone();
+    tangential[..n].fill(0.0);
+    let mut free = state.motion(&tangential, &vec![0.0; problem.hub.len()]);
+    free.truncate(n);
+    free.iter_mut().zip(problem.free).for_each(|(gap, free)| *gap += free);
+    let rest = |free: &FreeDirection| {
+        let carried: f64 = (n..3 * n).map(|row| state.hub_weight(row, &free.along) * tangential[row]).sum();
+        FreeDirection { force: free.force - carried, ..*free }
+    };
+    let hub: Vec<FreeDirection> = problem.hub.iter().map(rest).collect();
+    let compliance = NormalRows { compliance: problem.compliance, points: n };
+    let normal =
+        Problem { points: problem.points, compliance: &compliance, free: &free, friction: 0.0, hub: &hub };
+    let mut pressed = State::new(&normal, &state.forces[..n]);
+    pressed.hub.copy_from_slice(&state.hub);
+    let settles = newton(&mut pressed, spent).is_ok();
+    if settles {
+        let solution = pressed.solution(0);
+        state.forces[..n].copy_from_slice(&solution.forces);
+        state.hub.copy_from_slice(&solution.hub);
+    }
+    settles
+}
+
+/// The friction of the normal forces as they are, the hub held: the forces within the cones whose energy is least, by projected
+/// gradients with the steps of J. Barzilai, J.M. Borwein, IMA J. Numer. Anal. 8 (1988), exact along each direction (E.G. Birgin,
+/// J.M. Martínez, M. Raydan, SIAM J. Optim. 10 (2000)).
+fn rub(state: &mut State) {
+    let n = state.problem.points.len();
+    let active: Vec<usize> = (0..n).filter(|&j| state.forces[j] > 0.0).collect();
+    for j in 0..n {
+        if !(state.forces[j] > 0.0) {
+            (state.forces[n + j], state.forces[2 * n + j]) = (0.0, 0.0);
+        }
+    }
+    let Some(compliance) = state.problem.compliance.among(&active) else { return };
+    let a = active.len();
+    let bounds: Vec<f64> = active.iter().map(|&j| state.problem.friction * state.forces[j]).collect();
+    let within = |x: &mut Vec<f64>| {
+        for (local, bound) in bounds.iter().enumerate() {
+            let length = x[local].hypot(x[a + local]);
+            if length > *bound {
+                x[local] *= bound / length;
+                x[a + local] *= bound / length;
+            }
+        }
+    };
+    let row = |r: usize| (1 + r / a) * n + active[r % a];
+    let mut forces: Vec<f64> = (0..2 * a).map(|r| state.forces[row(r)]).collect();
+    within(&mut forces);
+    (0..2 * a).for_each(|r| state.forces[row(r)] = forces[r]);
+    state.update_separation();
+    let mut slip: Vec<f64> = (0..2 * a).map(|r| state.separation[row(r)]).collect();
+    let scale: Vec<f64> = (0..2 * a).map(|r| state.scale[row(r)]).collect();
+    let largest = bounds.iter().fold(0.0_f64, |m, b| m.max(*b));
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    // in units of the step of a point alone
+    let mut length = 1.0;
+    for product in 0..PRODUCTS {
+        let step = |length: f64| {
+            let mut moved: Vec<f64> = (0..2 * a).map(|r| forces[r] - length * scale[r] * slip[r]).collect();
+            within(&mut moved);
+            moved.iter_mut().zip(&forces).for_each(|(m, f)| *m -= f);
+            moved
+        };
+        let change = step(1.0).iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+        if !(change > NEAR * largest) {
+            break;
+        }
+        let direction = step(length);
+        let mut all = vec![0.0; 3 * a];
+        all[a..].copy_from_slice(&direction);
+        let mut motion = vec![0.0; 3 * a];
+        compliance.add_product(&all, &mut motion);
+        let motion = &motion[a..];
+        let stored = dot(&direction, motion);
+        if !(stored > 0.0) {
+            break;
+        }
+        let part = (-dot(&slip, &direction) / stored).clamp(0.0, 1.0);
+        forces.iter_mut().zip(&direction).for_each(|(f, d)| *f += part * d);
+        slip.iter_mut().zip(motion).for_each(|(s, m)| *s += part * m);
+        // the inverse of the curvature along the direction, from below and from above in turn
+        let scaled: f64 = direction.iter().zip(&scale).map(|(d, s)| d * d / s).sum();
+        length = if product % 2 == 0 {
+            scaled / stored
+        } else {
+            stored / motion.iter().zip(&scale).map(|(m, s)| m * m * s).sum::<f64>()
+        };
+    }
+    (0..2 * a).for_each(|r| state.forces[row(r)] = forces[r]);
+}
