@@ -18,7 +18,7 @@ pub use by_angle::{
     StiffnessByAngleRecord,
 };
 pub use law::LawConstants;
-pub use patches::{PatchRecord, PatchesRecord, PointState};
+pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use run::{PairRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};
 
@@ -389,6 +389,14 @@ pub struct LoadCurveRow {
     pub semi_axis_along_mm: f64,
     /// Semi-axis of the patch across, mm.
     pub semi_axis_across_mm: f64,
+    /// Largest von Mises stress below the patch, MPa, of a half-space; none for a contact between elements, which do not resolve it.
+    pub max_von_mises_mpa: Option<f64>,
+    /// Its depth, mm.
+    pub von_mises_depth_mm: Option<f64>,
+    /// Largest shear stress below the patch, MPa.
+    pub max_shear_mpa: Option<f64>,
+    /// Its depth, mm.
+    pub shear_depth_mm: Option<f64>,
 }
 
 /// What differs from run to run: time, memory, host. Nothing else in the results does.

@@ -1,4 +1,4 @@
-//! What a calibration says of the contact itself: patches, on the fine grid and between elements.
+//! What a calibration says of the contact itself: patches and the stresses below them, on the fine grid and between elements.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -81,4 +81,57 @@ fn patches_carry_the_loads() {
             assert!((force / load - 1.0).abs() < MODEL, "{field}: {load} kN, {force} kN");
         }
     }
+}
+
+/// Source: Hertz' contacts from the circle to the line have their largest von Mises stress at 0.55 to 0.63 times the largest pressure and
+/// their largest shear at 0.30 to 0.33 (K.L. Johnson, Contact Mechanics, 1985, sections 3.4 and 4.1 to 4.3), below the surface. Goal: the
+/// columns of `load_curve.csv`, MPa and mm, for patches on the fine grid; the stresses grow with the load, and the curve over the depth reaches
+/// them. Between elements there are none. Accuracy: MODEL, a pressure on crown and gauge corner that is no ellipse's and friction change the
+/// ratios by a tenth; DISCRETISATION, the curve has depths a twelfth of that of the peak apart.
+#[test]
+fn stresses_below_the_patch_are_those_of_its_pressure() {
+    const MODEL: f64 = 0.15;
+    const DISCRETISATION: f64 = 0.01;
+    let column = |field: &'static str, name: &str| -> Vec<Option<f64>> {
+        let mut reader = csv_rows(&calibrated(field).join("load_curve.csv"));
+        let heading = reader.remove(0);
+        let at = heading.iter().position(|found| found == name).unwrap();
+        reader.iter().map(|row| row[at].parse().ok()).collect()
+    };
+    let whole = |name: &str| column("hybrid", name).into_iter().map(Option::unwrap).collect::<Vec<f64>>();
+    let (mises, shear) = (whole("max_von_mises_mpa"), whole("max_shear_mpa"));
+    let (pressure, depth) = (whole("max_pressure_mpa"), whole("von_mises_depth_mm"));
+    let semi_axes = [whole("semi_axis_along_mm"), whole("semi_axis_across_mm")];
+    for i in 0..mises.len() {
+        let least = semi_axes[0][i].min(semi_axes[1][i]);
+        println!(
+            "{:.1} MPa: {:.3}, {:.3}, {:.3}",
+            pressure[i],
+            mises[i] / pressure[i],
+            shear[i] / pressure[i],
+            depth[i] / least
+        );
+        let within = |value: f64, (low, high): (f64, f64)| {
+            assert!((low * (1.0 - MODEL)..high * (1.0 + MODEL)).contains(&value), "{value}: {low} to {high}");
+        };
+        within(mises[i] / pressure[i], (0.55, 0.63));
+        within(shear[i] / pressure[i], (0.30, 0.33));
+        assert!((0.1..1.0).contains(&(depth[i] / least)), "{} mm", depth[i]);
+    }
+    assert!(mises.windows(2).chain(shear.windows(2)).all(|w| w[0] < w[1]), "{mises:?} {shear:?}");
+    let record = json(&calibrated("hybrid").join("contact_patches.json"));
+    for (patch, row) in
+        record["patches"].as_array().unwrap().iter().zip([0, mises.len() / 2, mises.len() - 1])
+    {
+        let largest = numbers(&patch["below"]["von_mises_mpa"]).into_iter().fold(0.0, f64::max);
+        assert!((largest / mises[row] - 1.0).abs() < DISCRETISATION, "{largest} {}", mises[row]);
+    }
+    assert!(column("elements", "max_von_mises_mpa").iter().all(Option::is_none));
+    let coarse = json(&calibrated("elements").join("contact_patches.json"));
+    assert!(coarse["patches"].as_array().unwrap().iter().all(|patch| patch["below"].is_null()));
+}
+
+fn csv_rows(path: &Path) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().map(|line| line.split(',').map(String::from).collect()).collect()
 }

@@ -82,6 +82,14 @@ pub struct FixedLoadRecord {
     pub semi_axis_along_mm: f64,
     /// Semi-axis of the patch across, mm.
     pub semi_axis_across_mm: f64,
+    /// Largest von Mises stress below the patch, MPa, of a half-space; none for a contact between elements, which do not resolve it.
+    pub max_von_mises_mpa: Option<f64>,
+    /// Its depth, mm.
+    pub von_mises_depth_mm: Option<f64>,
+    /// Largest shear stress below the patch, MPa.
+    pub max_shear_mpa: Option<f64>,
+    /// Its depth, mm.
+    pub shear_depth_mm: Option<f64>,
 }
 
 /// The solid under a fixed load with one reference.
@@ -123,6 +131,10 @@ pub struct ByAngleRow {
     pub max_pressure_mpa: Option<f64>,
     pub semi_axis_along_mm: Option<f64>,
     pub semi_axis_across_mm: Option<f64>,
+    pub max_von_mises_mpa: Option<f64>,
+    pub von_mises_depth_mm: Option<f64>,
+    pub max_shear_mpa: Option<f64>,
+    pub shear_depth_mm: Option<f64>,
     pub local_um_per_kn: Option<f64>,
     pub wheel_um_per_kn: Option<f64>,
     pub rail_um_per_kn: Option<f64>,
@@ -190,6 +202,10 @@ impl ShiftRecord {
                     max_pressure_mpa: Some(load.max_pressure_mpa),
                     semi_axis_along_mm: Some(load.semi_axis_along_mm),
                     semi_axis_across_mm: Some(load.semi_axis_across_mm),
+                    max_von_mises_mpa: load.max_von_mises_mpa,
+                    von_mises_depth_mm: load.von_mises_depth_mm,
+                    max_shear_mpa: load.max_shear_mpa,
+                    shear_depth_mm: load.shear_depth_mm,
                     local_um_per_kn: Some(point.local_um_per_kn),
                     wheel_um_per_kn: point.wheel_um_per_kn,
                     rail_um_per_kn: point.rail_um_per_kn,

@@ -39,6 +39,23 @@ pub struct PatchRecord {
     pub pressure_mpa: Vec<Vec<f64>>,
     /// State, by line across and line along.
     pub state: Vec<Vec<PointState>>,
+    /// Stresses below the patch; none for a contact between elements, which do not resolve them.
+    pub below: Option<BelowRecord>,
+}
+
+/// Stresses of a half-space under the pressure and traction of a patch, below the place with the largest von Mises stress.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BelowRecord {
+    /// The place, as `across_mm` of the patch.
+    pub across_mm: f64,
+    /// The place, as `along_mm` of the patch.
+    pub along_mm: f64,
+    /// Depths below it, mm, ascending.
+    pub depth_mm: Vec<f64>,
+    /// Von Mises stress at the depths, MPa.
+    pub von_mises_mpa: Vec<f64>,
+    /// Largest shear stress at the depths, MPa.
+    pub shear_mpa: Vec<f64>,
 }
 
 /// State of a contact point.

@@ -6,7 +6,9 @@ use railspring_calibrate::history::{ContactMode, History};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
-use crate::records::{ComplianceRecord, HorizontalRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord};
+use crate::records::{
+    ComplianceRecord, HorizontalRecord, LoadCurveRow, PatchRecord, ReferenceRecord, StiffnessRecord,
+};
 use crate::verify::averaged_ratio;
 
 use super::legend::{Entry, draw_legend, legend_height};
@@ -133,6 +135,52 @@ pub fn patch(rows: &[LoadCurveRow]) -> String {
             },
         ],
     )
+}
+
+/// The largest stresses below the patch over the load, with their depths; then over the depth for the loads of `patches`. `None` for a contact
+/// between elements, which does not resolve them.
+pub fn subsurface(rows: &[LoadCurveRow], patches: &[PatchRecord]) -> Option<String> {
+    let of = |value: fn(&LoadCurveRow) -> Option<f64>| -> Option<Vec<(f64, f64)>> {
+        rows.iter().map(|row| Some((row.force_kn, value(row)?))).collect()
+    };
+    let mises = |points| Series::joined("von Mises", points, DARK, Dash::Solid, Marker::Disc);
+    let shear = |points| Series::joined("largest shear", points, ORANGE, Dash::Dashed, Marker::Square);
+    let over_load = |name: &str, series| Panel {
+        x_label: "load P, kN".into(),
+        y_label: name.into(),
+        from_zero: true,
+        series,
+    };
+    let looks = [(GREY, Dash::Dotted), (BLUE, Dash::Dashed), (DARK, Dash::Solid)];
+    let mut profiles = Vec::new();
+    for (patch, (color, dash)) in patches.iter().zip(looks) {
+        let below = patch.below.as_ref()?;
+        let points = |values: &[f64]| below.depth_mm.iter().copied().zip(values.iter().copied()).collect();
+        let load = number((patch.force_kn * 10.0).round() / 10.0);
+        let name = format!("{load} kN: von Mises (broad), shear");
+        profiles.push(Series::line(&name, points(&below.von_mises_mpa), color, dash).broad());
+        profiles.push(Series::line("", points(&below.shear_mpa), color, dash));
+    }
+    Some(stacked(
+        WIDTH,
+        220,
+        &[
+            over_load(
+                "largest stress, MPa",
+                vec![mises(of(|row| row.max_von_mises_mpa)?), shear(of(|row| row.max_shear_mpa)?)],
+            ),
+            over_load(
+                "its depth, mm",
+                vec![mises(of(|row| row.von_mises_depth_mm)?), shear(of(|row| row.shear_depth_mm)?)],
+            ),
+            Panel {
+                x_label: "depth below the place of the largest von Mises stress, mm".into(),
+                y_label: "stress, MPa".into(),
+                from_zero: true,
+                series: profiles,
+            },
+        ],
+    ))
 }
 
 /// P and Q of both models over time.

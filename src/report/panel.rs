@@ -33,6 +33,27 @@ pub fn stacked(width: u32, panel_height: u32, panels: &[Panel]) -> String {
 
 /// As [`stacked`], with lines of text below the panels.
 pub fn stacked_with_notes(width: u32, panel_height: u32, panels: &[Panel], notes: &[String]) -> String {
+    drawn(width, panel_height, panels, notes, None)
+}
+
+/// As [`stacked_with_notes`], for points at 0, 1, 2 and so on that have names in place of numbers, each of two lines.
+pub fn stacked_over_names(
+    width: u32,
+    panel_height: u32,
+    panels: &[Panel],
+    notes: &[String],
+    names: &[[String; 2]],
+) -> String {
+    drawn(width, panel_height, panels, notes, Some(names))
+}
+
+fn drawn(
+    width: u32,
+    panel_height: u32,
+    panels: &[Panel],
+    notes: &[String],
+    names: Option<&[[String; 2]]>,
+) -> String {
     let entries = legend_of(panels);
     let legend = legend_height(width, &entries);
     let notes: Vec<String> = notes.iter().flat_map(|note| broken(note, width)).collect();
@@ -46,14 +67,14 @@ pub fn stacked_with_notes(width: u32, panel_height: u32, panels: &[Panel], notes
         }
         let (top, body) = root.split_vertically(px(legend));
         draw_legend(&top, width, &entries)?;
-        let ranges: Vec<Ranges> = panels.iter().map(ranges).collect();
+        let ranges: Vec<Ranges> = panels.iter().map(|panel| ranges(panel, names)).collect();
         let left = ranges.iter().map(|r| label_width(r.y)).max().unwrap_or(0);
         for (index, area) in body.split_evenly((panels.len(), 1)).iter().enumerate() {
             let panel = &panels[index];
             // A label that the next panel repeats is left to that.
             let repeated = panels.get(index + 1).is_some_and(|next| next.x_label == panel.x_label);
             let labels = (if repeated { "" } else { panel.x_label.as_str() }, panel.y_label.as_str());
-            let mut chart = axes(area, &ranges[index], labels, left)?;
+            let mut chart = axes(area, &ranges[index], labels, left, names)?;
             for series in &panel.series {
                 draw_series(area, &mut chart, series)?;
             }
@@ -96,20 +117,26 @@ fn legend_of(panels: &[Panel]) -> Vec<Entry> {
     entries
 }
 
-/// Axes of a panel with their labels; `left` is the width of those of the vertical axis.
+/// Height of a second line of ticks, px.
+const SECOND_LINE: u32 = 15;
+
+/// Axes of a panel with their labels; `left` is the width of those of the vertical axis, `names` stand in place of the numbers of the
+/// horizontal one.
 fn axes<'a, 'b>(
     area: &'a Area<'b>,
     Ranges { x, y }: &Ranges,
     (x_label, y_label): (&str, &str),
     left: u32,
+    names: Option<&[[String; 2]]>,
 ) -> Result<Chart<'a, 'b>, Box<dyn std::error::Error>> {
     let (x, y) = (*x, *y);
+    let second = if names.is_some() { SECOND_LINE } else { 0 };
     let mut chart = ChartBuilder::on(area)
         .margin_top(px(8))
         .margin_right(px(20))
         .margin_bottom(px(2))
         .set_label_area_size(LabelAreaPosition::Left, px(left))
-        .set_label_area_size(LabelAreaPosition::Bottom, px(40))
+        .set_label_area_size(LabelAreaPosition::Bottom, px(40 + second))
         .build_cartesian_2d(x.0..x.1, y.0..y.1)?;
     chart
         .configure_mesh()
@@ -125,7 +152,14 @@ fn axes<'a, 'b>(
         let (at, _) = plot.map_coordinate(&(value, y.0));
         area_line(area, (at, y_pixels.start), (at, y_pixels.end), stroke(LIGHT, 6))?;
         let style = label(TICK_TEXT, HPos::Center, VPos::Top);
-        area_text(area, &tick(value, x.2), (at, y_pixels.end + px(5)), style)?;
+        let Some(names) = names else {
+            area_text(area, &tick(value, x.2), (at, y_pixels.end + px(5)), style)?;
+            continue;
+        };
+        for (line, text) in names.get(value.round() as usize).into_iter().flatten().enumerate() {
+            let down = px(5 + SECOND_LINE * line as u32);
+            area_text(area, text, (at, y_pixels.end + down), style.clone())?;
+        }
     }
     for value in ticks(y) {
         let (_, at) = plot.map_coordinate(&(x.0, value));
@@ -140,7 +174,7 @@ fn axes<'a, 'b>(
     let origin = area.get_base_pixel();
     let corners = [(x_pixels.start, y_pixels.start), (x_pixels.end, y_pixels.end)];
     area.draw(&frame(corners.map(|(a, b)| (a - origin.0, b - origin.1)), stroke(BLACK, 8)))?;
-    let middle = ((x_pixels.start + x_pixels.end) / 2, y_pixels.end + px(21));
+    let middle = ((x_pixels.start + x_pixels.end) / 2, y_pixels.end + px(21 + second));
     area_text(area, x_label, middle, label(LABEL_TEXT, HPos::Center, VPos::Top))?;
     let side = (origin.0 + px(4), (y_pixels.start + y_pixels.end) / 2);
     let upright = label(LABEL_TEXT, HPos::Center, VPos::Top).transform(FontTransform::Rotate270);
@@ -176,11 +210,14 @@ struct Ranges {
     y: (f64, f64, f64),
 }
 
-/// The vertical axis ends on ticks; the horizontal one ends with the data.
-fn ranges(panel: &Panel) -> Ranges {
+/// The vertical axis ends on ticks; the horizontal one ends with the data, or half-way beyond the first and the last of the names.
+fn ranges(panel: &Panel, names: Option<&[[String; 2]]>) -> Ranges {
     let points =
         || panel.series.iter().flat_map(|s| &s.points).filter(|(x, y)| x.is_finite() && y.is_finite());
     let y = nice_range(points().map(|p| p.1), panel.from_zero);
+    if let Some(names) = names {
+        return Ranges { x: (-0.5, names.len().max(1) as f64 - 0.5, 1.0), y };
+    }
     // Points without a value count too: all panels over one run then have the same axis.
     let places = || panel.series.iter().flat_map(|s| &s.points).map(|p| p.0).filter(|x| x.is_finite());
     let (mut low, mut high, mut step) = nice_range(places(), false);

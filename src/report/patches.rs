@@ -372,7 +372,8 @@ mod tests {
             })
             .collect();
         let (rail_y_mm, rail_z_mm) = (across_mm.clone(), vec![0.0; across_mm.len()]);
-        PatchRecord { force_kn: 50.0, across_mm, rail_y_mm, rail_z_mm, along_mm, pressure_mpa, state }
+        let force_kn = 50.0;
+        PatchRecord { force_kn, across_mm, rail_y_mm, rail_z_mm, along_mm, pressure_mpa, state, below: None }
     }
 
     fn area(line: &[(f64, f64)]) -> f64 {

@@ -9,10 +9,9 @@ use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, 
 use crate::records::{
     AngleLawRecord, BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord,
     DisplacementRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord, HorizontalPointRecord,
-    HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, Measured, PairRecord, PatchRecord,
-    PatchesRecord, PenaltyRecord, PointState, ProfileRecord, ReferenceRecord, ResolvedKey, ShiftRecord,
-    ShiftTouchRecord, StageMeasure, StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord,
-    TouchRecord,
+    HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, Measured, PairRecord, PenaltyRecord,
+    ProfileRecord, ReferenceRecord, ResolvedKey, ShiftRecord, ShiftTouchRecord, StageMeasure,
+    StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
 };
 
 use crate::records::crosscheck::{
@@ -21,6 +20,10 @@ use crate::records::crosscheck::{
 };
 
 use super::ProfilePair;
+
+mod patches;
+
+pub(crate) use patches::patches;
 
 /// A run with sliding, a flange contact from 0.01 s on and one separation.
 pub(crate) fn history(shift: f64) -> History {
@@ -222,46 +225,12 @@ pub(crate) fn load_curve() -> Vec<LoadCurveRow> {
             max_pressure_mpa: 260.0 * p.force_kn.cbrt(),
             semi_axis_along_mm: 1.4 * p.force_kn.cbrt(),
             semi_axis_across_mm: 1.2 * p.force_kn.cbrt(),
+            max_von_mises_mpa: Some(160.0 * p.force_kn.cbrt()),
+            von_mises_depth_mm: Some(0.6 * p.force_kn.cbrt()),
+            max_shear_mpa: Some(82.0 * p.force_kn.cbrt()),
+            shear_depth_mm: Some(0.65 * p.force_kn.cbrt()),
         })
         .collect()
-}
-
-/// Patches of Hertz' shape on the crown.
-pub(crate) fn patches() -> PatchesRecord {
-    let patch = |force_kn: f64| {
-        let [a, b] = [1.2, 1.4].map(|axis| axis * f64::cbrt(force_kn));
-        let lines = |semi: f64| (-12..=12).map(|n| 0.1 * f64::from(n) * semi).collect::<Vec<f64>>();
-        let (across_mm, along_mm) = (lines(a), lines(b));
-        let each = |s: &f64| along_mm.iter().map(|x| (s / a).hypot(x / b)).collect::<Vec<f64>>();
-        let radii: Vec<Vec<f64>> = across_mm.iter().map(each).collect();
-        let state = |r: &f64| match *r {
-            r if r < 0.6 => PointState::Stick,
-            r if r < 1.0 => PointState::Slip,
-            _ => PointState::Open,
-        };
-        let largest = 260.0 * force_kn.cbrt();
-        PatchRecord {
-            force_kn,
-            rail_y_mm: across_mm.iter().map(|s| s - 12.1).collect(),
-            rail_z_mm: across_mm.iter().map(|s| 0.4 - 0.04 * s).collect(),
-            pressure_mpa: radii
-                .iter()
-                .map(|row| row.iter().map(|r| largest * (1.0 - r * r).max(0.0).sqrt()).collect())
-                .collect(),
-            state: radii.iter().map(|row| row.iter().map(state).collect()).collect(),
-            across_mm,
-            along_mm,
-        }
-    };
-    PatchesRecord {
-        study: "sample".into(),
-        reference: "beam".into(),
-        field: "hybrid".into(),
-        friction: 0.5,
-        patches: [1.0, 52.0, 150.0].map(patch).to_vec(),
-        input_hash: "0123456789abcdef".repeat(4),
-        version: "0.1.0".into(),
-    }
 }
 
 /// Rough outlines of a rail head and a wheel.
@@ -494,6 +463,10 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         max_pressure_mpa: 900.0,
         semi_axis_along_mm: 6.0,
         semi_axis_across_mm: 4.0,
+        max_von_mises_mpa: Some(700.0),
+        von_mises_depth_mm: Some(2.1),
+        max_shear_mpa: Some(390.0),
+        shear_depth_mm: Some(2.1),
     };
     let touch = |angle: f64| ShiftTouchRecord {
         contact_angle_deg: angle,

@@ -77,7 +77,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
         }
     }
     assert_eq!(report.html.matches("<figure>").count(), report.figures.len());
-    assert_eq!(report.figures.len(), 18);
+    assert_eq!(report.figures.len(), 19);
     assert!(!report.html.contains("could not be written"), "{}", report.html);
     assert!(!report.html.contains("figure failed"));
     for outside in ["src=\"", "@import", "url("] {
@@ -100,7 +100,7 @@ fn the_chapter_says_what_is_missing() {
         (Crosscheck::Stale, "of another study"),
     ] {
         let report = build_with(state);
-        assert_eq!(report.figures.len(), 13);
+        assert_eq!(report.figures.len(), 14);
         assert!(report.html.contains(word) && report.html.contains("railspring crosscheck"), "{word}");
         assert!(!report.html.contains("href=\""), "{word}");
     }

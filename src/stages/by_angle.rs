@@ -12,7 +12,9 @@ use railspring_calibrate::units::{
 };
 
 use super::Geometry;
-use super::calibrate::{MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record};
+use super::calibrate::{
+    MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record, subsurface_values,
+};
 use crate::records::{
     AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
@@ -175,6 +177,8 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
             sliding_um_per_kn: body(p.sliding_compliance),
         }
     };
+    let [max_von_mises_mpa, von_mises_depth_mm, max_shear_mpa, shear_depth_mm] =
+        subsurface_values(fixed.subsurface.as_ref());
     FixedLoadRecord {
         force_kn: foot.force / KILONEWTON,
         references: AngleLaw::REFERENCES.into_iter().zip(&fixed.points).map(reference).collect(),
@@ -184,5 +188,9 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
         max_pressure_mpa: foot.max_pressure / MEGAPASCAL,
         semi_axis_along_mm: foot.semi_axis_along / MILLIMETRE,
         semi_axis_across_mm: foot.semi_axis_across / MILLIMETRE,
+        max_von_mises_mpa,
+        von_mises_depth_mm,
+        max_shear_mpa,
+        shear_depth_mm,
     }
 }

@@ -2,7 +2,10 @@
 
 use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::calibration::{HorizontalCalibration, LoadPoint, NormalCalibration, Reference};
+use railspring_calibrate::calibration::{
+    HorizontalCalibration, LoadPoint, NormalCalibration, Pressed, Reference,
+};
+use railspring_calibrate::contact::{Peak, Subsurface};
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
@@ -12,9 +15,10 @@ use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
+use rayon::prelude::*;
 
 use super::bodies::rail_in_use;
-use super::patches::{chosen, patch_record};
+use super::patches::{below_record, chosen, patch_record};
 use super::{Geometry, Interiors, Meshes, PressedFields, contact_field, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
@@ -153,14 +157,22 @@ pub fn calibrate(
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    let row = |point| load_curve_row(reference, point, &in_use.fit);
-    let load_curve = in_use.points.iter().map(row).collect();
+    let poisson = study.material.poisson;
+    let below: Vec<Option<Subsurface>> =
+        states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
+    let row = |(point, below): (_, &Option<_>)| load_curve_row(reference, point, &in_use.fit, below.as_ref());
+    let load_curve = in_use.points.iter().zip(&below).map(row).collect();
+    let patch = |index: usize| {
+        let largest = below[index].as_ref();
+        let profile = largest.map(|largest| below_record(pair, &states[index], poisson, largest));
+        patch_record(pair, &states[index], profile)
+    };
     let patches = PatchesRecord {
         study: study.name.clone(),
         reference: reference.name().into(),
         field: study.contact.field.name().into(),
         friction: study.contact.friction,
-        patches: chosen(states.len()).into_iter().map(|index| patch_record(pair, &states[index])).collect(),
+        patches: chosen(states.len()).into_iter().map(patch).collect(),
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
@@ -260,7 +272,13 @@ fn compliance_record(p: &LoadPoint, beam: Option<&SeriesBeam>) -> ComplianceReco
     }
 }
 
-fn load_curve_row(reference: Reference, p: &LoadPoint, fit: &LawFit) -> LoadCurveRow {
+fn load_curve_row(
+    reference: Reference,
+    p: &LoadPoint,
+    fit: &LawFit,
+    below: Option<&Subsurface>,
+) -> LoadCurveRow {
+    let [max_von_mises_mpa, von_mises_depth_mm, max_shear_mpa, shear_depth_mm] = subsurface_values(below);
     LoadCurveRow {
         reference: reference.name().into(),
         force_kn: p.force / KILONEWTON,
@@ -272,7 +290,21 @@ fn load_curve_row(reference: Reference, p: &LoadPoint, fit: &LawFit) -> LoadCurv
         max_pressure_mpa: p.max_pressure / MEGAPASCAL,
         semi_axis_along_mm: p.semi_axis_along / MILLIMETRE,
         semi_axis_across_mm: p.semi_axis_across / MILLIMETRE,
+        max_von_mises_mpa,
+        von_mises_depth_mm,
+        max_shear_mpa,
+        shear_depth_mm,
     }
+}
+
+/// Largest von Mises stress below a patch, MPa, its depth, mm, and the same of the shear stress.
+pub(super) fn subsurface_values(below: Option<&Subsurface>) -> [Option<f64>; 4] {
+    let values = |below: &Subsurface| {
+        let of = |peak: &Peak| [peak.stress / MEGAPASCAL, peak.depth / MILLIMETRE];
+        let ([mises, mises_depth], [shear, shear_depth]) = (of(&below.mises), of(&below.shear));
+        [mises, mises_depth, shear, shear_depth]
+    };
+    below.map(values).map_or([None; 4], |values| values.map(Some))
 }
 
 fn mesh_record(

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use railspring_calibrate::calibration::Pressed;
-use railspring_calibrate::contact::{ContactPoint, PointMode};
+use railspring_calibrate::contact::{ContactPoint, PointMode, Subsurface, stress_below};
 use railspring_calibrate::pair::Pair;
+use railspring_calibrate::solid::{largest_shear, von_mises};
 use railspring_calibrate::units::{KILONEWTON, MEGAPASCAL, MILLIMETRE};
 
-use crate::records::{PatchRecord, PointState};
+use crate::records::{BelowRecord, PatchRecord, PointState};
 
 /// Which of ascending states are drawn: the smallest, the middle and the largest load.
 pub(super) fn chosen(count: usize) -> Vec<usize> {
@@ -17,8 +18,8 @@ pub(super) fn chosen(count: usize) -> Vec<usize> {
     chosen
 }
 
-/// The patch of a state as a grid, one line beyond the points that carry load where there is one.
-pub(super) fn patch_record(pair: &Pair, state: &Pressed) -> PatchRecord {
+/// The patch of a state as a grid, one line beyond the points that carry load, and the stresses below it.
+pub(super) fn patch_record(pair: &Pair, state: &Pressed, below: Option<BelowRecord>) -> PatchRecord {
     let (points, solution) = (&state.points, &state.solution);
     let carries = |j: &usize| solution.modes[*j] != PointMode::Open;
     // lines of the grid with their coordinates: those of the load and their neighbours, as far away as the width of a point where
@@ -65,5 +66,31 @@ pub(super) fn patch_record(pair: &Pair, state: &Pressed) -> PatchRecord {
         along_mm: along.values().map(|x| x / MILLIMETRE).collect(),
         pressure_mpa,
         state: state_of,
+        below,
+    }
+}
+
+/// Depths of the stresses below a patch: so many, down to this many times the depth of the largest von Mises stress.
+const DEPTHS: u32 = 60;
+const DEEPEST: f64 = 5.0;
+
+/// The stresses under a state below the place where `largest` has its von Mises stress.
+pub(super) fn below_record(pair: &Pair, state: &Pressed, poisson: f64, largest: &Subsurface) -> BelowRecord {
+    let place = largest.mises.place;
+    let shallowest = 0.25 * state.points.first().map_or(0.0, |point| point.widths.min());
+    let deepest = DEEPEST * largest.mises.depth.max(4.0 * shallowest);
+    let depths: Vec<f64> = (0..DEPTHS)
+        .map(|n| shallowest + (deepest - shallowest) * f64::from(n) / f64::from(DEPTHS - 1))
+        .collect();
+    let stresses: Vec<_> = depths
+        .iter()
+        .map(|depth| stress_below(&state.points, &state.solution.forces, poisson, &place, *depth))
+        .collect();
+    BelowRecord {
+        across_mm: (place.x - pair.touch.rail_s) / MILLIMETRE,
+        along_mm: place.y / MILLIMETRE,
+        depth_mm: depths.iter().map(|depth| depth / MILLIMETRE).collect(),
+        von_mises_mpa: stresses.iter().map(|s| von_mises(*s) / MEGAPASCAL).collect(),
+        shear_mpa: stresses.iter().map(|s| largest_shear(*s) / MEGAPASCAL).collect(),
     }
 }

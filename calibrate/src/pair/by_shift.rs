@@ -10,6 +10,7 @@ use crate::calibration::{
     DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, WheelOnRail, load_point, regions,
     sticking_flexibility, subtract_bodies,
 };
+use crate::contact::Subsurface;
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
 use crate::monitor::Monitor;
@@ -97,6 +98,8 @@ pub struct FixedLoad {
     pub horizontal_stiffness: f64,
     /// The same across the direction in which the wheel is pressed, N/m.
     pub tangential_stiffness: f64,
+    /// The largest stresses below the patch, the rail's foot held; none for a contact between elements.
+    pub subsurface: Option<Subsurface>,
 }
 
 impl AngleLaw {
@@ -219,6 +222,7 @@ fn angle_law(mut on_foot: Sequence, mut on_section: Sequence, along: Unit<Vector
                 points: [foot.point, section.point, local[local.len() - 1]],
                 horizontal_stiffness: 1.0 / flexibility[(0, 0)],
                 tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
+                subsurface: foot.subsurface,
             }
         })
         .collect();
@@ -248,6 +252,14 @@ struct Fixed {
     point: LoadPoint,
     /// Flexibility of the hub, all points sticking, m/N.
     flexibility: Matrix2<f64>,
+    subsurface: Option<Subsurface>,
+}
+
+impl Fixed {
+    fn new(wheel_on_rail: &WheelOnRail, state: &Pressed, point: LoadPoint) -> Result<Self> {
+        let subsurface = state.subsurface(wheel_on_rail.materials[0].poisson);
+        Ok(Self { point, flexibility: sticking_flexibility(wheel_on_rail, state)?, subsurface })
+    }
 }
 
 impl Sequence {
@@ -270,16 +282,14 @@ impl Sequence {
                 .try_for_each(|&fixed| {
                     let state = carried(wheel_on_rail, fixed, before.as_ref())?;
                     let point = load_point(wheel_on_rail, &state)?;
-                    let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
-                    sequence.fixed.push(Fixed { point, flexibility });
+                    sequence.fixed.push(Fixed::new(wheel_on_rail, &state, point)?);
                     Ok(())
                 })
                 .and_then(|()| {
                     let state = carried(wheel_on_rail, load, before.as_ref())?;
                     let point = load_point(wheel_on_rail, &state)?;
                     if settings.fixed_loads.contains(&load) {
-                        let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
-                        sequence.fixed.push(Fixed { point, flexibility });
+                        sequence.fixed.push(Fixed::new(wheel_on_rail, &state, point)?);
                     }
                     sequence.points.push(point);
                     Ok(state)
