@@ -196,7 +196,7 @@ fn a_change_remakes_what_depends_on_it() {
     let [calibration, simple_one, solid_one, simple_two] = STAGES;
     let springs = [calibration, simple_one, simple_two];
     // what was changed, stages that are made again, and bodies that are; those are asked for by the calibration only
-    let table: [(&str, String, &[&str], &[&str]); 14] = [
+    let table: [(&str, String, &[&str], &[&str]); 15] = [
         ("name", change("\"coarse\"", "\"renamed\""), &[], &[]),
         ("description", format!("description = \"words\"\n{base}"), &[], &[]),
         ("limit", add("[verification]\nlaw_max = 0.5\n"), &[], &[]),
@@ -209,6 +209,7 @@ fn a_change_remakes_what_depends_on_it() {
             &[],
         ),
         ("loads", change("load_max_kn = 85", "load_max_kn = 80"), &springs, &[]),
+        ("fields", add("[output]\nvertical = \"up\"\n"), &[calibration], &[]),
         ("beam elements", add("[simulation]\nrail_elements = 24\n"), &springs, &[]),
         ("damping", add("[material]\ndamping_ratio = 0.03\n"), &[simple_one, solid_one, simple_two], &[]),
         ("friction", change("friction = 0.5", "friction = 0.4"), &STAGES, &[]),

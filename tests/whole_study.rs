@@ -39,12 +39,22 @@ lateral_force = {}
 "#;
 
 /// Names of the files that one study writes, in order.
-const FILES: [&str; 14] = [
+const FILES: [&str; 25] = [
+    "contact.pvd",
     "contact.vtu",
     "contact_patches.json",
+    "fields/contact-01.vtu",
+    "fields/contact-02.vtu",
+    "fields/contact-03.vtu",
+    "fields/contact-04.vtu",
+    "fields/rail-01.vtu",
+    "fields/rail-03.vtu",
+    "fields/wheel-01.vtu",
+    "fields/wheel-03.vtu",
     "history-ride.csv",
     "history.csv",
     "load_curve.csv",
+    "rail.pvd",
     "rail.vtu",
     "report.html",
     "results.json",
@@ -53,6 +63,7 @@ const FILES: [&str; 14] = [
     "stiffness_by_angle.csv",
     "stiffness_by_angle.json",
     "verification.json",
+    "wheel.pvd",
     "wheel.vtu",
 ];
 
@@ -178,7 +189,7 @@ fn later_stages_come_to_the_same_from_the_files() {
     std::fs::write(root.path().join("study.toml"), STUDY).unwrap();
     let from = source.root.join("out/coarse");
     let to = root.path().join("out/coarse");
-    std::fs::create_dir_all(&to).unwrap();
+    std::fs::create_dir_all(to.join("fields")).unwrap();
     for name in FILES.iter().filter(|name| **name != "report.html").chain(&["measured.json"]) {
         std::fs::copy(from.join(name), to.join(name)).unwrap();
     }

@@ -5,21 +5,27 @@ use railspring_calibrate::field::InputField;
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::stage::{Made, REACH, Stage};
-use super::{LOAD_CURVE, OF_THE_RUNS, PATCHES, Pipeline, STIFFNESS, load_curve, part_json, part_text};
+use super::{
+    FIGURES, LOAD_CURVE, PATCHES, Pipeline, REPORT, STIFFNESS, VERIFICATION, load_curve, part_json, part_text,
+};
 use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{PatchesRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Bodies, Calibration, Fields, Geometry, Meshes};
+use crate::stages::{self, Bodies, Calibration, Geometry, Meshes};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::Study;
 
-/// The springs of the study, its load curve and the fields under its largest load.
+/// The springs of the study, its load curve, patches and fields.
 pub(super) struct Calibrate;
 
-/// The fields and their files.
-const FIELDS: [(Fields, &str); 3] =
-    [(Fields::Rail, "rail.vtu"), (Fields::Wheel, "wheel.vtu"), (Fields::Contact, "contact.vtu")];
+/// What goes when springs or fields change: also the fields under other loads.
+const OF_THE_CALIBRATION: [&str; 4] = [VERIFICATION, REPORT, FIGURES, stages::FIELDS];
+
+/// Whether a part of the artefact is a file of fields.
+fn is_field(name: &str) -> bool {
+    [".vtu", ".pvd"].iter().any(|ending| name.ends_with(ending))
+}
 
 impl Stage for Calibrate {
     type Value = Calibration;
@@ -33,7 +39,7 @@ impl Stage for Calibrate {
     }
 
     fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        Ok(at.store.map(|store| store.address(Kind::Calibration, &at.study.keys.springs)))
+        Ok(at.store.map(|store| store.address(Kind::Calibration, &(&at.study.keys.springs, at.study.output))))
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
@@ -44,7 +50,7 @@ impl Stage for Calibrate {
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
         };
-        let (Calibration { stiffness, load_curve, patches, horizontal_failure }, pressed, condensed) =
+        let (Calibration { stiffness, load_curve, patches, horizontal_failure }, fields, condensed) =
             stages::within_zones(
                 study,
                 &geometry,
@@ -54,9 +60,9 @@ impl Stage for Calibrate {
                 |meshes| {
                     let Bodies { condensed, interiors } =
                         source.bodies(stages::solids(study, &geometry, meshes))?;
-                    let (calibration, pressed) =
+                    let (calibration, fields) =
                         stages::calibrate(study, &geometry, meshes, &condensed, interiors, monitor)?;
-                    Ok((calibration, pressed, condensed))
+                    Ok((calibration, fields, condensed))
                 },
                 |(calibration, ..)| calibration.horizontal_failure.as_ref(),
             )
@@ -68,8 +74,8 @@ impl Stage for Calibrate {
             .with(STIFFNESS, to_json(&stiffness))
             .with(LOAD_CURVE, to_csv(&load_curve))
             .with(PATCHES, to_json(&patches));
-        for (fields, name) in FIELDS {
-            artefact = artefact.with(name, stages::fields_vtu(&pressed, fields)?);
+        for (name, text) in fields {
+            artefact = artefact.with(name, text);
         }
         let complete = horizontal_failure.is_none();
         // what the calibration has finished is written; a study with a stiffness goes on with it
@@ -90,7 +96,8 @@ impl Stage for Calibrate {
 
     fn files(&self, artefact: &Artefact, value: &Calibration, at: &Pipeline<'_>) -> Vec<NewFile> {
         let part = |name| (name, artefact.part(name).unwrap_or_default().to_vec());
-        let fields = FIELDS.map(|(_, name)| part(name));
+        let fields = artefact.parts().filter(|(name, _)| is_field(name));
+        let fields = fields.map(|(name, content)| (name, content.to_vec()));
         let records =
             [(STIFFNESS, to_json(&value.stiffness)), part(LOAD_CURVE), (PATCHES, to_json(&value.patches))];
         let files = records.into_iter().chain(fields);
@@ -98,7 +105,7 @@ impl Stage for Calibrate {
     }
 
     fn outdates(&self) -> &'static [&'static str] {
-        &OF_THE_RUNS
+        &OF_THE_CALIBRATION
     }
 }
 

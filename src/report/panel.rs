@@ -36,7 +36,8 @@ pub fn stacked_with_notes(width: u32, panel_height: u32, panels: &[Panel], notes
     drawn(width, panel_height, panels, notes, None)
 }
 
-/// As [`stacked_with_notes`], for points at 0, 1, 2 and so on that have names in place of numbers, each of two lines.
+/// As [`stacked_with_notes`], for points at 0, 1, 2 and so on that have names in place of numbers, each of two lines; those with empty ones
+/// have no grid line.
 pub fn stacked_over_names(
     width: u32,
     panel_height: u32,
@@ -148,15 +149,15 @@ fn axes<'a, 'b>(
         .draw()?;
     let plot = chart.plotting_area();
     let (x_pixels, y_pixels) = plot.get_pixel_range();
-    for value in ticks(x) {
+    let named = |value: f64| names.and_then(|names| names.get(value.round() as usize));
+    for value in ticks(x).filter(|value| named(*value).is_none_or(|name| name != &["", ""])) {
         let (at, _) = plot.map_coordinate(&(value, y.0));
         area_line(area, (at, y_pixels.start), (at, y_pixels.end), stroke(LIGHT, 6))?;
         let style = label(TICK_TEXT, HPos::Center, VPos::Top);
-        let Some(names) = names else {
-            area_text(area, &tick(value, x.2), (at, y_pixels.end + px(5)), style)?;
-            continue;
-        };
-        for (line, text) in names.get(value.round() as usize).into_iter().flatten().enumerate() {
+        if names.is_none() {
+            area_text(area, &tick(value, x.2), (at, y_pixels.end + px(5)), style.clone())?;
+        }
+        for (line, text) in named(value).into_iter().flatten().enumerate() {
             let down = px(5 + SECOND_LINE * line as u32);
             area_text(area, text, (at, y_pixels.end + down), style.clone())?;
         }

@@ -18,8 +18,9 @@ use railspring_calibrate::units::{
 use rayon::prelude::*;
 
 use super::bodies::rail_in_use;
+use super::fields::{PressedSolids, field_files};
 use super::patches::{below_record, chosen, patch_record};
-use super::{Geometry, Interiors, Meshes, PressedFields, contact_field, enforcement};
+use super::{FieldFile, Geometry, Interiors, Meshes, contact_field, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
     HorizontalRecord, LawRecord, LoadCurveRow, PatchesRecord, PenaltyRecord, ReferenceRecord,
@@ -68,7 +69,7 @@ pub(super) fn contact_conditions(study: &Study) -> ContactConditions {
     }
 }
 
-/// The load curve, the laws and the horizontal stiffness, and the fields of the solids under the largest load.
+/// The load curve, the laws and the horizontal stiffness, and the files of the fields.
 ///
 /// A horizontal stiffness without an answer is no error here: the normal laws are finished and worth keeping.
 ///
@@ -81,7 +82,7 @@ pub fn calibrate(
     bodies: &CondensedPair,
     interiors: Interiors<'_>,
     monitor: &dyn Monitor,
-) -> Result<(Calibration, PressedFields)> {
+) -> Result<(Calibration, Vec<FieldFile>)> {
     let pair = &geometry.pair;
     let beam = SeriesBeam::new(pair, bodies, &geometry.beam)?;
     let contact = contact_conditions(study);
@@ -102,11 +103,12 @@ pub fn calibrate(
     };
     let in_series = (reference == Reference::Beam).then_some(&beam);
     let states = pressed.states(reference);
-    let largest = states.last().expect("a study has loads");
-    let on_wheel = largest.force_on_wheel();
-    let along = in_series.map_or_else(Default::default, |beam| beam.solid * -on_wheel.yz());
-    let solids = [(bodies.rail(reference), &rail), (&bodies.wheel, &wheel)];
-    let fields = PressedFields::new(largest, solids, along, geometry, meshes);
+    let solids = PressedSolids {
+        states,
+        bodies: [(bodies.rail(reference), &rail), (&bodies.wheel, &wheel)],
+        carried: in_series.map_or_else(Matrix2::zeros, |beam| beam.solid),
+    };
+    let fields = field_files(&solids, geometry, meshes, &study.output)?;
 
     let (horizontal, horizontal_failure) =
         match pressed.horizontal(reference, &study.calibration.horizontal_preloads, monitor) {

@@ -1,20 +1,95 @@
-//! The solids as VTU files: meshes, displacements, stresses, contact patch.
+//! The solids as VTU files: meshes, displacements, stresses, contact patch, and collections of them over the loads.
 
 use std::collections::HashMap;
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Matrix2, Point3, Vector3};
 use railspring_calibrate::calibration::Pressed;
 use railspring_calibrate::contact::{PointMode, Side, Surface};
 use railspring_calibrate::error::Result;
-use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
+use railspring_calibrate::mesh::{Cells, Field, HexMesh, pvd, vtu};
 use railspring_calibrate::solid::{largest_shear, nodal_stress, von_mises};
 use railspring_calibrate::superelement::{CondensedBody, Interior};
+use railspring_calibrate::units::KILONEWTON;
 
+use super::patches::chosen;
 use super::{Geometry, Meshes};
+use crate::study::{OutputKeys, SolidLoadsKey, VerticalKey};
 
-/// A result file in VTU format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fields {
+/// The pressed states of a calibration and what is needed to look into the solids.
+pub(super) struct PressedSolids<'a> {
+    /// The states under the loads, ascending.
+    pub states: &'a [Pressed],
+    /// Rail and wheel.
+    pub bodies: [(&'a CondensedBody, &'a Interior<'a>); 2],
+    /// What the wheel moves along with the rail's section (y, z; m) under a force on the wheel, beside the hub's motion against it.
+    pub carried: Matrix2<f64>,
+}
+
+/// A file of fields: its name in the output folder, and its text.
+pub type FieldFile = (String, String);
+
+/// The folder of the fields under other loads than the largest.
+pub const FIELDS: &str = "fields/";
+
+/// The fields under the loads of the calibration: the contact under every load, rail and wheel under those of `output`, and a collection
+/// of each over the loads, in kN. The files of the largest load stand beside the collections, the others in a folder.
+///
+/// # Errors
+/// None that a finished calibration can cause.
+pub(super) fn field_files(
+    pressed: &PressedSolids,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    output: &OutputKeys,
+) -> Result<Vec<FieldFile>> {
+    let states = pressed.states;
+    let solid = match output.solid_loads {
+        SolidLoadsKey::Largest => states.len().checked_sub(1).into_iter().collect(),
+        SolidLoadsKey::Three => chosen(states.len()),
+        SolidLoadsKey::All => (0..states.len()).collect(),
+    };
+    let surface = geometry.pair.rail_surface(&meshes.rail.contact);
+    let axle =
+        Vector3::new(0.0, geometry.pair.tape_y, geometry.pair.touch.tape_z - geometry.pair.wheel.radius);
+    let text = |kind: Fields, state: &Pressed| match kind {
+        Fields::Contact => ContactFields::new(state, &surface).vtu(output.vertical),
+        Fields::Rail => {
+            let (origin, rigid) = (Vector3::zeros(), Vector3::zeros());
+            let rail = pressed.bodies[0];
+            BodyFields::new(&meshes.rail, rail, state, Side::Base, origin, rigid).vtu(output.vertical)
+        }
+        Fields::Wheel => {
+            let moved = state.hub - pressed.carried * state.force_on_wheel().yz();
+            let rigid = Vector3::new(0.0, moved.x, moved.y);
+            let wheel = pressed.bodies[1];
+            BodyFields::new(&meshes.wheel, wheel, state, Side::Opposing, axle, rigid).vtu(output.vertical)
+        }
+    };
+    let mut files = Vec::new();
+    let digits = states.len().to_string().len().max(2);
+    let every: Vec<usize> = (0..states.len()).collect();
+    for (kind, stem, loads) in [
+        (Fields::Rail, "rail", &solid),
+        (Fields::Wheel, "wheel", &solid),
+        (Fields::Contact, "contact", &every),
+    ] {
+        let name = |load: usize| match load + 1 == states.len() {
+            true => format!("{stem}.vtu"),
+            false => format!("{FIELDS}{stem}-{:0digits$}.vtu", load + 1),
+        };
+        let entries: Vec<(f64, String)> =
+            loads.iter().map(|&load| (states[load].load / KILONEWTON, name(load))).collect();
+        files.push((format!("{stem}.pvd"), pvd(&entries)));
+        for &load in loads {
+            files.push((name(load), text(kind, &states[load])?));
+        }
+    }
+    Ok(files)
+}
+
+/// What a file of fields is about.
+#[derive(Debug, Clone, Copy)]
+enum Fields {
     /// The rail with displacement and stress.
     Rail,
     /// The wheel with displacement and stress, in the world frame.
@@ -23,11 +98,30 @@ pub enum Fields {
     Contact,
 }
 
-/// The solids under the largest load of the calibration.
-pub struct PressedFields {
-    rail: BodyFields,
-    wheel: BodyFields,
-    contact: ContactFields,
+impl VerticalKey {
+    /// A place or a vector in the axes of the files. Up is half a turn about the track, so that axes and cells stay right-handed.
+    fn vector(self, v: Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Down => v,
+            Self::Up => Vector3::new(v.x, -v.y, -v.z),
+        }
+    }
+
+    /// A symmetric tensor in the axes of the files: xx, yy, zz, xy, yz, xz.
+    fn tensor(self, [xx, yy, zz, xy, yz, xz]: [f64; 6]) -> [f64; 6] {
+        match self {
+            Self::Down => [xx, yy, zz, xy, yz, xz],
+            Self::Up => [xx, yy, zz, -xy, yz, -xz],
+        }
+    }
+
+    fn points(self, points: &[Point3<f64>]) -> Vec<Point3<f64>> {
+        points.iter().map(|p| Point3::from(self.vector(p.coords))).collect()
+    }
+
+    fn vectors(self, vectors: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        vectors.iter().map(|v| self.vector(*v)).collect()
+    }
 }
 
 struct BodyFields {
@@ -40,6 +134,8 @@ struct BodyFields {
 struct ContactFields {
     points: Vec<Point3<f64>>,
     quads: Vec<[usize; 4]>,
+    /// Points that are a corner of no quadrilateral.
+    single: Vec<usize>,
     gap: Vec<f64>,
     pressure: Vec<f64>,
     /// What the wheel does to the rail along its surface, Pa.
@@ -48,27 +144,6 @@ struct ContactFields {
     slip: Vec<Vector3<f64>>,
     /// 0 open, 1 sticking, 2 slipping.
     mode: Vec<f64>,
-}
-
-impl PressedFields {
-    /// Displacements and stresses of both bodies; gap, pressure, traction and slip at the points of contact. `carried` (y, z; m) is what
-    /// the wheel moves along with the rail's section, beside the hub's motion against it.
-    pub(super) fn new(
-        state: &Pressed,
-        [rail, wheel]: [(&CondensedBody, &Interior); 2],
-        carried: Vector2<f64>,
-        geometry: &Geometry,
-        meshes: &Meshes,
-    ) -> Self {
-        let hub = Vector3::new(0.0, state.hub.x + carried.x, state.hub.y + carried.y);
-        let axle =
-            Vector3::new(0.0, geometry.pair.tape_y, geometry.pair.touch.tape_z - geometry.pair.wheel.radius);
-        Self {
-            rail: BodyFields::new(&meshes.rail, rail, state, Side::Base, Vector3::zeros(), Vector3::zeros()),
-            wheel: BodyFields::new(&meshes.wheel, wheel, state, Side::Opposing, axle, hub),
-            contact: ContactFields::new(state, &geometry.pair.rail_surface(&meshes.rail.contact)),
-        }
-    }
 }
 
 impl BodyFields {
@@ -92,6 +167,19 @@ impl BodyFields {
                 .collect(),
         }
     }
+
+    fn vtu(&self, vertical: VerticalKey) -> Result<String> {
+        let [mises, shear] =
+            [von_mises, largest_shear].map(|of| self.stress.iter().copied().map(of).collect::<Vec<_>>());
+        let stress: Vec<[f64; 6]> = self.stress.iter().map(|stress| vertical.tensor(*stress)).collect();
+        let data = [
+            Field::Vector("displacement (m)", &vertical.vectors(&self.displacement)),
+            Field::SymmetricTensor("stress (Pa)", &stress),
+            Field::Scalar("von Mises stress (Pa)", &mises),
+            Field::Scalar("largest shear stress (Pa)", &shear),
+        ];
+        vtu(&vertical.points(&self.points), Cells::Hexes(&self.hexes), &data, &[])
+    }
 }
 
 impl ContactFields {
@@ -107,6 +195,9 @@ impl ContactFields {
             let at = |a, b| place.get(&(i + a, k + b)).copied();
             Some([at(0, 0)?, at(0, 1)?, at(1, 1)?, at(1, 0)?])
         };
+        let quads: Vec<[usize; 4]> = points.iter().filter_map(|point| quad(&point.index)).collect();
+        let mut in_quad = vec![false; n];
+        quads.iter().flatten().for_each(|&j| in_quad[j] = true);
         Self {
             points: points
                 .iter()
@@ -115,7 +206,8 @@ impl ContactFields {
                     Point3::new(point.position.y, section.x, section.y)
                 })
                 .collect(),
-            quads: points.iter().filter_map(|point| quad(&point.index)).collect(),
+            quads,
+            single: (0..n).filter(|&j| !in_quad[j]).collect(),
             gap: solution.separation[..n].to_vec(),
             pressure: points.iter().zip(&solution.forces).map(|(point, f)| f / point.area).collect(),
             traction: (0..n).map(|j| -along(&solution.forces, j) / points[j].area).collect(),
@@ -131,40 +223,22 @@ impl ContactFields {
                 .collect(),
         }
     }
-}
 
-/// Text of one of the VTU files of the pressed solids.
-///
-/// # Errors
-/// None that a finished calibration can cause.
-pub fn fields_vtu(pressed: &PressedFields, fields: Fields) -> Result<String> {
-    match fields {
-        Fields::Rail => body_vtu(&pressed.rail),
-        Fields::Wheel => body_vtu(&pressed.wheel),
-        Fields::Contact => {
-            let c = &pressed.contact;
-            let data = [
-                Field::Scalar("gap (m)", &c.gap),
-                Field::Scalar("pressure (Pa)", &c.pressure),
-                Field::Vector("traction on the rail (Pa)", &c.traction),
-                Field::Vector("slip of the wheel (m)", &c.slip),
-                Field::Scalar("0 open, 1 sticking, 2 slipping", &c.mode),
-            ];
-            vtu(&c.points, Cells::Quads(&c.quads), &data, &[])
-        }
+    fn vtu(&self, vertical: VerticalKey) -> Result<String> {
+        let data = [
+            Field::Scalar("gap (m)", &self.gap),
+            Field::Scalar("pressure (Pa)", &self.pressure),
+            Field::Vector("traction on the rail (Pa)", &vertical.vectors(&self.traction)),
+            Field::Vector("slip of the wheel (m)", &vertical.vectors(&self.slip)),
+            Field::Scalar("0 open, 1 sticking, 2 slipping", &self.mode),
+        ];
+        vtu(
+            &vertical.points(&self.points),
+            Cells::Surface { quads: &self.quads, points: &self.single },
+            &data,
+            &[],
+        )
     }
-}
-
-fn body_vtu(body: &BodyFields) -> Result<String> {
-    let [mises, shear] =
-        [von_mises, largest_shear].map(|of| body.stress.iter().copied().map(of).collect::<Vec<_>>());
-    let data = [
-        Field::Vector("displacement (m)", &body.displacement),
-        Field::SymmetricTensor("stress (Pa)", &body.stress),
-        Field::Scalar("von Mises stress (Pa)", &mises),
-        Field::Scalar("largest shear stress (Pa)", &shear),
-    ];
-    vtu(&body.points, Cells::Hexes(&body.hexes), &data, &[])
 }
 
 /// Text of the VTU file of a mesh without any load, in its own frame, with masks of its contact surface and of its
@@ -181,4 +255,29 @@ pub fn mesh_vtu(mesh: &HexMesh) -> Result<String> {
     let (contact, held) = (mask(&[&mesh.contact.nodes]), mask(&[&mesh.foot, &mesh.bore]));
     let data = [Field::Scalar("contact", &contact), Field::Scalar("held", &held)];
     vtu(&mesh.nodes, Cells::Hexes(&mesh.hexes), &data, &[])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Matrix3;
+
+    /// Source: a stress times a normal is a traction, whatever the axes. Goal: place, normal, stress and traction, each turned by itself, still
+    /// belong together, and axes that are turned stay right-handed. Exact but for ROUNDOFF of sums.
+    #[test]
+    fn what_is_turned_belongs_together() {
+        const ROUNDOFF: f64 = 1e-15;
+        let matrix = |[xx, yy, zz, xy, yz, xz]: [f64; 6]| Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let stress = [1.0, -2.0, 3.0, 0.4, -0.5, 0.6];
+        let normal = Vector3::new(0.1, 0.7, -0.3);
+        for vertical in [VerticalKey::Down, VerticalKey::Up] {
+            let traction = matrix(vertical.tensor(stress)) * vertical.vector(normal);
+            let expected = vertical.vector(matrix(stress) * normal);
+            assert!((traction - expected).norm() < ROUNDOFF, "{vertical:?}: {traction} {expected}");
+            let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| vertical.vector(axis));
+            assert_eq!(axes[0].cross(&axes[1]), axes[2], "{vertical:?}");
+        }
+        assert_eq!(VerticalKey::Up.vector(Vector3::z()), -Vector3::z());
+        assert_eq!(VerticalKey::Up.vector(Vector3::x()), Vector3::x());
+    }
 }

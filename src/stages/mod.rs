@@ -18,7 +18,7 @@ pub use bodies::{Bodies, Interiors, solids};
 pub use by_angle::by_angle;
 pub use calibrate::{Calibration, calibrate, check_friction};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
-pub use fields::{Fields, PressedFields, fields_vtu, mesh_vtu};
+pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use sections::repairs;
 pub use simulate::{Springs, simulate, simulate_solid};
 pub use zones::{check_loads, mesh_options, within_zones};

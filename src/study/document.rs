@@ -6,6 +6,7 @@
 //! once. [`super::Study`] holds the same values in SI units.
 
 mod bodies;
+mod output;
 
 use std::collections::BTreeMap;
 
@@ -14,6 +15,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use bodies::{Inclination, MeshUnitKey, ProfileUnitKey, RailKeys, WebKey, WheelKeys};
+pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
 
 use crate::verify::Limits;
 
@@ -55,6 +57,9 @@ pub struct StudyDocument {
     /// Limits of the verdict.
     #[serde(default)]
     pub verification: Limits,
+    /// Files for other programs.
+    #[serde(default)]
+    pub output: OutputKeys,
 }
 
 /// Where the wheel is on the track.

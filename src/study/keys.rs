@@ -21,9 +21,9 @@ pub struct Keys {
     /// The whole study without its descriptions and limits, and without the field of its contact: that of a cross-check is the
     /// elements.
     pub crosscheck: String,
-    /// What the load curve, the laws and the horizontal stiffness depend on.
+    /// What the load curve, the laws, the horizontal stiffness and the fields depend on.
     pub calibration: String,
-    /// The same without the study's name, which its files only carry, and without the damping.
+    /// The same without the study's name, which its files only carry, without the damping and the files for other programs.
     pub springs: String,
     /// What the laws by contact angle depend on: the calibration's inputs, and their shifts, which nothing else depends on.
     pub by_angle: String,
@@ -59,7 +59,8 @@ impl Keys {
         }
         let limits = hash(&numeric.verification);
         numeric.verification = Default::default();
-        let whole = serde_json::to_value(&numeric).expect("a study is plain data");
+        // No number depends on the fields for other programs.
+        let whole = without(&serde_json::to_value(&numeric).expect("a study is plain data"), &["output"]);
 
         // The deflection of the beam is part of the calibration, and the beam is that of the simulation.
         let calibrated = |sections: &Value| hash(&(sections, numeric.simulation.rail_elements));
@@ -113,7 +114,11 @@ impl Keys {
         Self {
             crosscheck: hash(&crosscheck),
             by_angle: hash(&("stiffness by angle", &calibration, shifts)),
-            calibration,
+            // with the springs come the fields
+            calibration: match document.output == Default::default() {
+                true => calibration,
+                false => hash(&(&calibration, document.output)),
+            },
             springs,
             pair: hash(&pair),
             simple: each(&simple),

@@ -28,8 +28,8 @@ use serde::Deserialize;
 use toml::de::DeTable;
 
 pub use document::{
-    ElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, ReferenceKey, SlidingMatrixKey, SpacingKey,
-    StudyDocument,
+    ElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, OutputKeys, ReferenceKey, SlidingMatrixKey,
+    SolidLoadsKey, SpacingKey, StudyDocument, VerticalKey,
 };
 pub use keys::Keys;
 pub use source::{LocatedError, Mistakes, Source};
@@ -70,6 +70,8 @@ pub struct Study {
     pub main_scenario: Option<String>,
     /// Limits of the verdict.
     pub limits: Limits,
+    /// Files for other programs.
+    pub output: OutputKeys,
     /// Hashes of what the results depend on.
     pub keys: Keys,
     /// All keys with their values, defaults filled in; the keys of each section by name.
@@ -218,7 +220,7 @@ pub struct StudyScenario {
 }
 
 /// Sections of the study file, in their order.
-pub const SECTIONS: [&str; 10] = [
+pub const SECTIONS: [&str; 11] = [
     "rail",
     "wheel",
     "track",
@@ -229,6 +231,7 @@ pub const SECTIONS: [&str; 10] = [
     "simulation",
     "scenario",
     "verification",
+    "output",
 ];
 
 impl Study {

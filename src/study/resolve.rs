@@ -109,6 +109,7 @@ pub(super) fn resolve(
         scenarios,
         main_scenario,
         limits: document.verification,
+        output: document.output,
         keys,
         resolved,
         source,

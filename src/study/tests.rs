@@ -64,6 +64,7 @@ fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
     assert_eq!(plain, hash("[track]\ngauge_mm = 1435.0\n"), "a default that is written out");
     assert_eq!(plain, hash("[verification]\nvertical_rms = 0.5\n"));
     assert_eq!(plain, hash("[contact]\nfield = \"hybrid\"\n"), "a cross-check has elements");
+    assert_eq!(plain, hash("[output]\nvertical = \"up\"\n"));
     assert_ne!(plain, hash("[track]\ngauge_mm = 1436\n"));
     assert_ne!(plain, hash("[mesh]\nelement = \"full-integration\"\n"));
     // layers count as they are in the end, whether they are given or follow
@@ -108,6 +109,8 @@ fn every_result_has_a_key_of_its_own_inputs() {
         ("[calibration]\nload_max_kn = 140\n", &["calibration"]),
         ("[simulation]\nrail_elements = 10\n", &["calibration", "simple one", "simple two"]),
         ("[simulation]\nlaw = \"published\"\n", &["simple one", "simple two"]),
+        ("[output]\nvertical = \"up\"\n", &["calibration"]),
+        ("[output]\nvertical = \"down\"\n", &[]),
         ("[mesh]\ngrowth = 1.5\n", &["calibration", "solid one"]),
         ("[contact]\nfield = \"hybrid\"\n", &["calibration", "simple one", "solid one", "simple two"]),
         ("[material]\ndamping_ratio = 0\n", &["calibration", "simple one", "solid one", "simple two"]),

@@ -42,7 +42,7 @@ pub(crate) use quality::CORNERS;
 pub use quality::{Quality, quality};
 pub(crate) use section_mesh::{SectionMesh, SectionSizes, mesh_section};
 pub use section_mesh::{SectionOutline, SurfacePoint};
-pub use vtu::{Cells, Field, vtu};
+pub use vtu::{Cells, Field, pvd, vtu};
 
 /// Tensor grid of the surface nodes in which contact can take place.
 ///

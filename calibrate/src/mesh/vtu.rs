@@ -1,4 +1,4 @@
-//! VTK XML files of unstructured grids, read by ParaView and meshio.
+//! VTK XML files of unstructured grids, read by ParaView and meshio, and collections of them.
 
 use std::fmt::Write as _;
 
@@ -13,15 +13,20 @@ use crate::error::{InputError, Result};
 pub enum Cells<'a> {
     /// 8-node hexahedra in the order of VTK.
     Hexes(&'a [[usize; 8]]),
-    /// 4-node quadrilaterals.
-    Quads(&'a [[usize; 4]]),
+    /// 4-node quadrilaterals, and points that are a corner of none: a grid without a cell is no grid to most readers.
+    Surface {
+        /// The quadrilaterals.
+        quads: &'a [[usize; 4]],
+        /// The single points.
+        points: &'a [usize],
+    },
 }
 
 impl Cells<'_> {
     fn len(&self) -> usize {
         match self {
             Self::Hexes(cells) => cells.len(),
-            Self::Quads(cells) => cells.len(),
+            Self::Surface { quads, points } => quads.len() + points.len(),
         }
     }
 }
@@ -103,6 +108,20 @@ pub fn vtu(
     Ok(document(points, cells, point_data, cell_data))
 }
 
+/// A collection of files over a parameter, as the text of a PVD file, which ParaView plays as an animation: the parameter of each file, which
+/// it calls time, and its path from the collection.
+pub fn pvd(entries: &[(f64, String)]) -> String {
+    let mut out = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
+    );
+    for (parameter, file) in entries {
+        let file = escape(file);
+        let _ = writeln!(out, "<DataSet timestep=\"{parameter}\" group=\"\" part=\"0\" file=\"{file}\"/>");
+    }
+    out.push_str("</Collection>\n</VTKFile>\n");
+    out
+}
+
 /// The whole file.
 fn document(points: &[Point3<f64>], cells: Cells, point_data: &[Field], cell_data: &[Field]) -> String {
     let mut out = String::new();
@@ -117,13 +136,24 @@ fn document(points: &[Point3<f64>], cells: Cells, point_data: &[Field], cell_dat
     out.push_str("<Points>\n");
     array(&mut out, "Name=\"Points\" NumberOfComponents=\"3\"", points.iter().flat_map(|p| [p.x, p.y, p.z]));
     out.push_str("</Points>\n<Cells>\n");
-    let (connectivity, corners, kind): (Vec<usize>, usize, u8) = match cells {
-        Cells::Hexes(hexes) => (hexes.iter().flatten().copied().collect(), 8, 12),
-        Cells::Quads(quads) => (quads.iter().flatten().copied().collect(), 4, 9),
+    // corners and kind of every cell
+    const HEXAHEDRON: (usize, u8) = (8, 12);
+    const QUAD: (usize, u8) = (4, 9);
+    const VERTEX: (usize, u8) = (1, 1);
+    let (connectivity, kinds): (Vec<usize>, Vec<(usize, u8)>) = match cells {
+        Cells::Hexes(hexes) => (hexes.iter().flatten().copied().collect(), vec![HEXAHEDRON; hexes.len()]),
+        Cells::Surface { quads, points } => {
+            let kinds = std::iter::repeat_n(QUAD, quads.len()).chain(points.iter().map(|_| VERTEX));
+            (quads.iter().flatten().chain(points).copied().collect(), kinds.collect())
+        }
     };
+    let ends = kinds.iter().scan(0, |end, (corners, _)| {
+        *end += corners;
+        Some(*end as i64)
+    });
     array(&mut out, "Name=\"connectivity\"", connectivity.iter().map(|&v| v as i64));
-    array(&mut out, "Name=\"offsets\"", (1..=cells.len()).map(|k| (k * corners) as i64));
-    array(&mut out, "Name=\"types\"", std::iter::repeat_n(kind, cells.len()));
+    array(&mut out, "Name=\"offsets\"", ends);
+    array(&mut out, "Name=\"types\"", kinds.iter().map(|(_, kind)| *kind));
     out.push_str("</Cells>\n<PointData>\n");
     for field in point_data {
         field.write(&mut out);
@@ -174,7 +204,7 @@ fn array<T: Number>(out: &mut String, attributes: &str, values: impl Iterator<It
     out.push_str("</DataArray>\n");
 }
 
-/// A name as XML attribute.
+/// A text as XML attribute.
 fn escape(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
@@ -204,24 +234,32 @@ mod tests {
         ];
         let text = document(
             &points,
-            Cells::Quads(&[[0, 1, 2, 3]]),
+            Cells::Surface { quads: &[[0, 1, 2, 3]], points: &[2] },
             &[Field::Scalar("a < \"b\"", &[0.1, 0.2, 0.3, f64::MIN_POSITIVE])],
-            &[Field::SymmetricTensor("stress", &[[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]])],
+            &[Field::SymmetricTensor("stress", &[[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [0.0; 6]])],
         );
         let floats = |bytes: Vec<u8>| -> Vec<f64> {
             bytes.chunks(8).map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
         };
         assert_eq!(floats(decode(&text, "a &lt; &quot;b&quot;")), [0.1, 0.2, 0.3, f64::MIN_POSITIVE]);
-        assert_eq!(floats(decode(&text, "stress")), [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert_eq!(floats(decode(&text, "stress"))[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!(floats(decode(&text, "Points"))[11], 0.4);
-        assert_eq!(decode(&text, "types"), [9]);
-        assert_eq!(decode(&text, "offsets"), 4i64.to_le_bytes());
+        assert_eq!(decode(&text, "types"), [9, 1]);
+        assert_eq!(decode(&text, "offsets"), [4i64, 5].map(i64::to_le_bytes).concat());
     }
 
     #[test]
     fn a_field_of_another_mesh_is_refused_by_name() {
-        let error =
-            vtu(&[Point3::origin()], Cells::Quads(&[]), &[Field::Scalar("pressure", &[1.0, 2.0])], &[]);
+        let cells = Cells::Surface { quads: &[], points: &[0] };
+        let error = vtu(&[Point3::origin()], cells, &[Field::Scalar("pressure", &[1.0, 2.0])], &[]);
         assert!(error.unwrap_err().to_string().starts_with("point data pressure = 2 values"));
+    }
+
+    #[test]
+    fn a_collection_names_every_file_with_its_parameter() {
+        let text = pvd(&[(1.5, "fields/a-01.vtu".into()), (20.0, "a & b.vtu".into())]);
+        assert_eq!(text.matches("<DataSet ").count(), 2);
+        assert!(text.contains("timestep=\"1.5\" group=\"\" part=\"0\" file=\"fields/a-01.vtu\"/>"), "{text}");
+        assert!(text.contains("timestep=\"20\"") && text.contains("file=\"a &amp; b.vtu\""), "{text}");
     }
 }
