@@ -125,7 +125,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
         patch_section::caption(data.patches),
     ));
     if let Some(stresses) = figures::subsurface(data.load_curve, &data.patches.patches) {
-        springs.push(collected.add("subsurface", stresses, tables::subsurface_caption(data.patches)));
+        springs.push(collected.add("subsurface", stresses, patches::below_caption(data.patches)));
     }
     if let (Some(horizontal), Some(constant)) = (&stiffness.horizontal, stiffness.horizontal_kn_per_m) {
         springs.push(collected.add(

@@ -329,6 +329,16 @@ pub fn fields_caption(record: &PatchesRecord) -> String {
     )
 }
 
+/// Caption of the figure of the stresses below the patch.
+pub fn below_caption(record: &PatchesRecord) -> String {
+    format!(
+        "Largest von Mises and shear stress below the contact patch and their depths, over the load; and both over the depth below the \
+         place of the largest von Mises stress, under {}. The depth jumps where the place goes from one part of the patch to another. Elastic half-space under the pressure and the friction of the contact, the same \
+         in rail and wheel; without bending, residual and thermal stresses.",
+        loads(record)
+    )
+}
+
 /// The loads in words.
 pub(super) fn loads(record: &PatchesRecord) -> String {
     let loads: Vec<String> =

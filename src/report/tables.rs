@@ -3,7 +3,7 @@
 use railspring_calibrate::history::{Ending, History};
 use serde::Serialize;
 
-use crate::records::{PatchesRecord, ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord};
+use crate::records::{ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord};
 use crate::verify::{self, Kind, Line};
 
 use super::ScenarioRun;
@@ -141,16 +141,6 @@ pub(super) fn law_caption(stiffness: &StiffnessRecord) -> String {
         "Tangent stiffness over load: points of the solid with each displacement reference, the laws fitted to them, \
          the Hertz solution for the curvatures at the first touch, and the published law. In use: reference {}.",
         stiffness.reference
-    )
-}
-
-/// Caption of the figure of the stresses below the patch.
-pub(super) fn subsurface_caption(patches: &PatchesRecord) -> String {
-    format!(
-        "Largest von Mises and shear stress below the contact patch and their depths, over the load; and both over the depth below the \
-         place of the largest von Mises stress, under {}. The depth jumps where the place goes from one part of the patch to another. Elastic half-space under the pressure and the friction of the contact, the same \
-         in rail and wheel; without bending, residual and thermal stresses.",
-        super::patches::loads(patches)
     )
 }
 

@@ -5,10 +5,10 @@
 
 mod bodies;
 mod patches;
+mod fields;
 mod calibrate;
 mod by_angle;
 mod crosscheck;
-mod fields;
 mod mesh_files;
 mod sections;
 mod simulate;
