@@ -1,14 +1,19 @@
 //! Time of the steps of a calibration: `cargo bench -p railspring-calibrate`.
 //!
 //! S1002 on 60E1, contact elements of 6 mm, coarse enough for each step to take well below a second: assembly, factor and
-//! condensation of the rail, pairing of the surfaces, pressing without and with friction. What counts is how the
-//! steps compare with each other, and with themselves before a change.
+//! condensation of the rail, pairing of the surfaces, pressing without and with friction, between elements and on the fine grid, where
+//! a load grows from the one before it as in a calibration, tangent included. What counts is how the
+//! steps compare with each other, and with themselves before a change: a load on the fine grid is to be compared with the convolution
+//! of the same group, of which it needs some tens without friction and some hundreds with it.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector2;
-use railspring_calibrate::calibration::{ContactField, DOWNWARDS, Enforcement, WheelOnRail};
+use railspring_calibrate::calibration::{
+    ContactField, DOWNWARDS, Enforcement, Reference, WheelOnRail, load_points,
+};
+use railspring_calibrate::contact::{ComplianceOperator, HalfSpace, NearField, flat_grid};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{Pair, PairMeshes};
@@ -49,24 +54,43 @@ fn body(criterion: &mut Criterion) {
 fn contact(criterion: &mut Criterion) {
     let (pair, meshes) = pair();
     let bodies = meshes.condense(&pair, Material::STEEL, ELEMENT, &Silent).unwrap();
-    let with_friction = |friction| WheelOnRail {
+    let wheel_on_rail = |friction, field| WheelOnRail {
         rail: &bodies.rail_on_foot.compliance,
         wheel: &bodies.wheel.compliance,
         rail_surface: pair.rail_surface(&bodies.rail_on_foot.grid),
         wheel_surface: pair.wheel_surface(&bodies.wheel.grid),
         friction,
         enforcement: Enforcement::Exact,
-        field: ContactField::Elements,
+        field,
         materials: [Material::STEEL; 2],
         along: DOWNWARDS,
     };
-    let (smooth, rough) = (with_friction(0.0), with_friction(0.3));
+    let (smooth, rough) =
+        (wheel_on_rail(0.0, ContactField::Elements), wheel_on_rail(0.3, ContactField::Elements));
     let mut group = criterion.benchmark_group("contact");
     group.sample_size(10);
     let (lowering, largest_gap) = (Vector2::new(0.0, 50e-6), 100e-6);
     group.bench_function("pair", |b| b.iter(|| smooth.points_at(&lowering, largest_gap)));
     group.bench_function("press", |b| b.iter(|| smooth.press(LOAD, None).unwrap()));
     group.bench_function("press with friction", |b| b.iter(|| rough.press(LOAD, None).unwrap()));
+    group.finish();
+    let mut group = criterion.benchmark_group("contact on the fine grid");
+    group.sample_size(10);
+    let points = flat_grid((48, 48), 0.5e-3, |_, _| 0.0);
+    let half_spaces = NearField::new(&HalfSpace::both(&Material::STEEL), &points, 3);
+    let forces = vec![1.0; 3 * points.len()];
+    let mut motion = forces.clone();
+    group.bench_function("convolution", |b| b.iter(|| half_spaces.add_product(&forces, &mut motion)));
+    for (name, friction) in [("load", 0.0), ("load with friction", 0.5)] {
+        let fine = wheel_on_rail(friction, ContactField::Hybrid);
+        let before = fine.press(LOAD, None).unwrap();
+        group.bench_function(name, |b| {
+            b.iter(|| {
+                let state = fine.press(1.2 * LOAD, Some(&before)).unwrap();
+                load_points(&fine, &[state], Reference::Foot).unwrap()
+            });
+        });
+    }
     group.finish();
 }
 

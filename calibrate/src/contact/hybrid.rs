@@ -93,16 +93,16 @@ impl Hybrid {
         let (direction, directions) = (row / n, self.rows() / n);
         let points = self.far.nrows() / directions;
         let turns = directions == 3 && direction < 2;
-        self.shares[row % n].iter().flat_map(move |&Share { point, weight, turn }| {
-            if !turns {
-                return [Some((direction * points + point, weight)), None].into_iter().flatten();
+        let mut found = [(0, 0.0); 8];
+        for (k, Share { point, weight, turn }) in self.shares[row % n].iter().enumerate() {
+            found[k] = (direction * points + point, weight * if turns { turn.x } else { 1.0 });
+            if turns {
+                // the normal has the sine of the coarse tangent, the tangent minus that of the coarse normal
+                let across = if direction == 0 { turn.y } else { -turn.y };
+                found[4 + k] = ((1 - direction) * points + point, weight * across);
             }
-            // the normal has the sine of the coarse tangent, the tangent minus that of the coarse normal
-            let across = if direction == 0 { turn.y } else { -turn.y };
-            let own = (direction * points + point, weight * turn.x);
-            let other = ((1 - direction) * points + point, weight * across);
-            [Some(own), Some(other)].into_iter().flatten()
-        })
+        }
+        found.into_iter().take(if turns { 8 } else { 4 })
     }
 
     fn far_value(&self, row: usize, column: usize) -> f64 {

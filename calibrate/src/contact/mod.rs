@@ -25,6 +25,7 @@ mod state;
 mod dense;
 mod iterative;
 mod newton;
+mod conjugate_gradients;
 mod start;
 mod sweeps;
 mod solver;

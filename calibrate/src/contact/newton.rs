@@ -14,8 +14,6 @@ use faer::Mat;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 
-/// Steps at most.
-const LIMIT: usize = 60;
 /// Steps of full length before steps are shortened; what converges at all mostly needs fewer than ten.
 const PLAIN: usize = 20;
 /// Shortest step of the line search.
@@ -31,23 +29,23 @@ const PART: f64 = 1e-3;
 /// runs away would otherwise pass for rounding.
 const COARSEST: f64 = 1e-8;
 
-/// Iterates until the conditions of contact hold, and adds the steps to `spent`.
+/// Iterates until the conditions of contact hold, `limit` steps at most, and adds the steps to `spent`.
 ///
 /// # Errors
 /// Why the iteration stopped without an answer.
-pub(super) fn newton(state: &mut State, spent: &mut usize) -> Result<(), StopReason> {
+pub(super) fn newton(state: &mut State, limit: usize, spent: &mut usize) -> Result<(), StopReason> {
     let mut previous: Vec<PointMode> = Vec::new();
     let mut remembered = VecDeque::new();
     state.update_separation();
     let mut residual = state.residual();
-    for iteration in 0..=LIMIT {
+    for iteration in 0..=limit {
         if residual.relative <= TOLERANCE.max(residual.roundoff.min(COARSEST)) {
             return Ok(());
         }
         if !residual.relative.is_finite() {
             return Err(StopReason::NotFinite);
         }
-        if iteration == LIMIT {
+        if iteration == limit {
             break;
         }
         *spent += 1;

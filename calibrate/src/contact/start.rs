@@ -5,37 +5,54 @@
 //! elasticity", Ingenieur-Archiv 44 (1975). What they come to is near the solution of the coupled problem and no more: the
 //! residual of that decides.
 
-use super::newton::newton;
+use super::conjugate_gradients::conjugate_gradients;
 use super::operator::NormalRows;
 use super::state::{FreeDirection, Problem, State};
 
-/// Rounds at most. Where sliding bodies roll under friction more of them do not help.
-const ROUNDS: usize = 6;
-/// Products at most for the friction of a start.
-const PRODUCTS: usize = 80;
-/// SOLVER: change of a friction force by a step of its point alone, over the largest bound, at which friction is near enough to
-/// start from: the points that slide are then the right ones but for a few.
-const NEAR: f64 = 1e-3;
+/// How near to the solution, and by how much work.
+#[derive(Clone, Copy)]
+pub(super) struct Effort {
+    /// SOLVER: change of a force by a step of its point alone, over the largest force.
+    pub tolerance: f64,
+    /// Rounds at most of the normal conditions and friction in turn.
+    pub rounds: usize,
+    /// Products at most for the friction of a round.
+    pub products: usize,
+}
 
-/// Gives a `state` with a free hub the normal forces that its tangential ones ask for, these the friction that goes with them, and
-/// so on until it is near the solution. A state whose normal conditions do not settle stays what it is. Adds the Newton steps to
-/// `spent`.
-pub(super) fn approach(state: &mut State, spent: &mut usize) {
-    if state.directions == 1 || state.problem.hub.is_empty() {
-        return;
-    }
+/// So near that the points that carry load, and those that slide, are the right ones but for a few. Where sliding bodies roll under
+/// friction more rounds do not help.
+pub(super) const NEAR: Effort = Effort { tolerance: 5e-4, rounds: 8, products: 80 };
+
+/// The solution.
+pub(super) const ALL_THE_WAY: Effort = Effort { tolerance: 5e-11, rounds: 60, products: 1000 };
+
+/// Whether these are the problems that products alone solve: the hub is free in one direction or held.
+pub(super) fn suits(problem: &Problem) -> bool {
+    problem.hub.len() <= 1 && problem.compliance.among(&[]).is_some()
+}
+
+/// Gives a `state` the normal forces that its tangential ones ask for, these the friction that goes with them, and so on until it
+/// is near the solution. Adds the steps to `spent`.
+pub(super) fn approach(state: &mut State, effort: Effort, spent: &mut usize) {
     state.update_separation();
-    for _ in 0..ROUNDS {
-        if state.residual().relative < NEAR || !press(state, spent) || state.problem.friction == 0.0 {
+    for _ in 0..effort.rounds {
+        if !(state.residual().relative > effort.tolerance) {
             return;
         }
-        rub(state);
+        *spent += press(state, effort);
+        if state.directions == 3 && state.problem.friction > 0.0 {
+            rub(state, effort);
+        }
         state.update_separation();
     }
 }
 
-/// The normal forces and the hub with the tangential forces as they are; whether they settle.
-fn press(state: &mut State, spent: &mut usize) -> bool {
+/// The normal forces and the hub with the tangential forces as they are; returns the number of steps.
+fn press(state: &mut State, effort: Effort) -> usize {
+    if state.directions == 1 {
+        return conjugate_gradients(state, effort.tolerance);
+    }
     let problem = state.problem;
     let n = problem.points.len();
     let mut tangential = state.forces.clone();
@@ -52,20 +69,16 @@ fn press(state: &mut State, spent: &mut usize) -> bool {
     let normal =
         Problem { points: problem.points, compliance: &compliance, free: &free, friction: 0.0, hub: &hub };
     let mut pressed = State::new(&normal, &state.forces[..n]);
-    pressed.hub.copy_from_slice(&state.hub);
-    let settles = newton(&mut pressed, spent).is_ok();
-    if settles {
-        let solution = pressed.solution(0);
-        state.forces[..n].copy_from_slice(&solution.forces);
-        state.hub.copy_from_slice(&solution.hub);
-    }
-    settles
+    let steps = conjugate_gradients(&mut pressed, effort.tolerance);
+    state.forces[..n].copy_from_slice(&pressed.forces);
+    state.hub.copy_from_slice(&pressed.hub);
+    steps
 }
 
 /// The friction of the normal forces as they are, the hub held: the forces within the cones whose energy is least, by projected
 /// gradients with the steps of J. Barzilai, J.M. Borwein, IMA J. Numer. Anal. 8 (1988), exact along each direction (E.G. Birgin,
 /// J.M. Martínez, M. Raydan, SIAM J. Optim. 10 (2000)).
-fn rub(state: &mut State) {
+fn rub(state: &mut State, effort: Effort) {
     let n = state.problem.points.len();
     let active: Vec<usize> = (0..n).filter(|&j| state.forces[j] > 0.0).collect();
     for j in 0..n {
@@ -96,7 +109,7 @@ fn rub(state: &mut State) {
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
     // in units of the step of a point alone
     let mut length = 1.0;
-    for product in 0..PRODUCTS {
+    for product in 0..effort.products {
         let step = |length: f64| {
             let mut moved: Vec<f64> = (0..2 * a).map(|r| forces[r] - length * scale[r] * slip[r]).collect();
             within(&mut moved);
@@ -104,7 +117,7 @@ fn rub(state: &mut State) {
             moved
         };
         let change = step(1.0).iter().fold(0.0_f64, |m, c| m.max(c.abs()));
-        if !(change > NEAR * largest) {
+        if !(change > effort.tolerance * largest) {
             break;
         }
         let direction = step(length);
