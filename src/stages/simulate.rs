@@ -1,13 +1,12 @@
 //! A load case on the moving solver and on the transient solid model.
 
-use railspring_calibrate::calibration::ContactField;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::transient::TransientModel;
 
-use super::{Geometry, Meshes, enforcement, formulation};
+use super::{Geometry, Meshes, contact_field, enforcement, formulation};
 use crate::study::{SlidingMatrixKey, Study, StudyScenario};
 use railspring_calibrate::beam::BeamCorrection;
 use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
@@ -69,7 +68,7 @@ pub fn simulate_solid(
         [&meshes.rail, &meshes.wheel],
         study.material,
         formulation(study),
-        (enforcement(study), ContactField::Elements),
+        (enforcement(study), contact_field(study)),
     );
     Ok(model.run(&scenario.scenario, monitor)?.history)
 }

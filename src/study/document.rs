@@ -195,7 +195,7 @@ pub enum ElementKey {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ContactKeys {
-    /// Where the contact of the calibration lives, and what is elastic in it; the runs of the solid model are on elements.
+    /// Where the contact of the solid model lives, and what is elastic in it, in the calibration and in the runs.
     pub field: FieldKey,
     /// How the surfaces are kept from passing through each other.
     pub enforcement: EnforcementKey,
@@ -210,7 +210,7 @@ pub struct ContactKeys {
 impl Default for ContactKeys {
     fn default() -> Self {
         Self {
-            field: FieldKey::Elements,
+            field: FieldKey::Hybrid,
             enforcement: EnforcementKey::Exact,
             penalty_kn_per_m: 1e6,
             friction: 0.5,

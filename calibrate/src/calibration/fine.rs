@@ -266,10 +266,11 @@ impl FineContact {
     }
 }
 
-/// Whether the next point of a lattice lies beyond the end of a mesh's contact grid.
+/// Whether the next point of a lattice lies on or beyond the end of a mesh's contact grid, where there may be none.
 fn at_end(grid: &SurfaceGrid, lattice: &Lattice, place: &Point2<f64>) -> bool {
     [&grid.along_profile, &grid.along_track].into_iter().enumerate().any(|(axis, lines)| {
-        let cell = lattice.cell[axis];
+        // on a line, but for rounding
+        let cell = lattice.cell[axis] * (1.0 + 1e-6);
         place[axis] - cell < lines[0] || place[axis] + cell > lines[lines.len() - 1]
     })
 }
