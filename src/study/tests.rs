@@ -63,7 +63,7 @@ fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
     assert_eq!(plain, hash("# a comment\n"));
     assert_eq!(plain, hash("[track]\ngauge_mm = 1435.0\n"), "a default that is written out");
     assert_eq!(plain, hash("[verification]\nvertical_rms = 0.5\n"));
-    assert_eq!(plain, hash("[contact]\nfield = \"hybrid\"\n"), "a cross-check has elements");
+    assert_eq!(plain, hash("[contact]\nfield = \"elements\"\n"), "a cross-check has elements");
     assert_eq!(plain, hash("[output]\nvertical = \"up\"\n"));
     assert_ne!(plain, hash("[track]\ngauge_mm = 1436\n"));
     assert_ne!(plain, hash("[mesh]\nelement = \"full-integration\"\n"));
@@ -112,7 +112,7 @@ fn every_result_has_a_key_of_its_own_inputs() {
         ("[output]\nvertical = \"up\"\n", &["calibration"]),
         ("[output]\nvertical = \"down\"\n", &[]),
         ("[mesh]\ngrowth = 1.5\n", &["calibration", "solid one"]),
-        ("[contact]\nfield = \"hybrid\"\n", &["calibration", "simple one", "solid one", "simple two"]),
+        ("[contact]\nfield = \"elements\"\n", &["calibration", "simple one", "solid one", "simple two"]),
         ("[material]\ndamping_ratio = 0\n", &["calibration", "simple one", "solid one", "simple two"]),
         (
             "[track]\nlateral_shift_mm = 1\n",

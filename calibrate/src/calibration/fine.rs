@@ -366,3 +366,30 @@ pub(crate) fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool>
     }
     wide
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: where a cell divides the contact window, the last points that may carry load at its two ends are both at its end, though
+    /// there is a line of the lattice on either of them, and rounding has its part in where it lies.
+    #[test]
+    fn both_ends_of_a_window_are_ends() {
+        let lines = |n: i32, step: f64| (-n..=n).map(|k| f64::from(k) * step).collect::<Vec<_>>();
+        let grid = SurfaceGrid {
+            along_profile: lines(8, 2e-3),
+            along_track: lines(8, 1.5e-3),
+            nodes: Vec::new(),
+        };
+        for halvings in 0..6 {
+            let cell = Vector2::new(0.65e-3, 0.5e-3 * 0.5_f64.powi(halvings));
+            let lattice = Lattice::over(&grid, cell);
+            let beside = 12e-3 - cell.y;
+            for (x, is_end) in [(beside, true), (beside - cell.y, false)] {
+                for x in [x, -x, x * (1.0 + 1e-12), -x * (1.0 - 1e-12)] {
+                    assert_eq!(at_end(&grid, &lattice, &Point2::new(0.0, x)), is_end, "{x} {cell}");
+                }
+            }
+        }
+    }
+}
