@@ -84,7 +84,7 @@ pub struct FixedLoadRecord {
     pub semi_axis_across_mm: f64,
     /// Largest von Mises stress below the patch, MPa, of a half-space; none for a contact between elements, which do not resolve it.
     pub max_von_mises_mpa: Option<f64>,
-    /// Its depth, mm.
+    /// Its depth, mm; a quarter of a cell of the fine grid where friction has it at the surface.
     pub von_mises_depth_mm: Option<f64>,
     /// Largest shear stress below the patch, MPa.
     pub max_shear_mpa: Option<f64>,
