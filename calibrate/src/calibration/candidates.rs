@@ -103,12 +103,12 @@ impl WheelOnRail<'_> {
                 // patch and approach grow as on Hertz' ellipses
                 let growth = (load / last.load).cbrt();
                 let across = widths(&fine.lattice, &last.points, &last.solution.forces).map(|w| w * growth);
-                (self.lattice(cell_for(across)), self.region(last, growth.max(1.0).powi(2)))
+                (self.lattice(across), self.region(last, growth.max(1.0).powi(2)))
             }
             None => {
                 let points = self.first_points(hub);
                 let nodes = points.iter().map(|point| point.index);
-                (self.lattice(cell_for([f64::INFINITY; 2])), self.marked(nodes))
+                (self.lattice([f64::INFINITY; 2]), self.marked(nodes))
             }
         });
         let (points, fine) =
@@ -136,9 +136,12 @@ impl WheelOnRail<'_> {
         let columns = self.rail_surface.grid.along_track.len();
         let forces = &state.solution.forces[..state.points.len()];
         let across = widths(lattice, &state.points, forces);
-        let wanted = self.lattice(cell_for(across));
+        let wanted = self.lattice(across);
         let spreads = touches_border(&state.points, forces);
-        if spreads || (plan.changes == 0 && wanted != *lattice) || too_coarse(lattice, across) {
+        if spreads
+            || (plan.changes == 0 && wanted != *lattice)
+            || too_coarse(lattice, across, self.field.spacing())
+        {
             let mut reach = self.region(state, 1.0);
             if spreads {
                 reach.iter_mut().zip(region.iter()).for_each(|(reach, sought)| *reach |= sought);
@@ -157,8 +160,9 @@ impl WheelOnRail<'_> {
         true
     }
 
-    fn lattice(&self, cell: Vector2<f64>) -> Lattice {
-        Lattice::over(self.rail_surface.grid, cell)
+    /// The grid for a patch of the widths `across`, m.
+    fn lattice(&self, across: [f64; 2]) -> Lattice {
+        Lattice::over(self.rail_surface.grid, cell_for(across, self.field.spacing()))
     }
 
     /// Marks among the nodes of the rail's grid.

@@ -14,21 +14,22 @@ const LEAST_ACROSS: f64 = 11.0;
 /// Halvings of the spacing at most, in both directions: half of these times.
 const FINEST: i32 = 10;
 /// The spacing for a patch of the widths `across` (along the profile, along the track; m): the largest one, divided by √2 as
-/// often as it takes.
-pub(crate) fn cell_for(across: [f64; 2]) -> Vector2<f64> {
-    let spacing = |axis: usize| {
+/// often as it takes, all times `spacing`.
+pub(crate) fn cell_for(across: [f64; 2], spacing: f64) -> Vector2<f64> {
+    let cell = |axis: usize| {
         // a conversion of what is beyond all numbers ends at their ends
         let steps = (2.0 * (LARGEST_CELL[axis] * CELLS_ACROSS / across[axis]).log2()).ceil() as i32;
-        LARGEST_CELL[axis] * 0.5_f64.powf(0.5 * f64::from(steps.clamp(0, FINEST)))
+        spacing * LARGEST_CELL[axis] * 0.5_f64.powf(0.5 * f64::from(steps.clamp(0, FINEST)))
     };
-    Vector2::new(spacing(0), spacing(1))
+    Vector2::new(cell(0), cell(1))
 }
 
-/// Whether a patch of the widths `across` (m) has too few cells, though there are smaller ones.
-pub(crate) fn too_coarse(lattice: &Lattice, across: [f64; 2]) -> bool {
-    let least = cell_for([0.0; 2]);
+/// Whether a patch of the widths `across` (m) has too few cells, though there are smaller ones; `spacing` as in [`cell_for`].
+pub(crate) fn too_coarse(lattice: &Lattice, across: [f64; 2], spacing: f64) -> bool {
+    let least = cell_for([0.0; 2], spacing);
     (0..2).any(|axis| {
-        across[axis] < LEAST_ACROSS * lattice.cell[axis] && lattice.cell[axis] > least[axis] * (1.0 + 1e-9)
+        spacing * across[axis] < LEAST_ACROSS * lattice.cell[axis]
+            && lattice.cell[axis] > least[axis] * (1.0 + 1e-9)
     })
 }
 
@@ -227,7 +228,7 @@ mod tests {
     #[test]
     fn the_grid_follows_the_patch() {
         for width in [0.0, f64::MIN_POSITIVE, 1e-5, 0.7e-3, 3e-3, 9e-3, 1.0, f64::INFINITY] {
-            let cell = cell_for([width; 2]);
+            let cell = cell_for([width; 2], 1.0);
             for axis in 0..2 {
                 let steps = 2.0 * (LARGEST_CELL[axis] / cell[axis]).log2();
                 assert!(
@@ -238,7 +239,15 @@ mod tests {
                 assert!(coarsest || width >= CELLS_ACROSS * cell[axis] * (1.0 - 1e-9) || finest, "{width}");
                 assert!(coarsest || width < CELLS_ACROSS * cell[axis] * 1.5, "{width}: {cell}");
             }
-            assert!(!too_coarse(&Lattice { cell, middle: 0 }, [width; 2]), "{width}: {cell}");
+            // half the spacing is half of every cell, and changes where the other does
+            let half = cell_for([width; 2], 0.5);
+            assert_eq!(half, 0.5 * cell);
+            for wider in [0.5, 0.68, 0.7, 1.0, 1.5] {
+                let coarse =
+                    |cell, spacing| too_coarse(&Lattice { cell, middle: 0 }, [wider * width; 2], spacing);
+                assert_eq!(coarse(cell, 1.0), coarse(half, 0.5), "{width}");
+                assert!(wider < 1.0 || !coarse(cell, 1.0), "{width}: {cell}");
+            }
         }
         let (_, mut points, mut forces) = pressed(50e3, [0.3; 2], 6.0, [0.0; 2]);
         points[0].at_edge = false;

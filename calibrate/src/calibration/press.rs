@@ -97,7 +97,9 @@ impl WheelOnRail<'_> {
             let last = previous.as_ref().or(near);
             let candidates = match self.field {
                 ContactField::Elements => self.element_candidates(&hub, previous.as_ref(), near),
-                ContactField::Hybrid => self.fine_candidates(&hub, load, last, &mut plan),
+                ContactField::Hybrid | ContactField::HybridHalved => {
+                    self.fine_candidates(&hub, load, last, &mut plan)
+                }
             };
             let Candidates { mut points, elasticity, start } = candidates;
             if points.is_empty() {

@@ -48,6 +48,8 @@ pub enum ContactField {
     /// On a fine grid of about 0.65 by 0.5 mm that follows the patch: half-spaces between its points, and the bodies beyond
     /// their half-spaces interpolated from the nodes of the meshes.
     Hybrid,
+    /// As [`ContactField::Hybrid`] on a grid of half the spacing in both directions: what it changes is the error of that grid.
+    HybridHalved,
     /// On the contact nodes of the meshes, the elements alone.
     #[default]
     Elements,
@@ -57,10 +59,18 @@ pub enum ContactField {
 pub const DOWNWARDS: Unit<Vector2<f64>> = Unit::new_unchecked(Vector2::new(0.0, 1.0));
 
 impl ContactField {
+    /// Spacing of the fine grid over the one that the patch asks for.
+    pub(crate) fn spacing(self) -> f64 {
+        match self {
+            Self::HybridHalved => 0.5,
+            Self::Hybrid | Self::Elements => 1.0,
+        }
+    }
+
     /// # Errors
     /// [`InputError`] for penalty springs on a fine grid.
     pub(crate) fn check(self, enforcement: Enforcement) -> Result<()> {
-        if let (Self::Hybrid, Enforcement::Penalty(stiffness)) = (self, enforcement) {
+        if let (Self::Hybrid | Self::HybridHalved, Enforcement::Penalty(stiffness)) = (self, enforcement) {
             return Err(InputError::new(
                 InputField::Enforcement,
                 format!("penalty springs of {:.4} kN/m", stiffness * 1e-3),

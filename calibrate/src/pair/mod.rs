@@ -6,16 +6,19 @@
 //! * [`PressedPair`]: the states under the loads, to which the laws are fitted;
 //! * [`law_by_shift`]: the same bodies with the wheel in other places across the track, pressed along the contact normal: the law
 //!   by contact angle ([`AngleLaw`]);
+//! * [`ErrorBand`]: how far the laws change with the grid and with the meshes, which is what they are worth;
 //! * [`SeriesBeam`]: the rail beam that stands in series with the law.
 
 mod geometry;
 mod solids;
 mod bodies;
 mod by_shift;
+mod error_band;
 mod series_beam;
 
 pub use bodies::{CondensedPair, ContactConditions, PressedPair, condense_all};
 pub use by_shift::{AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, TouchPoint, law_by_shift};
+pub use error_band::{BandPoint, COARSER, Change, ErrorBand, Laws, error_bands, mesh_changes};
 pub use geometry::{Pair, PairMeshes};
 pub use series_beam::SeriesBeam;
 pub use solids::{PairBody, PairSolids};

@@ -180,7 +180,7 @@ impl<'m> StepContact<'m> {
     ) -> Result<LastContact> {
         match self.model.field {
             ContactField::Elements => self.between_nodes(bodies, predicted, last),
-            ContactField::Hybrid => self.on_fine_grid(bodies, predicted, last),
+            ContactField::Hybrid | ContactField::HybridHalved => self.on_fine_grid(bodies, predicted, last),
         }
     }
 
@@ -400,7 +400,9 @@ impl<'m> StepContact<'m> {
 
     /// The grid to begin a step with: that of the last one, unless its patch has outgrown it.
     fn lattice_after(&self, last: &LastContact) -> Lattice {
-        let Some(fine) = &last.fine else { return self.lattice(cell_for([f64::INFINITY; 2])) };
+        let Some(fine) = &last.fine else {
+            return self.lattice(cell_for([f64::INFINITY; 2], self.model.field.spacing()));
+        };
         let lattice = fine.contact.lattice;
         if last.solution.active() == 0 {
             return lattice;
@@ -416,20 +418,23 @@ impl<'m> StepContact<'m> {
         }
         let across = widths(lattice, &contact.points, &contact.solution.forces[..contact.points.len()]);
         let wanted = self.wanted(lattice, contact);
-        (too_coarse(lattice, across) && wanted != *lattice).then_some(wanted)
+        (too_coarse(lattice, across, self.model.field.spacing()) && wanted != *lattice).then_some(wanted)
     }
 
     /// A grid with larger cells, if there are any.
     fn coarser(&self, lattice: &Lattice) -> Lattice {
-        let largest = cell_for([f64::INFINITY; 2]);
+        let largest = cell_for([f64::INFINITY; 2], self.model.field.spacing());
         self.lattice((lattice.cell * std::f64::consts::SQRT_2).inf(&largest))
     }
 
     /// The grid for the patch of a `contact` on `lattice`.
     fn wanted(&self, lattice: &Lattice, contact: &LastContact) -> Lattice {
         let forces = &contact.solution.forces[..contact.points.len()];
-        let largest = cell_for([f64::INFINITY; 2]);
-        self.lattice(cell_for(widths(lattice, &contact.points, forces)).sup(&(largest * FINEST_CELL)))
+        let largest = cell_for([f64::INFINITY; 2], self.model.field.spacing());
+        self.lattice(
+            cell_for(widths(lattice, &contact.points, forces), self.model.field.spacing())
+                .sup(&(largest * FINEST_CELL)),
+        )
     }
 
     fn lattice(&self, cell: Vector2<f64>) -> Lattice {
