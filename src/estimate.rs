@@ -10,13 +10,14 @@ use std::path::Path;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::LOADS_HALVED;
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::FactorSize;
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::python::Purpose;
 use crate::stages::{self, Geometry, Meshes};
-use crate::study::Study;
+use crate::study::{FieldKey, Study};
 
 /// Bytes of a gibibyte.
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -54,6 +55,10 @@ const SPEED: f64 = 20e9;
 const BANDWIDTH: f64 = 10e9;
 /// Seconds of a load for every pair of candidates.
 const SECONDS_PAIR: f64 = 3e-7;
+/// Seconds of a load on a fine grid, with friction.
+const SECONDS_FINE: f64 = 0.1;
+/// Seconds of a load on a grid of half its spacing and on the grid itself, without friction.
+const SECONDS_HALVED: f64 = 0.8;
 /// Seconds of contact in a time step.
 const SECONDS_STEP: f64 = 0.03;
 
@@ -240,6 +245,9 @@ impl Estimate {
                 seconds: wheel.seconds() + 2.0 * rail.seconds() + 2.0 * pressing,
             });
         }
+        if work.calibrate && study.wants_error_band() {
+            stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
+        }
         if let Some(purpose) = work.reference {
             let values = (rail.size.values + wheel.size.values) as f64;
             stages.push(StageEstimate {
@@ -360,6 +368,21 @@ impl Body {
         self.making() + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
     }
 
+    /// The same body on a mesh of another size, whose factor grows as that of a body that is refined: the values with the power
+    /// 4/3 of its nodes, the multiplications with their square.
+    fn resized(&self, mesh: MeshSize) -> Self {
+        let ratio = mesh.nodes as f64 / self.mesh.nodes as f64;
+        let times = |count: usize, power: f64| (count as f64 * ratio.powf(power)) as usize;
+        let size = FactorSize {
+            equations: times(self.size.equations, 1.0),
+            retained: 3 * mesh.contact,
+            entries: times(self.size.entries, 1.0),
+            values: times(self.size.values, 4.0 / 3.0),
+            multiplications: self.size.multiplications * ratio.powi(2),
+        };
+        Self { mesh, size }
+    }
+
     /// Time of order, assembly, factor and reduction, s.
     fn seconds(&self) -> f64 {
         let reduction = (self.size.retained as f64).powi(3);
@@ -367,6 +390,34 @@ impl Body {
             + SECONDS_ASSEMBLY * self.mesh.hexes as f64
             + (self.size.multiplications + reduction) / SPEED
     }
+}
+
+/// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.
+fn error_band(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    [rail, wheel]: [&Body; 2],
+    base: f64,
+) -> Result<StageEstimate> {
+    let dense = |body: &Body| VALUE * (body.size.retained as f64).powi(2);
+    let kept = 2.0 * dense(rail) + dense(wheel);
+    let loads = study.calibration.loads.len() as f64;
+    let (on_grids, of_a_load) = match study.contact.field {
+        FieldKey::Hybrid => (loads.min(LOADS_HALVED as f64) * SECONDS_HALVED, SECONDS_FINE),
+        FieldKey::Elements => (0.0, SECONDS_STEP),
+    };
+    let mut estimate =
+        StageEstimate { stage: "error band".into(), memory: base + OVERHEAD * kept, seconds: on_grids };
+    // a mesh from a file is not made coarser
+    if study.rail.mesh.is_none() && study.wheel.mesh.is_none() {
+        let options = stages::coarser_options(meshes.options());
+        let rail = rail.resized(rail_size(&geometry.pair.rail, study.rail.length, &options)?);
+        let wheel = wheel.resized(wheel_size(&geometry.pair.wheel, &options)?);
+        estimate.memory += OVERHEAD * (dense(&wheel) + dense(&rail) + wheel.making() + rail.making());
+        estimate.seconds += wheel.seconds() + 2.0 * rail.seconds() + 2.0 * loads * of_a_load;
+    }
+    Ok(estimate)
 }
 
 /// Sizes of the tool's own meshes; bodies with a mesh from a file have none.

@@ -29,7 +29,7 @@ use crate::output::OutputFolder;
 use crate::records::{LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, VerificationRecord};
 use crate::results::{NewFile, Results, hash};
 use crate::springs;
-use crate::stages::{self, Geometry, Meshes};
+use crate::stages::{self, Calibration, Geometry, Meshes};
 use crate::store::{Artefact, Store};
 use crate::study::Study;
 
@@ -122,7 +122,7 @@ impl<'a> Pipeline<'a> {
         springs::check_reference(self.study)?;
         self.measured.stages.clear();
         self.check_calibration()?;
-        let calibration = self.get(&Calibrate)?;
+        let calibration = self.calibration()?;
         let by_angle = self.by_angle()?;
         let springs = springs::own(self.study, &calibration.stiffness)?;
         let mut runs = Vec::new();
@@ -147,8 +147,17 @@ impl<'a> Pipeline<'a> {
     /// Those of the stages.
     pub fn calibrate(mut self) -> Result<()> {
         self.check_calibration()?;
-        self.get(&Calibrate)?;
+        self.calibration()?;
         self.by_angle().map(drop)
+    }
+
+    /// The calibration; says what its law is worth.
+    fn calibration(&mut self) -> Result<Calibration> {
+        let calibration = self.get(&Calibrate)?;
+        for line in calibration.stiffness.worth() {
+            self.resources.monitor.notice(&line);
+        }
+        Ok(calibration)
     }
 
     /// The laws by contact angle, if the study wants them.
@@ -160,6 +169,7 @@ impl<'a> Pipeline<'a> {
     /// loads.
     fn check_calibration(&mut self) -> Result<()> {
         stages::check_friction(self.study)?;
+        stages::check_target(self.study)?;
         let geometry = self.geometry()?;
         self.say_repairs(&geometry);
         stages::check_loads(self.study, &geometry, self.resources.monitor)

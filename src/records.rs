@@ -11,12 +11,14 @@ mod law;
 mod run;
 mod verdict;
 mod by_angle;
+mod error_band;
 mod patches;
 
 pub use by_angle::{
     AngleLawRecord, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
 };
+pub use error_band::{BandPointRecord, ErrorBandRecord, ReferenceBandRecord, TargetRecord};
 pub use law::LawConstants;
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use run::{PairRecord, RunRecord, SpringsRecord, SpringsSource};
@@ -55,6 +57,9 @@ pub struct StiffnessRecord {
     pub beam: BeamRecord,
     /// The laws with each reference, the one in use included.
     pub references: Vec<ReferenceRecord>,
+    /// What the laws are worth; none where the study does not ask.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_band: Option<ErrorBandRecord>,
     /// Where the compliance sits, at some loads.
     pub compliance_split: Vec<ComplianceRecord>,
     /// The published penalty criterion.
@@ -78,6 +83,32 @@ impl StiffnessRecord {
     /// Mass of the solid wheel, kg.
     pub fn wheel_mass(&self) -> f64 {
         self.mesh.iter().find(|mesh| mesh.body == "wheel").map_or(f64::NAN, |mesh| mesh.mass_kg)
+    }
+
+    /// What the law in use is worth, as far as that was asked for, a line each.
+    pub fn worth(&self) -> Vec<String> {
+        let Some(band) = &self.error_band else { return Vec::new() };
+        let mut lines: Vec<String> =
+            band.missing.iter().map(|part| format!("error band of the law: none, {part}")).collect();
+        if let Some((displacement, tangent)) =
+            band.of(&self.reference).and_then(|band| Some((band.displacement?, band.tangent?)))
+        {
+            let [smallest, largest] = self.law.range_kn;
+            lines.push(format!(
+                "error band of the law ({}): displacement \u{b1}{:.2} %, tangent \u{b1}{:.2} % from {smallest} to {largest} kN",
+                self.reference,
+                1e2 * displacement,
+                1e2 * tangent
+            ));
+        }
+        if let Some(target) = &band.target {
+            let reached = target.not_reached.as_ref().map_or_else(
+                || format!("reached with contact elements of {:.2} mm", band.contact_element_mm),
+                |reason| format!("not reached: {reason}"),
+            );
+            lines.push(format!("wanted error band of {:.2} %: {reached}", 1e2 * target.wanted));
+        }
+        lines
     }
 
     /// Forces, kN, and tangent stiffness, kN/m, of the reference in use.

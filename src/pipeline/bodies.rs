@@ -32,17 +32,17 @@ impl<'a> Pipeline<'a> {
 }
 
 impl BodySource<'_> {
-    /// The bodies of `solids`.
+    /// The bodies of `solids`; `which` goes with their names in messages.
     ///
     /// # Errors
     /// Those of condensing them, and an interruption.
-    pub fn bodies<'m>(&self, solids: PairSolids<'m>) -> Result<Bodies<'m>> {
+    pub fn bodies<'m>(&self, solids: PairSolids<'m>, which: &str) -> Result<Bodies<'m>> {
         // said in one order, whichever body is there first
         let notices: Mutex<[Vec<String>; 3]> = Mutex::default();
         let say = |body: PairBody, text: String| {
             let mut notices = notices.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             notices.iter_mut().zip(PairBody::ALL).filter(|(_, of)| *of == body).for_each(|(list, _)| {
-                list.push(format!("{}: {text}", body.name()));
+                list.push(format!("{}{which}: {text}", body.name()));
             });
         };
         let bodies =

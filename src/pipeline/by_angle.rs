@@ -37,7 +37,8 @@ impl Stage for ByAngle {
             Some(bodies) => bodies,
             None => {
                 let meshes = at.meshes(Pipeline::calibration_work)?;
-                let bodies = at.body_source().bodies(stages::solids(study, &geometry, &meshes))?.condensed;
+                let bodies =
+                    at.body_source().bodies(stages::solids(study, &geometry, &meshes), "")?.condensed;
                 at.go_on_with(meshes);
                 bodies
             }

@@ -50,23 +50,41 @@ impl Stage for Calibrate {
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
         };
-        let (Calibration { stiffness, load_curve, patches, horizontal_failure }, fields, condensed) =
-            stages::within_zones(
+        let press = |meshes: &Meshes| {
+            let solids = stages::solids(study, &geometry, meshes);
+            let Bodies { condensed, interiors } = source.bodies(solids, "")?;
+            let (calibration, fields, laws) =
+                stages::calibrate(study, &geometry, meshes, &condensed, interiors, monitor)?;
+            Ok((calibration, fields, laws, condensed))
+        };
+        let condense = |coarser: &Meshes| {
+            let solids = stages::solids(study, &geometry, coarser);
+            source.bodies(solids, " of coarser elements").map(|bodies| bodies.condensed)
+        };
+        let (Calibration { stiffness, load_curve, patches, horizontal_failure }, fields, condensed) = loop {
+            let (mut calibration, fields, laws, condensed) = stages::within_zones(
                 study,
                 &geometry,
                 &mut meshes,
                 monitor,
                 accept,
-                |meshes| {
-                    let Bodies { condensed, interiors } =
-                        source.bodies(stages::solids(study, &geometry, meshes))?;
-                    let (calibration, fields) =
-                        stages::calibrate(study, &geometry, meshes, &condensed, interiors, monitor)?;
-                    Ok((calibration, fields, condensed))
-                },
+                press,
                 |(calibration, ..)| calibration.horizontal_failure.as_ref(),
             )
             .map_err(|error| uncarried(study, error))?;
+            if study.wants_error_band() {
+                let mut band =
+                    stages::error_band(study, &geometry, &meshes, &condensed, &laws, condense, monitor)?;
+                if let Some(finer) =
+                    stages::finer_meshes(study, &geometry, &meshes, &mut band, accept, monitor)?
+                {
+                    meshes = finer;
+                    continue;
+                }
+                calibration.stiffness.error_band = Some(band);
+            }
+            break (calibration, fields, condensed);
+        };
         let reach = at.go_on_with(meshes);
         at.condensed = study.wants_by_angle().then_some(condensed);
         let mut artefact = Artefact::default()

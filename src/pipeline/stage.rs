@@ -10,7 +10,7 @@ use super::{MEASURED, Pipeline};
 use crate::estimate::{self, Work};
 use crate::measure::Stopwatch;
 use crate::results::NewFile;
-use crate::stages::{self, Geometry, Meshes};
+use crate::stages::{self, FINER, Geometry, Meshes};
 use crate::store::{Address, Artefact};
 
 /// Part of an artefact: how far the contact zones reached in the end.
@@ -64,10 +64,12 @@ impl Made {
     }
 }
 
-/// How far the contact zones of the tool's own meshes reach, m. Runs make them larger where the contact goes on, and what
+/// How fine the tool's own meshes are, and how far their contact zones reach, m. Runs make them larger where the contact goes on, and what
 /// comes later begins with the larger ones, so that this is an input of a run on the solids.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Reach {
+    /// Times that the study's sizes are refined.
+    refinements: u32,
     window_half_length: f64,
     rail_face_depth: f64,
     rail_field_y: f64,
@@ -76,8 +78,9 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    pub fn of(options: &MeshOptions) -> Self {
+    pub fn of(options: &MeshOptions, refinements: u32) -> Self {
         Self {
+            refinements,
             window_half_length: options.window_half_length,
             rail_face_depth: options.rail_zone.face_depth,
             rail_field_y: options.rail_zone.field_y,
@@ -87,6 +90,9 @@ impl Reach {
     }
 
     fn apply(self, options: &mut MeshOptions) {
+        for _ in 0..self.refinements {
+            *options = options.refined(FINER);
+        }
         options.window_half_length = self.window_half_length;
         options.rail_zone.face_depth = self.rail_face_depth;
         options.rail_zone.field_y = self.rail_field_y;
@@ -166,7 +172,7 @@ impl Pipeline<'_> {
             return Ok(reach);
         }
         let geometry = self.geometry()?;
-        Ok(*self.reach.insert(Reach::of(&stages::mesh_options(self.study, &geometry))))
+        Ok(*self.reach.insert(Reach::of(&stages::mesh_options(self.study, &geometry), 0)))
     }
 
     /// Goes on with the zones that an artefact has ended with.
@@ -200,7 +206,7 @@ impl Pipeline<'_> {
 
     /// Hands back the meshes that a run has ended with.
     pub(super) fn go_on_with(&mut self, meshes: Meshes) -> Reach {
-        let reach = Reach::of(meshes.options());
+        let reach = Reach::of(meshes.options(), meshes.refinements(self.study));
         self.meshes = Some(meshes);
         *self.reach.insert(reach)
     }

@@ -7,7 +7,8 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
 use crate::records::{
-    ComplianceRecord, HorizontalRecord, LoadCurveRow, PatchRecord, ReferenceRecord, StiffnessRecord,
+    BandPointRecord, ComplianceRecord, HorizontalRecord, LoadCurveRow, PatchRecord, ReferenceRecord,
+    StiffnessRecord, TangentRecord,
 };
 use crate::verify::averaged_ratio;
 
@@ -45,6 +46,11 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
         series.push(Series::line("", curve(&|f| reference.law.constants.tangent(f)), color, Dash::Solid));
         let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
         marks.push(Series::marks(&name, points, color, marker).sampled(Dash::Solid));
+        let bars = error_bars(stiffness, reference, |p, band| {
+            let (tangent, force) = (p.tangent_kn_per_m * 1e-6, p.force_kn);
+            [-1.0, 1.0].map(|side| (force, tangent * (1.0 + side * band.tangent.unwrap_or(f64::NAN))))
+        });
+        marks.extend(bars.map(|points| Series::line("", points, color, Dash::Solid)));
     }
     // On top of the lines, so that it is seen where it coincides with one of them.
     let published = StiffnessLaw::published();
@@ -73,6 +79,11 @@ pub fn displacement(stiffness: &StiffnessRecord) -> String {
         let name = format!("solid: {}", reference_name(&reference.reference));
         let points = reference.points.iter().map(|p| (p.displacement_mm, p.force_kn)).collect();
         series.push(Series::joined(&name, points, color, Dash::Solid, marker));
+        let bars = error_bars(stiffness, reference, |p, band| {
+            let side = |side: f64| 1.0 + side * band.displacement.unwrap_or(f64::NAN);
+            [-1.0, 1.0].map(|sign| (p.displacement_mm * side(sign), p.force_kn))
+        });
+        series.extend(bars.map(|points| Series::line("", points, color, Dash::Solid)));
     }
     let law = (0..=CURVE_POINTS)
         .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
@@ -89,6 +100,21 @@ pub fn displacement(stiffness: &StiffnessRecord) -> String {
             series,
         }],
     )
+}
+
+/// The error band of a reference as a line beside each point, between the two `ends`; none where there is no band.
+fn error_bars(
+    stiffness: &StiffnessRecord,
+    reference: &ReferenceRecord,
+    ends: impl Fn(&TangentRecord, &BandPointRecord) -> [(f64, f64); 2],
+) -> Option<Vec<(f64, f64)>> {
+    let band = stiffness.error_band.as_ref()?.of(&reference.reference)?;
+    let bar = |(point, band)| -> [(f64, f64); 3] {
+        let [low, high] = ends(point, band);
+        // what is not finite parts one bar from the next
+        [low, high, (f64::NAN, f64::NAN)]
+    };
+    band.largest().map(|_| reference.points.iter().zip(&band.points).flat_map(bar).collect())
 }
 
 /// Semi-axes and largest pressure of the patch over load.

@@ -148,6 +148,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "inputs": tables::grouped(data.inputs),
             "stiffness": stiffness,
             "springs": springs,
+            "worth": tables::worth(&stiffness),
             "scenarios": scenarios,
             "crosscheck": chapter,
             "lines": tables::lines(data.verdict),

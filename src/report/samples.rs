@@ -7,11 +7,12 @@ use nalgebra::Point2;
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 use crate::records::{
-    AngleLawRecord, BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord,
-    DisplacementRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord, HorizontalPointRecord,
-    HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, Measured, PairRecord, PenaltyRecord,
-    ProfileRecord, ReferenceRecord, ResolvedKey, ShiftRecord, ShiftTouchRecord, StageMeasure,
-    StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
+    AngleLawRecord, BandPointRecord, BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord,
+    DisplacementRecord, ErrorBandRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord,
+    HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, Measured, PairRecord,
+    PenaltyRecord, ProfileRecord, ReferenceBandRecord, ReferenceRecord, ResolvedKey, ShiftRecord,
+    ShiftTouchRecord, StageMeasure, StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord,
+    TouchRecord,
 };
 
 use crate::records::crosscheck::{
@@ -110,6 +111,41 @@ fn reference(name: &str, law: LawRecord) -> ReferenceRecord {
     ReferenceRecord { reference: name.into(), law, displacement, table, points }
 }
 
+/// Bands of the three references at the loads of their points, wider at small loads.
+fn error_band() -> ErrorBandRecord {
+    let references = ["foot", "beam", "local"].map(|reference| {
+        let points: Vec<BandPointRecord> = loads()
+            .into_iter()
+            .map(|force_kn| {
+                let grid = 0.02 / force_kn.sqrt();
+                BandPointRecord {
+                    force_kn,
+                    grid_displacement: Some(-grid),
+                    grid_tangent: Some(2.0 * grid),
+                    mesh_displacement: Some(0.004),
+                    mesh_tangent: Some(-0.01),
+                    displacement: Some(grid + 0.004),
+                    tangent: Some(2.0 * grid + 0.01),
+                }
+            })
+            .collect();
+        let largest = |of: fn(&BandPointRecord) -> Option<f64>| points.iter().filter_map(of).reduce(f64::max);
+        ReferenceBandRecord {
+            reference: reference.into(),
+            displacement: largest(|p| p.displacement),
+            tangent: largest(|p| p.tangent),
+            points,
+        }
+    });
+    ErrorBandRecord {
+        contact_element_mm: 2.0,
+        coarser_element_mm: Some(2.83),
+        missing: Vec::new(),
+        target: None,
+        references: references.to_vec(),
+    }
+}
+
 /// Springs of about the published size.
 pub(crate) fn stiffness() -> StiffnessRecord {
     StiffnessRecord {
@@ -145,6 +181,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
             reference("beam", law(2.0e4, 3.9e5, 0.245)),
             reference("local", law(0.0, 3.4e5, 0.331)),
         ],
+        error_band: Some(error_band()),
         compliance_split: [5.0, 20.0, 50.0, 85.0, 150.0]
             .map(|p: f64| ComplianceRecord {
                 force_kn: p,

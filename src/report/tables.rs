@@ -3,7 +3,7 @@
 use railspring_calibrate::history::{Ending, History};
 use serde::Serialize;
 
-use crate::records::{ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord};
+use crate::records::{BandPointRecord, ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord};
 use crate::verify::{self, Kind, Line};
 
 use super::ScenarioRun;
@@ -142,6 +142,34 @@ pub(super) fn law_caption(stiffness: &StiffnessRecord) -> String {
          the Hertz solution for the curvatures at the first touch, and the published law. In use: reference {}.",
         stiffness.reference
     )
+}
+
+/// What the law in use is worth, as the page shows it.
+#[derive(Debug, Serialize)]
+pub(super) struct Worth {
+    /// Sentences.
+    lines: Vec<String>,
+    /// Load, kN, and in per cent: grid, meshes and band of the displacement, the same of the tangent.
+    rows: Vec<[String; 7]>,
+}
+
+/// The error band of the law in use, if there is one.
+pub(super) fn worth(stiffness: &StiffnessRecord) -> Option<Worth> {
+    let band = stiffness.error_band.as_ref()?;
+    let percent = |value: Option<f64>| value.map_or_else(|| "\u{2013}".into(), |v| format!("{:.2}", 1e2 * v));
+    let row = |p: &BandPointRecord| {
+        [
+            number(p.force_kn),
+            percent(p.grid_displacement),
+            percent(p.mesh_displacement),
+            percent(p.displacement),
+            percent(p.grid_tangent),
+            percent(p.mesh_tangent),
+            percent(p.tangent),
+        ]
+    };
+    let rows = band.of(&stiffness.reference)?.points.iter().map(row).collect();
+    Some(Worth { lines: stiffness.worth(), rows })
 }
 
 /// A number with four significant digits, without an exponent where it can be read without.

@@ -158,3 +158,25 @@ fn short_histories_are_drawn() {
         }
     }
 }
+
+/// Goal: the page has the error band of the law in use as sentence, table and bars; without a band it has none of them.
+#[test]
+fn the_page_says_what_the_law_is_worth() {
+    let stiffness = samples::stiffness();
+    let sentence = stiffness.worth().remove(0);
+    assert_eq!(
+        sentence,
+        "error band of the law (beam): displacement \u{b1}2.40 %, tangent \u{b1}5.00 % from 1 to 150 kN"
+    );
+    let bare = crate::records::StiffnessRecord { error_band: None, ..stiffness.clone() };
+    assert!(tables::worth(&bare).is_none() && bare.worth().is_empty());
+    let rows = |stiffness| serde_json::to_value(tables::worth(stiffness)).unwrap()["rows"].clone();
+    let rows = rows(&stiffness);
+    assert_eq!(rows.as_array().unwrap().len(), 24);
+    assert_eq!(rows[0], serde_json::json!(["1", "-2.00", "0.40", "2.40", "4.00", "-1.00", "5.00"]));
+    for figure in [figures::law, figures::displacement] {
+        // a bar for every load of three references
+        let lines = |svg: String| svg.matches("<polyline").count();
+        assert_eq!(lines(figure(&stiffness)) - lines(figure(&bare)), 3 * 24);
+    }
+}

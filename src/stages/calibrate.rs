@@ -10,7 +10,7 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{CondensedPair, ContactConditions, PairBody, SeriesBeam};
+use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
@@ -69,7 +69,7 @@ pub(super) fn contact_conditions(study: &Study) -> ContactConditions {
     }
 }
 
-/// The load curve, the laws and the horizontal stiffness, and the files of the fields.
+/// The load curve, the laws and the horizontal stiffness, the files of the fields, and the laws as they are.
 ///
 /// A horizontal stiffness without an answer is no error here: the normal laws are finished and worth keeping.
 ///
@@ -82,7 +82,7 @@ pub fn calibrate(
     bodies: &CondensedPair,
     interiors: Interiors<'_>,
     monitor: &dyn Monitor,
-) -> Result<(Calibration, Vec<FieldFile>)> {
+) -> Result<(Calibration, Vec<FieldFile>, Laws)> {
     let pair = &geometry.pair;
     let beam = SeriesBeam::new(pair, bodies, &geometry.beam)?;
     let contact = contact_conditions(study);
@@ -92,14 +92,13 @@ pub fn calibrate(
         || interiors.of([rail_in_use(study), PairBody::Wheel]),
     );
     let (pressed, [rail, wheel]) = (pressed?, interiors?);
-    let foot = pressed.fit(Reference::Foot)?;
-    let beam_law = pressed.fit(Reference::Beam)?;
-    let local = pressed.fit(Reference::Local)?;
+    let laws = pressed.laws()?;
+    let [foot, beam_law, local] = &laws;
     let reference = Reference::from(study.calibration.reference);
     let in_use = match reference {
-        Reference::Beam => &beam_law,
-        Reference::Foot => &foot,
-        Reference::Local => &local,
+        Reference::Beam => beam_law,
+        Reference::Foot => foot,
+        Reference::Local => local,
     };
     let in_series = (reference == Reference::Beam).then_some(&beam);
     let states = pressed.states(reference);
@@ -124,8 +123,9 @@ pub fn calibrate(
         horizontal_kn_per_m: stiffness.map(|k| k / KILONEWTON_PER_METRE),
         horizontal: horizontal.as_ref().map(horizontal_record),
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
-        beam: beam_record(&beam, geometry, &beam_law, stiffness.filter(|_| in_series.is_some())),
-        references: [&foot, &beam_law, &local].into_iter().map(reference_record).collect::<Result<_>>()?,
+        beam: beam_record(&beam, geometry, beam_law, stiffness.filter(|_| in_series.is_some())),
+        references: laws.iter().map(reference_record).collect::<Result<_>>()?,
+        error_band: None,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
         penalty: PenaltyRecord {
             enforcement: match study.contact.enforcement {
@@ -178,7 +178,7 @@ pub fn calibrate(
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure }, fields))
+    Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure }, fields, laws))
 }
 
 /// `horizontal` is the stiffness in series with the beam, N/m.

@@ -7,6 +7,7 @@ mod bodies;
 mod patches;
 mod fields;
 mod calibrate;
+mod error_band;
 mod by_angle;
 mod crosscheck;
 mod mesh_files;
@@ -18,6 +19,7 @@ pub use bodies::{Bodies, Interiors, solids};
 pub use by_angle::by_angle;
 pub use calibrate::{Calibration, calibrate, check_friction};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
+pub use error_band::{FINER, check_target, coarser_options, error_band, finer_meshes};
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use sections::repairs;
 pub use simulate::{Springs, simulate, simulate_solid};
@@ -142,7 +144,7 @@ impl Meshes {
         options: MeshOptions,
     ) -> Result<Self> {
         let edge = |given: &Option<HexMesh>| {
-            given.as_ref().map_or(study.mesh.contact_element, |mesh| mesh.contact.longest_across())
+            given.as_ref().map_or(options.contact_element, |mesh| mesh.contact.longest_across())
         };
         let contact_elements = [edge(&rail), edge(&wheel)];
         let own_rail = || mesh_rail(&geometry.pair.rail, &geometry.pair.placed, study.rail.length, &options);
@@ -158,6 +160,12 @@ impl Meshes {
     /// Sizes and contact zones of the tool's own meshes.
     pub fn options(&self) -> &MeshOptions {
         &self.options
+    }
+
+    /// Times that the study's sizes were refined for these meshes.
+    pub fn refinements(&self, study: &Study) -> u32 {
+        let times = (study.mesh.contact_element / self.options.contact_element).ln() / FINER.ln();
+        times.round().max(0.0) as u32
     }
 
     /// The larger edge of the two, m.

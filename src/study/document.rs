@@ -159,6 +159,11 @@ pub struct MeshKeys {
     #[schemars(range(min = 0.1, max = 20.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_layer_mm: Option<f64>,
+    /// Wanted error band of the law in use, relative, for displacement and tangent: the meshes are refined until it is reached, as far
+    /// as the memory lets them; left out, they stay as they are.
+    #[schemars(range(min = 1e-4, max = 0.5))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_error: Option<f64>,
     /// Formulation of the eight-node brick.
     pub element: ElementKey,
 }
@@ -176,6 +181,7 @@ impl Default for MeshKeys {
             wheel_arc_element_mm: 120.0,
             layers: None,
             first_layer_mm: None,
+            target_error: None,
             element: ElementKey::IncompatibleModes,
         }
     }
@@ -269,6 +275,9 @@ pub struct CalibrationKeys {
     pub loads_kn: Option<Vec<f64>>,
     /// What the displacement of the law in use is measured against.
     pub reference: ReferenceKey,
+    /// Whether the calibration says what its laws are worth: their change with half the spacing of the contact's grid and with coarser
+    /// meshes. It takes about as long as the laws.
+    pub error_band: bool,
     /// Vertical preloads at which the horizontal stiffness is measured, kN.
     #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1))]
     pub horizontal_preloads_kn: Vec<f64>,
@@ -288,6 +297,7 @@ impl Default for CalibrationKeys {
             load_spacing: SpacingKey::Approach,
             loads_kn: None,
             reference: ReferenceKey::Beam,
+            error_band: true,
             horizontal_preloads_kn: vec![20.0, 50.0, 85.0, 120.0],
             shifts_mm: None,
         }

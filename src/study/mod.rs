@@ -58,6 +58,8 @@ pub struct Study {
     pub mesh: MeshOptions,
     /// Formulation of the eight-node brick.
     pub element: ElementKey,
+    /// Wanted error band of the law in use, relative.
+    pub target_error: Option<f64>,
     /// Contact between the solids.
     pub contact: ContactSettings,
     /// Loads and reference of the law.
@@ -181,6 +183,8 @@ pub struct CalibrationSettings {
     pub loads: Vec<f64>,
     /// What the displacement of the law in use is measured against.
     pub reference: ReferenceKey,
+    /// Whether the laws get their error bands.
+    pub error_band: bool,
     /// Preloads of the horizontal stiffness, N.
     pub horizontal_preloads: Vec<f64>,
     /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
@@ -238,6 +242,11 @@ impl Study {
     /// Whether there are to be laws by contact angle.
     pub fn wants_by_angle(&self) -> bool {
         self.calibration.shifts.as_ref().is_none_or(|shifts| !shifts.is_empty())
+    }
+
+    /// Whether the laws get their error bands, for themselves or for the meshes that a wanted one asks for.
+    pub fn wants_error_band(&self) -> bool {
+        self.calibration.error_band || self.target_error.is_some()
     }
 
     /// Reads and checks a study file.

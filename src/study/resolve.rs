@@ -90,6 +90,7 @@ pub(super) fn resolve(
         },
         mesh,
         element: document.mesh.element,
+        target_error: document.mesh.target_error,
         contact: ContactSettings {
             field: document.contact.field,
             enforcement: document.contact.enforcement,
@@ -258,6 +259,7 @@ fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
         shifts: keys.shifts_mm.as_ref().map(|list| list.iter().map(|shift| shift * MILLIMETRE).collect()),
         loads: loads.iter().map(|load| load * KILONEWTON).collect(),
         reference: keys.reference,
+        error_band: keys.error_band,
         horizontal_preloads: keys.horizontal_preloads_kn.iter().map(|load| load * KILONEWTON).collect(),
     })
 }

@@ -376,11 +376,8 @@ mod tests {
     #[test]
     fn both_ends_of_a_window_are_ends() {
         let lines = |n: i32, step: f64| (-n..=n).map(|k| f64::from(k) * step).collect::<Vec<_>>();
-        let grid = SurfaceGrid {
-            along_profile: lines(8, 2e-3),
-            along_track: lines(8, 1.5e-3),
-            nodes: Vec::new(),
-        };
+        let grid =
+            SurfaceGrid { along_profile: lines(8, 2e-3), along_track: lines(8, 1.5e-3), nodes: Vec::new() };
         for halvings in 0..6 {
             let cell = Vector2::new(0.65e-3, 0.5e-3 * 0.5_f64.powi(halvings));
             let lattice = Lattice::over(&grid, cell);

@@ -91,7 +91,7 @@ impl WheelOnRail<'_> {
         let mut plan = FinePlan::default();
         let tolerance = match self.field {
             ContactField::Elements => HUB_TOLERANCE,
-            ContactField::Hybrid => FINE_HUB_TOLERANCE,
+            ContactField::Hybrid | ContactField::HybridHalved => FINE_HUB_TOLERANCE,
         };
         for iteration in 0..PAIRING_LIMIT {
             let last = previous.as_ref().or(near);

@@ -163,7 +163,7 @@ impl MeshOptions {
     #[must_use]
     pub fn refined(&self, factor: f64) -> Self {
         let (layers, first_layer, layer_growth) = if (self.layers, self.first_layer) == (None, None) {
-            (None, None, self.layer_growth.powf(1.0 / factor))
+            (None, None, self.layer_growth.powf(1.0 / factor).min(LARGEST_RATIO))
         } else {
             // an even number of layers of the same total thickness
             let (layers, first) = self.layering();
@@ -181,7 +181,7 @@ impl MeshOptions {
             section_growth: self.section_growth,
             rail_section_element: self.rail_section_element / factor,
             wheel_section_element: self.wheel_section_element / factor,
-            growth: self.growth.powf(1.0 / factor),
+            growth: self.growth.powf(1.0 / factor).min(LARGEST_RATIO),
             rail_length_element: self.rail_length_element / factor,
             wheel_arc_element: self.wheel_arc_element / factor,
             ..self.clone()
@@ -305,6 +305,8 @@ mod tests {
             let (layers, first) = options.layering();
             layer_depth(first, options.layer_growth, layers)
         };
+        // no element grows faster than is accepted
+        assert!(given.refined(0.2).check().is_ok());
         assert_eq!(fine.layers, Some(4));
         assert!((depth(&fine) - depth(&given)).abs() < ROUNDOFF, "{fine:?}");
         // no size makes an endless list

@@ -18,7 +18,7 @@ mod series_beam;
 
 pub use bodies::{CondensedPair, ContactConditions, PressedPair, condense_all};
 pub use by_shift::{AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, TouchPoint, law_by_shift};
-pub use error_band::{BandPoint, COARSER, Change, ErrorBand, Laws, error_bands, mesh_changes};
+pub use error_band::{BandPoint, COARSER, Change, ErrorBand, LOADS_HALVED, Laws, error_bands, mesh_changes};
 pub use geometry::{Pair, PairMeshes};
 pub use series_beam::SeriesBeam;
 pub use solids::{PairBody, PairSolids};

@@ -1,0 +1,182 @@
+//! What the laws of a calibration are worth, and finer meshes for laws that are to be worth more.
+
+use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::{
+    BandPoint, COARSER, CondensedPair, ErrorBand, Laws, error_bands, mesh_changes,
+};
+use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+
+use super::calibrate::contact_conditions;
+use super::{Geometry, Meshes, remeshed_with};
+use crate::records::{BandPointRecord, ErrorBandRecord, ReferenceBandRecord, TargetRecord};
+use crate::study::Study;
+
+/// Ratio of the elements of meshes to those of the next finer ones.
+pub const FINER: f64 = std::f64::consts::SQRT_2;
+
+/// Refuses a wanted error of meshes that the program cannot refine.
+///
+/// # Errors
+/// [`InputError`] with the key.
+pub fn check_target(study: &Study) -> Result<()> {
+    let (Some(target), Some(file)) =
+        (study.target_error, study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()))
+    else {
+        return Ok(());
+    };
+    Err(InputError::new(
+        "mesh.target_error",
+        target,
+        format!("meshes of the program's own, which it can refine, in place of {}", file.file),
+        "leave the key out, or the mesh file",
+    )
+    .into())
+}
+
+/// Sizes of the coarser meshes. Their contact window is longer by two of their elements, so that it holds what the other holds.
+pub fn coarser_options(options: &MeshOptions) -> MeshOptions {
+    let coarser = options.refined(1.0 / COARSER);
+    let window_half_length = coarser.window_half_length + 2.0 * coarser.contact_element_along;
+    MeshOptions { window_half_length, ..coarser }
+}
+
+/// The bands of the `laws` of `bodies` on `meshes`: on a grid of half the spacing, and on coarser meshes, whose bodies `condense` has.
+/// A part that does not come to an answer is missing and takes nothing from the laws.
+///
+/// # Errors
+/// An interruption.
+pub fn error_band(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    bodies: &CondensedPair,
+    laws: &Laws,
+    condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
+    monitor: &dyn Monitor,
+) -> Result<ErrorBandRecord> {
+    let contact = contact_conditions(study);
+    let mut missing = Vec::new();
+    let grid = bodies.grid_changes(&geometry.pair, contact, laws, monitor);
+    let grid = or_missing("the grid of half the spacing", grid, &mut missing)?.flatten();
+    let loads: Vec<f64> = laws[0].points.iter().map(|point| point.force).collect();
+    let mut coarser_element_mm = None;
+    let coarser = match study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
+        Some(file) => {
+            missing.push(format!("coarser meshes: {} is not meshed by the program", file.file));
+            None
+        }
+        None => {
+            let coarse_laws = remeshed_with(study, geometry, meshes, coarser_options(meshes.options()))
+                .and_then(|coarse| {
+                    coarser_element_mm = Some(coarse.contact_element() / MILLIMETRE);
+                    let coarse = condense(&coarse)?;
+                    coarse.press(&geometry.pair, contact, &loads, monitor)?.laws()
+                });
+            or_missing("coarser meshes", coarse_laws, &mut missing)?
+        }
+    };
+    let mesh = coarser.map(|coarser| mesh_changes(laws, &coarser));
+    let bands = error_bands(laws, grid.as_ref(), mesh.as_ref());
+    Ok(ErrorBandRecord {
+        contact_element_mm: meshes.contact_element() / MILLIMETRE,
+        coarser_element_mm,
+        target: None,
+        references: bands.iter().map(|band| reference_record(band, missing.is_empty())).collect(),
+        missing,
+    })
+}
+
+/// A value, or its reason among the `missing`.
+///
+/// # Errors
+/// An interruption.
+fn or_missing<T>(part: &str, value: Result<T>, missing: &mut Vec<String>) -> Result<Option<T>> {
+    match value {
+        Ok(value) => Ok(Some(value)),
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        Err(error) => {
+            missing.push(format!("{part}: {error}"));
+            Ok(None)
+        }
+    }
+}
+
+fn reference_record(band: &ErrorBand, complete: bool) -> ReferenceBandRecord {
+    let largest = complete.then(|| band.largest());
+    let point = |point: &BandPoint| {
+        let whole = complete.then(|| point.band());
+        BandPointRecord {
+            force_kn: point.force / KILONEWTON,
+            grid_displacement: point.grid.map(|change| change.displacement),
+            grid_tangent: point.grid.map(|change| change.tangent),
+            mesh_displacement: point.mesh.map(|change| change.displacement),
+            mesh_tangent: point.mesh.map(|change| change.tangent),
+            displacement: whole.map(|change| change.displacement),
+            tangent: whole.map(|change| change.tangent),
+        }
+    };
+    ReferenceBandRecord {
+        reference: band.reference.name().into(),
+        displacement: largest.map(|change| change.displacement),
+        tangent: largest.map(|change| change.tangent),
+        points: band.points.iter().map(point).collect(),
+    }
+}
+
+/// The next finer meshes, if the `band` of the law in use is wider than the study wants; `accept` has seen them. The band has what the
+/// wish has come to so far.
+///
+/// # Errors
+/// An interruption.
+pub fn finer_meshes(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    band: &mut ErrorBandRecord,
+    accept: impl Fn(&Meshes) -> Result<()>,
+    monitor: &dyn Monitor,
+) -> Result<Option<Meshes>> {
+    let Some(wanted) = study.target_error else { return Ok(None) };
+    let target = TargetRecord { wanted, refinements: meshes.refinements(study), not_reached: None };
+    let target = band.target.insert(target);
+    let in_use = study.calibration.reference.name();
+    let Some(of) = band.references.iter().find(|of| of.reference == in_use) else { return Ok(None) };
+    let Some(found) = of.largest() else {
+        target.not_reached = Some(format!("no band: {}", band.missing.join("; ")));
+        return Ok(None);
+    };
+    if found <= wanted {
+        return Ok(None);
+    }
+    let grid = of.points.iter().flat_map(|p| [p.grid_displacement, p.grid_tangent]).flatten();
+    let grid = grid.fold(0.0, |largest: f64, change| largest.max(change.abs()));
+    if grid > wanted {
+        target.not_reached = Some(format!(
+            "the band is {:.2} %, of which the grid of the contact alone is {:.2} %; finer meshes do not change that",
+            1e2 * found,
+            1e2 * grid
+        ));
+        return Ok(None);
+    }
+    let finer = remeshed_with(study, geometry, meshes, meshes.options().refined(FINER));
+    match finer.and_then(|finer| accept(&finer).map(|()| finer)) {
+        Ok(finer) => {
+            monitor.notice(&format!(
+                "error band of {:.2} % with contact elements of {:.2} mm, wanted {:.2} %; meshed again with {:.2} mm",
+                1e2 * found,
+                meshes.contact_element() / MILLIMETRE,
+                1e2 * wanted,
+                finer.contact_element() / MILLIMETRE
+            ));
+            Ok(Some(finer))
+        }
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        Err(error) => {
+            target.not_reached =
+                Some(format!("the band is {:.2} %; the next finer meshes: {error}", 1e2 * found));
+            Ok(None)
+        }
+    }
+}
