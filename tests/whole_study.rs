@@ -132,8 +132,8 @@ fn every_file_is_there_and_nothing_else() {
     let (figures, files): (Vec<&String>, Vec<&String>) =
         results.keys().partition(|name| name.starts_with("figures"));
     assert_eq!(files, FILES);
-    // Eight of the springs, five of each scenario.
-    assert_eq!(figures.len(), 18, "{figures:?}");
+    // Nine of the springs, five of each scenario.
+    assert_eq!(figures.len(), 19, "{figures:?}");
     assert!(
         results["report.html"].contains("Scenario push") && !results["report.html"].contains("figure failed")
     );
