@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::units::KILONEWTON_PER_METRE;
+use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::runs::Run;
 use super::stage::{Made, Stage};
@@ -110,6 +110,22 @@ pub(super) fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool)
         .collect()
 }
 
+/// The comparison with the published law, which says whose wheel that is; the conical standard wheel is the nearest to it.
+fn published_line(study: &Study, line: Line) -> Line {
+    const CONICAL: &str = "EN13715-1in40";
+    let wheel = &study.wheel;
+    if wheel.profile == CONICAL && wheel.measured.is_none() {
+        return line;
+    }
+    let measured = if wheel.measured.is_some() { "measured, on " } else { "" };
+    line.noted(format!(
+        "another wheel than the published one: {measured}{} of {:.0} mm beside SKS-700, to whose law a conical wheel comes near \
+         (data/studies/conical.toml)",
+        wheel.profile,
+        wheel.tape_diameter / MILLIMETRE
+    ))
+}
+
 /// Lines of the verdict on the springs themselves.
 fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
     /// Load at which the published law is compared, kN.
@@ -126,6 +142,32 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
         limits.law_displacement().line(law_displacement),
         limits.beam_missing().line(Some(stiffness.beam.missing)),
         limits.horizontal_spread().line(spread),
-        limits.published_stiffness().line(difference),
+        published_line(study, limits.published_stiffness().line(difference)),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// Goal: the comparison with the published law says that S1002, and a measured wheel, are other wheels than the published one; beside the
+    /// conical standard wheel it says nothing.
+    #[test]
+    fn another_wheel_than_the_published_one_is_named() {
+        let note = |wheel: &str| {
+            let text = format!(
+                "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"{wheel}\"\ntape_diameter_m = 0.858\n"
+            );
+            let study = Study::parse(Path::new("x.toml"), &text).map_err(|e| e.to_string()).unwrap();
+            published_line(&study, study.limits.published_stiffness().line(Some(0.3))).note
+        };
+        let said = note("S1002").unwrap();
+        assert!(
+            said.contains("another wheel than the published one: S1002 of 858 mm beside SKS-700"),
+            "{said}"
+        );
+        assert_eq!(note("EN13715-1in40"), None);
+    }
 }

@@ -33,6 +33,9 @@ pub struct ShiftRecord {
     pub laws: Vec<AngleLawRecord>,
     /// The solid at fixed loads within the range of the laws: the constants of a law do not interpolate between shifts, these values do.
     pub loads: Vec<FixedLoadRecord>,
+    /// Secant stiffness of the solid against the held foot from 20 to 120 kN over that of the published law; none where a load is missing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_secant_ratio: Option<f64>,
     /// Why there is no law, or why it ends before the largest load.
     pub reason: Option<String>,
 }

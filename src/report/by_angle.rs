@@ -79,14 +79,30 @@ fn degrees(angle: f64) -> String {
     format!("{angle:.1}\u{b0}").replace('-', "\u{2212}")
 }
 
+/// The secants over those of the published law, shift by shift, where there are any.
+fn published_secants(laws: &StiffnessByAngleRecord) -> String {
+    let ratio = |shift: &ShiftRecord| {
+        shift.published_secant_ratio.map(|ratio| format!("{ratio:.3} at {} mm", number(shift.shift_mm)))
+    };
+    let ratios: Vec<String> = laws.shifts.iter().filter_map(ratio).collect();
+    if ratios.is_empty() {
+        return String::new();
+    }
+    format!(
+        " Secant stiffness against the foot from 20 to 120 kN over that of the published law: {}.",
+        ratios.join(", ")
+    )
+}
+
 /// What the figure shows.
 pub fn caption(laws: &StiffnessByAngleRecord) -> String {
     format!(
         "Tangent stiffness along the contact normal over the contact angle at fixed loads along that normal, friction {}: \
          of the approach of the surfaces alone, against the rail's section, and against its foot. The shifts of the wheelset stand in the \
          order of their contact angles, at equal distances; a line is interrupted where one contact does not carry the load. \
-         The laws are in `stiffness_by_angle.json`.",
-        number(laws.friction)
+         The laws are in `stiffness_by_angle.json`.{}",
+        number(laws.friction),
+        published_secants(laws)
     )
 }
 

@@ -517,6 +517,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         touch: angle.map(touch),
         laws: if loads.is_empty() { Vec::new() } else { laws() },
         loads: loads.iter().map(|force| load(*force, angle.unwrap_or_default())).collect(),
+        published_secant_ratio: None,
         reason: reason.map(String::from),
     };
     StiffnessByAngleRecord {

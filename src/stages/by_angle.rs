@@ -2,6 +2,7 @@
 
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
 use railspring_calibrate::error::{Error, Result, StopReason};
+use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, FixedLoad, Pair, PressDirection, ShiftLaw, TouchPoint,
@@ -102,6 +103,7 @@ fn shift_record(study: &Study, shift: f64, ShiftLaw { touch, law, .. }: ShiftLaw
             shift_mm,
             touch,
             laws: laws.iter().map(law_entry).collect(),
+            published_secant_ratio: published_secant_ratio(&fixed),
             loads: fixed.iter().map(load_record).collect(),
             reason: ended.map(|error| reason(study, shift_mm, error)),
         },
@@ -110,6 +112,7 @@ fn shift_record(study: &Study, shift: f64, ShiftLaw { touch, law, .. }: ShiftLaw
             touch,
             laws: Vec::new(),
             loads: Vec::new(),
+            published_secant_ratio: None,
             reason: Some(reason(study, shift_mm, error)),
         },
     }
@@ -143,6 +146,20 @@ fn reason(study: &Study, shift_mm: f64, error: Error) -> String {
         Error::Input(cause) => study.with_keys(cause).to_string(),
         other => other.to_string(),
     }
+}
+
+/// Secant stiffness against the foot between the ends of the range of the publication, over that of its law.
+fn published_secant_ratio(fixed: &[FixedLoad]) -> Option<f64> {
+    let displacement = |load: f64| {
+        let found = fixed.iter().map(|fixed| &fixed.points[0]).find(|point| point.force == load);
+        found.map(|point| point.displacement)
+    };
+    let [from, to] = [FIXED_LOADS[0], FIXED_LOADS[FIXED_LOADS.len() - 1]];
+    let published = StiffnessLaw::published();
+    Some(
+        (published.displacement(to) - published.displacement(from))
+            / (displacement(to)? - displacement(from)?),
+    )
 }
 
 fn touch_record(TouchPoint { touch, on_rail, on_wheel, .. }: TouchPoint) -> ShiftTouchRecord {
