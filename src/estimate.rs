@@ -238,12 +238,27 @@ impl Estimate {
                 wheel.kept() + rail.kept() + rail.making(),
                 all_kept + states + 2.0 * dense(first),
             ];
-            let pressing = shares.iter().map(|share| SECONDS_PAIR * (share * first).powi(2)).sum::<f64>();
+            let pressing = match study.contact.field {
+                FieldKey::Elements => {
+                    shares.iter().map(|share| SECONDS_PAIR * (share * first).powi(2)).sum::<f64>()
+                }
+                FieldKey::Hybrid => SECONDS_FINE * loads.len() as f64,
+            };
             stages.push(StageEstimate {
                 stage: "calibration".into(),
                 memory: base + OVERHEAD * memory.into_iter().fold(0.0, f64::max),
                 seconds: wheel.seconds() + 2.0 * rail.seconds() + 2.0 * pressing,
             });
+            if study.wants_by_angle() {
+                // each thread presses the wheel in one place, and keeps no state but the last
+                let shifts = stages::shifts(study, &geometry.pair).len() as f64;
+                let threads = (rayon::current_num_threads() as f64).min(shifts);
+                stages.push(StageEstimate {
+                    stage: "law by contact angle".into(),
+                    memory: base + OVERHEAD * (all_kept + 2.0 * threads * dense(first)),
+                    seconds: 2.0 * pressing * (shifts / threads).ceil(),
+                });
+            }
         }
         if work.calibrate && study.wants_error_band() {
             stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
@@ -568,6 +583,14 @@ mod tests {
             3 * (meshes.rail.nodes.len() + meshes.wheel.nodes.len() - held)
         );
         assert_eq!(found.stages.len(), 1 + coarse.scenarios.values().filter(|case| case.solid).count());
+        let mut with_shifts = coarse.clone();
+        with_shifts.calibration.shifts = Some(vec![0.0, 2e-3]);
+        let two = estimate(&with_shifts, Some(64.0)).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(two.stages[1].stage, "law by contact angle");
+        with_shifts.calibration.shifts = Some((0..40).map(|n| f64::from(n) * 1e-4).collect());
+        let many = estimate(&with_shifts, Some(64.0)).unwrap_or_else(|e| panic!("{e}"));
+        assert!(0.0 < two.stages[1].seconds && two.stages[1].seconds < many.stages[1].seconds);
+        assert!(two.stages[1].memory > 0.0);
         let mut finer = coarse.clone();
         finer.mesh.contact_element *= 0.7;
         finer.mesh.contact_element_along *= 0.7;

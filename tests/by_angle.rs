@@ -146,6 +146,48 @@ fn table_and_record_agree() {
     assert!(listed.contains("stiffness_by_angle.json") && listed.contains("stiffness_by_angle.csv"));
 }
 
+/// Goal: on the flange the patch is longer than the window of the calibration's meshes; the law there reaches the largest load all the
+/// same, in the bodies meshed again with a longer window, for little and much friction, on the fine grid; where the study gives the
+/// window, the law ends with that key. The calibration and the shift on the tread stay what they are. Unit kN. Accuracy: the largest load of the
+/// study; equal bytes.
+#[test]
+fn the_law_on_the_flange_reaches_the_largest_load() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let with = |keys: &str, friction: &str| {
+        let study = study("shifts_mm = [0, 6.5, 7]");
+        let contact = format!("field = \"hybrid\"\nfriction = {friction}");
+        study.replace("friction = 0.5", &contact).replace("element = ", &format!("{keys}element = "))
+    };
+    let shifts = |study: &str| -> (Output, Vec<Value>) {
+        let output = railspring(root, "calibrate", study);
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        let record: Value = serde_json::from_str(&read(root, "stiffness_by_angle.json")).unwrap();
+        let shifts = record["shifts"].as_array().unwrap().clone();
+        (output, shifts)
+    };
+    let largest = |shift: &Value| shift["laws"][0]["law"]["range_kn"][1].as_f64().unwrap_or(0.0);
+    for friction in ["0.05", "0.6"] {
+        let (output, whole) = shifts(&with("", friction));
+        assert!(said(&output).contains("meshed again"), "{}", said(&output));
+        for shift in &whole {
+            assert!((largest(shift) - 85.0).abs() < 1e-9, "{friction}: {shift}");
+            assert!(shift["reason"].is_null(), "{friction}: {shift}");
+        }
+        if friction == "0.6" {
+            continue;
+        }
+        let stiffness = read(root, "load_curve.csv");
+        let (output, given) = shifts(&with("window_half_length_mm = 12\n", friction));
+        assert!(!said(&output).contains("meshed again"), "{}", said(&output));
+        let reason = given[2]["reason"].as_str().unwrap();
+        assert!(largest(&given[2]) < 85.0 && reason.contains("end of the contact window"), "{reason}");
+        assert!(reason.contains("mesh.window_half_length_mm"), "{reason}");
+        assert_eq!(given[0], whole[0]);
+        assert_eq!(read(root, "load_curve.csv"), stiffness);
+    }
+}
+
 /// Goal: other shifts make the laws by angle again and nothing else; the same ones take them; what the springs depend on makes them again;
 /// none leave the files out; left out, the shifts cover tread, corner and flange, that of the track among them.
 #[test]

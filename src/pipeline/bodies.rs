@@ -58,16 +58,17 @@ impl BodySource<'_> {
         body: PairBody,
         say: &dyn Fn(String),
     ) -> Result<(CondensedBody, Option<Interior<'m>>)> {
+        let key = solids.key(body);
         let Some(store) = self.store else {
-            return solids.condense(body).map(|(condensed, interior)| (condensed, Some(interior)));
+            return solids.condense(body, key).map(|(condensed, interior)| (condensed, Some(interior)));
         };
-        let address = store.address(Kind::Body, &solids.key(body));
+        let address = store.address(Kind::Body, &key);
         let read = |artefact: Artefact| CondensedBody::read(artefact.part(BODY).unwrap_or_default());
         if let Some(condensed) = (!self.fresh).then(|| store.take_as(&address, read, say)).flatten() {
             say("taken from the store".into());
             return Ok((condensed, None));
         }
-        let (condensed, interior) = solids.condense(body)?;
+        let (condensed, interior) = solids.condense(body, key)?;
         let artefact = Artefact::default().with(BODY, condensed.write());
         store.keep(&address, body.name(), self.study, &artefact, say);
         say("made".into());

@@ -1,13 +1,14 @@
 //! The law by contact angle as a stage.
 
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{NumericsError, Result};
 
 use super::stage::{Made, Stage};
 use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
+use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{StiffnessByAngleRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages;
+use crate::stages::{self, Meshes};
 use crate::store::{Address, Artefact, Kind};
 
 /// The laws of the study's shifts, on the bodies of its calibration.
@@ -43,7 +44,29 @@ impl Stage for ByAngle {
                 bodies
             }
         };
-        let laws = stages::by_angle(study, &geometry, &bodies, monitor)?;
+        let mut meshes: Option<Meshes> = None;
+        let budget = at.resources.budget;
+        let longer = |cause: &NumericsError| {
+            let next = match &meshes {
+                Some(meshes) => stages::enlarged(study, &geometry, meshes, cause, monitor),
+                None => {
+                    let own = at.meshes(Pipeline::calibration_work)?;
+                    let next = stages::enlarged(study, &geometry, &own, cause, monitor);
+                    // the runs on the solids go on with the zones of the calibration
+                    at.go_on_with(own);
+                    next
+                }
+            };
+            let Some(next) = next else { return Ok(None) };
+            // a law that ends early is a result; without the memory for a longer one it stays that
+            if budget.check(study, &geometry, &next, &Work::of(study, true, false)).is_err() {
+                return Ok(None);
+            }
+            let bodies = at.body_source().bodies(stages::solids(study, &geometry, &next))?.condensed;
+            meshes = Some(next);
+            Ok(Some(bodies))
+        };
+        let laws = stages::by_angle(study, &geometry, &bodies, longer, monitor)?;
         let rows = to_csv(&laws.rows());
         Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }

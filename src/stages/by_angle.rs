@@ -1,7 +1,7 @@
 //! The law by contact angle: the calibration's bodies with the wheel in other places across the track.
 
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
-use railspring_calibrate::error::{Error, Result, StopReason};
+use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
@@ -16,6 +16,7 @@ use super::Geometry;
 use super::calibrate::{
     MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record, subsurface_values,
 };
+use super::zones::EXTENSIONS;
 use crate::records::{
     AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
@@ -25,14 +26,17 @@ use crate::study::Study;
 /// Loads along the contact normal at which displacement and stiffness are given, N.
 const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
 
-/// The laws of the pair at the shifts of the study, on the condensed bodies of its calibration.
+/// The laws of the pair at the shifts of the study, on the condensed bodies of its calibration. Where the patch of a shift reaches the end
+/// of their contact window, as on the flange, that shift has its law on those of `longer`: bodies with a larger zone, for such a
+/// cause; `None` where there are none.
 ///
 /// # Errors
-/// Loads that cannot be used, and an interruption; a shift without a law is an entry with its reason.
+/// Loads that cannot be used, an interruption, and those of `longer`; a shift without a law is an entry with its reason.
 pub fn by_angle(
     study: &Study,
     geometry: &Geometry,
     bodies: &CondensedPair,
+    mut longer: impl FnMut(&NumericsError) -> Result<Option<CondensedPair>>,
     monitor: &dyn Monitor,
 ) -> Result<StiffnessByAngleRecord> {
     let pair = &geometry.pair;
@@ -44,7 +48,20 @@ pub fn by_angle(
         fixed_loads: &FIXED_LOADS,
     };
     let places: Vec<f64> = shifts.iter().map(|shift| tape_y(study, pair, *shift)).collect();
-    let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
+    let mut laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
+    for _ in 0..EXTENSIONS {
+        let (short, causes): (Vec<usize>, Vec<&NumericsError>) =
+            laws.iter().enumerate().filter_map(|(i, law)| Some((i, end_of_window(law)?))).unzip();
+        let Some(cause) = causes.first() else { break };
+        let Some(bodies) = longer(cause)? else { break };
+        let places: Vec<f64> = short.iter().map(|&i| places[i]).collect();
+        let found = law_by_shift(pair, &bodies, &settings, &places, monitor)?;
+        for (i, found) in short.into_iter().zip(found) {
+            if loads_carried(&found) >= loads_carried(&laws[i]) {
+                laws[i] = found;
+            }
+        }
+    }
     Ok(StiffnessByAngleRecord {
         study: study.name.clone(),
         friction: study.contact.friction,
@@ -55,6 +72,22 @@ pub fn by_angle(
     })
 }
 
+/// Why a law ends where the window does.
+fn end_of_window(entry: &ShiftLaw) -> Option<&NumericsError> {
+    let error = match &entry.law {
+        Ok(law) => law.ended.as_ref()?,
+        Err(error) => error,
+    };
+    match error {
+        Error::Numerics(cause) if cause.reason == StopReason::EndOfWindow => Some(cause),
+        _ => None,
+    }
+}
+
+fn loads_carried(entry: &ShiftLaw) -> usize {
+    entry.law.as_ref().map_or(0, |law| law.laws[0].points.len())
+}
+
 /// World position of the tape circle at a shift of the wheelset, m.
 fn tape_y(study: &Study, pair: &Pair, shift: f64) -> f64 {
     pair.tape_y + (shift - study.track.lateral_shift)
@@ -62,7 +95,7 @@ fn tape_y(study: &Study, pair: &Pair, shift: f64) -> f64 {
 
 /// The shifts of the study, m, ascending. Left out: that of its track and places on tread, gauge corner and flange. The tread is
 /// where the contact angle stays below 10°; the flange where it reaches 95 % of its largest, and the corner lies between.
-fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
+pub fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
     if let Some(shifts) = &study.calibration.shifts {
         return shifts.clone();
     }

@@ -194,8 +194,8 @@ impl<'a> Asked<'a> {
         self.monitor.progress(stage, 0, 1)?;
         let clock = Instant::now();
         let solids = PairSolids { element, ..solids(self.study, self.geometry, self.meshes) };
-        let (wheel, rail) =
-            rayon::join(|| solids.condense(PairBody::Wheel), || solids.condense(rail_in_use(self.study)));
+        let condense = |body| solids.condense(body, solids.key(body));
+        let (wheel, rail) = rayon::join(|| condense(PairBody::Wheel), || condense(rail_in_use(self.study)));
         Ok(Condensed { wheel: wheel?, rail: rail?, seconds: clock.elapsed().as_secs_f64() })
     }
 

@@ -7,23 +7,23 @@ mod bodies;
 mod patches;
 mod fields;
 mod calibrate;
+mod zones;
 mod error_band;
 mod by_angle;
 mod crosscheck;
 mod mesh_files;
 mod sections;
 mod simulate;
-mod zones;
 
 pub use bodies::{Bodies, Interiors, solids};
-pub use by_angle::by_angle;
+pub use by_angle::{by_angle, shifts};
 pub use calibrate::{Calibration, calibrate, check_friction};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use error_band::{FINER, check_target, coarser_options, error_band, finer_meshes};
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use sections::repairs;
 pub use simulate::{Springs, simulate, simulate_solid};
-pub use zones::{check_loads, mesh_options, within_zones};
+pub use zones::{check_loads, enlarged, mesh_options, within_zones};
 
 use std::path::Path;
 

@@ -5,7 +5,7 @@
 //! made larger, the bodies are meshed again, and the run starts again.
 
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::error::{Error, InputError, Result, StopReason};
+use railspring_calibrate::error::{Error, InputError, NumericsError, Result, StopReason};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{MeshOptions, SectionOutline, rail_outline, wheel_outline};
 use railspring_calibrate::monitor::Monitor;
@@ -16,7 +16,7 @@ use super::{Geometry, Meshes, remeshed_with};
 use crate::study::Study;
 
 /// Times that the zone is made larger, at most.
-const EXTENSIONS: usize = 4;
+pub const EXTENSIONS: usize = 4;
 /// Length that an extension adds at each end of the zone on a profile, m: two elements of the default mesh.
 const LONGER: f64 = 4e-3;
 /// Distance that a zone keeps from the end of a profile and from the top of a flange, m.
@@ -182,19 +182,32 @@ pub fn within_zones<T>(
         if !at_the_end(cause.reason) {
             return done;
         }
-        let Some(options) = larger(study, geometry, &meshes.options, cause.reason) else { return done };
-        // a zone that the sections have no room for leaves the contact where it ended
-        let Ok(next) = remeshed_with(study, geometry, meshes, options) else { return done };
-        monitor.notice(&format!(
-            "{cause}; meshed again with a contact zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
-            next.options.rail_zone.face_depth / MILLIMETRE,
-            next.options.wheel_zone.face_depth / MILLIMETRE,
-            next.options.window_half_length / MILLIMETRE
-        ));
+        let Some(next) = enlarged(study, geometry, meshes, cause, monitor) else { return done };
         accept(&next)?;
         *meshes = next;
     }
     work(meshes)
+}
+
+/// Meshes with a larger zone, where the contact of `cause` has reached the end of that of `meshes`; says so. `None` where no larger zone
+/// can be had.
+pub fn enlarged(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    cause: &NumericsError,
+    monitor: &dyn Monitor,
+) -> Option<Meshes> {
+    let options = larger(study, geometry, &meshes.options, cause.reason)?;
+    // a zone that the sections have no room for leaves the contact where it ended
+    let next = remeshed_with(study, geometry, meshes, options).ok()?;
+    monitor.notice(&format!(
+        "{cause}; meshed again with a contact zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
+        next.options.rail_zone.face_depth / MILLIMETRE,
+        next.options.wheel_zone.face_depth / MILLIMETRE,
+        next.options.window_half_length / MILLIMETRE
+    ));
+    Some(next)
 }
 
 fn at_the_end(reason: StopReason) -> bool {
@@ -284,7 +297,8 @@ mod tests {
         let mut meshes = stages::meshes(&study, &geometry, options, None, &notes).unwrap();
         let press = |meshes: &Meshes| {
             let solids = stages::solids(&study, &geometry, meshes);
-            let condense = |body| solids.condense(body).map(|(body, inside)| (body, Some(inside)));
+            let condense =
+                |body| solids.condense(body, solids.key(body)).map(|(body, inside)| (body, Some(inside)));
             let stages::Bodies { condensed, interiors } = stages::Bodies::new(solids, condense, &notes)?;
             stages::calibrate(&study, &geometry, meshes, &condensed, interiors, &notes)
         };

@@ -17,8 +17,8 @@ use serde_json::Value;
 use super::check::{Finding, nearest};
 use super::collect::Collector;
 use super::document::{
-    CalibrationKeys, ForceKeys, Inclination, MeshKeys, RailKeys, ScenarioKeys, SpacingKey, StudyDocument,
-    SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
+    CalibrationKeys, ContactKeys, EnforcementKey, FieldKey, ForceKeys, Inclination, MeshKeys, RailKeys,
+    ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
 };
 use super::fields::translate;
 use super::keys::Keys;
@@ -49,6 +49,7 @@ pub(super) fn resolve(
     let rail = rail(&document.rail, &source, &mut collector);
     let wheel = wheel(&document.wheel, &source, &mut collector);
     let calibration = collector.take(&["calibration.*"], calibration(&document.calibration));
+    collector.take(&["contact.*"], contact(&document.contact));
     let friction = document.contact.friction;
     let mut scenarios = BTreeMap::new();
     for (name, keys) in &document.scenario {
@@ -115,6 +116,19 @@ pub(super) fn resolve(
         resolved,
         source,
     })
+}
+
+/// Penalty springs stand at the nodes of the meshes, where the fine grid has none.
+fn contact(keys: &ContactKeys) -> Result<()> {
+    if (keys.field, keys.enforcement) != (FieldKey::Hybrid, EnforcementKey::Penalty) {
+        return Ok(());
+    }
+    Err(InputError::new(
+        "contact.enforcement",
+        "\"penalty\"",
+        "\"exact\" with `contact.field` = \"hybrid\"",
+        "penalty springs stand at the nodes of the meshes: take `contact.enforcement` = \"exact\", or `contact.field` = \"elements\"",
+    ))
 }
 
 fn check_name(name: &str) -> Result<()> {

@@ -193,6 +193,10 @@ fn wrong_types_and_ranges_say_what_was_expected() {
 
 #[test]
 fn values_that_contradict_each_other_are_refused() {
+    let fine = "[contact]\nfield = \"hybrid\"\nenforcement = \"penalty\"\n[material]\npoisson = 7\n";
+    let fine = parse(&format!("{SHORT}{fine}")).unwrap_err().to_string();
+    assert!(fine.contains("contact.enforcement = \"penalty\": expected \"exact\""), "{fine}");
+    assert!(fine.contains("material.poisson = 7") && !fine.contains("1000000"), "{fine}");
     let order = message("[calibration]\nloads_kn = [1, 3, 2, 4]\n");
     assert!(order.starts_with("x.toml:7: calibration.loads_kn = 3, 2: expected ascending loads"), "{order}");
     let range = message("[calibration]\nload_max_kn = 0.5\n");

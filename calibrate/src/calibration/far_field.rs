@@ -1,7 +1,7 @@
 //! The far field of two condensed bodies: what they are beyond their half-spaces.
 
 use crate::contact::{
-    BodyCompliance, ContactPoint, HalfSpace, Side, Surface, add_half_spaces, pair_nodes, total,
+    BodyCompliance, ContactPoint, HalfSpace, Side, Surface, add_half_spaces, locate, pair_nodes, total,
 };
 use crate::superelement::times;
 use faer::Mat;
@@ -159,16 +159,6 @@ impl StandIns<'_> {
             }
         }
     }
-}
-
-/// Cell of an axis that holds `t` and the coordinate in it, 0 to 1; `None` outside.
-pub(super) fn locate(axis: &[f64], t: f64) -> Option<(usize, f64)> {
-    let last = axis.len() - 1;
-    if !(t >= axis[0] && t <= axis[last]) {
-        return None;
-    }
-    let cell = axis.partition_point(|&a| a <= t).clamp(1, last) - 1;
-    Some((cell, (t - axis[cell]) / (axis[cell + 1] - axis[cell])))
 }
 
 #[cfg(test)]

@@ -73,7 +73,7 @@ impl ContactField {
         if let (Self::Hybrid | Self::HybridHalved, Enforcement::Penalty(stiffness)) = (self, enforcement) {
             return Err(InputError::new(
                 InputField::Enforcement,
-                format!("penalty springs of {:.4} kN/m", stiffness * 1e-3),
+                format!("penalty springs of {:e} kN/m", stiffness * 1e-3),
                 "exact contact conditions on a fine grid",
                 "penalty springs stand at the nodes of a mesh: choose exact conditions, or contact between elements",
             )

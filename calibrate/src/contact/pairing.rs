@@ -244,8 +244,8 @@ fn breakpoints(a: f64, b: f64, inner: impl Iterator<Item = f64>) -> Vec<f64> {
     cuts
 }
 
-/// Cell of a grid axis that holds `t`, with the local coordinate in 0..1; `None` outside.
-fn locate(axis: &[f64], t: f64) -> Option<(usize, f64)> {
+/// Cell of a grid axis that holds `t`, with the local coordinate in 0..1; `None` outside, but for rounding.
+pub(crate) fn locate(axis: &[f64], t: f64) -> Option<(usize, f64)> {
     let last = axis.len() - 1;
     let slack = 1e-9 * (axis[last] - axis[0]);
     if t < axis[0] - slack || t > axis[last] + slack {

@@ -52,7 +52,7 @@ impl PairMeshes {
         monitor: &dyn Monitor,
     ) -> Result<CondensedPair> {
         let solids = PairSolids { pair, rail: &self.rail, wheel: &self.wheel, material, element };
-        condense_all(monitor, |body| solids.condense(body).map(|(condensed, _)| condensed))
+        condense_all(monitor, |body| solids.condense(body, solids.key(body)).map(|(condensed, _)| condensed))
             .and_then(|bodies| CondensedPair::new(material, bodies))
     }
 }

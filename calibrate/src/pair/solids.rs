@@ -72,11 +72,11 @@ impl<'a> PairSolids<'a> {
         }
     }
 
-    /// Assembles, factors and condenses a body.
+    /// Assembles, factors and condenses a body, whose hash is `key` ([`PairSolids::key`]).
     ///
     /// # Errors
     /// An inverted element, and a rail without an element at the contact.
-    pub fn condense(&self, body: PairBody) -> Result<(CondensedBody, Interior<'a>)> {
+    pub fn condense(&self, body: PairBody, key: String) -> Result<(CondensedBody, Interior<'a>)> {
         let element = Superelement::new(self.system(body)?)?;
         let section = match body {
             PairBody::Wheel | PairBody::RailOnFoot => None,
@@ -85,7 +85,7 @@ impl<'a> PairSolids<'a> {
                 Some(SectionMotion::new(&element, shear_stresses, placed, self.pair.node_line(), 0.0)?)
             }
         };
-        let (condensed, interior) = element.split(self.key(body));
+        let (condensed, interior) = element.split(key);
         Ok((CondensedBody { section, ..condensed }, interior))
     }
 
