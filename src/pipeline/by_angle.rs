@@ -27,7 +27,9 @@ impl Stage for ByAngle {
 
     fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
         let reach = at.reach()?;
-        let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach);
+        // a window that the study gives is not made longer, though it be as long as the usual one
+        let given = at.study.source.gives("mesh.window_half_length_mm");
+        let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach, given);
         Ok(at.store.map(|store| store.address(Kind::ByAngle, &inputs)))
     }
 
