@@ -29,7 +29,8 @@ fn hub_displacement(contact_element: f64) -> [f64; 2] {
     let meshes = pair.mesh(0.3, &options).unwrap();
     let (material, element) = (Material::STEEL, Formulation::IncompatibleModes);
     let solids = PairSolids { pair: &pair, rail: &meshes.rail, wheel: &meshes.wheel, material, element };
-    let [rail, wheel] = [PairBody::RailOnFoot, PairBody::Wheel].map(|body| solids.condense(body).unwrap().0);
+    let [rail, wheel] = [PairBody::RailOnFoot, PairBody::Wheel]
+        .map(|body| solids.condense(body, solids.key(body)).unwrap().0);
     let wheel_on_rail = WheelOnRail {
         rail: &rail.compliance,
         wheel: &wheel.compliance,

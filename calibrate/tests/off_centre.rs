@@ -40,8 +40,8 @@ fn tread_corner_and_flange_reach_their_answer() {
             material: Material::STEEL,
             element: Formulation::FullIntegration,
         };
-        let [on_hub, on_foot] =
-            [PairBody::Wheel, PairBody::RailOnFoot].map(|body| solids.condense(body).unwrap().0);
+        let [on_hub, on_foot] = [PairBody::Wheel, PairBody::RailOnFoot]
+            .map(|body| solids.condense(body, solids.key(body)).unwrap().0);
         for lateral_shift in shifts {
             let track = TrackGeometry { lateral_shift, ..TrackGeometry::standard() };
             let shifted = Pair::new(centred.rail.clone(), centred.wheel.clone(), &track).unwrap();

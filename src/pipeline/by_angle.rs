@@ -64,7 +64,10 @@ impl Stage for ByAngle {
             if budget.check(study, &geometry, &next, &Work::of(study, true, false)).is_err() {
                 return Ok(None);
             }
-            let bodies = at.body_source().bodies(stages::solids(study, &geometry, &next))?.condensed;
+            let bodies = at
+                .body_source()
+                .bodies(stages::solids(study, &geometry, &next), " of a longer window")?
+                .condensed;
             meshes = Some(next);
             Ok(Some(bodies))
         };
