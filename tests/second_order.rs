@@ -47,7 +47,7 @@ fn the_fine_grid_agrees_with_elements_of_second_order() {
     let options = stages::mesh_options(&study, &geometry);
     let meshes = stages::meshes(&study, &geometry, options, None, &Silent).unwrap();
     let solids = stages::solids(&study, &geometry, &meshes);
-    let condense = |body| solids.condense(body).unwrap().0;
+    let condense = |body| solids.condense(body, solids.key(body)).unwrap().0;
     let (rail, wheel) = rayon::join(|| condense(PairBody::RailOnEnds), || condense(PairBody::Wheel));
     let pressed = WheelOnRail {
         rail: &rail.compliance,

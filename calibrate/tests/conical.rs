@@ -23,7 +23,8 @@ fn ratios(shifts: &[f64], options: &MeshOptions) -> Vec<f64> {
     let meshes = pair.mesh(0.555, options).unwrap();
     let (material, element) = (Material::STEEL, Formulation::IncompatibleModes);
     let solids = PairSolids { pair: &pair, rail: &meshes.rail, wheel: &meshes.wheel, material, element };
-    let [rail, wheel] = [PairBody::RailOnFoot, PairBody::Wheel].map(|body| solids.condense(body).unwrap().0);
+    let [rail, wheel] = [PairBody::RailOnFoot, PairBody::Wheel]
+        .map(|body| solids.condense(body, solids.key(body)).unwrap().0);
     let published = StiffnessLaw::published();
     let ratio = |shift: &f64| {
         let pair = at(*shift);
