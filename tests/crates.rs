@@ -170,7 +170,9 @@ fn referenced(folder: &Path, files: &BTreeSet<String>) -> BTreeSet<String> {
     }
     let readme = std::fs::read_to_string(folder.join("README.md")).unwrap();
     let links = between(&readme, "](", ')');
-    found.extend(links.iter().filter(|link| !link.contains(':')).map(|link| joined(Path::new(""), link)));
+    // a file, whatever the heading
+    let files = links.iter().filter(|link| !link.contains(':')).filter_map(|link| link.split('#').next());
+    found.extend(files.filter(|file| !file.is_empty()).map(|file| joined(Path::new(""), file)));
     found
 }
 
