@@ -212,3 +212,27 @@ fn later_stages_come_to_the_same_from_the_files() {
         assert!(String::from_utf8_lossy(&output.stderr).contains("the study or the program has changed"));
     }
 }
+
+/// Goal: a study without load cases has its report whatever its law is measured against, as no simple model takes that law; with a
+/// load case it is refused before anything is computed.
+#[test]
+fn a_law_against_the_foot_has_its_report_where_nothing_runs_on_it() {
+    let root = tempfile::tempdir().unwrap();
+    let coarse = include_str!("studies/coarse.toml");
+    let foot = coarse.replace("[calibration]\n", "[calibration]\nreference = \"foot\"\n");
+    assert_ne!(coarse, foot);
+    let run = |text: &str| {
+        std::fs::write(root.path().join("study.toml"), text).unwrap();
+        railspring(root.path(), &["run", "study.toml", "-o", "foot"])
+    };
+    let loaded = format!(
+        "{foot}\n[scenario.one]\nsteps = 2\nvertical_force = {{ mean_kn = 50 }}\nlateral_force = {{ mean_kn = 5 }}\n"
+    );
+    let refused = run(&loaded);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("calibration.reference"), "{refused:?}");
+    assert!(!root.path().join("foot").join("stiffness.json").exists());
+    let reported = run(&foot);
+    assert!(matches!(reported.status.code(), Some(0 | 1)), "{reported:?}");
+    assert!(root.path().join("foot").join("report.html").exists());
+}
