@@ -4,22 +4,23 @@ use crate::contact::{ContactPoint, HalfSpace, Lattice};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
-/// Largest spacing of the grid along the profile and along the track, m.
-const LARGEST_CELL: [f64; 2] = [0.65e-3, 0.5e-3];
+/// Largest spacing of the grid along the profile, where the curvature of worn and standard profiles changes within millimetres, and along
+/// the track, m.
+const LARGEST_CELL: [f64; 2] = [0.65e-3, 1.0e-3];
 /// Cells across a patch that are wanted at least. With twelve the approach of Hertz' ellipses is right to 0.1 %, the largest
 /// pressure to 0.5 % and the area to 3 %.
 const CELLS_ACROSS: f64 = 16.0;
 /// Fewer cells than these do not remain.
 const LEAST_ACROSS: f64 = 11.0;
-/// Halvings of the spacing at most, in both directions: half of these times.
-const FINEST: i32 = 10;
+/// Halvings of the spacing at most, by direction: half of these times.
+const FINEST: [i32; 2] = [10, 12];
 /// The spacing for a patch of the widths `across` (along the profile, along the track; m): the largest one, divided by √2 as
 /// often as it takes, all times `spacing`.
 pub(crate) fn cell_for(across: [f64; 2], spacing: f64) -> Vector2<f64> {
     let cell = |axis: usize| {
         // a conversion of what is beyond all numbers ends at their ends
         let steps = (2.0 * (LARGEST_CELL[axis] * CELLS_ACROSS / across[axis]).log2()).ceil() as i32;
-        spacing * LARGEST_CELL[axis] * 0.5_f64.powf(0.5 * f64::from(steps.clamp(0, FINEST)))
+        spacing * LARGEST_CELL[axis] * 0.5_f64.powf(0.5 * f64::from(steps.clamp(0, FINEST[axis])))
     };
     Vector2::new(cell(0), cell(1))
 }
@@ -232,10 +233,11 @@ mod tests {
             for axis in 0..2 {
                 let steps = 2.0 * (LARGEST_CELL[axis] / cell[axis]).log2();
                 assert!(
-                    (steps - steps.round()).abs() < 1e-9 && (-0.1..10.1).contains(&steps),
+                    (steps - steps.round()).abs() < 1e-9
+                        && (-0.1..f64::from(FINEST[axis]) + 0.1).contains(&steps),
                     "{width}: {steps}"
                 );
-                let (coarsest, finest) = (steps < 0.5, steps > 9.5);
+                let (coarsest, finest) = (steps < 0.5, steps > f64::from(FINEST[axis]) - 0.5);
                 assert!(coarsest || width >= CELLS_ACROSS * cell[axis] * (1.0 - 1e-9) || finest, "{width}");
                 assert!(coarsest || width < CELLS_ACROSS * cell[axis] * 1.5, "{width}: {cell}");
             }

@@ -45,7 +45,7 @@ impl Enforcement {
 /// Where the contact lives, and what is elastic in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ContactField {
-    /// On a fine grid of about 0.65 by 0.5 mm that follows the patch: half-spaces between its points, and the bodies beyond
+    /// On a fine grid that follows the patch, of 0.65 by 1 mm at most: half-spaces between its points, and the bodies beyond
     /// their half-spaces interpolated from the nodes of the meshes.
     Hybrid,
     /// As [`ContactField::Hybrid`] on a grid of half the spacing in both directions: what it changes is the error of that grid.

@@ -29,19 +29,23 @@ impl Share {
 pub(crate) type Shares = [Share; 4];
 
 /// Compliance `N + P·D·Pᵀ` of the points of a fine grid: half-spaces N between them, and the far field D of the bodies
-/// between coarse points, with the bilinear interpolation P from these to the fine ones. With all three directions P turns them
-/// with the profile, so that the forces keep their resultant; with the normal one alone it cannot.
+/// between coarse points, with the bilinear interpolation P from these to the fine ones. Where the far field has lateral directions, P
+/// turns them with the profile, so that the forces keep their resultant; with the normal one alone it cannot.
 pub(crate) struct Hybrid {
     near: NearField,
-    /// D, `direction·coarse points + coarse point`, m/N.
+    /// D, `direction·coarse points + coarse point`, m/N: with the normal direction, with that and the lateral one, or with all.
     far: Arc<Mat<f64>>,
+    coarse_points: usize,
     shares: Vec<Shares>,
     diagonal: Vec<f64>,
 }
 
 impl Hybrid {
+    /// The far field has the directions of the half-spaces.
     pub fn new(near: NearField, far: Arc<Mat<f64>>, shares: Vec<Shares>) -> Self {
-        let mut hybrid = Self { near, far, shares, diagonal: Vec::new() };
+        let directions = near.rows().checked_div(shares.len()).unwrap_or(1);
+        let coarse_points = far.nrows() / directions;
+        let mut hybrid = Self { near, far, coarse_points, shares, diagonal: Vec::new() };
         hybrid.diagonal =
             (0..hybrid.rows()).map(|row| hybrid.near.value(row, row) + hybrid.far_value(row, row)).collect();
         hybrid
@@ -62,26 +66,56 @@ impl Hybrid {
         self.rows().checked_div(self.points()).unwrap_or(1)
     }
 
+    /// Whether the far field has lateral directions.
+    fn turns(&self) -> bool {
+        self.far.nrows() > self.coarse_points
+    }
+
+    /// The compliance between some of the `points` in their first `directions`, with the coarse points alone in which these have a
+    /// share.
+    fn part(&self, points: &[usize], directions: usize) -> Self {
+        let n = self.points();
+        let mut place = vec![None; self.coarse_points];
+        let mut used = Vec::new();
+        let mut shares: Vec<Shares> = points.iter().map(|&j| self.shares[j]).collect();
+        for share in shares.iter_mut().flatten() {
+            share.point = *place[share.point].get_or_insert_with(|| {
+                used.push(share.point);
+                used.len() - 1
+            });
+        }
+        let m = used.len();
+        let row = |r: usize| r / m * self.coarse_points + used[r % m];
+        let coarse_directions = if self.turns() { directions.max(2) } else { 1 };
+        let far =
+            Mat::from_fn(coarse_directions * m, coarse_directions * m, |r, c| self.far[(row(r), row(c))]);
+        let diagonal =
+            (0..directions).flat_map(|d| points.iter().map(move |&j| self.diagonal[d * n + j])).collect();
+        let near = self.near.between(points, directions);
+        Self { near, far: Arc::new(far), coarse_points: m, shares, diagonal }
+    }
+
     /// Fine forces carried to the coarse points.
     pub fn carried(&self, forces: &[f64]) -> Vec<f64> {
-        let (n, directions) = (self.points(), self.directions());
-        let m = self.far.nrows() / directions;
+        let (n, m) = (self.points(), self.coarse_points);
+        let (three, turns) = (self.directions() == 3, self.turns());
         let mut coarse = vec![0.0; self.far.nrows()];
         for (j, shares) in self.shares.iter().enumerate() {
-            if directions == 1 {
-                if forces[j] != 0.0 {
-                    shares.iter().for_each(|share| coarse[share.point] += share.weight * forces[j]);
-                }
-                continue;
-            }
-            let [normal, lateral, along] = [forces[j], forces[n + j], forces[2 * n + j]];
+            let normal = forces[j];
+            let [lateral, along] = if three { [forces[n + j], forces[2 * n + j]] } else { [0.0; 2] };
             if normal == 0.0 && lateral == 0.0 && along == 0.0 {
                 continue;
             }
             for Share { point, weight, turn } in shares {
+                if !turns {
+                    coarse[*point] += weight * normal;
+                    continue;
+                }
                 coarse[*point] += weight * (turn.x * normal - turn.y * lateral);
                 coarse[m + point] += weight * (turn.x * lateral + turn.y * normal);
-                coarse[2 * m + point] += weight * along;
+                if three {
+                    coarse[2 * m + point] += weight * along;
+                }
             }
         }
         coarse
@@ -90,9 +124,8 @@ impl Hybrid {
     /// Rows of the far field with the weights of a row of the fine grid.
     fn coarse(&self, row: usize) -> impl Iterator<Item = (usize, f64)> {
         let n = self.shares.len();
-        let (direction, directions) = (row / n, self.rows() / n);
-        let points = self.far.nrows() / directions;
-        let turns = directions == 3 && direction < 2;
+        let (direction, points) = (row / n, self.coarse_points);
+        let turns = self.turns() && direction < 2;
         let mut found = [(0, 0.0); 8];
         for (k, Share { point, weight, turn }) in self.shares[row % n].iter().enumerate() {
             found[k] = (direction * points + point, weight * if turns { turn.x } else { 1.0 });
@@ -126,18 +159,20 @@ impl Hybrid {
 
     /// Adds what the points move by with the coarse ones, both by direction and point.
     pub fn interpolate(&self, coarse: &[f64], motion: &mut [f64]) {
-        let (n, directions) = (self.points(), self.directions());
-        let m = coarse.len() / directions;
+        let (n, m) = (self.points(), self.coarse_points);
+        let (three, turns) = (self.directions() == 3, self.turns());
         for (j, shares) in self.shares.iter().enumerate() {
             for Share { point, weight, turn } in shares {
-                if directions == 1 {
+                if !turns {
                     motion[j] += weight * coarse[*point];
                     continue;
                 }
-                let [normal, lateral, along] = [coarse[*point], coarse[m + point], coarse[2 * m + point]];
+                let [normal, lateral] = [coarse[*point], coarse[m + point]];
                 motion[j] += weight * (turn.x * normal + turn.y * lateral);
-                motion[n + j] += weight * (turn.x * lateral - turn.y * normal);
-                motion[2 * n + j] += weight * along;
+                if three {
+                    motion[n + j] += weight * (turn.x * lateral - turn.y * normal);
+                    motion[2 * n + j] += weight * coarse[2 * m + point];
+                }
             }
         }
     }
@@ -149,24 +184,12 @@ impl ComplianceOperator for Hybrid {
     }
 
     fn among(&self, points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
-        let (n, directions) = (self.points(), self.rows().checked_div(self.points())?);
-        let coarse_points = self.far.nrows() / directions;
-        // only the coarse points in which these have a share
-        let mut place = vec![None; coarse_points];
-        let mut used = Vec::new();
-        let mut shares: Vec<Shares> = points.iter().map(|&j| self.shares[j]).collect();
-        for share in shares.iter_mut().flatten() {
-            share.point = *place[share.point].get_or_insert_with(|| {
-                used.push(share.point);
-                used.len() - 1
-            });
-        }
-        let m = used.len();
-        let row = |r: usize| r / m * coarse_points + used[r % m];
-        let far = Mat::from_fn(directions * m, directions * m, |r, c| self.far[(row(r), row(c))]);
-        let diagonal =
-            (0..directions).flat_map(|d| points.iter().map(move |&j| self.diagonal[d * n + j])).collect();
-        Some(Box::new(Self { near: self.near.between(points), far: Arc::new(far), shares, diagonal }))
+        Some(Box::new(self.part(points, self.directions())))
+    }
+
+    fn normal(&self) -> Option<Box<dyn ComplianceOperator + '_>> {
+        let all: Vec<usize> = (0..self.points()).collect();
+        Some(Box::new(self.part(&all, 1)))
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -222,8 +245,8 @@ mod tests {
     use super::*;
     use crate::solid::Material;
 
-    /// Source: `N + P·D·Pᵀ` written out. Goal: diagonal, blocks, columns and products of the operator, and those among some of
-    /// its points, are all of this one matrix. Accuracy over the largest: ROUNDOFF.
+    /// Source: `N + P·D·Pᵀ` written out. Goal: diagonal, blocks, columns and products of the operator, those among some of
+    /// its points, and those of the normal rows, are all of this one matrix. Accuracy over the largest: ROUNDOFF.
     #[test]
     fn all_parts_are_of_one_matrix() {
         const ROUNDOFF: f64 = 1e-12;
@@ -282,19 +305,22 @@ mod tests {
                 }
             }
             let few: Vec<usize> = (0..n).filter(|j| j % 4 == 1).collect();
-            let among = hybrid.among(&few).unwrap();
-            let rows: Vec<usize> = (0..directions).flat_map(|d| few.iter().map(move |j| d * n + j)).collect();
-            let forces: Vec<f64> = rows.iter().map(|&row| forces[row]).collect();
-            let mut product = vec![0.0; rows.len()];
-            among.add_product(&forces, &mut product);
-            let all: Vec<usize> = (0..rows.len()).collect();
-            let block = among.block(&all);
-            for (r, &row) in rows.iter().enumerate() {
-                let exact: f64 = rows.iter().zip(&forces).map(|(&c, f)| matrix[(row, c)] * f).sum();
-                assert!((product[r] - exact).abs() < tolerance, "{row}");
-                assert!((among.diagonal(r) - matrix[(row, row)]).abs() < tolerance);
-                for (c, &column) in rows.iter().enumerate() {
-                    assert!((block[(r, c)] - matrix[(row, column)]).abs() < tolerance, "{row} {column}");
+            let of_few = (0..directions).flat_map(|d| few.iter().map(move |j| d * n + j)).collect();
+            let parts: [(_, Vec<usize>); 2] =
+                [(hybrid.among(&few).unwrap(), of_few), (hybrid.normal().unwrap(), (0..n).collect())];
+            for (part, rows) in parts {
+                let forces: Vec<f64> = rows.iter().map(|&row| forces[row]).collect();
+                let mut product = vec![0.0; rows.len()];
+                part.add_product(&forces, &mut product);
+                let all: Vec<usize> = (0..rows.len()).collect();
+                let block = part.block(&all);
+                for (r, &row) in rows.iter().enumerate() {
+                    let exact: f64 = rows.iter().zip(&forces).map(|(&c, f)| matrix[(row, c)] * f).sum();
+                    assert!((product[r] - exact).abs() < tolerance, "{row}");
+                    assert!((part.diagonal(r) - matrix[(row, row)]).abs() < tolerance);
+                    for (c, &column) in rows.iter().enumerate() {
+                        assert!((block[(r, c)] - matrix[(row, column)]).abs() < tolerance, "{row} {column}");
+                    }
                 }
             }
         }

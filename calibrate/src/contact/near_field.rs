@@ -61,10 +61,10 @@ impl NearField {
         Self { table, factors, directions, places, convolution }
     }
 
-    /// The half-spaces between some of the points, by their places in the list.
-    pub(crate) fn between(&self, points: &[usize]) -> Self {
+    /// The half-spaces between some of the points, by their places in the list, in their first `directions`.
+    pub(crate) fn between(&self, points: &[usize], directions: usize) -> Self {
         let places = points.iter().map(|&j| self.places[j]).collect();
-        Self::at(self.table.clone(), self.factors, places, self.directions)
+        Self::at(self.table.clone(), self.factors, places, directions)
     }
 
     /// The table of the grid.
@@ -156,7 +156,11 @@ impl ComplianceOperator for NearField {
     }
 
     fn among(&self, points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
-        Some(Box::new(self.between(points)))
+        Some(Box::new(self.between(points, self.directions)))
+    }
+
+    fn normal(&self) -> Option<Box<dyn ComplianceOperator + '_>> {
+        Some(Box::new(Self::at(self.table.clone(), self.factors, self.places.clone(), 1)))
     }
 
     fn diagonal(&self, row: usize) -> f64 {

@@ -7,7 +7,7 @@
 //! SIAM J. Numer. Anal. 23 (1986).
 
 use super::dense::DenseFactor;
-use super::iterative::{Cone, Linearised};
+use super::iterative::{Cone, Factors, Linearised};
 use super::state::{PointMode, Residual, State};
 use crate::error::StopReason;
 use faer::Mat;
@@ -23,8 +23,13 @@ const MEMORY: usize = 4;
 /// SOLVER: residual over the largest force.
 const TOLERANCE: f64 = 1e-10;
 /// Part of the residual to which the equations of a step are solved where that is done by iteration (R.S. Dembo, S.C. Eisenstat,
-/// T. Steihaug, "Inexact Newton methods", SIAM J. Numer. Anal. 19 (1982)).
-const PART: f64 = 1e-3;
+/// T. Steihaug, "Inexact Newton methods", SIAM J. Numer. Anal. 19 (1982)), as long as the points change their modes: then the residual of
+/// the step is that of these.
+const PART: f64 = 1e-2;
+/// The same that is accepted where the iteration is at its end.
+const ENOUGH: f64 = 0.1;
+/// Residual over the largest force from which on the modes mostly stay as they are.
+const CLOSE: f64 = 1e-5;
 /// ROUNDOFF: where forces are tiny beside gap times stiffness, rounding may leave as much of them; a hub that
 /// runs away would otherwise pass for rounding.
 const COARSEST: f64 = 1e-8;
@@ -36,6 +41,7 @@ const COARSEST: f64 = 1e-8;
 pub(super) fn newton(state: &mut State, limit: usize, spent: &mut usize) -> Result<(), StopReason> {
     let mut previous: Vec<PointMode> = Vec::new();
     let mut remembered = VecDeque::new();
+    let mut factors = Factors::default();
     state.update_separation();
     let mut residual = state.residual();
     for iteration in 0..=limit {
@@ -51,8 +57,10 @@ pub(super) fn newton(state: &mut State, limit: usize, spent: &mut usize) -> Resu
         *spent += 1;
         let mut modes = state.modes();
         stick_between_slips(state, &previous, &mut modes);
-        let tolerance = (PART * residual.relative).clamp(0.1 * TOLERANCE, PART);
-        let step = direction(state, &modes, tolerance).ok_or(StopReason::Singular)?;
+        // near the solution, or with the modes of the step before, the step may be the last
+        let last = f64::min(PART, 0.1 * TOLERANCE / residual.relative);
+        let tolerance = if residual.relative < CLOSE || modes == previous { last } else { PART };
+        let step = direction(state, &modes, tolerance, &mut factors).ok_or(StopReason::Singular)?;
         remembered.push_back(residual.squared());
         if remembered.len() > MEMORY {
             remembered.pop_front();
@@ -122,8 +130,9 @@ fn search(state: &mut State, step: &Step, bound: f64) -> Residual {
     best.1
 }
 
-/// The Newton step with every point in its mode; open points lose their force. An iteration solves its equations to `tolerance`.
-fn direction(state: &State, modes: &[PointMode], tolerance: f64) -> Option<Step> {
+/// The Newton step with every point in its mode; open points lose their force. An iteration solves its equations to `tolerance`, with
+/// the `factors` of steps before where they serve.
+fn direction(state: &State, modes: &[PointMode], tolerance: f64, factors: &mut Factors) -> Option<Step> {
     let problem = state.problem;
     let n = problem.points.len();
     let active: Vec<usize> = (0..n).filter(|&j| modes[j] != PointMode::Open).collect();
@@ -167,7 +176,7 @@ fn direction(state: &State, modes: &[PointMode], tolerance: f64) -> Option<Step>
     let hub_unit = m as f64 / rows.iter().map(|&row| state.scale[row]).sum::<f64>();
     let along: Vec<Vector3<f64>> = problem.hub.iter().map(|free| free.along.into_inner()).collect();
     let linearised = Linearised { state, modes, active: &active, rows: &rows, along: &along, hub_unit };
-    let change = match linearised.solve(std::slice::from_ref(&rhs), tolerance) {
+    let change = match linearised.solve(std::slice::from_ref(&rhs), tolerance, ENOUGH, factors) {
         Some(mut solutions) => solutions.remove(0),
         None => {
             let mut matrix = state.linearised(&rows, &along, k);

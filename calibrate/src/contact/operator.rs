@@ -25,51 +25,10 @@ pub trait ComplianceOperator: Send + Sync {
     fn among(&self, _points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
         None
     }
-}
 
-/// The normal rows of a compliance with three directions.
-pub(super) struct NormalRows<C> {
-    pub compliance: C,
-    /// Number of points.
-    pub points: usize,
-}
-
-impl<C: std::ops::Deref<Target: ComplianceOperator> + Send + Sync> NormalRows<C> {
-    fn extended(&self, values: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; 3 * self.points];
-        all[..self.points].copy_from_slice(values);
-        all
-    }
-}
-
-impl<C: std::ops::Deref<Target: ComplianceOperator> + Send + Sync> ComplianceOperator for NormalRows<C> {
-    fn rows(&self) -> usize {
-        self.points
-    }
-
-    fn diagonal(&self, row: usize) -> f64 {
-        self.compliance.diagonal(row)
-    }
-
-    fn add_product(&self, forces: &[f64], motion: &mut [f64]) {
-        let mut all = self.extended(motion);
-        self.compliance.add_product(&self.extended(forces), &mut all);
-        motion.copy_from_slice(&all[..self.points]);
-    }
-
-    fn add_column(&self, row: usize, force: f64, motion: &mut [f64]) {
-        let mut all = self.extended(motion);
-        self.compliance.add_column(row, force, &mut all);
-        motion.copy_from_slice(&all[..self.points]);
-    }
-
-    fn block(&self, rows: &[usize]) -> Mat<f64> {
-        self.compliance.block(rows)
-    }
-
-    fn among(&self, points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
-        let compliance = self.compliance.among(points)?;
-        Some(Box::new(NormalRows { compliance, points: points.len() }))
+    /// The compliance of the normal rows alone, where its products take less time than those of all rows.
+    fn normal(&self) -> Option<Box<dyn ComplianceOperator + '_>> {
+        None
     }
 }
 

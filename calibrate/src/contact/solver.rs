@@ -9,7 +9,7 @@
 //! tolerance.
 
 use super::dense::DenseFactor;
-use super::iterative::Linearised;
+use super::iterative::{Factors, Linearised};
 use super::newton::{newton, slip_rows};
 use super::start::{ALL_THE_WAY, NEAR, approach, suits};
 use super::state::State;
@@ -161,7 +161,8 @@ pub fn hub_response(
     let along: Vec<Vector3<f64>> = directions.iter().map(|d| d.into_inner()).collect();
     let linearised =
         Linearised { state: &state, modes: &modes, active: &active, rows: &rows, along: &[], hub_unit: 0.0 };
-    let response = linearised.solve(&linearised.motions(&along), LINEAR).or_else(|| {
+    let response = linearised.solve(&linearised.motions(&along), LINEAR, LINEAR, &mut Factors::default());
+    let response = response.or_else(|| {
         let mut system = state.linearised(&rows, &[], 0);
         if state.directions == 3 {
             slip_rows(&state, &modes, &active, &mut system);
