@@ -128,14 +128,15 @@ pub enum StopReason {
 
 /// An iteration that did not converge.
 #[derive(Debug, Clone, Error)]
-#[error("{stage}{}: {reason} (iteration {iteration}, residual {residual:.3e}, {active} active contact points)",
-    step.map(|s| format!(", step {s}")).unwrap_or_default())]
+#[error("{stage}{}: {reason} ({}residual {residual:.3e}, {active} active contact points)",
+    step.map(|s| format!(", step {s}")).unwrap_or_default(),
+    if *iteration > 0 { format!("iteration {iteration}, ") } else { String::new() })]
 pub struct NumericsError {
     /// Stage of the pipeline, for instance `contact` or `moving solver`.
     pub stage: String,
     /// Load or time step, if there is one.
     pub step: Option<usize>,
-    /// Iteration at which it stopped.
+    /// Iteration at which it stopped; 0 where none was made.
     pub iteration: usize,
     /// Residual at that iteration, in the stage's own measure.
     pub residual: f64,
@@ -143,4 +144,28 @@ pub struct NumericsError {
     pub active: usize,
     /// Why it stopped.
     pub reason: StopReason,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: the text of a stop names its iteration where there was one, and none where nothing was iterated.
+    #[test]
+    fn a_stop_names_its_iteration_where_there_was_one() {
+        let mut stop = NumericsError {
+            stage: "contact".into(),
+            step: Some(8),
+            iteration: 3,
+            residual: 0.25,
+            active: 7,
+            reason: StopReason::SecondRegion,
+        };
+        let said = stop.to_string();
+        assert!(said.ends_with("(iteration 3, residual 2.500e-1, 7 active contact points)"), "{said}");
+        stop.iteration = 0;
+        let said = stop.to_string();
+        assert!(said.starts_with("contact, step 8: a second region"), "{said}");
+        assert!(said.ends_with("carries load (residual 2.500e-1, 7 active contact points)"), "{said}");
+    }
 }
