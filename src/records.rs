@@ -62,6 +62,10 @@ pub struct StiffnessRecord {
     pub error_band: Option<ErrorBandRecord>,
     /// Where the compliance sits, at some loads.
     pub compliance_split: Vec<ComplianceRecord>,
+    /// The largest stresses below the patch, load by load, with the reference in use; none for a contact between elements, which do not
+    /// resolve them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub subsurface: Vec<SubsurfaceRecord>,
     /// The published penalty criterion.
     pub penalty: PenaltyRecord,
     /// Size and quality of the solid meshes.
@@ -291,6 +295,21 @@ pub struct ComplianceRecord {
     pub beam_um_per_kn: f64,
     /// What the beam misses of the solid rail.
     pub beam_missing_um_per_kn: f64,
+}
+
+/// The largest stresses below the patch at one load, of a half-space.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SubsurfaceRecord {
+    /// Load, kN.
+    pub force_kn: f64,
+    /// Largest von Mises stress, MPa.
+    pub max_von_mises_mpa: f64,
+    /// Its depth, mm; a quarter of a cell of the fine grid where friction has it at the surface.
+    pub von_mises_depth_mm: f64,
+    /// Largest shear stress, MPa.
+    pub max_shear_mpa: f64,
+    /// Its depth, mm.
+    pub shear_depth_mm: f64,
 }
 
 /// The published penalty criterion: the penetration below 1/1000 of the displacement at the wheel centre.

@@ -40,13 +40,15 @@ fn read(root: &Path, file: &str) -> String {
 }
 
 /// Goal: the table has the numbers of the JSON file, a row for each shift, load and reference, units in its headings; a place at which the wheel
-/// misses the rail is an entry with the key to change, beside whole ones; the report shows the figure and says so; `results.json` lists
-/// both files. Units mm, kN, kN/m. Accuracy: equal numbers.
+/// misses the rail is an entry with the key to change, beside whole ones; every law has its error band, which is the sum of the sizes of
+/// its parts, and the ratio of its secant to the published one where its loads have the range (here not); the report shows figure and
+/// bands and says so; `results.json` lists both files. Units mm, kN, kN/m, 1. Accuracy: equal numbers.
 #[test]
 fn table_and_record_agree() {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();
-    let output = railspring(root, "run", &study("shifts_mm = [-90, 0, 6.5, 7]"));
+    let with_bands = study("shifts_mm = [-90, 0, 6.5, 7]").replace("error_band = false", "error_band = true");
+    let output = railspring(root, "run", &with_bands);
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", said(&output));
     let record: Value = serde_json::from_str(&read(root, "stiffness_by_angle.json")).unwrap();
     let shifts = record["shifts"].as_array().unwrap();
@@ -57,10 +59,11 @@ fn table_and_record_agree() {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     let headings = reader.headers().unwrap().clone();
     let units = ["_mm", "_deg", "_kn", "_kn_per_m", "_mm2", "_mpa", "_um_per_kn"];
-    for heading in
-        headings.iter().filter(|h| !["reference", "law_c", "law_max_rel_error", "reason"].contains(h))
-    {
-        assert!(units.iter().any(|unit| heading.ends_with(unit)), "{heading} has no unit");
+    let relative = ["law_max_rel_error", "_rel_error_band", "_rel_change", "law_c", "published_secant_ratio"];
+    let words = ["reference", "error_band_missing", "reason"];
+    for heading in &headings {
+        let known = units.iter().chain(&relative).chain(&words).any(|end| heading.ends_with(end));
+        assert!(known, "{heading} has no unit");
     }
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     let cell = |row: &csv::StringRecord, name: &str| {
@@ -78,6 +81,7 @@ fn table_and_record_agree() {
                 "{reason}"
             );
             assert!(shift["touch"].is_null() && shift["laws"].as_array().unwrap().is_empty());
+            assert!(shift["error_band"].is_null());
             assert_eq!(of_shift.len(), 1);
             assert_eq!(
                 (cell(of_shift[0], "reason").as_str(), cell(of_shift[0], "force_kn").as_str()),
@@ -93,6 +97,8 @@ fn table_and_record_agree() {
         let forces: Vec<f64> = loads.iter().map(|load| load["force_kn"].as_f64().unwrap()).collect();
         assert_eq!(forces, [20.0, 40.0, 60.0, 80.0], "within 5 to 85 kN");
         assert_eq!(of_shift.len(), 3 * loads.len());
+        assert!(shift["error_band"]["missing"].is_null(), "{}", shift["error_band"]);
+        assert!(shift["published_secant_ratio"].is_null(), "it ends below 120 kN");
         for row in of_shift {
             let reference = cell(row, "reference");
             let load = loads.iter().find(|load| load["force_kn"] == number(row, "force_kn")).unwrap();
@@ -105,6 +111,14 @@ fn table_and_record_agree() {
                     .clone()
             };
             let (point, law) = (named(&load["references"]), named(&shift["laws"])["law"].clone());
+            let band = named(&shift["error_band"]["references"])["points"].clone();
+            let band = band.as_array().unwrap().iter().find(|p| p["force_kn"] == load["force_kn"]).unwrap();
+            for of in ["displacement", "tangent"] {
+                let size = |part: &str| number(row, &format!("{part}_{of}_rel_change")).abs();
+                let whole = number(row, &format!("{of}_rel_error_band"));
+                assert!((size("grid") + size("mesh") - whole).abs() < 1e-12 && whole > 0.0, "{row:?}");
+                assert!(whole < 0.5, "{row:?}");
+            }
             let pairs = [
                 ("contact_angle_deg", &shift["touch"]["contact_angle_deg"]),
                 ("wheel_y_mm", &shift["touch"]["wheel_y_mm"]),
@@ -120,6 +134,10 @@ fn table_and_record_agree() {
                 ("law_b_kn_per_m", &law["b_kn_per_m"]),
                 ("law_c", &law["c"]),
                 ("law_to_kn", &law["range_kn"][1]),
+                ("displacement_rel_error_band", &band["displacement"]),
+                ("tangent_rel_error_band", &band["tangent"]),
+                ("grid_tangent_rel_change", &band["grid_tangent"]),
+                ("mesh_displacement_rel_change", &band["mesh_displacement"]),
             ];
             for (name, value) in pairs {
                 assert_eq!(Some(number(row, name)), value.as_f64(), "{name} at {} mm", at[n]);
@@ -141,21 +159,24 @@ fn table_and_record_agree() {
         page.contains("no law: calibration.shifts_mm = ")
             && page.contains("contact angle at the first touch")
     );
+    assert!(
+        page.contains("What the laws by contact angle are worth") && page.contains("The bars are the error")
+    );
     assert!(root.join("out/figures/by_angle.svg").exists());
     let listed = read(root, "results.json");
     assert!(listed.contains("stiffness_by_angle.json") && listed.contains("stiffness_by_angle.csv"));
 }
 
 /// Goal: on the flange the patch is longer than the window of the calibration's meshes; the law there reaches the largest load all the
-/// same, in the bodies meshed again with a longer window, for little and much friction, on the fine grid; where the study gives the
-/// window, the law ends with that key. The calibration and the shift on the tread stay what they are. Unit kN. Accuracy: the largest load of the
-/// study; equal bytes.
+/// same, in the bodies meshed again with a longer window, for little and much friction, on the fine grid, and has its error band, for which
+/// those bodies are meshed coarser; where the study gives the window, the law ends with that key, and without `calibration.error_band` there
+/// are no bands. The calibration and the shift on the tread stay what they are. Unit kN. Accuracy: the largest load of the study; equal bytes.
 #[test]
 fn the_law_on_the_flange_reaches_the_largest_load() {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();
     let with = |keys: &str, friction: &str| {
-        let study = study("shifts_mm = [0, 6.5, 7]");
+        let study = study("shifts_mm = [0, 6.5, 7, 8]").replace("error_band = false", "error_band = true");
         let contact = format!("field = \"hybrid\"\nfriction = {friction}");
         study.replace("friction = 0.5", &contact).replace("element = ", &format!("{keys}element = "))
     };
@@ -173,17 +194,29 @@ fn the_law_on_the_flange_reaches_the_largest_load() {
         for shift in &whole {
             assert!((largest(shift) - 85.0).abs() < 1e-9, "{friction}: {shift}");
             assert!(shift["reason"].is_null(), "{friction}: {shift}");
+            let band = &shift["error_band"];
+            assert!(band["missing"].is_null(), "{friction}: {band}");
+            for of in band["references"].as_array().unwrap() {
+                let [displacement, tangent] =
+                    ["displacement", "tangent"].map(|of_| of[of_].as_f64().unwrap());
+                assert!((1e-5..0.5).contains(&displacement) && (1e-4..0.5).contains(&tangent), "{of}");
+                assert_eq!(of["points"].as_array().unwrap().len(), 4, "20 to 80 kN");
+            }
         }
+        assert!(said(&output).contains("of coarser elements and a longer window: "), "{}", said(&output));
         if friction == "0.6" {
             continue;
         }
         let stiffness = read(root, "load_curve.csv");
-        let (output, given) = shifts(&with("window_half_length_mm = 12\n", friction));
+        let given = with("window_half_length_mm = 12\n", friction);
+        let (output, given) = shifts(&given.replace("error_band = true", "error_band = false"));
         assert!(!said(&output).contains("meshed again"), "{}", said(&output));
         let reason = given[2]["reason"].as_str().unwrap();
         assert!(largest(&given[2]) < 85.0 && reason.contains("end of the contact window"), "{reason}");
         assert!(reason.contains("mesh.window_half_length_mm"), "{reason}");
-        assert_eq!(given[0], whole[0]);
+        let mut on_tread = whole[0].clone();
+        assert!(on_tread.as_object_mut().unwrap().remove("error_band").is_some());
+        assert_eq!(given[0], on_tread);
         assert_eq!(read(root, "load_curve.csv"), stiffness);
     }
 }

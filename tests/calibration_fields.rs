@@ -85,7 +85,7 @@ fn patches_carry_the_loads() {
 
 /// Source: Hertz' contacts from the circle to the line have their largest von Mises stress at 0.55 to 0.63 times the largest pressure and
 /// their largest shear at 0.30 to 0.33 (K.L. Johnson, Contact Mechanics, 1985, sections 3.4 and 4.1 to 4.3), below the surface. Goal: the
-/// columns of `load_curve.csv`, MPa and mm, for patches on the fine grid; the stresses grow with the load, and the curve over the depth reaches
+/// columns of `load_curve.csv` and the values of `stiffness.json`, MPa and mm, for patches on the fine grid; the stresses grow with the load, and the curve over the depth reaches
 /// them. Between elements there are none. Accuracy: MODEL, a pressure on crown and gauge corner that is no ellipse's and friction change the
 /// ratios by a tenth; DISCRETISATION, the curve has depths a twelfth of that of the peak apart.
 #[test]
@@ -126,6 +126,14 @@ fn stresses_below_the_patch_are_those_of_its_pressure() {
         let largest = numbers(&patch["below"]["von_mises_mpa"]).into_iter().fold(0.0, f64::max);
         assert!((largest / mises[row] - 1.0).abs() < DISCRETISATION, "{largest} {}", mises[row]);
     }
+    // `stiffness.json` has the same, load by load
+    let stiffness = json(&calibrated("hybrid").join("stiffness.json"));
+    let records = stiffness["subsurface"].as_array().unwrap();
+    for name in ["force_kn", "max_von_mises_mpa", "von_mises_depth_mm", "max_shear_mpa", "shear_depth_mm"] {
+        let found: Vec<f64> = records.iter().map(|record| record[name].as_f64().unwrap()).collect();
+        assert_eq!(found, whole(name), "{name}");
+    }
+    assert!(json(&calibrated("elements").join("stiffness.json"))["subsurface"].is_null());
     assert!(column("elements", "max_von_mises_mpa").iter().all(Option::is_none));
     let coarse = json(&calibrated("elements").join("contact_patches.json"));
     assert!(coarse["patches"].as_array().unwrap().iter().all(|patch| patch["below"].is_null()));

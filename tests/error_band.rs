@@ -3,7 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use railspring::estimate::{Resources, Work, dry_run};
 use railspring::records::{ErrorBandRecord, StiffnessRecord};
+use railspring::study::Study;
+use railspring_calibrate::monitor::Silent;
 
 /// The coarse study with its contact on a fine grid and with error bands; `more` goes into its section `[mesh]`.
 fn study(more: &str) -> String {
@@ -71,7 +74,7 @@ fn the_calibration_says_what_its_law_is_worth() {
 }
 
 /// Goal: a wanted band between that of the study's meshes and that of the next finer ones refines them once, on which the laws, the bands and the
-/// laws by contact angle are then made, also from the store; one that no grid reaches ends with what remains, and so does a memory that has no room.
+/// laws by contact angle are then made, also from the store; one that no grid reaches ends with what remains.
 #[test]
 fn a_wanted_band_refines_the_meshes() {
     let folder = tempfile::tempdir().unwrap();
@@ -96,4 +99,28 @@ fn a_wanted_band_refines_the_meshes() {
     let (_, beyond) = band(&out);
     let reason = beyond.target.unwrap().not_reached.unwrap();
     assert!(reason.contains("the grid of the contact alone is"), "{reason}");
+}
+
+/// Source: the estimate of the study's meshes, GiB. Goal: a wanted band ends where the next finer meshes have no room in a memory that those of
+/// the study just fit; the laws of those are written with their band, and the reason says which meshes, and what is allowed.
+#[test]
+fn a_wanted_band_ends_where_the_memory_does() {
+    const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
+    let wanted = study("target_error = 0.03\n");
+    let parsed = Study::parse(Path::new("study.toml"), &wanted).map_err(|e| e.to_string()).unwrap();
+    let work = Work::of(&parsed, true, false);
+    let estimate = dry_run(&parsed, &work, &Resources::of_the_machine(&Silent)).unwrap();
+    let limit = format!("{:.4}", 1.02 * estimate.memory() / GIB);
+    let folder = tempfile::tempdir().unwrap();
+    let (output, out) = calibrate(folder.path(), "small", &wanted, &["--memory-limit", &limit]);
+    let text = said(&output);
+    assert!(output.status.success() && !text.contains("meshed again"), "{text}");
+    let (record, band) = band(&out);
+    assert!((record.mesh[0].contact_element_mm - 6.0).abs() < 1e-9, "{:?}", record.mesh);
+    let target = band.target.clone().unwrap();
+    let reason = target.not_reached.clone().unwrap();
+    assert_eq!(target.refinements, 0);
+    assert!(reason.contains("the next finer meshes: ") && reason.contains("--memory-limit"), "{reason}");
+    assert!(band.of("beam").unwrap().largest().unwrap() > 0.03, "{band:?}");
+    assert!(text.contains("wanted error band of 3.00 %: not reached"), "{text}");
 }

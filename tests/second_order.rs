@@ -8,11 +8,9 @@ use std::path::Path;
 use railspring::records::crosscheck::CrosscheckRecord;
 use railspring::stages;
 use railspring::study::Study;
-use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, Reference, WheelOnRail, load_points, press_loads,
-};
+use railspring_calibrate::calibration::{ContactField, Enforcement, Reference, load_points, press_loads};
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::PairBody;
+use railspring_calibrate::pair::{ContactConditions, PairBody};
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 /// Goal: hub displacement, its slope between two loads (5 to 150 kN) and tangent stiffness (from 10 kN on) without friction, with the fine
@@ -49,17 +47,9 @@ fn the_fine_grid_agrees_with_elements_of_second_order() {
     let solids = stages::solids(&study, &geometry, &meshes);
     let condense = |body| solids.condense(body, solids.key(body)).unwrap().0;
     let (rail, wheel) = rayon::join(|| condense(PairBody::RailOnEnds), || condense(PairBody::Wheel));
-    let pressed = WheelOnRail {
-        rail: &rail.compliance,
-        wheel: &wheel.compliance,
-        rail_surface: geometry.pair.rail_surface(&rail.grid),
-        wheel_surface: geometry.pair.wheel_surface(&wheel.grid),
-        friction: 0.0,
-        enforcement: Enforcement::Exact,
-        field: ContactField::Hybrid,
-        materials: [study.material; 2],
-        along: DOWNWARDS,
-    };
+    let contact =
+        ContactConditions { friction: 0.0, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
+    let pressed = geometry.pair.wheel_on_rail(&rail, &wheel, study.material, contact);
     let states = press_loads(&pressed, &loads, "press", &Silent).unwrap();
     // hub against what is held: the ends of the rail
     let points = load_points(&pressed, &states, Reference::Foot).unwrap();

@@ -196,7 +196,7 @@ fn a_change_remakes_what_depends_on_it() {
     let [calibration, simple_one, solid_one, simple_two] = STAGES;
     let springs = [calibration, simple_one, simple_two];
     // what was changed, stages that are made again, and bodies that are; those are asked for by the calibration only
-    let table: [(&str, String, &[&str], &[&str]); 15] = [
+    let table: [(&str, String, &[&str], &[&str]); 17] = [
         ("name", change("\"coarse\"", "\"renamed\""), &[], &[]),
         ("description", format!("description = \"words\"\n{base}"), &[], &[]),
         ("limit", add("[verification]\nlaw_max = 0.5\n"), &[], &[]),
@@ -215,6 +215,14 @@ fn a_change_remakes_what_depends_on_it() {
         ("friction", change("friction = 0.5", "friction = 0.4"), &STAGES, &[]),
         ("shift", add("[track]\nlateral_shift_mm = 1\n"), &STAGES, &[]),
         ("mesh", change("contact_element_mm = 6", "contact_element_mm = 9"), &STAGES, &BODIES),
+        ("window", change("[mesh]\n", "[mesh]\nwindow_half_length_mm = 16\n"), &STAGES, &BODIES),
+        // as long as the usual one, but not made longer where the contact reaches its end
+        (
+            "given window",
+            change("[mesh]\n", "[mesh]\nwindow_half_length_mm = 12\n"),
+            &[calibration, solid_one],
+            &[],
+        ),
         ("rail", change("length_m = 0.555", "length_m = 0.6"), &STAGES, &BODIES[1..]),
         ("wheel", change("tape_diameter_m = 0.858", "tape_diameter_m = 0.9"), &STAGES, &BODIES[..1]),
     ];
@@ -248,6 +256,12 @@ fn a_longer_window_is_taken_along() {
     let other = longer.replacen("mean_kn = 50", "mean_kn = 51", 1);
     let taken = place.run(&other, "store", "taken", &[]);
     assert_eq!(taken.taken(), ["calibration", "simple model, two"]);
+    // nor are the longer meshes taken for a study that gives the window and ends where they would begin
+    let given = longer.replace("[mesh]\n", "[mesh]\nwindow_half_length_mm = 12\n");
+    let refused = place.start(&given, "store", "given", &[]).output().unwrap();
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    let ended = said.contains("the contact reached the end of the contact window");
+    assert!(refused.status.code() == Some(3) && ended && !said.contains("meshed again"), "{said}");
     same(&taken, &place.run(&other, "other-store", "made", &[]), "a solid run on longer meshes");
 }
 

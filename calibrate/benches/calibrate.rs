@@ -10,13 +10,11 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector2;
-use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, Reference, WheelOnRail, load_points,
-};
+use railspring_calibrate::calibration::{ContactField, Enforcement, Reference, load_points};
 use railspring_calibrate::contact::{ComplianceOperator, HalfSpace, NearField, flat_grid};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{Pair, PairMeshes};
+use railspring_calibrate::pair::{ContactConditions, Pair, PairMeshes};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
@@ -54,16 +52,9 @@ fn body(criterion: &mut Criterion) {
 fn contact(criterion: &mut Criterion) {
     let (pair, meshes) = pair();
     let bodies = meshes.condense(&pair, Material::STEEL, ELEMENT, &Silent).unwrap();
-    let wheel_on_rail = |friction, field| WheelOnRail {
-        rail: &bodies.rail_on_foot.compliance,
-        wheel: &bodies.wheel.compliance,
-        rail_surface: pair.rail_surface(&bodies.rail_on_foot.grid),
-        wheel_surface: pair.wheel_surface(&bodies.wheel.grid),
-        friction,
-        enforcement: Enforcement::Exact,
-        field,
-        materials: [Material::STEEL; 2],
-        along: DOWNWARDS,
+    let wheel_on_rail = |friction, field| {
+        let contact = ContactConditions { friction, enforcement: Enforcement::Exact, field };
+        pair.wheel_on_rail(&bodies.rail_on_foot, &bodies.wheel, Material::STEEL, contact)
     };
     let (smooth, rough) =
         (wheel_on_rail(0.0, ContactField::Elements), wheel_on_rail(0.3, ContactField::Elements));

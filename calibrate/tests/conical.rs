@@ -1,16 +1,19 @@
 //! The conical standard wheel on 60E1 beside the published law.
 
-use railspring_calibrate::calibration::{ContactField, DOWNWARDS, Enforcement, WheelOnRail, press_loads};
+use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{Pair, PairBody, PairSolids};
+use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
 
 /// Range of the published comparison, N.
 const LOADS: [f64; 2] = [20e3, 120e3];
+
+const CONTACT: ContactConditions =
+    ContactConditions { friction: 0.0, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
 
 /// Secant stiffness with the foot held from 20 to 120 kN over that of the published law, by shift (m).
 fn ratios(shifts: &[f64], options: &MeshOptions) -> Vec<f64> {
@@ -28,17 +31,7 @@ fn ratios(shifts: &[f64], options: &MeshOptions) -> Vec<f64> {
     let published = StiffnessLaw::published();
     let ratio = |shift: &f64| {
         let pair = at(*shift);
-        let wheel_on_rail = WheelOnRail {
-            rail: &rail.compliance,
-            wheel: &wheel.compliance,
-            rail_surface: pair.rail_surface(&rail.grid),
-            wheel_surface: pair.wheel_surface(&wheel.grid),
-            friction: 0.0,
-            enforcement: Enforcement::Exact,
-            field: ContactField::Hybrid,
-            materials: [material; 2],
-            along: DOWNWARDS,
-        };
+        let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, material, CONTACT);
         let states = press_loads(&wheel_on_rail, &LOADS, "press", &Silent).unwrap();
         let [from, to] = [0, 1].map(|load| states[load].hub.y);
         (published.displacement(LOADS[1]) - published.displacement(LOADS[0])) / (to - from)

@@ -13,7 +13,7 @@ use railspring_calibrate::error::{Error, StopReason};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, MeshOptions, SurfaceGrid, mesh_block};
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{Pair, PairMeshes};
+use railspring_calibrate::pair::{ContactBody, ContactConditions, Pair, PairMeshes};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::section::{rail_section, wheel_section};
@@ -65,17 +65,10 @@ fn bodies() -> &'static Bodies {
 }
 
 fn on<'a>(bodies: &'a Bodies, pair: &'a Pair, friction: f64, field: ContactField) -> WheelOnRail<'a> {
-    WheelOnRail {
-        rail: &bodies.rail.compliance,
-        wheel: &bodies.wheel.compliance,
-        rail_surface: pair.rail_surface(&bodies.meshes.rail.contact),
-        wheel_surface: pair.wheel_surface(&bodies.meshes.wheel.contact),
-        friction,
-        enforcement: Enforcement::Exact,
-        field,
-        materials: [MATERIAL; 2],
-        along: DOWNWARDS,
-    }
+    let rail = ContactBody { compliance: &bodies.rail.compliance, grid: &bodies.meshes.rail.contact };
+    let wheel = ContactBody { compliance: &bodies.wheel.compliance, grid: &bodies.meshes.wheel.contact };
+    let contact = ContactConditions { friction, enforcement: Enforcement::Exact, field };
+    pair.wheel_on_rail(rail, wheel, MATERIAL, contact)
 }
 
 fn press(wheel_on_rail: &WheelOnRail, loads: &[f64], reference: Reference) -> Vec<LoadPoint> {

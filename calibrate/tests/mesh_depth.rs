@@ -1,9 +1,9 @@
 //! How deep the mesh under the contact reaches: the far field of the bodies has to converge with the contact elements.
 
-use railspring_calibrate::calibration::{ContactField, DOWNWARDS, Enforcement, WheelOnRail, press_loads};
+use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::mesh::{ContactZone, MeshOptions};
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{Pair, PairBody, PairSolids};
+use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
@@ -31,17 +31,9 @@ fn hub_displacement(contact_element: f64) -> [f64; 2] {
     let solids = PairSolids { pair: &pair, rail: &meshes.rail, wheel: &meshes.wheel, material, element };
     let [rail, wheel] = [PairBody::RailOnFoot, PairBody::Wheel]
         .map(|body| solids.condense(body, solids.key(body)).unwrap().0);
-    let wheel_on_rail = WheelOnRail {
-        rail: &rail.compliance,
-        wheel: &wheel.compliance,
-        rail_surface: pair.rail_surface(&rail.grid),
-        wheel_surface: pair.wheel_surface(&wheel.grid),
-        friction: 0.0,
-        enforcement: Enforcement::Exact,
-        field: ContactField::Hybrid,
-        materials: [material; 2],
-        along: DOWNWARDS,
-    };
+    let contact =
+        ContactConditions { friction: 0.0, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
+    let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, material, contact);
     let states = press_loads(&wheel_on_rail, &[20e3, 160e3], "press", &Silent).unwrap();
     [0, 1].map(|load| states[load].hub.dot(&wheel_on_rail.along))
 }

@@ -1,9 +1,9 @@
 //! The wheel pressed on the rail away from the middle, with little and much friction, on coarse meshes.
 
-use railspring_calibrate::calibration::{ContactField, DOWNWARDS, Enforcement, WheelOnRail, press_loads};
+use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{Pair, PairBody, PairMeshes, PairSolids};
+use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, PairMeshes, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
@@ -46,17 +46,9 @@ fn tread_corner_and_flange_reach_their_answer() {
             let track = TrackGeometry { lateral_shift, ..TrackGeometry::standard() };
             let shifted = Pair::new(centred.rail.clone(), centred.wheel.clone(), &track).unwrap();
             for friction in [0.05, 0.3, 0.6] {
-                let pair = WheelOnRail {
-                    rail: &on_foot.compliance,
-                    wheel: &on_hub.compliance,
-                    rail_surface: shifted.rail_surface(&on_foot.grid),
-                    wheel_surface: shifted.wheel_surface(&on_hub.grid),
-                    friction,
-                    enforcement: Enforcement::Exact,
-                    field: ContactField::Elements,
-                    materials: [Material::STEEL; 2],
-                    along: DOWNWARDS,
-                };
+                let (enforcement, field) = (Enforcement::Exact, ContactField::Elements);
+                let contact = ContactConditions { friction, enforcement, field };
+                let pair = shifted.wheel_on_rail(&on_foot, &on_hub, Material::STEEL, contact);
                 let case = format!("{name}, shift {lateral_shift} m, friction {friction}");
                 let states = press_loads(&pair, &loads, "press", &Silent)
                     .unwrap_or_else(|error| panic!("{case}: {error}"));

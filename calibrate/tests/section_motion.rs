@@ -3,13 +3,13 @@
 
 use nalgebra::{Matrix2, Vector3};
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal,
-    load_points, press_loads,
+    ContactField, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, calibrate_horizontal, load_points,
+    press_loads,
 };
 use railspring_calibrate::contact::{Problem, Side, hub_response, nodal_forces};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::Pair;
+use railspring_calibrate::pair::{ContactBody, ContactConditions, Pair};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
@@ -72,16 +72,12 @@ fn found(length: f64, loads: &[f64]) -> Found {
     let motion =
         SectionMotion::new(&element, &pair.shear_stresses, &pair.placed, pair.node_line(), 0.0).unwrap();
     let relative = motion.relative(&element.compliance);
-    let wheel_on = |rail| WheelOnRail {
-        rail,
-        wheel: &wheel().compliance,
-        rail_surface: pair.rail_surface(&mesh.contact),
-        wheel_surface: pair.wheel_surface(&wheel_mesh.contact),
-        friction: 0.5,
-        enforcement: Enforcement::Exact,
-        field: ContactField::Elements,
-        materials: [Material::STEEL; 2],
-        along: DOWNWARDS,
+    let contact =
+        ContactConditions { friction: 0.5, enforcement: Enforcement::Exact, field: ContactField::Elements };
+    let wheel = ContactBody { compliance: &wheel().compliance, grid: &wheel_mesh.contact };
+    let wheel_on = |compliance| {
+        let rail = ContactBody { compliance, grid: &mesh.contact };
+        pair.wheel_on_rail(rail, wheel, Material::STEEL, contact)
     };
     let on_section = wheel_on(&relative);
     let states = press_loads(&on_section, loads, "press", &Silent).unwrap();

@@ -1,6 +1,7 @@
 //! The law by contact angle as a stage.
 
 use railspring_calibrate::error::{NumericsError, Result};
+use railspring_calibrate::pair::CondensedPair;
 
 use super::stage::{Made, Stage};
 use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
@@ -8,7 +9,7 @@ use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{StiffnessByAngleRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Meshes};
+use crate::stages::{self, BodiesByAngle, CoarserBodies, Geometry, Meshes};
 use crate::store::{Address, Artefact, Kind};
 
 /// The laws of the study's shifts, on the bodies of its calibration.
@@ -27,9 +28,7 @@ impl Stage for ByAngle {
 
     fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
         let reach = at.reach()?;
-        // a window that the study gives is not made longer, though it be as long as the usual one
-        let given = at.study.source.gives("mesh.window_half_length_mm");
-        let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach, given);
+        let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach);
         Ok(at.store.map(|store| store.address(Kind::ByAngle, &inputs)))
     }
 
@@ -46,32 +45,8 @@ impl Stage for ByAngle {
                 bodies
             }
         };
-        let mut meshes: Option<Meshes> = None;
-        let budget = at.resources.budget;
-        let longer = |cause: &NumericsError| {
-            let next = match &meshes {
-                Some(meshes) => stages::enlarged(study, &geometry, meshes, cause, monitor),
-                None => {
-                    let own = at.meshes(Pipeline::calibration_work)?;
-                    let next = stages::enlarged(study, &geometry, &own, cause, monitor);
-                    // the runs on the solids go on with the zones of the calibration
-                    at.go_on_with(own);
-                    next
-                }
-            };
-            let Some(next) = next else { return Ok(None) };
-            // a law that ends early is a result; without the memory for a longer one it stays that
-            if budget.check(study, &geometry, &next, &Work::of(study, true, false)).is_err() {
-                return Ok(None);
-            }
-            let bodies = at
-                .body_source()
-                .bodies(stages::solids(study, &geometry, &next), " of a longer window")?
-                .condensed;
-            meshes = Some(next);
-            Ok(Some(bodies))
-        };
-        let laws = stages::by_angle(study, &geometry, &bodies, longer, monitor)?;
+        let mut others = Others { at, geometry: &geometry, longer: None };
+        let laws = stages::by_angle(study, &geometry, &bodies, &mut others, monitor)?;
         let rows = to_csv(&laws.rows());
         Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }
@@ -92,5 +67,61 @@ impl Stage for ByAngle {
 
     fn outdates(&self) -> &'static [&'static str] {
         &OF_THE_VERDICT
+    }
+}
+
+/// Bodies beside those of the calibration, from the store or condensed.
+struct Others<'p, 'a> {
+    at: &'p mut Pipeline<'a>,
+    geometry: &'p Geometry,
+    /// The meshes with the longest window so far.
+    longer: Option<Meshes>,
+}
+
+impl Others<'_, '_> {
+    /// Does something with the meshes of the last bodies.
+    fn with_meshes<T>(&mut self, work: impl FnOnce(&Pipeline<'_>, &Meshes) -> Result<T>) -> Result<T> {
+        if let Some(meshes) = &self.longer {
+            return work(self.at, meshes);
+        }
+        let own = self.at.meshes(Pipeline::calibration_work)?;
+        let done = work(self.at, &own);
+        // the runs on the solids go on with the zones of the calibration
+        self.at.go_on_with(own);
+        done
+    }
+}
+
+impl BodiesByAngle for Others<'_, '_> {
+    fn longer(&mut self, cause: &NumericsError) -> Result<Option<CondensedPair>> {
+        let (geometry, budget) = (self.geometry, self.at.resources.budget);
+        let next = self.with_meshes(|at, meshes| {
+            Ok(stages::enlarged(at.study, geometry, meshes, cause, at.resources.monitor))
+        })?;
+        let Some(next) = next else { return Ok(None) };
+        let study = self.at.study;
+        // a law that ends early is a result; without the memory for a longer one it stays that
+        if budget.check(study, geometry, &next, &Work::of(study, true, false)).is_err() {
+            return Ok(None);
+        }
+        let solids = stages::solids(study, geometry, &next);
+        let bodies = self.at.body_source().bodies(solids, " of a longer window")?.condensed;
+        self.longer = Some(next);
+        Ok(Some(bodies))
+    }
+
+    fn coarser(&mut self) -> Result<(f64, CoarserBodies)> {
+        let (geometry, which) = match &self.longer {
+            Some(_) => (self.geometry, " of coarser elements and a longer window"),
+            None => (self.geometry, " of coarser elements"),
+        };
+        self.with_meshes(|at, meshes| {
+            let condense = |coarser: &Meshes| {
+                let solids = stages::solids(at.study, geometry, coarser);
+                at.body_source().bodies(solids, which).map(|bodies| bodies.condensed)
+            };
+            let coarser = stages::coarser_bodies(at.study, geometry, meshes, condense)?;
+            Ok((meshes.contact_element(), coarser))
+        })
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{DisplacementRecord, LawRecord, PairRecord};
+use super::{BandPointRecord, DisplacementRecord, ErrorBandRecord, LawRecord, PairRecord};
 
 /// `stiffness_by_angle.json`: the law by contact angle. Loads, displacements and tangents are those along the contact normal at the
 /// first touch of each shift, the hub held across it.
@@ -36,6 +36,9 @@ pub struct ShiftRecord {
     /// Secant stiffness of the solid against the held foot from 20 to 120 kN over that of the published law; none where a load is missing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_secant_ratio: Option<f64>,
+    /// What displacement and tangent at the fixed loads are worth; none where the study does not ask, or no fixed load lies in the range.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_band: Option<ErrorBandRecord>,
     /// Why there is no law, or why it ends before the largest load.
     pub reason: Option<String>,
 }
@@ -128,6 +131,12 @@ pub struct ByAngleRow {
     pub force_kn: Option<f64>,
     pub displacement_mm: Option<f64>,
     pub tangent_kn_per_m: Option<f64>,
+    pub displacement_rel_error_band: Option<f64>,
+    pub tangent_rel_error_band: Option<f64>,
+    pub grid_displacement_rel_change: Option<f64>,
+    pub grid_tangent_rel_change: Option<f64>,
+    pub mesh_displacement_rel_change: Option<f64>,
+    pub mesh_tangent_rel_change: Option<f64>,
     pub horizontal_kn_per_m: Option<f64>,
     pub tangential_kn_per_m: Option<f64>,
     pub contact_area_mm2: Option<f64>,
@@ -148,6 +157,8 @@ pub struct ByAngleRow {
     pub law_from_kn: Option<f64>,
     pub law_to_kn: Option<f64>,
     pub law_max_rel_error: Option<f64>,
+    pub published_secant_ratio: Option<f64>,
+    pub error_band_missing: String,
     pub reason: String,
 }
 
@@ -164,6 +175,12 @@ impl ShiftRecord {
         self.touch.map(|touch| touch.contact_angle_deg)
     }
 
+    /// What the solid is worth against a reference at a fixed load, kN.
+    pub fn band(&self, reference: &str, force_kn: f64) -> Option<&BandPointRecord> {
+        let band = self.error_band.as_ref()?.of(reference)?;
+        band.points.iter().find(|point| point.force_kn == force_kn)
+    }
+
     fn rows(&self) -> Vec<ByAngleRow> {
         let shift = ByAngleRow {
             shift_mm: self.shift_mm,
@@ -172,6 +189,12 @@ impl ShiftRecord {
             rail_z_mm: self.touch.map(|touch| touch.rail_z_mm),
             wheel_y_mm: self.touch.map(|touch| touch.wheel_y_mm),
             wheel_z_mm: self.touch.map(|touch| touch.wheel_z_mm),
+            published_secant_ratio: self.published_secant_ratio,
+            error_band_missing: self
+                .error_band
+                .as_ref()
+                .map(|band| band.missing.join("; "))
+                .unwrap_or_default(),
             reason: self.reason.clone().unwrap_or_default(),
             ..ByAngleRow::default()
         };
@@ -195,10 +218,17 @@ impl ShiftRecord {
                 let Some(point) = load.references.iter().find(|p| p.reference == law.reference) else {
                     continue;
                 };
+                let band = self.band(&law.reference, load.force_kn);
                 rows.push(ByAngleRow {
                     force_kn: Some(load.force_kn),
                     displacement_mm: Some(point.displacement_mm),
                     tangent_kn_per_m: Some(point.tangent_kn_per_m),
+                    displacement_rel_error_band: band.and_then(|b| b.displacement),
+                    tangent_rel_error_band: band.and_then(|b| b.tangent),
+                    grid_displacement_rel_change: band.and_then(|b| b.grid_displacement),
+                    grid_tangent_rel_change: band.and_then(|b| b.grid_tangent),
+                    mesh_displacement_rel_change: band.and_then(|b| b.mesh_displacement),
+                    mesh_tangent_rel_change: band.and_then(|b| b.mesh_tangent),
                     horizontal_kn_per_m: Some(load.horizontal_kn_per_m),
                     tangential_kn_per_m: Some(load.tangential_kn_per_m),
                     contact_area_mm2: Some(load.contact_area_mm2),

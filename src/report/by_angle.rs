@@ -1,8 +1,9 @@
-//! The figure of the laws by contact angle.
+//! The figure of the laws by contact angle, and the table of what they are worth.
 
 use plotters::prelude::*;
+use serde::Serialize;
 
-use crate::records::{ShiftRecord, StiffnessByAngleRecord};
+use crate::records::{ErrorBandRecord, ShiftRecord, StiffnessByAngleRecord};
 
 use super::figures::WIDTH;
 use super::panel::{Panel, stacked_over_names};
@@ -24,8 +25,11 @@ fn look(index: usize) -> (RGBColor, Dash, Marker) {
     (COLORS[index % 6], DASHES[index % 3], MARKERS[index % 4])
 }
 
+/// Distance of the points of two loads at one shift, over that of two shifts: error bars do not cover each other.
+const BESIDE: f64 = 0.06;
+
 /// Tangent stiffness along the normal over the contact angle, a curve for each fixed load, a panel for each reference. The shifts stand at
-/// equal distances in the order of their angles: most angles lie within a few degrees, and some are the same.
+/// equal distances in the order of their angles: most angles lie within a few degrees, and some are the same. Error bands are bars.
 pub fn stiffness(laws: &StiffnessByAngleRecord) -> String {
     let mut shifts: Vec<(f64, &ShiftRecord)> =
         laws.shifts.iter().filter_map(|shift| Some((shift.angle()?, shift))).collect();
@@ -41,8 +45,10 @@ pub fn stiffness(laws: &StiffnessByAngleRecord) -> String {
         series: loads
             .iter()
             .enumerate()
-            .map(|(index, load)| {
+            .flat_map(|(index, load)| {
                 let (color, dash, marker) = look(index);
+                let beside = BESIDE * (index as f64 - 0.5 * (loads.len() - 1) as f64);
+                let at = |place: usize| place as f64 + beside;
                 let tangent = |shift: &ShiftRecord| {
                     let at = shift.loads.iter().find(|at| at.force_kn == *load)?;
                     let point = at.references.iter().find(|point| point.reference == reference)?;
@@ -52,9 +58,17 @@ pub fn stiffness(laws: &StiffnessByAngleRecord) -> String {
                 let points = shifts
                     .iter()
                     .enumerate()
-                    .map(|(place, (_, shift))| (place as f64, tangent(shift).unwrap_or(f64::NAN)))
+                    .map(|(place, (_, shift))| (at(place), tangent(shift).unwrap_or(f64::NAN)))
                     .collect();
-                Series::joined(&format!("{} kN", number(*load)), points, color, dash, marker)
+                let bar = |(place, (_, shift)): (usize, &(f64, &ShiftRecord))| {
+                    let (tangent, band) = (tangent(shift)?, shift.band(reference, *load)?.tangent?);
+                    let end = |sign: f64| (at(place), tangent * (1.0 + sign * band));
+                    // what is not finite parts one bar from the next
+                    Some([end(-1.0), end(1.0), (f64::NAN, f64::NAN)])
+                };
+                let bars: Vec<(f64, f64)> = shifts.iter().enumerate().filter_map(bar).flatten().collect();
+                let curve = Series::joined(&format!("{} kN", number(*load)), points, color, dash, marker);
+                [Series::line("", bars, color, Dash::Solid), curve]
             })
             .collect(),
     };
@@ -94,12 +108,56 @@ fn published_secants(laws: &StiffnessByAngleRecord) -> String {
     )
 }
 
+/// What the laws are worth, as the page shows it.
+#[derive(Debug, Serialize)]
+pub struct Worth {
+    /// Shift, mm, contact angle and largest load of the law, kN; then the largest band of displacement and of tangent over the fixed
+    /// loads in per cent, for every reference.
+    rows: Vec<Vec<String>>,
+    /// The parts that are missing, with their reasons.
+    missing: Vec<String>,
+}
+
+/// The error bands of the shifts that have a law, if there are any.
+pub fn worth(laws: &StiffnessByAngleRecord) -> Option<Worth> {
+    let banded = || laws.shifts.iter().filter_map(|shift| Some((shift, shift.error_band.as_ref()?)));
+    banded().next()?;
+    let none = || "\u{2013}".to_string();
+    let percent = |value: Option<f64>| value.map_or_else(none, |v| format!("{:.2}", 1e2 * v));
+    let row = |shift: &ShiftRecord| {
+        let mut row = vec![
+            number(shift.shift_mm),
+            shift.angle().map_or_else(none, degrees),
+            shift.laws.first().map_or_else(none, |law| number(law.law.range_kn[1])),
+        ];
+        for (reference, _) in PANELS {
+            let band = shift.error_band.as_ref().and_then(|band| band.of(reference));
+            row.extend([band.and_then(|b| b.displacement), band.and_then(|b| b.tangent)].map(percent));
+        }
+        row
+    };
+    let missing = |(shift, band): (&ShiftRecord, &ErrorBandRecord)| {
+        let (at, parts) = (number(shift.shift_mm), band.missing.join("; "));
+        (!parts.is_empty()).then(|| format!("Shift {at} mm: {parts}"))
+    };
+    let with_law = laws.shifts.iter().filter(|shift| !shift.laws.is_empty());
+    Some(Worth { rows: with_law.map(row).collect(), missing: banded().filter_map(missing).collect() })
+}
+
 /// What the figure shows.
 pub fn caption(laws: &StiffnessByAngleRecord) -> String {
+    let is_banded = |shift: &ShiftRecord| {
+        let bands = shift.error_band.iter().flat_map(|band| &band.references);
+        bands.into_iter().any(|band| band.tangent.is_some())
+    };
+    let bars = match laws.shifts.iter().any(is_banded) {
+        true => " The bars are the error bands.",
+        false => "",
+    };
     format!(
         "Tangent stiffness along the contact normal over the contact angle at fixed loads along that normal, friction {}: \
          of the approach of the surfaces alone, against the rail's section, and against its foot. The shifts of the wheelset stand in the \
-         order of their contact angles, at equal distances; a line is interrupted where one contact does not carry the load. \
+         order of their contact angles, at equal distances; a line is interrupted where one contact does not carry the load.{bars} \
          The laws are in `stiffness_by_angle.json`.{}",
         number(laws.friction),
         published_secants(laws)
@@ -139,5 +197,44 @@ mod tests {
         let apart: Vec<f64> = places.windows(2).map(|w| w[1] - w[0]).collect();
         assert!(apart.iter().all(|d| (d - apart[0]).abs() <= 1.0 && *d > 300.0), "{apart:?}");
         assert_eq!(figure.matches("70.0\u{b0}").count(), 2 * PANELS.len());
+    }
+
+    /// Goal: a bar beside every point of every panel, from the tangent less its band to the tangent and its band (10⁶ kN/m), at the place
+    /// of the point; none without bands. The table has a row for each law, dashes and the reason where a part is missing.
+    #[test]
+    fn bands_are_bars_and_a_table() {
+        let mut laws = samples::by_angle();
+        // upright lines of two points in the colours of the loads
+        let colors = [0, 1, 2].map(|index| {
+            let RGBColor(r, g, b) = look(index).0;
+            format!("stroke=\"#{r:02X}{g:02X}{b:02X}\"")
+        });
+        let is_bar = |line: &&str| {
+            let points = line.split("points=\"").nth(1).and_then(|rest| rest.split('"').next());
+            let points: Vec<&str> = points.unwrap_or_default().split_whitespace().collect();
+            let upright = |a: &str, b: &str| a.split(',').next() == b.split(',').next() && a != b;
+            matches!(points[..], [a, b] if upright(a, b)) && colors.iter().any(|color| line.contains(color))
+        };
+        let bars = |laws: &StiffnessByAngleRecord| stiffness(laws).split("<polyline").filter(is_bar).count();
+        let points: usize = laws.shifts.iter().map(|shift| shift.loads.len()).sum();
+        assert_eq!(bars(&laws), PANELS.len() * points);
+        assert!(caption(&laws).contains("The bars are the error bands."));
+        let table = worth(&laws).unwrap();
+        assert_eq!(table.rows.len(), laws.shifts.iter().filter(|shift| !shift.laws.is_empty()).count());
+        // local first, as the panels; the widest band is that of the smallest load, 20 kN
+        let (grid, tangent) = (0.02 / 20f64.sqrt(), 2.0 * 0.02 / 20f64.sqrt() + 0.01);
+        let percent = [grid + 0.004, tangent].map(|band| format!("{:.2}", 1e2 * band));
+        assert_eq!(table.rows[0][..3], ["0", "1.4\u{b0}", "150"]);
+        assert_eq!(table.rows[0][3..5], percent);
+        assert!(table.missing.is_empty());
+        let band = laws.shifts[1].error_band.as_mut().unwrap();
+        band.missing = vec!["coarser meshes: the contact reached the end".into()];
+        band.references.iter_mut().for_each(|of| (of.displacement, of.tangent) = (None, None));
+        let table = worth(&laws).unwrap();
+        assert_eq!(table.rows[0][3..], ["\u{2013}"; 6]);
+        assert_eq!(table.missing, ["Shift 0 mm: coarser meshes: the contact reached the end"]);
+        laws.shifts.iter_mut().for_each(|shift| shift.error_band = None);
+        assert_eq!(bars(&laws), 0);
+        assert!(worth(&laws).is_none() && !caption(&laws).contains("bars"));
     }
 }

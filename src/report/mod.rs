@@ -149,6 +149,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "stiffness": stiffness,
             "springs": springs,
             "worth": tables::worth(&stiffness),
+            "worth_by_angle": data.by_angle.and_then(by_angle::worth),
             "scenarios": scenarios,
             "crosscheck": chapter,
             "lines": tables::lines(data.verdict),

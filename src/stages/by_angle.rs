@@ -6,7 +6,7 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, FixedLoad, Pair, PressDirection, ShiftLaw, TouchPoint,
-    law_by_shift,
+    changed_by_shift, law_by_shift,
 };
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
@@ -16,9 +16,10 @@ use super::Geometry;
 use super::calibrate::{
     MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record, subsurface_values,
 };
+use super::error_band::{CoarserBodies, band_record, bodies_of};
 use super::zones::EXTENSIONS;
 use crate::records::{
-    AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
+    AngleLawRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
 };
 use crate::study::Study;
@@ -26,17 +27,32 @@ use crate::study::Study;
 /// Loads along the contact normal at which displacement and stiffness are given, N.
 const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
 
-/// The laws of the pair at the shifts of the study, on the condensed bodies of its calibration. Where the patch of a shift reaches the end
-/// of their contact window, as on the flange, that shift has its law on those of `longer`: bodies with a larger zone, for such a
-/// cause; `None` where there are none.
+/// Bodies for the laws by contact angle beside those of the calibration.
+pub trait BodiesByAngle {
+    /// Bodies with a longer contact window than those before, for a patch that has reached its end; `None` where there are none.
+    ///
+    /// # Errors
+    /// Those of condensing them.
+    fn longer(&mut self, cause: &NumericsError) -> Result<Option<CondensedPair>>;
+
+    /// Edge of the contact elements of the last bodies, m, and the bodies of coarser meshes beside those, or why there are none.
+    ///
+    /// # Errors
+    /// Those of meshing the last bodies again, and an interruption.
+    fn coarser(&mut self) -> Result<(f64, CoarserBodies)>;
+}
+
+/// The laws of the pair at the shifts of the study, with their error bands, on the condensed bodies of its calibration. Where the patch of
+/// a shift reaches the end of their contact window, as on the flange, that shift has its law and its band on longer ones of `others`.
 ///
 /// # Errors
-/// Loads that cannot be used, an interruption, and those of `longer`; a shift without a law is an entry with its reason.
+/// Loads that cannot be used, an interruption, and those of `others`; a shift without a law is an entry with its reason, and so is a
+/// part of a band.
 pub fn by_angle(
     study: &Study,
     geometry: &Geometry,
     bodies: &CondensedPair,
-    mut longer: impl FnMut(&NumericsError) -> Result<Option<CondensedPair>>,
+    others: &mut dyn BodiesByAngle,
     monitor: &dyn Monitor,
 ) -> Result<StiffnessByAngleRecord> {
     let pair = &geometry.pair;
@@ -49,23 +65,49 @@ pub fn by_angle(
     };
     let places: Vec<f64> = shifts.iter().map(|shift| tape_y(study, pair, *shift)).collect();
     let mut laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
+    let mut bands: Vec<Option<ErrorBandRecord>> = vec![None; laws.len()];
+    type Others<'a> = &'a mut dyn BodiesByAngle;
+    let mut add_bands =
+        |of: &[usize], on: &CondensedPair, laws: &[ShiftLaw], others: Others<'_>| -> Result<()> {
+            if !study.wants_error_band() || of.is_empty() {
+                return Ok(());
+            }
+            let (element, coarser) = others.coarser()?;
+            let laws: Vec<&ShiftLaw> = of.iter().map(|&i| &laws[i]).collect();
+            let changed = changed_by_shift(pair, on, bodies_of(&coarser), &settings, &laws, monitor)?;
+            for (&i, changed) in of.iter().zip(changed) {
+                bands[i] = changed.map(|(points, changed)| band_record(&points, changed, element, &coarser));
+            }
+            Ok(())
+        };
+    // the shifts whose bodies may be followed by longer ones, and the longer ones
+    let (mut open, mut extended): (Vec<usize>, Option<CondensedPair>) = ((0..laws.len()).collect(), None);
     for _ in 0..EXTENSIONS {
-        let (short, causes): (Vec<usize>, Vec<&NumericsError>) =
-            laws.iter().enumerate().filter_map(|(i, law)| Some((i, end_of_window(law)?))).unzip();
-        let Some(cause) = causes.first() else { break };
-        let Some(bodies) = longer(cause)? else { break };
-        let places: Vec<f64> = short.iter().map(|&i| places[i]).collect();
-        let found = law_by_shift(pair, &bodies, &settings, &places, monitor)?;
-        for (i, found) in short.into_iter().zip(found) {
+        let on = extended.as_ref().unwrap_or(bodies);
+        let (short, done): (Vec<usize>, Vec<usize>) =
+            open.iter().partition(|&&i| end_of_window(&laws[i]).is_some());
+        add_bands(&done, on, &laws, others)?;
+        open = short;
+        let Some(cause) = open.first().and_then(|&i| end_of_window(&laws[i])) else { break };
+        let Some(longer) = others.longer(cause)? else { break };
+        let places: Vec<f64> = open.iter().map(|&i| places[i]).collect();
+        let found = law_by_shift(pair, &longer, &settings, &places, monitor)?;
+        for (&i, found) in open.iter().zip(found) {
             if loads_carried(&found) >= loads_carried(&laws[i]) {
                 laws[i] = found;
             }
         }
+        extended = Some(longer);
     }
+    add_bands(&open, extended.as_ref().unwrap_or(bodies), &laws, others)?;
     Ok(StiffnessByAngleRecord {
         study: study.name.clone(),
         friction: study.contact.friction,
-        shifts: shifts.iter().zip(laws).map(|(shift, law)| shift_record(study, *shift, law)).collect(),
+        shifts: shifts
+            .iter()
+            .zip(laws.into_iter().zip(bands))
+            .map(|(shift, (law, band))| shift_record(study, *shift, law, band))
+            .collect(),
         pair: study.pair(),
         input_hash: study.keys.by_angle.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -128,7 +170,12 @@ pub fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
     chosen
 }
 
-fn shift_record(study: &Study, shift: f64, ShiftLaw { touch, law, .. }: ShiftLaw) -> ShiftRecord {
+fn shift_record(
+    study: &Study,
+    shift: f64,
+    ShiftLaw { touch, law, .. }: ShiftLaw,
+    error_band: Option<ErrorBandRecord>,
+) -> ShiftRecord {
     let shift_mm = shift / MILLIMETRE;
     let touch = touch.map(touch_record);
     match law {
@@ -138,6 +185,7 @@ fn shift_record(study: &Study, shift: f64, ShiftLaw { touch, law, .. }: ShiftLaw
             laws: laws.iter().map(law_entry).collect(),
             published_secant_ratio: published_secant_ratio(&fixed),
             loads: fixed.iter().map(load_record).collect(),
+            error_band,
             reason: ended.map(|error| reason(study, shift_mm, error)),
         },
         Err(error) => ShiftRecord {
@@ -146,6 +194,7 @@ fn shift_record(study: &Study, shift: f64, ShiftLaw { touch, law, .. }: ShiftLaw
             laws: Vec::new(),
             loads: Vec::new(),
             published_secant_ratio: None,
+            error_band: None,
             reason: Some(reason(study, shift_mm, error)),
         },
     }

@@ -24,7 +24,7 @@ use super::{FieldFile, Geometry, Interiors, Meshes, contact_field, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
     HorizontalRecord, LawRecord, LoadCurveRow, PatchesRecord, PenaltyRecord, ReferenceRecord,
-    StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
+    StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord, TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, Study};
 
@@ -116,6 +116,9 @@ pub fn calibrate(
             Err(failure) => (None, Some(failure)),
         };
     let stiffness = horizontal.as_ref().map(|h| h.stiffness);
+    let poisson = study.material.poisson;
+    let below: Vec<Option<Subsurface>> =
+        states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
     let record = StiffnessRecord {
         study: study.name.clone(),
         reference: reference.name().into(),
@@ -127,6 +130,7 @@ pub fn calibrate(
         references: laws.iter().map(reference_record).collect::<Result<_>>()?,
         error_band: None,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
+        subsurface: in_use.points.iter().zip(&below).filter_map(subsurface_record).collect(),
         penalty: PenaltyRecord {
             enforcement: match study.contact.enforcement {
                 EnforcementKey::Exact => "exact",
@@ -159,9 +163,6 @@ pub fn calibrate(
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    let poisson = study.material.poisson;
-    let below: Vec<Option<Subsurface>> =
-        states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
     let row = |(point, below): (_, &Option<_>)| load_curve_row(reference, point, &in_use.fit, below.as_ref());
     let load_curve = in_use.points.iter().zip(&below).map(row).collect();
     let patch = |index: usize| {
@@ -297,6 +298,17 @@ fn load_curve_row(
         max_shear_mpa,
         shear_depth_mm,
     }
+}
+
+fn subsurface_record((point, below): (&LoadPoint, &Option<Subsurface>)) -> Option<SubsurfaceRecord> {
+    let [mises, mises_depth, shear, shear_depth] = subsurface_values(below.as_ref());
+    Some(SubsurfaceRecord {
+        force_kn: point.force / KILONEWTON,
+        max_von_mises_mpa: mises?,
+        von_mises_depth_mm: mises_depth?,
+        max_shear_mpa: shear?,
+        shear_depth_mm: shear_depth?,
+    })
 }
 
 /// Largest von Mises stress below a patch, MPa, its depth, mm, and the same of the shear stress.

@@ -7,14 +7,13 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::{
-    ContactField, DOWNWARDS, Enforcement, LoadPoint, Pressed, Reference, WheelOnRail, load_points,
-    press_loads,
+    ContactField, Enforcement, LoadPoint, Pressed, Reference, load_points, press_loads,
 };
-use railspring_calibrate::contact::{BetweenNodes, Side, Surface};
+use railspring_calibrate::contact::{BetweenNodes, Side};
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{PairBody, PairSolids};
+use railspring_calibrate::pair::{ContactConditions, PairBody, PairSolids};
 use railspring_calibrate::solid::Formulation;
 use railspring_calibrate::superelement::{CondensedBody, Interior};
 use railspring_calibrate::units::KILONEWTON;
@@ -207,23 +206,13 @@ impl<'a> Asked<'a> {
         between_nodes: BetweenNodes,
     ) -> Result<(AnsweredCurve, Vec<Pressed>)> {
         let clock = Instant::now();
-        let pair = WheelOnRail {
-            rail: &bodies.rail.0.compliance,
-            wheel: &bodies.wheel.0.compliance,
-            rail_surface: Surface {
-                between_nodes,
-                ..self.geometry.pair.rail_surface(&self.meshes.rail.contact)
-            },
-            wheel_surface: Surface {
-                between_nodes,
-                ..self.geometry.pair.wheel_surface(&self.meshes.wheel.contact)
-            },
-            friction,
-            enforcement: Enforcement::Exact,
-            field: ContactField::Elements,
-            materials: [self.study.material; 2],
-            along: DOWNWARDS,
-        };
+        let contact =
+            ContactConditions { friction, enforcement: Enforcement::Exact, field: ContactField::Elements };
+        let (rail, wheel) = (&bodies.rail.0, &bodies.wheel.0);
+        let mut pair = self.geometry.pair.wheel_on_rail(rail, wheel, self.study.material, contact);
+        for surface in [&mut pair.rail_surface, &mut pair.wheel_surface] {
+            surface.between_nodes = between_nodes;
+        }
         // hub against support: what the calibration calls the foot's reference, whatever is held
         let states = press_loads(&pair, &self.loads, "calibration, foot held", self.monitor)?;
         let points = load_points(&pair, &states, Reference::Foot)?;

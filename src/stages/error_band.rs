@@ -4,11 +4,12 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
-    BandPoint, COARSER, CondensedPair, ErrorBand, Laws, error_bands, mesh_changes,
+    BandPoint, COARSER, Changed, CondensedPair, ErrorBand, Laws, Solid, SolidPoints, error_bands,
 };
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 use super::calibrate::contact_conditions;
+use super::zones::extend_zones;
 use super::{Geometry, Meshes, remeshed_with};
 use crate::records::{BandPointRecord, ErrorBandRecord, ReferenceBandRecord, TargetRecord};
 use crate::study::Study;
@@ -35,11 +36,52 @@ pub fn check_target(study: &Study) -> Result<()> {
     .into())
 }
 
-/// Sizes of the coarser meshes. Their contact window is longer by two of their elements, so that it holds what the other holds.
-pub fn coarser_options(options: &MeshOptions) -> MeshOptions {
-    let coarser = options.refined(1.0 / COARSER);
-    let window_half_length = coarser.window_half_length + 2.0 * coarser.contact_element_along;
-    MeshOptions { window_half_length, ..coarser }
+/// Sizes of the coarser meshes. Their contact zones are longer by two of their elements, so that they hold what the others hold.
+pub fn coarser_options(geometry: &Geometry, options: &MeshOptions) -> MeshOptions {
+    let mut coarser = options.refined(1.0 / COARSER);
+    coarser.window_half_length += 2.0 * coarser.contact_element_along;
+    let longer = 2.0 * coarser.contact_element;
+    extend_zones(geometry, &mut coarser, longer);
+    coarser
+}
+
+/// Bodies of coarser meshes.
+pub struct Coarser {
+    /// Larger edge of their contact elements, m.
+    contact_element: f64,
+    bodies: CondensedPair,
+}
+
+/// The bodies of coarser meshes, which `condense` has, or why there are none.
+pub type CoarserBodies = std::result::Result<Coarser, String>;
+
+/// The bodies of meshes that are coarser than `meshes`, if the study wants bands.
+///
+/// # Errors
+/// An interruption.
+pub fn coarser_bodies(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
+) -> Result<CoarserBodies> {
+    if let Some(file) = study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
+        return Ok(Err(format!("{} is not meshed by the program", file.file)));
+    }
+    let coarser = remeshed_with(study, geometry, meshes, coarser_options(geometry, meshes.options()))
+        .and_then(|coarse| {
+            Ok(Coarser { contact_element: coarse.contact_element(), bodies: condense(&coarse)? })
+        });
+    match coarser {
+        Ok(coarser) => Ok(Ok(coarser)),
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        Err(error) => Ok(Err(error.to_string())),
+    }
+}
+
+/// The bodies, if there are any.
+pub fn bodies_of(coarser: &CoarserBodies) -> Option<&CondensedPair> {
+    coarser.as_ref().ok().map(|coarser| &coarser.bodies)
 }
 
 /// The bands of the `laws` of `bodies` on `meshes`: on a grid of half the spacing, and on coarser meshes, whose bodies `condense` has.
@@ -56,50 +98,40 @@ pub fn error_band(
     condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
     monitor: &dyn Monitor,
 ) -> Result<ErrorBandRecord> {
-    let contact = contact_conditions(study);
+    let coarser = coarser_bodies(study, geometry, meshes, condense)?;
+    let solid = Solid::of_calibration(&geometry.pair, bodies, contact_conditions(study), laws);
+    let changed = solid.changed(bodies_of(&coarser), monitor)?;
+    Ok(band_record(&solid.points, changed, meshes.contact_element(), &coarser))
+}
+
+/// The bands of a solid under its loads, from its changes with the grid and to the `coarser` bodies; `contact_element` is the edge of the
+/// contact elements of its own meshes, m.
+pub(super) fn band_record(
+    points: &SolidPoints,
+    Changed { grid, mesh }: Changed,
+    contact_element: f64,
+    coarser: &CoarserBodies,
+) -> ErrorBandRecord {
     let mut missing = Vec::new();
-    let grid = bodies.grid_changes(&geometry.pair, contact, laws, monitor);
-    let grid = or_missing("the grid of half the spacing", grid, &mut missing)?.flatten();
-    let loads: Vec<f64> = laws[0].points.iter().map(|point| point.force).collect();
-    let mut coarser_element_mm = None;
-    let coarser = match study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
-        Some(file) => {
-            missing.push(format!("coarser meshes: {} is not meshed by the program", file.file));
-            None
-        }
-        None => {
-            let coarse_laws = remeshed_with(study, geometry, meshes, coarser_options(meshes.options()))
-                .and_then(|coarse| {
-                    coarser_element_mm = Some(coarse.contact_element() / MILLIMETRE);
-                    let coarse = condense(&coarse)?;
-                    coarse.press(&geometry.pair, contact, &loads, monitor)?.laws()
-                });
-            or_missing("coarser meshes", coarse_laws, &mut missing)?
-        }
-    };
-    let mesh = coarser.map(|coarser| mesh_changes(laws, &coarser));
-    let bands = error_bands(laws, grid.as_ref(), mesh.as_ref());
-    Ok(ErrorBandRecord {
-        contact_element_mm: meshes.contact_element() / MILLIMETRE,
-        coarser_element_mm,
+    let mut lacks = |part: &str, reason: &str| missing.push(format!("{part}: {reason}"));
+    let grid = grid.unwrap_or_else(|error| {
+        lacks("the grid of half the spacing", &error.to_string());
+        None
+    });
+    if let Err(reason) = coarser {
+        lacks("coarser meshes", reason);
+    }
+    let mesh = mesh.unwrap_or_else(|error| {
+        lacks("coarser meshes", &error.to_string());
+        None
+    });
+    let bands = error_bands(points, grid.as_ref(), mesh.as_ref());
+    ErrorBandRecord {
+        contact_element_mm: contact_element / MILLIMETRE,
+        coarser_element_mm: coarser.as_ref().ok().map(|coarser| coarser.contact_element / MILLIMETRE),
         target: None,
         references: bands.iter().map(|band| reference_record(band, missing.is_empty())).collect(),
         missing,
-    })
-}
-
-/// A value, or its reason among the `missing`.
-///
-/// # Errors
-/// An interruption.
-fn or_missing<T>(part: &str, value: Result<T>, missing: &mut Vec<String>) -> Result<Option<T>> {
-    match value {
-        Ok(value) => Ok(Some(value)),
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        Err(error) => {
-            missing.push(format!("{part}: {error}"));
-            Ok(None)
-        }
     }
 }
 

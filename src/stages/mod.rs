@@ -16,10 +16,12 @@ mod sections;
 mod simulate;
 
 pub use bodies::{Bodies, Interiors, solids};
-pub use by_angle::{by_angle, shifts};
+pub use by_angle::{BodiesByAngle, by_angle, shifts};
 pub use calibrate::{Calibration, calibrate, check_friction};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
-pub use error_band::{FINER, check_target, coarser_options, error_band, finer_meshes};
+pub use error_band::{
+    CoarserBodies, FINER, check_target, coarser_bodies, coarser_options, error_band, finer_meshes,
+};
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use sections::repairs;
 pub use simulate::{Springs, simulate, simulate_solid};

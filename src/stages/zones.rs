@@ -232,17 +232,22 @@ fn larger(
         if !meshes_are_ours(study) {
             return None;
         }
-        let sections = [
-            (&mut next.rail_zone, &geometry.pair.rail.running),
-            (&mut next.wheel_zone, &geometry.pair.wheel.running),
-        ];
-        for (zone, curve) in sections {
-            let (depth, field) = reach(curve);
-            zone.face_depth = (zone.face_depth + LONGER).min(depth).max(zone.face_depth);
-            zone.field_y = (zone.field_y + LONGER).min(field).max(zone.field_y);
-        }
+        extend_zones(geometry, &mut next, LONGER);
     }
     (next != *options).then_some(next)
+}
+
+/// Makes the zones on the profiles longer at both ends by a length (m), as far as the profiles go.
+pub(super) fn extend_zones(geometry: &Geometry, options: &mut MeshOptions, by: f64) {
+    let sections = [
+        (&mut options.rail_zone, &geometry.pair.rail.running),
+        (&mut options.wheel_zone, &geometry.pair.wheel.running),
+    ];
+    for (zone, curve) in sections {
+        let (depth, field) = reach(curve);
+        zone.face_depth = (zone.face_depth + by).min(depth).max(zone.face_depth);
+        zone.field_y = (zone.field_y + by).min(field).max(zone.field_y);
+    }
 }
 
 /// How deep the face of a profile goes, down to the top of a flange, and how far the profile goes to the field side, m.

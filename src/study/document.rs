@@ -275,8 +275,8 @@ pub struct CalibrationKeys {
     pub loads_kn: Option<Vec<f64>>,
     /// What the displacement of the law in use is measured against.
     pub reference: ReferenceKey,
-    /// Whether the calibration says what its laws are worth: their change with half the spacing of the contact's grid and with coarser
-    /// meshes. It takes about as long as the laws.
+    /// Whether the calibration and the laws by contact angle say what they are worth: their change with half the spacing of the contact's
+    /// grid and with coarser meshes. For the calibration it takes about as long as the laws.
     pub error_band: bool,
     /// Vertical preloads at which the horizontal stiffness is measured, kN.
     #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1))]

@@ -38,7 +38,15 @@ pub struct Keys {
 }
 
 impl Keys {
-    pub(super) fn new(document: &StudyDocument, rail: &Rail, wheel: &Wheel, mesh: &MeshOptions) -> Self {
+    /// `window_given`: whether the file gives the length of the contact window; one that it gives is not made longer, though it be as long
+    /// as the usual one.
+    pub(super) fn new(
+        document: &StudyDocument,
+        rail: &Rail,
+        wheel: &Wheel,
+        mesh: &MeshOptions,
+        window_given: bool,
+    ) -> Self {
         let mut numeric = document.clone();
         // A file counts by its content, wherever it lies.
         numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
@@ -63,7 +71,7 @@ impl Keys {
         let whole = without(&serde_json::to_value(&numeric).expect("a study is plain data"), &["output"]);
 
         // The deflection of the beam is part of the calibration, and the beam is that of the simulation.
-        let calibrated = |sections: &Value| hash(&(sections, numeric.simulation.rail_elements));
+        let calibrated = |sections: &Value| hash(&(sections, numeric.simulation.rail_elements, window_given));
         let calibration = without(&whole, &["scenario", "simulation", "verification"]);
         let mut springs = without(&calibration, &["name"]);
         for key in ["damping_ratio", "damping_frequency_hz"] {
@@ -102,7 +110,7 @@ impl Keys {
         remove(&mut simple, "simulation", "scenario");
         let solid = without(&whole, &["name", "calibration", "simulation", "scenario", "verification"]);
         // The sections that all scenarios share are hashed once.
-        let (simple, solid) = (hash(&simple), hash(&solid));
+        let (simple, solid) = (hash(&simple), hash(&(solid, window_given)));
         let each = |shared: &str| {
             let with = |keys: &super::document::ScenarioKeys| {
                 let mut keys = keys.clone();

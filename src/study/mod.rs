@@ -183,7 +183,7 @@ pub struct CalibrationSettings {
     pub loads: Vec<f64>,
     /// What the displacement of the law in use is measured against.
     pub reference: ReferenceKey,
-    /// Whether the laws get their error bands.
+    /// Whether the laws, those by contact angle too, get their error bands.
     pub error_band: bool,
     /// Preloads of the horizontal stiffness, N.
     pub horizontal_preloads: Vec<f64>,

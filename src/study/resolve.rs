@@ -71,7 +71,8 @@ pub(super) fn resolve(
     };
     let resolved = resolved_keys(&document, &source);
     let mesh = mesh_options(&document.mesh);
-    let keys = Keys::new(&document, &rail, &wheel, &mesh);
+    let window_given = source.gives("mesh.window_half_length_mm");
+    let keys = Keys::new(&document, &rail, &wheel, &mesh, window_given);
     Ok(Study {
         name: document.name,
         description: document.description,

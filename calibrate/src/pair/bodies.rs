@@ -7,6 +7,7 @@ use crate::calibration::{
     WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
 };
 use crate::error::{InputError, Result};
+use crate::mesh::SurfaceGrid;
 use crate::monitor::Monitor;
 use crate::solid::{Formulation, Material};
 use crate::superelement::{CondensedBody, SectionMotion};
@@ -21,6 +22,45 @@ pub struct ContactConditions {
     pub enforcement: Enforcement,
     /// Where the contact lives.
     pub field: ContactField,
+}
+
+/// What a contact needs of a condensed body.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactBody<'a> {
+    /// Compliance of the contact nodes (`3·node + axis`), m/N.
+    pub compliance: &'a Mat<f64>,
+    /// Where they are.
+    pub grid: &'a SurfaceGrid,
+}
+
+impl<'a> From<&'a CondensedBody> for ContactBody<'a> {
+    fn from(body: &'a CondensedBody) -> Self {
+        Self { compliance: &body.compliance, grid: &body.grid }
+    }
+}
+
+impl Pair {
+    /// The wheel in place on the rail, both of one material, pressed downwards.
+    pub fn wheel_on_rail<'a>(
+        &'a self,
+        rail: impl Into<ContactBody<'a>>,
+        wheel: impl Into<ContactBody<'a>>,
+        material: Material,
+        ContactConditions { friction, enforcement, field }: ContactConditions,
+    ) -> WheelOnRail<'a> {
+        let (rail, wheel) = (rail.into(), wheel.into());
+        WheelOnRail {
+            rail: rail.compliance,
+            wheel: wheel.compliance,
+            rail_surface: self.rail_surface(rail.grid),
+            wheel_surface: self.wheel_surface(wheel.grid),
+            friction,
+            enforcement,
+            field,
+            materials: [material; 2],
+            along: DOWNWARDS,
+        }
+    }
 }
 
 /// Both bodies condensed. It borrows nothing.
@@ -133,20 +173,12 @@ impl CondensedPair {
         &'a self,
         pair: &'a Pair,
         reference: Reference,
-        ContactConditions { friction, enforcement, field }: ContactConditions,
+        contact: ContactConditions,
     ) -> WheelOnRail<'a> {
-        let rail = self.rail(reference);
-        WheelOnRail {
-            rail: if reference == Reference::Beam { &self.against_section } else { &rail.compliance },
-            wheel: &self.wheel.compliance,
-            rail_surface: pair.rail_surface(&rail.grid),
-            wheel_surface: pair.wheel_surface(&self.wheel.grid),
-            friction,
-            enforcement,
-            field,
-            materials: [self.material; 2],
-            along: DOWNWARDS,
-        }
+        let body = self.rail(reference);
+        let compliance = if reference == Reference::Beam { &self.against_section } else { &body.compliance };
+        let rail = ContactBody { compliance, grid: &body.grid };
+        pair.wheel_on_rail(rail, &self.wheel, self.material, contact)
     }
 }
 

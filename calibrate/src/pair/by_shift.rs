@@ -105,6 +105,11 @@ pub struct FixedLoad {
 impl AngleLaw {
     /// The references of the laws, in order.
     pub const REFERENCES: [Reference; 3] = [Reference::Foot, Reference::Beam, Reference::Local];
+
+    /// The solid at the fixed loads, by reference.
+    pub(super) fn points_at_fixed_loads(&self) -> [Vec<LoadPoint>; 3] {
+        [0, 1, 2].map(|i| self.fixed.iter().map(|fixed| fixed.points[i]).collect())
+    }
 }
 
 /// The laws with the tape circle at every lateral world position `tape_ys` (m), on bodies that were condensed once. A place that has no law is

@@ -1,0 +1,359 @@
+//! What the stages of a study need: nodes, equations, contact nodes and the values of the factors are counted; bytes and seconds follow
+//! from them with the constants below, which were measured on whole runs.
+
+use railspring_calibrate::error::Result;
+use railspring_calibrate::mesh::{HexMesh, MeshOptions, MeshSize, rail_size, wheel_size};
+use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_HALVED};
+use railspring_calibrate::solid::{Formulation, Material, Supports, System};
+use railspring_calibrate::superelement::FactorSize;
+
+use super::Work;
+use crate::python::Purpose;
+use crate::stages::{self, FINER, Geometry, Meshes};
+use crate::study::{FieldKey, Study};
+
+/// Bytes of a value.
+pub(super) const VALUE: f64 = 8.0;
+/// Bytes of an entry of a sparse matrix: value and row.
+const ENTRY: f64 = 16.0;
+/// Bytes a hexahedron while a matrix is assembled: its stiffness (4.6 kB), 300 triplets, and their sorting.
+pub(super) const ASSEMBLY: f64 = 17e3;
+/// Bytes a node of a mesh, its hexahedra and the lists of its neighbours.
+pub(super) const NODE: f64 = 1.0e3;
+/// Bytes of Python with NumPy and SciPy.
+const PYTHON: f64 = 300e6;
+/// Bytes of the program itself with its profiles and texts.
+const PROGRAM: f64 = 40e6;
+/// Indices of the factors, work space of the factorisation, and what the allocator keeps; measured 1.11 to 1.17.
+const OVERHEAD: f64 = 1.15;
+/// Gap up to which points are candidates before the first solution at a load, m.
+const FIRST_GAP: f64 = 0.15e-3;
+/// Gap up to which they are kept with the load, m.
+const KEPT_GAP: f64 = 20e-6;
+/// Displacement of the hub under load, m/N, the rail held at its ends.
+const FLEXIBILITY: f64 = 1.5e-9;
+/// Seconds to assemble a hexahedron.
+const SECONDS_ASSEMBLY: f64 = 40e-6;
+/// Seconds to order a node.
+const SECONDS_ORDER: f64 = 10e-6;
+/// Multiplications a second of a factorisation.
+const SPEED: f64 = 20e9;
+/// Bytes a second of a substitution, which reads the factor twice.
+const BANDWIDTH: f64 = 10e9;
+/// Seconds of a load for every pair of candidates.
+const SECONDS_PAIR: f64 = 3e-7;
+/// Seconds of a load on a fine grid, with friction.
+const SECONDS_FINE: f64 = 0.1;
+/// Seconds of a load on a grid of half its spacing and on the grid itself, without friction.
+const SECONDS_HALVED: f64 = 0.8;
+/// Seconds of contact in a time step.
+const SECONDS_STEP: f64 = 0.03;
+
+/// Memory of the reference's Python, bytes, for the values of the study's factors; measured on studies of 20 and
+/// 113 million values.
+pub(super) fn reference_memory(purpose: Purpose, values: f64) -> f64 {
+    let per_value = match purpose {
+        Purpose::FirstOrder => 22.0,
+        Purpose::SecondOrder => 104.0,
+    };
+    PYTHON + per_value * values
+}
+
+/// Time of the same, s.
+fn reference_seconds(purpose: Purpose, values: f64) -> f64 {
+    let per_value = match purpose {
+        Purpose::FirstOrder => 0.6e-6,
+        Purpose::SecondOrder => 3e-6,
+    };
+    per_value * values
+}
+
+/// Memory and time of one stage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StageEstimate {
+    /// What is done.
+    pub stage: String,
+    /// Largest memory, bytes.
+    pub memory: f64,
+    /// Time, s.
+    pub seconds: f64,
+}
+
+/// What a study takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Rail and wheel.
+    pub bodies: [FactorSize; 2],
+    /// Their contact nodes.
+    pub contact_nodes: [usize; 2],
+    /// The stages that are to be done.
+    pub stages: Vec<StageEstimate>,
+    /// The calibration on the next finer meshes, where the study has a wanted error of meshes: how often they are refined is not known
+    /// before, so that no refinement is among the stages.
+    pub finer: Option<StageEstimate>,
+}
+
+impl Estimate {
+    /// What the stages of a study take on these meshes.
+    ///
+    /// # Errors
+    /// Those of counting the equations and the sizes of other meshes.
+    pub(super) fn of(study: &Study, geometry: &Geometry, meshes: &Meshes, work: &Work) -> Result<Self> {
+        let count = |mesh: &HexMesh, supports: Supports| -> Result<FactorSize> {
+            // neither material nor element changes a number
+            let system = System::new(mesh, Material::STEEL, Formulation::IncompatibleModes, &supports)?;
+            FactorSize::of(mesh, &system.numbering)
+        };
+        let (rail, wheel) = rayon::join(
+            || count(&meshes.rail, Supports { held: meshes.rail.ends.clone(), ..Supports::default() }),
+            || count(&meshes.wheel, Supports { followers: meshes.wheel.bore.clone(), ..Supports::default() }),
+        );
+        let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail? };
+        let wheel = Body { mesh: MeshSize::of(&meshes.wheel), size: wheel? };
+        let base = PROGRAM + NODE * (rail.mesh.nodes + wheel.mesh.nodes) as f64;
+        let mut stages = Vec::new();
+        let mut finer = None;
+        if work.calibrate {
+            let candidates = Candidates::of(study, geometry, meshes);
+            stages.push(calibration(study, [&rail, &wheel], candidates, base));
+            if study.wants_by_angle() {
+                stages.push(by_angle(study, geometry, meshes, [&rail, &wheel], candidates, base)?);
+            }
+            if study.wants_error_band() {
+                stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
+            }
+            if study.target_error.is_some() {
+                let options = meshes.options().refined(FINER);
+                let [finer_rail, finer_wheel] = resized(study, geometry, [&rail, &wheel], &options)?;
+                let candidates = candidates.times(finer_rail.mesh.contact as f64 / rail.mesh.contact as f64);
+                finer = Some(calibration(study, [&finer_rail, &finer_wheel], candidates, base));
+            }
+        }
+        if let Some(purpose) = work.reference {
+            let values = (rail.size.values + wheel.size.values) as f64;
+            stages.push(StageEstimate {
+                stage: "reference".into(),
+                memory: reference_memory(purpose, values),
+                seconds: reference_seconds(purpose, values),
+            });
+        }
+        let both = [&rail, &wheel];
+        let substitution: f64 =
+            both.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum();
+        for (name, steps) in &work.solids {
+            stages.push(StageEstimate {
+                stage: format!("solid model, {name}"),
+                memory: base + OVERHEAD * both.map(Body::making_in_time).iter().sum::<f64>(),
+                seconds: both.map(|body| body.seconds()).iter().sum::<f64>()
+                    + *steps as f64 * (substitution + SECONDS_STEP),
+            });
+        }
+        Ok(Self {
+            bodies: [rail.size, wheel.size],
+            contact_nodes: [rail.mesh.contact, wheel.mesh.contact],
+            stages,
+            finer,
+        })
+    }
+
+    /// Equations of both bodies.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.bodies.iter().map(|body| body.equations).sum()
+    }
+
+    /// Largest memory of all stages, bytes.
+    pub fn memory(&self) -> f64 {
+        self.stages.iter().map(|stage| stage.memory).fold(0.0, f64::max)
+    }
+}
+
+/// One body: its mesh and its factor.
+struct Body {
+    mesh: MeshSize,
+    size: FactorSize,
+}
+
+impl Body {
+    /// Bytes of a body that is factored and reduced.
+    fn kept(&self) -> f64 {
+        VALUE * self.size.values as f64 + self.dense()
+    }
+
+    /// Bytes of the matrix of the contact nodes.
+    fn dense(&self) -> f64 {
+        VALUE * (self.size.retained as f64).powi(2)
+    }
+
+    /// Largest memory on the way there, bytes.
+    fn making(&self) -> f64 {
+        let values = VALUE * self.size.values as f64;
+        let factored = ENTRY * self.size.entries as f64 + values + 2.0 * self.dense();
+        factored.max(ASSEMBLY * self.mesh.hexes as f64)
+    }
+
+    /// The same for a body in time, which has its mass and its damping besides.
+    fn making_in_time(&self) -> f64 {
+        const MASS: f64 = 27.0 * 12.0;
+        self.making() + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
+    }
+
+    /// The same body on a mesh of another size, whose factor grows as that of a body that is refined: the values with the power
+    /// 4/3 of its nodes, the multiplications with their square.
+    fn resized(&self, mesh: MeshSize) -> Self {
+        let ratio = mesh.nodes as f64 / self.mesh.nodes as f64;
+        let times = |count: usize, power: f64| (count as f64 * ratio.powf(power)) as usize;
+        let size = FactorSize {
+            equations: times(self.size.equations, 1.0),
+            retained: 3 * mesh.contact,
+            entries: times(self.size.entries, 1.0),
+            values: times(self.size.values, 4.0 / 3.0),
+            multiplications: self.size.multiplications * ratio.powi(2),
+        };
+        Self { mesh, size }
+    }
+
+    /// Time of order, assembly, factor and reduction, s.
+    fn seconds(&self) -> f64 {
+        let reduction = (self.size.retained as f64).powi(3);
+        SECONDS_ORDER * self.mesh.nodes as f64
+            + SECONDS_ASSEMBLY * self.mesh.hexes as f64
+            + (self.size.multiplications + reduction) / SPEED
+    }
+}
+
+/// Contact points under the largest load: candidates before the first solution at a load, and those that are kept.
+#[derive(Clone, Copy)]
+struct Candidates {
+    first: f64,
+    kept: f64,
+}
+
+impl Candidates {
+    fn of(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Self {
+        let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
+        let lowered = FLEXIBILITY * largest;
+        let at = |gap| geometry.pair.candidates([&meshes.rail, &meshes.wheel], lowered, gap) as f64;
+        Self { first: at(FIRST_GAP), kept: at(KEPT_GAP) }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self { first: factor * self.first, kept: factor * self.kept }
+    }
+
+    /// Bytes of the matrix of so many points.
+    fn dense(points: f64) -> f64 {
+        VALUE * (3.0 * points).powi(2)
+    }
+}
+
+/// Shares of the candidates by load: patches grow with the cube root of the load in each direction.
+fn shares(loads: &[f64]) -> Vec<f64> {
+    let largest = loads.last().copied().unwrap_or(0.0);
+    loads.iter().map(|load| (load / largest).powf(2.0 / 3.0)).collect()
+}
+
+/// Time of the loads of the calibration, the rail held in one way, s.
+fn pressing(study: &Study, candidates: Candidates) -> f64 {
+    let loads = &study.calibration.loads;
+    match study.contact.field {
+        FieldKey::Elements => {
+            shares(loads).iter().map(|share| SECONDS_PAIR * (share * candidates.first).powi(2)).sum()
+        }
+        FieldKey::Hybrid => SECONDS_FINE * loads.len() as f64,
+    }
+}
+
+/// The calibration without its error bands; `base` are the bytes of program and meshes.
+fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates, base: f64) -> StageEstimate {
+    let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
+    let states = 2.0 * shares(&study.calibration.loads).iter().map(of_states).sum::<f64>();
+    let memory = [
+        wheel.making() + rail.making(),
+        wheel.kept() + rail.kept() + rail.making(),
+        wheel.kept() + 2.0 * rail.kept() + states + 2.0 * Candidates::dense(candidates.first),
+    ];
+    StageEstimate {
+        stage: "calibration".into(),
+        memory: base + OVERHEAD * memory.into_iter().fold(0.0, f64::max),
+        seconds: wheel.seconds() + 2.0 * rail.seconds() + 2.0 * pressing(study, candidates),
+    }
+}
+
+/// The laws by contact angle with their error bands; bodies with a longer window, which a flange may ask for, are not among them.
+fn by_angle(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    [rail, wheel]: [&Body; 2],
+    candidates: Candidates,
+    base: f64,
+) -> Result<StageEstimate> {
+    // each thread presses the wheel in one place, and keeps no state but the last
+    let shifts = stages::shifts(study, &geometry.pair).len() as f64;
+    let threads = (rayon::current_num_threads() as f64).min(shifts);
+    let mut kept = wheel.kept() + 2.0 * rail.kept();
+    let mut of_a_shift = 2.0 * pressing(study, candidates);
+    if study.wants_error_band() {
+        let loads = FIXED_LOADS_CHANGED as f64;
+        let (on_grids, of_a_load) = changed(study);
+        of_a_shift += loads * on_grids;
+        if meshes_are_ours(study) {
+            let options = stages::coarser_options(geometry, meshes.options());
+            let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
+            kept += wheel.dense() + 2.0 * rail.dense();
+            // with the foot and with the section held, on both meshes
+            of_a_shift += loads * 4.0 * of_a_load;
+        }
+    }
+    Ok(StageEstimate {
+        stage: "law by contact angle".into(),
+        memory: base + OVERHEAD * (kept + 2.0 * threads * Candidates::dense(candidates.first)),
+        seconds: of_a_shift * (shifts / threads).ceil(),
+    })
+}
+
+/// Time of a load on the halved grid and on the grid itself, and of a load on other meshes, s.
+fn changed(study: &Study) -> (f64, f64) {
+    match study.contact.field {
+        FieldKey::Hybrid => (SECONDS_HALVED, SECONDS_FINE),
+        FieldKey::Elements => (0.0, SECONDS_STEP),
+    }
+}
+
+/// Whether both meshes are the program's, which can make them coarser and finer.
+fn meshes_are_ours(study: &Study) -> bool {
+    study.rail.mesh.is_none() && study.wheel.mesh.is_none()
+}
+
+/// Rail and wheel on the program's meshes with other sizes.
+fn resized(
+    study: &Study,
+    geometry: &Geometry,
+    [rail, wheel]: [&Body; 2],
+    options: &MeshOptions,
+) -> Result<[Body; 2]> {
+    let on_rail = rail_size(&geometry.pair.rail, study.rail.length, options)?;
+    Ok([rail.resized(on_rail), wheel.resized(wheel_size(&geometry.pair.wheel, options)?)])
+}
+
+/// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.
+fn error_band(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    [rail, wheel]: [&Body; 2],
+    base: f64,
+) -> Result<StageEstimate> {
+    let kept = 2.0 * rail.dense() + wheel.dense();
+    let loads = study.calibration.loads.len() as f64;
+    let (on_grids, of_a_load) = changed(study);
+    let seconds = loads.min(LOADS_HALVED as f64) * on_grids;
+    let mut estimate = StageEstimate { stage: "error band".into(), memory: base + OVERHEAD * kept, seconds };
+    if meshes_are_ours(study) {
+        let options = stages::coarser_options(geometry, meshes.options());
+        let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
+        estimate.memory += OVERHEAD * (wheel.dense() + rail.dense() + wheel.making() + rail.making());
+        estimate.seconds += wheel.seconds() + 2.0 * rail.seconds() + 2.0 * loads * of_a_load;
+    }
+    Ok(estimate)
+}
