@@ -1,11 +1,15 @@
 //! Assembly of stiffness and mass.
 
+use super::columns::{Pattern, UpperMatrix};
 use super::{Formulation, Material, Numbering, Supports, brick};
 use crate::error::{InputError, Result};
 use crate::mesh::HexMesh;
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::SparseColMat;
 use nalgebra::{Point3, SMatrix};
 use rayon::prelude::*;
+
+/// Elements whose matrices are held at the same time.
+const AT_ONCE: usize = 4096;
 
 /// A meshed body with its material, supports and numbered equations.
 pub struct System<'a> {
@@ -77,48 +81,39 @@ impl<'a> System<'a> {
         mass_factor: f64,
         diagonal: &[(usize, f64)],
     ) -> Result<SparseColMat<usize, f64>> {
-        let elements: Vec<brick::Stiffness> = self
-            .mesh
-            .hexes
-            .par_iter()
-            .enumerate()
-            .map(|(e, hex)| {
-                let nodes = corners(self.mesh, hex);
-                let mut k = brick::stiffness(&nodes, &self.material, self.formulation)
-                    .ok_or_else(|| flat_element(e, &nodes))?
-                    * stiffness_factor;
-                if mass_factor != 0.0 {
-                    let m = self.element_mass(hex) * mass_factor;
-                    for i in 0..24 {
-                        for j in (i % 3..24).step_by(3) {
-                            k[(i, j)] += m[(i / 3, j / 3)];
-                        }
-                    }
-                }
-                Ok(k)
-            })
-            .collect::<Result<_>>()?;
-        let mut triplets = Vec::with_capacity(self.mesh.hexes.len() * 300 + diagonal.len());
-        for (hex, k) in self.mesh.hexes.iter().zip(&elements) {
-            let terms: Vec<_> = (0..24)
-                .map(|i| self.numbering.terms(hex[i / 3], &self.mesh.nodes[hex[i / 3]], i % 3))
-                .collect();
-            for (i, (row_terms, row_count)) in terms.iter().enumerate() {
-                for (j, (column_terms, column_count)) in terms.iter().enumerate() {
-                    for &(row, a) in &row_terms[..*row_count] {
-                        for &(column, b) in &column_terms[..*column_count] {
-                            if row <= column {
-                                triplets.push(Triplet::new(row, column, a * b * k[(i, j)]));
-                            }
-                        }
-                    }
+        let mut matrix = UpperMatrix::new(Pattern::new(self.mesh, &self.numbering));
+        for (chunk, hexes) in self.mesh.hexes.chunks(AT_ONCE).enumerate() {
+            let elements: Vec<Option<brick::Stiffness>> =
+                hexes.par_iter().map(|hex| self.element(hex, stiffness_factor, mass_factor)).collect();
+            for (e, (hex, element)) in hexes.iter().zip(elements).enumerate() {
+                let Some(element) = element else {
+                    return Err(flat_element(chunk * AT_ONCE + e, &corners(self.mesh, hex)));
+                };
+                matrix.add(self.mesh, &self.numbering, hex, &element);
+            }
+        }
+        diagonal.iter().for_each(|&(equation, value)| matrix.add_diagonal(equation, value));
+        Ok(matrix.finish())
+    }
+
+    /// The matrix of an element; none if it is inverted or flat.
+    pub(super) fn element(
+        &self,
+        hex: &[usize; 8],
+        stiffness_factor: f64,
+        mass_factor: f64,
+    ) -> Option<brick::Stiffness> {
+        let nodes = corners(self.mesh, hex);
+        let mut k = brick::stiffness(&nodes, &self.material, self.formulation)? * stiffness_factor;
+        if mass_factor != 0.0 {
+            let m = self.element_mass(hex) * mass_factor;
+            for i in 0..24 {
+                for j in (i % 3..24).step_by(3) {
+                    k[(i, j)] += m[(i / 3, j / 3)];
                 }
             }
         }
-        triplets.extend(diagonal.iter().map(|&(e, v)| Triplet::new(e, e, v)));
-        let n = self.numbering.equations;
-        Ok(SparseColMat::try_new_from_triplets(n, n, &triplets)
-            .expect("equation numbers are below their count"))
+        Some(k)
     }
 
     /// Mass of all nodes, held ones and followers included.

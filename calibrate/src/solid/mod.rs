@@ -7,11 +7,13 @@
 mod brick;
 mod numbering;
 mod assembly;
+mod columns;
 mod locate;
 mod stress;
 
 pub use assembly::{NodalMass, System};
 pub use brick::Formulation;
+pub use columns::Pattern;
 pub use locate::Cut;
 pub use numbering::{Numbering, Supports};
 pub use stress::{largest_shear, nodal_stress, von_mises};

@@ -94,6 +94,11 @@ impl Numbering {
         (!self.follower[node] && self.first[node] != HELD).then(|| self.first[node] / 3)
     }
 
+    /// Whether a node follows the master node.
+    pub fn follows(&self, node: usize) -> bool {
+        self.follower[node]
+    }
+
     /// The terms whose sum is the displacement of `node` at `position` in `direction`; at most three.
     pub fn terms(&self, node: usize, position: &Point3<f64>, direction: usize) -> ([Term; 3], usize) {
         let mut terms = [(0, 0.0); 3];

@@ -2,7 +2,7 @@
 
 use crate::error::{NumericsError, Result, StopReason};
 use crate::mesh::HexMesh;
-use crate::solid::Numbering;
+use crate::solid::{Numbering, Pattern};
 use faer::Side;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::cholesky::{
@@ -32,23 +32,8 @@ impl FactorSize {
     /// # Errors
     /// A mesh that cannot be ordered.
     pub fn of(mesh: &HexMesh, numbering: &Numbering) -> Result<Self> {
-        let count = (numbering.interior + numbering.contact) / 3;
-        let mut neighbours = vec![Vec::new(); count];
-        for hex in &mesh.hexes {
-            let places = hex.map(|n| numbering.place(n));
-            for column in places.into_iter().flatten() {
-                let above = places.into_iter().flatten().filter(|&row| row <= column);
-                neighbours[column].extend(above);
-            }
-        }
-        let mut starts = vec![0];
-        let mut rows = Vec::new();
-        for column in &mut neighbours {
-            column.sort_unstable();
-            column.dedup();
-            rows.append(column);
-            starts.push(rows.len());
-        }
+        let Pattern { starts, rows, .. } = Pattern::new(mesh, numbering);
+        let count = starts.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(count, count, &starts, None, &rows);
         // supernodes of equations are merged up to 4, 16 and 48 columns; here a column is three equations
         let relax = [(1, 1.0), (5, 0.8), (16, 0.1), (usize::MAX, 0.05)];
