@@ -122,7 +122,7 @@ impl Estimate {
             if study.wants_error_band() {
                 stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
             }
-            if study.target_error.is_some() {
+            if study.target_error.is_some() && meshes_are_ours(study) {
                 let options = meshes.options().refined(FINER);
                 let [finer_rail, finer_wheel] = resized(study, geometry, [&rail, &wheel], &options)?;
                 let candidates = candidates.times(finer_rail.mesh.contact as f64 / rail.mesh.contact as f64);
