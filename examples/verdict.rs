@@ -11,7 +11,7 @@ use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
-use railspring_calibrate::transient::TransientModel;
+use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel};
 use railspring_simulate::moving::{MovingModel, WheelSprings};
 
 fn main() -> Result<()> {
@@ -25,7 +25,7 @@ fn main() -> Result<()> {
     let options =
         MeshOptions { contact_element: 4e-3, contact_element_along: 4e-3, ..MeshOptions::default() };
     let meshes = pair.mesh(0.555, &options)?;
-    let bodies = meshes.condense(&pair, steel, element, &Silent)?;
+    let bodies = meshes.condense_in_time(&pair, steel, element, START_MODES, &Silent)?;
     let pressed = bodies.press(&pair, contact, &[10e3, 25e3, 45e3, 65e3, 85e3], &Silent)?;
     let normal = pressed.fit(Reference::Beam)?.fit.law;
     let horizontal = pressed.horizontal(Reference::Beam, &[60e3], &Silent)?.stiffness;
@@ -44,8 +44,9 @@ fn main() -> Result<()> {
     let springs = WheelSprings { horizontal, normal: normal.into(), longitudinal: horizontal };
     let simple = MovingModel::of_pair(&pair, beam, &steel, springs, bodies.wheel.mass);
     let simple = simple.run(&scenario, &Silent)?.history;
-    let meshes = [&meshes.rail, &meshes.wheel];
-    let solid = TransientModel::of_pair(&pair, meshes, steel, element, (contact.enforcement, contact.field));
+    let solids = [&bodies.rail_on_ends, &bodies.wheel];
+    let contact = (contact.enforcement, contact.field);
+    let solid = TransientModel::reduced(&pair, solids, ModeCount::Estimated, steel, contact);
     let solid = solid.run(&scenario, &Silent)?.history;
     for line in compare(&simple, &solid, &Limits::default())?.lines {
         let value = line.value.map_or_else(|| "none".into(), |value| format!("{value:.3}"));

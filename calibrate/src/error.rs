@@ -124,6 +124,9 @@ pub enum StopReason {
     /// The load is carried in two places of the profiles with different normals.
     #[error("a second region of the profiles, with another normal, carries load")]
     SecondRegion,
+    /// A reduced body has fewer modes than the forces of a run need.
+    #[error("the forces still change with the number of modes of the bodies")]
+    TooFewModes,
 }
 
 /// An iteration that did not converge.

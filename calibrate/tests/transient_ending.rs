@@ -11,7 +11,7 @@ use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
-use railspring_calibrate::transient::TransientModel;
+use railspring_calibrate::transient::{SolidBodies, TransientModel};
 
 /// A wheel at rest, just touching, without a suspended mass, under constant forces (N; to the field side, and down).
 fn scenario(lateral: f64, vertical: f64, steps: usize, time_step: f64) -> Scenario {
@@ -36,10 +36,12 @@ fn run(scenarios: &[Scenario]) -> (Vec<History>, f64) {
     let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
     let tape = Vector2::new(track.tape_y(), touching.tape_z);
     let model = TransientModel {
-        rail_mesh: &rail_mesh,
-        wheel_mesh: &wheel_mesh,
+        bodies: SolidBodies::Full {
+            rail: &rail_mesh,
+            wheel: &wheel_mesh,
+            formulation: Formulation::FullIntegration,
+        },
         material: Material::STEEL,
-        formulation: Formulation::FullIntegration,
         placed_rail: &placed,
         rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
         wheel_surface: Surface::revolved(&wheel.running, &wheel_mesh.contact, wheel.radius, tape),

@@ -91,8 +91,24 @@ impl PairMeshes {
         element: Formulation,
         monitor: &dyn Monitor,
     ) -> Result<CondensedPair> {
+        self.condense_in_time(pair, material, element, 0, monitor)
+    }
+
+    /// The same with at most `modes` modes of the bodies that move in runs in time.
+    ///
+    /// # Errors
+    /// As [`Self::condense`].
+    pub fn condense_in_time(
+        &self,
+        pair: &Pair,
+        material: Material,
+        element: Formulation,
+        modes: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<CondensedPair> {
         let solids = PairSolids { pair, rail: &self.rail, wheel: &self.wheel, material, element };
-        condense_all(monitor, |body| solids.condense(body, solids.key(body)).map(|(condensed, _)| condensed))
+        let condense = |body| solids.condense_in_time(body, solids.key(body), modes);
+        condense_all(monitor, |body| condense(body).map(|(condensed, _)| condensed))
             .and_then(|bodies| CondensedPair::new(material, bodies))
     }
 }

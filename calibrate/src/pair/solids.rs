@@ -23,6 +23,11 @@ impl PairBody {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Wheel, Self::RailOnFoot, Self::RailOnEnds];
 
+    /// Whether it moves in runs in time, which take its modes.
+    pub fn is_in_time(self) -> bool {
+        self != Self::RailOnFoot
+    }
+
     /// Its name in messages.
     pub fn name(self) -> &'static str {
         match self {
@@ -77,7 +82,21 @@ impl<'a> PairSolids<'a> {
     /// # Errors
     /// An inverted element, and a rail without an element at the contact.
     pub fn condense(&self, body: PairBody, key: String) -> Result<(CondensedBody, Interior<'a>)> {
+        self.condense_in_time(body, key, 0)
+    }
+
+    /// The same with at most `modes` modes where the body moves in runs in time ([`PairBody::is_in_time`]).
+    ///
+    /// # Errors
+    /// As [`Self::condense`].
+    pub fn condense_in_time(
+        &self,
+        body: PairBody,
+        key: String,
+        modes: usize,
+    ) -> Result<(CondensedBody, Interior<'a>)> {
         let element = Superelement::new(self.system(body)?)?;
+        let modes = (modes > 0 && body.is_in_time()).then(|| element.modes(modes)).transpose()?;
         let section = match body {
             PairBody::Wheel | PairBody::RailOnFoot => None,
             PairBody::RailOnEnds => {
@@ -86,7 +105,7 @@ impl<'a> PairSolids<'a> {
             }
         };
         let (condensed, interior) = element.split(key);
-        Ok((CondensedBody { section, ..condensed }, interior))
+        Ok((CondensedBody { section, modes, ..condensed }, interior))
     }
 
     /// Assembles and factors a body that was condensed before.

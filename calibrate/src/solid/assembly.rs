@@ -4,7 +4,7 @@ use super::columns::{Pattern, UpperMatrix};
 use super::{Formulation, Material, Numbering, Supports, brick};
 use crate::error::{InputError, Result};
 use crate::mesh::HexMesh;
-use faer::sparse::SparseColMat;
+use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::{Point3, SMatrix};
 use rayon::prelude::*;
 
@@ -54,15 +54,21 @@ impl<'a> System<'a> {
     /// step. The mass of every element is kept; its centre moves inwards by half the first layer at most.
     #[must_use]
     pub fn with_massless_contact(mut self) -> Self {
-        self.massless = vec![false; self.mesh.nodes.len()];
-        self.mesh.contact.nodes.iter().for_each(|&n| self.massless[n] = true);
+        self.massless = self.contact_nodes();
         self
     }
 
-    /// Mass of an element between its nodes, kg.
-    fn element_mass(&self, hex: &[usize; 8]) -> SMatrix<f64, 8, 8> {
+    /// Which nodes are contact nodes.
+    fn contact_nodes(&self) -> Vec<bool> {
+        let mut marked = vec![false; self.mesh.nodes.len()];
+        self.mesh.contact.nodes.iter().for_each(|&n| marked[n] = true);
+        marked
+    }
+
+    /// Mass of an element between its nodes without those that are `massless`, kg.
+    fn element_mass(&self, hex: &[usize; 8], massless: &[bool]) -> SMatrix<f64, 8, 8> {
         let full = brick::mass(&corners(self.mesh, hex), self.material.density);
-        let carries = hex.map(|n| !self.massless.get(n).copied().unwrap_or(false));
+        let carries = hex.map(|n| !massless.get(n).copied().unwrap_or(false));
         if carries.iter().all(|c| *c) || carries.iter().all(|c| !*c) {
             return full;
         }
@@ -96,6 +102,40 @@ impl<'a> System<'a> {
         Ok(matrix.finish())
     }
 
+    /// Upper triangle of the stiffness in the columns of the contact nodes; the other columns are empty.
+    ///
+    /// # Errors
+    /// As [`Self::matrix`].
+    pub fn stiffness_at_contact(&self) -> Result<SparseColMat<usize, f64>> {
+        let at_contact = self.contact_nodes();
+        let Numbering { interior, contact, equations, .. } = self.numbering;
+        let columns = interior..interior + contact;
+        let mut entries = Vec::new();
+        for (e, hex) in
+            self.mesh.hexes.iter().enumerate().filter(|(_, hex)| hex.iter().any(|&n| at_contact[n]))
+        {
+            let Some(element) = self.element(hex, 1.0, 0.0) else {
+                return Err(flat_element(e, &corners(self.mesh, hex)));
+            };
+            let terms: [_; 24] = std::array::from_fn(|i| {
+                let node = hex[i / 3];
+                self.numbering.terms(node, &self.mesh.nodes[node], i % 3)
+            });
+            for (j, (of_column, count)) in terms.iter().enumerate() {
+                for &(column, b) in of_column[..*count].iter().filter(|(column, _)| columns.contains(column))
+                {
+                    for (i, (of_row, count)) in terms.iter().enumerate() {
+                        let rows = of_row[..*count].iter().filter(|(row, _)| *row <= column);
+                        entries
+                            .extend(rows.map(|&(row, a)| Triplet::new(row, column, a * b * element[(i, j)])));
+                    }
+                }
+            }
+        }
+        Ok(SparseColMat::try_new_from_triplets(equations, equations, &entries)
+            .expect("equation numbers are below their count"))
+    }
+
     /// The matrix of an element; none if it is inverted or flat.
     pub(super) fn element(
         &self,
@@ -106,7 +146,7 @@ impl<'a> System<'a> {
         let nodes = corners(self.mesh, hex);
         let mut k = brick::stiffness(&nodes, &self.material, self.formulation)? * stiffness_factor;
         if mass_factor != 0.0 {
-            let m = self.element_mass(hex) * mass_factor;
+            let m = self.element_mass(hex, &self.massless) * mass_factor;
             for i in 0..24 {
                 for j in (i % 3..24).step_by(3) {
                     k[(i, j)] += m[(i / 3, j / 3)];
@@ -118,9 +158,18 @@ impl<'a> System<'a> {
 
     /// Mass of all nodes, held ones and followers included.
     pub fn nodal_mass(&self) -> NodalMass {
+        self.mass_without(&self.massless)
+    }
+
+    /// The same as it is [`Self::with_massless_contact`].
+    pub fn mass_off_contact(&self) -> NodalMass {
+        self.mass_without(&self.contact_nodes())
+    }
+
+    fn mass_without(&self, massless: &[bool]) -> NodalMass {
         let mut rows = vec![Vec::with_capacity(64); self.mesh.nodes.len()];
         for hex in &self.mesh.hexes {
-            let m = self.element_mass(hex);
+            let m = self.element_mass(hex, massless);
             for i in 0..8 {
                 rows[hex[i]].extend((0..8).map(|j| (hex[j] as u32, m[(i, j)])));
             }

@@ -15,7 +15,7 @@ pub use assembly::{NodalMass, System};
 pub use brick::Formulation;
 pub use columns::Pattern;
 pub use locate::Cut;
-pub use numbering::{Numbering, Supports};
+pub use numbering::{Numbering, Supports, rigid_motion};
 pub use stress::{largest_shear, nodal_stress, von_mises};
 
 use crate::error::{InputError, Result};

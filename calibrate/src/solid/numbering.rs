@@ -89,6 +89,11 @@ impl Numbering {
         Some(self.master_equation[motion]).filter(|&e| e != HELD)
     }
 
+    /// Position of the master node, m; `None` where no node follows it.
+    pub fn master(&self) -> Option<Point3<f64>> {
+        self.follower.contains(&true).then_some(self.master)
+    }
+
     /// Place of a node in the order of elimination; none for nodes that are held or follow the master.
     pub fn place(&self, node: usize) -> Option<usize> {
         (!self.follower[node] && self.first[node] != HELD).then(|| self.first[node] / 3)

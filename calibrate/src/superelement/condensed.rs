@@ -1,6 +1,6 @@
 //! What is kept of a factored body: small, owned, and able to travel.
 
-use super::{SectionMotion, times};
+use super::{Modes, SectionMotion, times};
 use crate::error::Result;
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::solid::{Formulation, Material, Supports, System};
@@ -28,6 +28,8 @@ pub struct CondensedBody {
     pub mass: f64,
     /// Of a rail that is a beam's solid: the motion of its section at the contact.
     pub section: Option<SectionMotion>,
+    /// What it needs to move: [`Superelement::modes`]; statics do without.
+    pub modes: Option<Modes>,
 }
 
 /// The inside of a body, which only fields need once it is condensed: it borrows the mesh and holds the factor.
@@ -77,6 +79,7 @@ impl<'a> Superelement<'a> {
             equations: system.numbering.equations,
             mass: system.nodal_mass().total(),
             section: None,
+            modes: None,
         };
         (body, Interior { system, factor })
     }

@@ -1,10 +1,10 @@
 //! A condensed body as a file in the safetensors format, which other languages read, too.
 
-use super::{CondensedBody, SectionMotion};
+use super::{CondensedBody, Modes, SectionMotion};
 use crate::error::{InputError, Result};
 use crate::mesh::SurfaceGrid;
 use faer::Mat;
-use nalgebra::{Matrix3, Point2, Point3};
+use nalgebra::{DMatrix, Matrix3, Matrix6, Point2, Point3};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::collections::{BTreeMap, HashMap};
 
@@ -14,7 +14,8 @@ const FORMAT: &str = "railspring condensed body 2";
 impl CondensedBody {
     /// The body as a file: tensors `compliance` (column by column), `nodes`, `along_profile`, `along_track` and
     /// `node_numbers`, with the motion of a section `section_moved` (a row for y, z and the rotation),
-    /// `section_flexibility` and `shear_centre`, and the rest as metadata.
+    /// `section_flexibility` and `shear_centre`, with modes `mode_shapes` (a row for each), `mode_stiffness`, `mode_coupling` (a row for each rigid
+    /// motion), `rigid_mass` and `master`, and the rest as metadata.
     ///
     /// # Panics
     /// Never: the shapes are those of the data.
@@ -34,6 +35,17 @@ impl CondensedBody {
                 ("section_moved", section.moved.concat(), vec![3, section.moved[0].len()]),
                 ("section_flexibility", section.flexibility.as_slice().to_vec(), vec![3, 3]),
                 ("shear_centre", vec![section.shear_centre.x, section.shear_centre.y], vec![2]),
+            ]);
+        }
+        if let Some(modes) = &self.modes {
+            let count = modes.count();
+            let shapes = (0..count).flat_map(|mode| modes.contact(mode).iter().copied()).collect();
+            reals.extend([
+                ("mode_shapes", shapes, vec![count, modes.contact.nrows()]),
+                ("mode_stiffness", modes.stiffness.as_slice().to_vec(), vec![count, count]),
+                ("mode_coupling", modes.coupling.transpose().as_slice().to_vec(), vec![6, count]),
+                ("rigid_mass", modes.rigid.as_slice().to_vec(), vec![6, 6]),
+                ("master", modes.master.coords.as_slice().to_vec(), vec![3]),
             ]);
         }
         let numbers = self.grid.nodes.iter().flat_map(|&n| (n as u64).to_le_bytes()).collect();
@@ -132,6 +144,29 @@ impl CondensedBody {
         } else {
             None
         };
+        let modes = if tensors.tensor("mode_shapes").is_ok() {
+            let (shapes, stiffness) = (reals("mode_shapes")?, reals("mode_stiffness")?);
+            let (coupling, rigid) = (reals("mode_coupling")?, reals("rigid_mass")?);
+            let master = reals("master")?.1;
+            let n = shapes.0.first().copied().unwrap_or(0);
+            let suit = shapes.0 == [n, 3 * count]
+                && stiffness.0 == [n, n]
+                && coupling.0 == [6, n]
+                && rigid.0 == [6, 6]
+                && master.len() == 3;
+            if !suit {
+                return Err(format!("modes of shape {:?} for {count} contact nodes", shapes.0));
+            }
+            Some(Modes {
+                contact: Mat::from_fn(3 * count, n, |row, mode| shapes.1[mode * 3 * count + row]),
+                stiffness: DMatrix::from_column_slice(n, n, &stiffness.1),
+                coupling: DMatrix::from_row_slice(6, n, &coupling.1),
+                rigid: Matrix6::from_column_slice(&rigid.1),
+                master: Point3::new(master[0], master[1], master[2]),
+            })
+        } else {
+            None
+        };
         let size = shape[0];
         let number =
             |name: &str| entry(name).and_then(|text| text.parse().map_err(|_| format!("{name} = {text}")));
@@ -143,6 +178,7 @@ impl CondensedBody {
             equations: entry("equations")?.parse().map_err(|_| "equations that are no number".to_string())?,
             mass: number("mass_kg")?,
             section,
+            modes,
         })
     }
 }

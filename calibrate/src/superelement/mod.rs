@@ -7,11 +7,13 @@
 mod factor;
 mod size;
 mod section_motion;
+mod modes;
 mod condensed;
 mod condensed_file;
 
 pub use condensed::{CondensedBody, Interior, body_key};
 pub use factor::Factor;
+pub use modes::Modes;
 pub use section_motion::SectionMotion;
 pub use size::FactorSize;
 

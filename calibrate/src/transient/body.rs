@@ -1,33 +1,9 @@
-//! One elastic body in time, a linear part with its contact nodes and hub as interface.
+//! An elastic body in time, a linear part with its contact nodes and its hub as interface: what the run and its contact see
+//! of it, whatever its order.
 
-use crate::error::Result;
-use crate::linear_part::{LinearPart, LinearStep};
-use crate::newmark::{Motion, Newmark};
-use crate::solid::{NodalMass, Numbering, System};
-use crate::superelement::{Superelement, times};
+use crate::linear_part::LinearPart;
 use faer::Mat;
-use faer::sparse::SparseColMat;
-use nalgebra::{Vector2, Vector3};
-
-/// An elastic body, factored for time steps of one length. Its interface are the retained equations: contact nodes
-/// (`3·node + axis` in the order of the contact grid), then the master's free motions.
-pub(super) struct Body<'a> {
-    pub(super) element: Superelement<'a>,
-    pub(super) mass: NodalMass,
-    /// Damping matrix, upper triangle; none if the material is undamped.
-    damping: Option<SparseColMat<usize, f64>>,
-    scheme: Newmark,
-}
-
-/// State of a body at the end of a step, by equation.
-#[derive(Debug, Clone)]
-pub(super) struct BodyState {
-    pub(super) displacement: Vec<f64>,
-    pub(super) velocity: Vec<f64>,
-    acceleration: Vec<f64>,
-    /// What the contact nodes moved by in the last step.
-    contact_step: Vec<f64>,
-}
+use nalgebra::Vector2;
 
 /// What acts on a body besides its contact forces.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,305 +14,78 @@ pub(super) struct BodyLoad {
     pub(super) gravity: f64,
 }
 
-/// A step of a body.
-pub(super) struct BodyStep<'s, 'a> {
-    body: &'s Body<'a>,
-    state: &'s BodyState,
-    /// Right-hand side of the step: interior eliminated, retained condensed.
-    eliminated: Vec<f64>,
-    /// Displacements of the retained equations without contact forces, m.
-    free: Vec<f64>,
+/// The interface of a body in a step. Its coordinates are those of the contact nodes (`3·node + axis` in the order of the
+/// contact grid), then the master's free motions.
+#[derive(Clone, Copy)]
+pub(super) struct Interface<'s> {
+    /// Displacements at the end of the step without contact forces, m.
+    pub(super) free: &'s [f64],
+    /// Displacements at the end of the step per unit force, m/N.
+    pub(super) flexibility: &'s Mat<f64>,
+    /// The contact nodes' displacements at the start of the step, m.
+    pub(super) before: &'s [f64],
+    /// Coordinates of the hub's motions y and z, if they are free.
+    pub(super) hub: [Option<usize>; 2],
 }
 
-impl<'a> Body<'a> {
-    /// Factors the effective matrix `K·(1 + 2β/Δt) + 4/Δt²·M` of a material with the damping β;
-    /// `hub_stiffness` is added to the hub's vertical motion.
-    pub(super) fn new(system: System<'a>, scheme: &Newmark, hub_stiffness: Option<f64>) -> Result<Self> {
-        let mass = system.nodal_mass();
-        let diagonal: Vec<(usize, f64)> =
-            hub_stiffness.and_then(|k| Some((system.numbering.master_equation(2)?, k))).into_iter().collect();
-        let beta = system.material.damping;
-        let damping = (beta > 0.0).then(|| system.matrix(beta, 0.0, &[])).transpose()?;
-        let element =
-            Superelement::effective(system, 1.0 + beta * scheme.velocity, scheme.acceleration, &diagonal)?;
-        Ok(Self { element, mass, damping, scheme: *scheme })
-    }
-
-    /// The undeformed body in uniform motion: velocity and acceleration (y, z) at t = 0.
-    pub(super) fn in_motion(&self, velocity: &Vector2<f64>, acceleration: &Vector2<f64>) -> BodyState {
-        let Numbering { interior, contact, equations, .. } = self.element.system.numbering;
-        let uniform =
-            |v: &Vector2<f64>| self.element.system.numbering.translation(&Vector3::new(0.0, v.x, v.y));
-        let dt = self.scheme.step();
-        let before = uniform(&(velocity * dt - acceleration * (0.5 * dt * dt)));
-        BodyState {
-            displacement: vec![0.0; equations],
-            velocity: uniform(velocity),
-            acceleration: uniform(acceleration),
-            contact_step: before[interior..interior + contact].to_vec(),
-        }
-    }
-
-    pub(super) fn equations(&self) -> usize {
-        self.element.system.numbering.equations
-    }
-
-    pub(super) fn factor_values(&self) -> usize {
-        self.element.factor.stored_values()
-    }
-
-    /// Hub displacement (y, z) in a state, m.
-    pub(super) fn hub(&self, state: &BodyState) -> Vector2<f64> {
-        Vector2::from_fn(|i, _| {
-            self.element.system.numbering.master_equation(i + 1).map_or(0.0, |e| state.displacement[e])
-        })
-    }
-
-    /// Displacements of the contact nodes in a state, `3·node + axis` in the order of the contact grid.
-    pub(super) fn contact_displacement<'s>(&self, state: &'s BodyState) -> &'s [f64] {
-        let numbering = &self.element.system.numbering;
-        &state.displacement[numbering.interior..numbering.interior + numbering.contact]
-    }
-}
-
-impl BodyState {
-    fn motion(&self, equation: usize) -> Motion {
-        let (u, v) = (self.displacement[equation], self.velocity[equation]);
-        Motion { u, v, a: self.acceleration[equation] }
-    }
-}
-
-impl<'a> LinearPart for Body<'a> {
-    type State = BodyState;
-    type Load = BodyLoad;
-    type Step<'s>
-        = BodyStep<'s, 'a>
-    where
-        Self: 's;
-
-    /// Eliminates the interior.
-    fn predict<'s>(&'s self, state: &'s BodyState, load: &BodyLoad) -> BodyStep<'s, 'a> {
-        let scheme = &self.scheme;
-        let carried_over = |of: fn(&Newmark, &Motion) -> f64| -> Vec<f64> {
-            (0..state.displacement.len()).map(|i| of(scheme, &state.motion(i))).collect()
-        };
-        let System { mesh, numbering, .. } = &self.element.system;
-        let mut inertia = numbering.expand(mesh, &carried_over(Newmark::inertia));
-        inertia.iter_mut().skip(2).step_by(3).for_each(|h| *h += load.gravity);
-        let damped = self.damping.is_some().then(|| carried_over(Newmark::damping));
-        let mut eliminated = numbering.gather(mesh, &self.mass.times(&inertia));
-        if let (Some(damping), Some(velocity)) = (&self.damping, damped) {
-            add_symmetric_product(damping, &velocity, &mut eliminated);
-        }
-        for (motion, force) in [1, 2].into_iter().zip(&load.hub) {
-            if let Some(e) = numbering.master_equation(motion) {
-                eliminated[e] += force;
-            }
-        }
-        self.element.factor.forward_interior(&mut eliminated);
-        let free = times(&self.element.compliance, &eliminated[numbering.interior..]);
-        BodyStep { body: self, state, eliminated, free }
-    }
-}
-
-impl BodyStep<'_, '_> {
-    /// The contact nodes' displacements at the start of the step, `3·node + axis` in the order of the contact grid.
-    pub(super) fn contact_before(&self) -> &[f64] {
-        self.body.contact_displacement(self.state)
-    }
-
+impl Interface<'_> {
     /// Hub displacement (y, z) at the end of the step under forces at the interface, m.
     pub(super) fn hub(&self, forces: &[f64]) -> Vector2<f64> {
-        let numbering = &self.body.element.system.numbering;
         Vector2::from_fn(|i, _| {
-            numbering.master_equation(i + 1).map_or(0.0, |e| {
-                let row = e - numbering.interior;
-                let column = self.flexibility().col_as_slice(row);
+            self.hub[i].map_or(0.0, |row| {
+                let column = self.flexibility.col_as_slice(row);
                 self.free[row] + column.iter().zip(forces).map(|(c, f)| c * f).sum::<f64>()
             })
         })
     }
 }
 
-impl LinearStep for BodyStep<'_, '_> {
-    type State = BodyState;
+/// A body that a run can step, as one of a pair of its kind.
+pub(super) trait ElasticBody: LinearPart<Load = BodyLoad> + Sized {
+    /// The undeformed body in uniform motion: velocity and acceleration (y, z) at t = 0.
+    fn in_motion(&self, velocity: &Vector2<f64>, acceleration: &Vector2<f64>) -> Self::State;
 
-    fn free(&self) -> &[f64] {
-        &self.free
-    }
+    /// The steps of rail and wheel; whatever the threads, with the same numbers.
+    fn predict_both<'s>(
+        bodies: [&'s Self; 2],
+        states: [&'s Self::State; 2],
+        loads: [&BodyLoad; 2],
+    ) -> [Self::Step<'s>; 2];
 
-    fn flexibility(&self) -> &Mat<f64> {
-        &self.body.element.compliance
-    }
+    /// Their states at the end under the forces at their interfaces.
+    fn finish_both<'s>(steps: [Self::Step<'s>; 2], forces: &[Vec<f64>; 2]) -> [Self::State; 2];
 
-    /// Substitutes back.
-    fn finish(self, forces: &[f64]) -> BodyState {
-        let Self { body, state, eliminated: mut displacement, .. } = self;
-        let (scheme, element) = (&body.scheme, &body.element);
-        let Numbering { interior, contact, .. } = element.system.numbering;
-        displacement[interior..].iter_mut().zip(forces).for_each(|(r, f)| *r += f);
-        let retained = times(&element.compliance, &displacement[interior..]);
-        displacement[interior..].copy_from_slice(&retained);
-        element.factor.backward_interior(&mut displacement);
-        let advanced = displacement.iter().enumerate().map(|(i, u)| scheme.advance(&state.motion(i), *u));
-        let (mut velocity, acceleration): (Vec<f64>, Vec<f64>) = advanced.map(|m| (m.v, m.a)).unzip();
-        // nothing carries the velocity of a node without mass on: it is that of its last two steps, of second order
-        let steps = (interior..interior + contact).map(|i| displacement[i] - state.displacement[i]);
-        let contact_step: Vec<f64> = steps.collect();
-        for ((v, now), before) in velocity[interior..].iter_mut().zip(&contact_step).zip(&state.contact_step)
-        {
-            *v = (1.5 * now - 0.5 * before) / scheme.step();
-        }
-        BodyState { displacement, velocity, acceleration, contact_step }
-    }
+    /// What the contact sees of a step.
+    fn interface<'s>(step: &'s Self::Step<'_>) -> Interface<'s>;
+
+    /// Equations of the mesh.
+    fn equations(&self) -> usize;
+
+    /// Values of the factor that a step is solved with.
+    fn factor_values(&self) -> usize;
+
+    /// Mass of the whole body, kg.
+    fn mass(&self) -> f64;
+
+    /// Hub displacement (y, z) in a state, m.
+    fn hub(&self, state: &Self::State) -> Vector2<f64>;
+
+    /// Displacements of the contact nodes in a state, `3·node + axis` in the order of the contact grid.
+    fn contact_displacement<'s>(&self, state: &'s Self::State) -> &'s [f64];
+
+    /// What a balance of momentum and energy is made of.
+    #[cfg(test)]
+    fn sums(&self, state: &Self::State) -> Sums;
 }
 
-/// Adds a symmetric matrix, given by its upper triangle, times a vector.
-pub(super) fn add_symmetric_product(upper: &SparseColMat<usize, f64>, vector: &[f64], sum: &mut [f64]) {
-    for column in 0..upper.ncols() {
-        let range = upper.col_ptr()[column]..upper.col_ptr()[column + 1];
-        let mut own = 0.0;
-        for (&row, value) in upper.row_idx()[range.clone()].iter().zip(&upper.val()[range]) {
-            own += value * vector[row];
-            if row != column {
-                sum[row] += value * vector[column];
-            }
-        }
-        sum[column] += own;
-    }
-}
-
+/// Sums over a body in a state.
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::linear_part::conformance::Trial;
-    use crate::mesh::{BlockOptions, mesh_block};
-    use crate::solid::{Formulation, Material, Supports};
-    use nalgebra::Point3;
-
-    /// Source: the wave equation (K.F. Graff, Wave Motion in Elastic Solids, 1975, section 2.2): the loaded end of a
-    /// bar under a sudden constant force moves in a triangular wave between 0 and twice the static displacement, with
-    /// the period 4·L/c. Goal: largest displacement within 2 %, period within 1 %; mean acceleration adds no
-    /// energy, 24 elements and 120 steps per period carry the corners of the wave. Units SI.
-    #[test]
-    fn a_bar_under_a_sudden_force_swings_as_the_wave_equation_says() {
-        const DISCRETISATION: [f64; 2] = [0.02, 0.01];
-        let (length, width) = (0.24, 0.01);
-        let mesh = mesh_block(&BlockOptions::uniform([width, width, length], [1, 1, 24])).unwrap();
-        let material = Material { poisson: 0.0, ..Material::STEEL };
-        let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
-        let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
-        let period = 4.0 * length / (material.young / material.density).sqrt();
-        let dt = period / 120.0;
-        let scheme = Newmark::new(dt, 0.0);
-        let body = Body::new(system, &scheme, None).unwrap();
-        let mut state = body.in_motion(&Vector2::zeros(), &Vector2::zeros());
-        let force = 1e3;
-        // four corner nodes share the end face
-        let mut forces = vec![0.0; body.element.compliance.nrows()];
-        forces.iter_mut().skip(2).step_by(3).for_each(|f| *f = force / 4.0);
-        let static_displacement = force * length / (material.young * width * width);
-        let mut track = Vec::new();
-        for _ in 0..360 {
-            state = body.predict(&state, &BodyLoad::default()).finish(&forces);
-            track.push(body.contact_displacement(&state)[2] / static_displacement);
-        }
-        let largest = track.iter().copied().fold(0.0, f64::max);
-        assert!((largest / 2.0 - 1.0).abs() < DISCRETISATION[0], "largest {largest}");
-        // crossings of the static displacement come twice per period
-        let crossings: Vec<f64> = track
-            .windows(2)
-            .enumerate()
-            .filter(|(_, w)| (w[0] - 1.0) * (w[1] - 1.0) < 0.0)
-            .map(|(i, w)| (i as f64 + 1.0 + (1.0 - w[0]) / (w[1] - w[0])) * dt)
-            .collect();
-        let measured = 2.0 * (crossings[4] - crossings[0]) / 4.0;
-        assert!((measured / period - 1.0).abs() < DISCRETISATION[1], "{measured} {period}");
-    }
-
-    /// Source: the logarithmic decrement of a mode with the damping ratio ζ = β·ω/2 (Graff, section 2.5).
-    /// Goal: the first mode of a bar, set swinging by a release from rest, decays by exp(-2π·ζ) a period. The
-    /// higher modes, damped by the square of their frequency, are gone after the first periods. Within 3 %.
-    #[test]
-    fn a_damped_bar_decays_by_its_logarithmic_decrement() {
-        const DISCRETISATION: f64 = 0.03;
-        let (length, width, ratio) = (0.24, 0.01, 0.05);
-        let mesh = mesh_block(&BlockOptions::uniform([width, width, length], [1, 1, 24])).unwrap();
-        let period = 4.0 * length / (Material::STEEL.young / Material::STEEL.density).sqrt();
-        let damping = ratio * period / std::f64::consts::PI;
-        let material = Material { poisson: 0.0, damping, ..Material::STEEL };
-        let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
-        let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
-        let dt = period / 120.0;
-        let scheme = Newmark::new(dt, 0.0);
-        let body = Body::new(system, &scheme, None).unwrap();
-        let mut state = body.in_motion(&Vector2::zeros(), &Vector2::zeros());
-        let mut forces = vec![0.0; body.element.compliance.nrows()];
-        forces.iter_mut().skip(2).step_by(3).for_each(|f| *f = 250.0);
-        let swing: Vec<f64> = (0..480)
-            .map(|_| {
-                state = body.predict(&state, &BodyLoad::default()).finish(&forces);
-                body.contact_displacement(&state)[2]
-            })
-            .collect();
-        let rest = 1e3 * length / (material.young * width * width);
-        let peak = |from: usize| swing[from..from + 120].iter().map(|u| (u - rest).abs()).fold(0.0, f64::max);
-        let decrement = (peak(200) / peak(320)).ln();
-        let exact = std::f64::consts::TAU * ratio / (1.0 - ratio * ratio).sqrt();
-        assert!((decrement / exact - 1.0).abs() < DISCRETISATION, "{decrement} {exact}");
-    }
-
-    /// Goal: a body obeys the rules of a linear part: held at its foot, and following its hub, which is a coordinate of the
-    /// interface; with and without damping and dissipation. Without both its energy (J) is the work of the forces.
-    /// Accuracy: ROUNDOFF of sums of a hundred terms in 40 steps, 100·40·1e-16, relative.
-    #[test]
-    fn a_body_is_a_linear_part() {
-        const ROUNDOFF: f64 = 1e-12;
-        let mesh = mesh_block(&BlockOptions::uniform([0.02, 0.02, 0.04], [2, 2, 4])).unwrap();
-        let on_foot = Supports { held: mesh.foot.clone(), ..Default::default() };
-        let on_hub = Supports {
-            held: Vec::new(),
-            followers: mesh.foot.clone(),
-            master: Point3::new(0.0, 0.0, 0.05),
-            master_free: [false, true, true, true, true, true],
-        };
-        for (supports, hub_motions) in [(on_foot, 0), (on_hub, 5)] {
-            for (damping, dissipation) in [(0.0, 0.0), (1e-6, 0.0), (0.0, 0.05)] {
-                let material = Material { damping, ..Material::STEEL };
-                let system = System::new(&mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
-                let scheme = Newmark::new(2e-6, dissipation);
-                let body = Body::new(system.with_massless_contact(), &scheme, None).unwrap();
-                let Numbering { interior, contact, equations, .. } = body.element.system.numbering;
-                assert_eq!(equations - interior - contact, hub_motions);
-                let load = |y, z, gravity| BodyLoad { hub: [y, z], gravity };
-                let trial = Trial {
-                    part: &body,
-                    rest: body.in_motion(&Vector2::zeros(), &Vector2::zeros()),
-                    loads: [load(300.0, -700.0, 5e4), load(100.0, 200.0, -9e4), load(400.0, -500.0, -4e4)],
-                    force: 1e3,
-                    displacement: &|state| state.displacement[interior..].to_vec(),
-                    numbers: &|state| {
-                        let BodyState { displacement, velocity, acceleration, contact_step } = state.clone();
-                        vec![displacement, velocity, acceleration, contact_step]
-                    },
-                };
-                let found = trial.deviations();
-                assert!(found.largest() < ROUNDOFF, "{hub_motions} {damping} {dissipation}: {found:?}");
-                if damping == 0.0 && dissipation == 0.0 {
-                    let stiffness = body.element.system.matrix(1.0, 0.0, &[]).unwrap();
-                    let energy = |state: &BodyState| {
-                        let system = &body.element.system;
-                        let velocity = system.numbering.expand(system.mesh, &state.velocity);
-                        let mut forces = vec![0.0; equations];
-                        add_symmetric_product(&stiffness, &state.displacement, &mut forces);
-                        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-                        0.5 * (product(&body.mass.times(&velocity), &velocity)
-                            + product(&forces, &state.displacement))
-                    };
-                    let defect = trial.energy_defect(&BodyLoad::default(), &energy);
-                    assert!(defect < ROUNDOFF, "{hub_motions}: {defect:e}");
-                }
-            }
-        }
-    }
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sums {
+    /// Momentum down, N·s.
+    pub(super) momentum: f64,
+    /// Mass times displacement down, kg·m.
+    pub(super) moment: f64,
+    /// Kinetic and strain energy, J; without damping.
+    pub(super) energy: f64,
 }

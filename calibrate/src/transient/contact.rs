@@ -4,7 +4,7 @@
 //! that of the statics. What the bodies are beyond their half-spaces is that of the step, inertia and hub included.
 
 use super::TransientModel;
-use super::body::BodyStep;
+use super::body::Interface;
 use crate::calibration::{
     ContactField, Displaced, FineContact, Solids, carry_over, cell_for, edge_reached, too_coarse,
     touches_border, widened, widths,
@@ -13,7 +13,6 @@ use crate::contact::{
     ContactPoint, HalfSpace, Lattice, PairingLimits, Problem, Side, Solution, nodal_forces, pair, solve,
 };
 use crate::error::{Error, NumericsError, Result, StopReason};
-use crate::linear_part::LinearStep;
 use crate::mesh::SurfaceGrid;
 use crate::newmark::Newmark;
 use crate::scenario::Scenario;
@@ -174,7 +173,7 @@ impl<'m> StepContact<'m> {
     /// Solves the contact at the end of a step, pairing again until the hub stays where it was paired.
     pub fn solve(
         &self,
-        bodies: [&BodyStep; 2],
+        bodies: [&Interface; 2],
         predicted: &Vector2<f64>,
         last: &LastContact,
     ) -> Result<LastContact> {
@@ -186,7 +185,7 @@ impl<'m> StepContact<'m> {
 
     fn between_nodes(
         &self,
-        [rail, wheel]: [&BodyStep; 2],
+        [rail, wheel]: [&Interface; 2],
         predicted: &Vector2<f64>,
         last: &LastContact,
     ) -> Result<LastContact> {
@@ -197,19 +196,15 @@ impl<'m> StepContact<'m> {
         for _ in 0..PAIRING_LIMIT {
             let limits = PairingLimits { largest_gap: PAIRING_GAP };
             let mut points = pair(&self.model.rail_surface, &self.model.wheel_surface.moved(&hub), limits);
-            let gaps = free_gaps(&points, &hub, rail.free(), wheel.free());
+            let gaps = free_gaps(&points, &hub, rail.free, wheel.free);
             let mut near = gaps.iter().map(|g| *g < CANDIDATE_MARGIN);
             points.retain(|_| near.next().unwrap_or(false));
             let mut free: Vec<f64> = gaps.into_iter().filter(|g| *g < CANDIDATE_MARGIN).collect();
             if directions == 3 {
                 add_slips(&points, rail, wheel, &mut free);
             }
-            let compliance = self.model.enforcement.compliance(
-                rail.flexibility(),
-                wheel.flexibility(),
-                &points,
-                directions,
-            );
+            let compliance =
+                self.model.enforcement.compliance(rail.flexibility, wheel.flexibility, &points, directions);
             let first = carry_over(&start.points, &start.solution.forces, &points, directions);
             let problem = Problem {
                 points: &points,
@@ -220,7 +215,7 @@ impl<'m> StepContact<'m> {
             };
             let solution = solve(&problem, &first)?;
             let solved = LastContact { points, solution, fine: None, missed: Vector2::zeros() };
-            let position = wheel.hub(&solved.nodal_forces(Side::Opposing, wheel.free().len()));
+            let position = wheel.hub(&solved.nodal_forces(Side::Opposing, wheel.free.len()));
             moved = (position - hub).norm();
             if moved < HUB_TOLERANCE {
                 return Ok(solved);
@@ -233,13 +228,13 @@ impl<'m> StepContact<'m> {
 
     fn on_fine_grid(
         &self,
-        bodies: [&BodyStep; 2],
+        bodies: [&Interface; 2],
         predicted: &Vector2<f64>,
         last: &LastContact,
     ) -> Result<LastContact> {
         let [rail, wheel] = bodies;
         let grid = self.model.rail_surface.grid;
-        let before = last.beyond_nodes(rail.contact_before(), wheel.contact_before(), self.time_step);
+        let before = last.beyond_nodes(rail.before, wheel.before, self.time_step);
         // a load that grows or falls evenly makes the same error of the prediction in every step
         let mut hub = predicted + last.missed;
         let mut moved = f64::NAN;
@@ -274,7 +269,7 @@ impl<'m> StepContact<'m> {
                 previous = Some(solved);
                 continue;
             }
-            let position = wheel.hub(&solved.nodal_forces(Side::Opposing, wheel.free().len()));
+            let position = wheel.hub(&solved.nodal_forces(Side::Opposing, wheel.free.len()));
             moved = (position - hub).norm();
             if moved < PLACE_TOLERANCE {
                 return Ok(LastContact { missed: position - predicted, ..solved });
@@ -292,7 +287,7 @@ impl<'m> StepContact<'m> {
     fn solve_at(
         &self,
         hub: &Vector2<f64>,
-        [rail, wheel]: [&BodyStep; 2],
+        [rail, wheel]: [&Interface; 2],
         (lattice, near): (Lattice, &[bool]),
         start: &LastContact,
         before: Option<&BeyondNodes>,
@@ -303,15 +298,15 @@ impl<'m> StepContact<'m> {
         }
         let directions = self.directions();
         let solids = Solids {
-            rail: rail.flexibility(),
-            wheel: wheel.flexibility(),
+            rail: rail.flexibility,
+            wheel: wheel.flexibility,
             rail_surface: &self.model.rail_surface,
             wheel_surface: self.model.wheel_surface.moved(hub),
             half_spaces: self.half_spaces,
         };
-        let of_hub: Vec<f64> = (0..wheel.free().len()).map(|dof| [0.0, hub.x, hub.y][dof % 3]).collect();
-        let wheel_beyond_hub = difference(wheel.free(), &of_hub);
-        let displaced = Displaced { rail: rail.free(), wheel: &wheel_beyond_hub, margin: CANDIDATE_MARGIN };
+        let of_hub: Vec<f64> = (0..wheel.free.len()).map(|dof| [0.0, hub.x, hub.y][dof % 3]).collect();
+        let wheel_beyond_hub = difference(wheel.free, &of_hub);
+        let displaced = Displaced { rail: rail.free, wheel: &wheel_beyond_hub, margin: CANDIDATE_MARGIN };
         let serving = known.filter(|known| (known.made_at - hub).norm() < FAR_SLIDE);
         let (points, contact) = FineContact::new(
             &solids,
@@ -340,12 +335,10 @@ impl<'m> StepContact<'m> {
             None => (vec![0.0; directions * n], vec![0.0; directions * n]),
         };
         // gaps at the hub's place, with what the bodies move beyond it; slips since the last step
-        let of_nodes = contact.motion_of_nodes(rail.free(), wheel.free());
-        let beyond_hub = contact.motion_of_nodes(rail.free(), &wheel_beyond_hub);
-        let since_last = contact.motion_of_nodes(
-            &difference(rail.free(), rail.contact_before()),
-            &difference(wheel.free(), wheel.contact_before()),
-        );
+        let of_nodes = contact.motion_of_nodes(rail.free, wheel.free);
+        let beyond_hub = contact.motion_of_nodes(rail.free, &wheel_beyond_hub);
+        let since_last = contact
+            .motion_of_nodes(&difference(rail.free, rail.before), &difference(wheel.free, wheel.before));
         let free: Vec<f64> = (0..directions * n)
             .map(|row| match points.get(row) {
                 Some(point) => point.gap + beyond_hub[row] + kept[row],
@@ -372,13 +365,13 @@ impl<'m> StepContact<'m> {
     }
 
     /// The nodes of the rail's grid near which the surfaces may touch in this step.
-    fn near_nodes(&self, hub: &Vector2<f64>, [rail, wheel]: [&BodyStep; 2]) -> Vec<bool> {
+    fn near_nodes(&self, hub: &Vector2<f64>, [rail, wheel]: [&Interface; 2]) -> Vec<bool> {
         let grid = self.model.rail_surface.grid;
         let (rows, columns) = (grid.along_profile.len(), grid.along_track.len());
         let limits = PairingLimits { largest_gap: PAIRING_GAP };
         let points = pair(&self.model.rail_surface, &self.model.wheel_surface.moved(hub), limits);
         let mut gaps = vec![PAIRING_GAP; rows * columns];
-        for (point, gap) in points.iter().zip(free_gaps(&points, hub, rail.free(), wheel.free())) {
+        for (point, gap) in points.iter().zip(free_gaps(&points, hub, rail.free, wheel.free)) {
             gaps[point.index.0 * columns + point.index.1] = gap;
         }
         let mut near = vec![false; rows * columns];
@@ -477,9 +470,9 @@ fn free_gaps(points: &[ContactPoint], hub: &Vector2<f64>, rail: &[f64], wheel: &
 }
 
 /// Appends the slips (lateral, then along the track) of the step without contact forces.
-fn add_slips(points: &[ContactPoint], rail: &BodyStep, wheel: &BodyStep, free: &mut Vec<f64>) {
-    let (rail_free, wheel_free) = (rail.free(), wheel.free());
-    let (rail_before, wheel_before) = (rail.contact_before(), wheel.contact_before());
+fn add_slips(points: &[ContactPoint], rail: &Interface, wheel: &Interface, free: &mut Vec<f64>) {
+    let (rail_free, wheel_free) = (rail.free, wheel.free);
+    let (rail_before, wheel_before) = (rail.before, wheel.before);
     for direction in 1..3 {
         for point in points {
             let wheel: f64 = point

@@ -1,46 +1,48 @@
-//! The transient solid model: Newmark average acceleration on both condensed
-//! bodies, contact solved at every step.
+//! The transient solid model: Newmark average acceleration on both bodies, contact solved at every step.
 //!
-//! The effective matrix `K + 4/Δt²·M` of each body is constant and factored
-//! once. A step eliminates the interior, solves the contact on the retained
-//! equations, and substitutes back: one solution per body and step, at full order.
+//! The bodies are reduced or at full order ([`SolidBodies`]). A reduced body has the static compliance of its contact nodes and a few
+//! modes, whose number an estimate chooses ([`Reduction`]). At full order the effective matrix `K + 4/Δt²·M` of each body is
+//! factored once; a step eliminates the interior, solves the contact on the retained equations, and substitutes back.
 //!
 //! The contact nodes have no mass ([`System::with_massless_contact`]): a node with mass collides with every step, its
 //! force alternates between zero and a multiple of the true one, and the work of these forces adds energy.
 
 mod body;
+mod full;
+mod reduced;
 mod contact;
+mod run;
+mod reduction;
 #[cfg(test)]
 mod tests;
 
+pub use reduction::{ModeCount, Reduction, START_MODES};
+
 use crate::calibration::{ContactField, Enforcement};
-use crate::contact::{ContactPoint, PointMode, Side, Solution, Surface, resultant};
-use crate::error::{InputError, Result, StopReason};
+use crate::contact::Surface;
+use crate::error::{InputError, Result};
 use crate::field::InputField;
-use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
-use crate::linear_part::{LinearPart, LinearStep};
+use crate::history::History;
 use crate::mesh::HexMesh;
 use crate::monitor::Monitor;
-use crate::newmark::{Motion, Newmark};
+use crate::newmark::Newmark;
 use crate::pair::Pair;
-use crate::placement::{PlacedRail, departure, lateral_extent};
+use crate::placement::PlacedRail;
 use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Supports, System};
-use crate::suspension::{Suspension, SuspensionStep};
-use body::{Body, BodyLoad, BodyState, BodyStep};
-use contact::{LastContact, StepContact, failure};
-use nalgebra::{Point2, Point3, Vector2};
+use crate::superelement::{CondensedBody, Modes};
+use crate::suspension::Suspension;
+use full::FullBody;
+use nalgebra::{Point3, Vector2};
+use reduced::ReducedBody;
+use run::{Run, Step};
 
 /// Everything the transient solid model is made of.
 pub struct TransientModel<'a> {
-    /// Rail mesh in the world frame; its ends are held.
-    pub rail_mesh: &'a HexMesh,
-    /// Wheel mesh in the body frame; its bore follows the master node at the wheel's centre.
-    pub wheel_mesh: &'a HexMesh,
+    /// Rail and wheel.
+    pub bodies: SolidBodies<'a>,
     /// Material of both.
     pub material: Material,
-    /// Element of both.
-    pub formulation: Formulation,
     /// The placed rail, for positions in its profile frame.
     pub placed_rail: &'a PlacedRail,
     /// Contact surface of the rail.
@@ -53,8 +55,32 @@ pub struct TransientModel<'a> {
     pub field: ContactField,
 }
 
+/// Rail and wheel of a transient model: the rail in the world frame with its ends held, the wheel in its body frame with its bore
+/// following the master node at its centre.
+#[derive(Clone, Copy)]
+pub enum SolidBodies<'a> {
+    /// All equations of the meshes, factored for the time step: what reduced bodies are compared with.
+    Full {
+        /// Mesh of the rail.
+        rail: &'a HexMesh,
+        /// Mesh of the wheel.
+        wheel: &'a HexMesh,
+        /// Element of both.
+        formulation: Formulation,
+    },
+    /// Condensed bodies with their modes ([`CondensedBody::modes`]).
+    Reduced {
+        /// The rail between its ends.
+        rail: &'a CondensedBody,
+        /// The wheel against its hub.
+        wheel: &'a CondensedBody,
+        /// How many of their modes are used.
+        modes: ModeCount,
+    },
+}
+
 impl<'a> TransientModel<'a> {
-    /// The solid model of a pair, its rail held at the ends.
+    /// The solid model of a pair at full order.
     pub fn of_pair(
         pair: &'a Pair,
         [rail, wheel]: [&'a HexMesh; 2],
@@ -63,13 +89,30 @@ impl<'a> TransientModel<'a> {
         (enforcement, field): (Enforcement, ContactField),
     ) -> Self {
         Self {
-            rail_mesh: rail,
-            wheel_mesh: wheel,
+            bodies: SolidBodies::Full { rail, wheel, formulation },
             material,
-            formulation,
             placed_rail: &pair.placed,
             rail_surface: pair.rail_surface(&rail.contact),
             wheel_surface: pair.wheel_surface(&wheel.contact),
+            enforcement,
+            field,
+        }
+    }
+
+    /// The solid model of a pair with reduced bodies: the rail between its ends and the wheel, both with modes.
+    pub fn reduced(
+        pair: &'a Pair,
+        [rail, wheel]: [&'a CondensedBody; 2],
+        modes: ModeCount,
+        material: Material,
+        (enforcement, field): (Enforcement, ContactField),
+    ) -> Self {
+        Self {
+            bodies: SolidBodies::Reduced { rail, wheel, modes },
+            material,
+            placed_rail: &pair.placed,
+            rail_surface: pair.rail_surface(&rail.grid),
+            wheel_surface: pair.wheel_surface(&wheel.grid),
             enforcement,
             field,
         }
@@ -82,259 +125,109 @@ pub struct TransientRun {
     pub history: History,
     /// Mass of the meshed wheel, kg.
     pub wheel_mass: f64,
-    /// Values stored in the factors of both bodies.
+    /// Values stored in the factors of both bodies; none if they are reduced.
     pub factor_values: usize,
     /// Largest number of load-carrying contact points in a step.
     pub most_active: usize,
+    /// The modes of reduced bodies, and what they are worth.
+    pub reduction: Option<Reduction>,
 }
 
 impl TransientModel<'_> {
     /// Runs `scenario` from just touching and at rest.
     ///
     /// # Errors
-    /// [`InputError`] for a scenario only the moving solver can run, and for penalty springs on a fine grid;
-    /// [`crate::error::NumericsError`] with the step if
-    /// the contact does not settle or leaves the meshed contact zone.
+    /// [`InputError`] for a scenario only the moving solver can run, for penalty springs on a fine grid, and for reduced bodies
+    /// without modes; [`crate::error::NumericsError`] with the step if the contact does not settle or leaves the meshed contact
+    /// zone, and with [`crate::error::StopReason::TooFewModes`] if all modes that the bodies have are not enough.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         refuse_moving(scenario)?;
         scenario.check()?;
         self.field.check(self.enforcement)?;
-        self.run_from(&InitialVelocity::default(), scenario, monitor, &mut |step| {
-            step.contact.refuse_edge(self.rail_surface.grid)
-        })
+        let observe = &mut |step: &Step| step.contact.refuse_edge(self.rail_surface.grid);
+        match self.bodies {
+            SolidBodies::Full { .. } => self.run_from(&Vector2::zeros(), scenario, monitor, observe),
+            SolidBodies::Reduced { modes, .. } => reduction::run(self, modes, scenario, monitor, observe),
+        }
     }
 
-    /// Runs `scenario` from just touching with the given velocities; `observe` sees every finished step and can
-    /// end the run.
+    /// Runs `scenario` from just touching, the wheel with a velocity (y, z; m/s), and the suspended mass with that of the wheel;
+    /// `observe` sees every finished step and can end the run. Reduced bodies have all their modes.
     fn run_from(
         &self,
-        initial: &InitialVelocity,
+        velocity: &Vector2<f64>,
         scenario: &Scenario,
         monitor: &dyn Monitor,
         observe: &mut dyn FnMut(&Step) -> Result<()>,
     ) -> Result<TransientRun> {
-        let dt = scenario.time_step;
-        let scheme = Newmark::new(dt, 0.0);
-        let suspension = Suspension::new(scenario, &scheme);
-        let (rail, wheel) = rayon::join(
-            || Body::new(self.rail_system()?, &scheme, None),
-            || Body::new(self.wheel_system(scenario)?, &scheme, Some(suspension.stiffness())),
-        );
-        let (rail, wheel) = (rail?, wheel?);
-        let wheel_mass = wheel.mass.total();
-        let mut hub_motion = HubMotion::at_start(scenario, &initial.wheel, wheel_mass);
-        let mut rail_state = rail.in_motion(&initial.rail, &Vector2::zeros());
-        let mut wheel_state = wheel.in_motion(&hub_motion.velocity(), &hub_motion.acceleration());
-        let step_contact = StepContact::new(self, scenario, &scheme);
-        let mut contact = LastContact::default();
-        let mut rows = vec![HistoryRow {
-            time: 0.0,
-            vertical_force: 0.0,
-            lateral_force: 0.0,
-            wheel_y: 0.0,
-            wheel_z: 0.0,
-            load_y: scenario.load_travel(0.0, 0.0),
-            contacts: Vec::new(),
-        }];
-        let mut most_active = 0;
-        let mut ending = Ending::Completed;
-        let rail_extent = lateral_extent(self.placed_rail.curve.knot_points());
-        let wheel_extent = self.wheel_extent();
-        for step in 1..=scenario.steps {
-            monitor.progress("transient solid model", step - 1, scenario.steps)?;
-            let t = step as f64 * dt;
-            let (hub, suspended) = hub_motion.forces(scenario, t, &suspension);
-            let wheel_load = BodyLoad { hub, gravity: scenario.gravity };
-            let (rail_step, wheel_step) = rayon::join(
-                || rail.predict(&rail_state, &BodyLoad::default()),
-                || wheel.predict(&wheel_state, &wheel_load),
-            );
-            let solved = step_contact
-                .solve([&rail_step, &wheel_step], &hub_motion.predicted(dt), &contact)
-                .map_err(|e| e.at_step(step))?;
-            let (points, solution) = (&solved.points, &solved.solution);
-            most_active = most_active.max(solution.active());
-            let on = |side, step: &BodyStep| solved.nodal_forces(side, step.free().len());
-            let forces = [on(Side::Base, &rail_step), on(Side::Opposing, &wheel_step)];
-            (rail_state, wheel_state) =
-                rayon::join(|| rail_step.finish(&forces[0]), || wheel_step.finish(&forces[1]));
-            let hub = wheel.hub(&wheel_state);
-            if !(hub.x.is_finite() && hub.y.is_finite()) {
-                return Err(failure(f64::NAN, solution.active(), StopReason::NotFinite).at_step(step));
+        match self.bodies {
+            SolidBodies::Full { .. } => {
+                let bodies = self.full_bodies(scenario)?;
+                let mut run = Run::new(self, scenario, velocity, bodies.each_ref());
+                run.to(scenario.steps, monitor, observe)?;
+                Ok(run.ended(None))
             }
-            if let Some(departure) = departure(rail_extent, wheel_extent.map(|y| y + hub.x)) {
-                ending = Ending::Departed { time: t, departure };
-                break;
+            SolidBodies::Reduced { .. } => {
+                let bodies = self.reduced_bodies(scenario, self.most_modes())?;
+                let mut run = Run::new(self, scenario, velocity, bodies.each_ref());
+                run.to(scenario.steps, monitor, observe)?;
+                Ok(run.ended(None))
             }
-            hub_motion.advance(&scheme, &hub, &suspension, &suspended);
-            let force = resultant(points, &solution.forces);
-            rows.push(HistoryRow {
-                time: t,
-                vertical_force: -force.z,
-                lateral_force: -force.y,
-                wheel_y: hub.x,
-                wheel_z: hub.y,
-                load_y: scenario.load_travel(t, hub.x),
-                contacts: self.contacts(points, solution),
-            });
-            let finished = Step {
-                bodies: [&rail, &wheel],
-                states: [&rail_state, &wheel_state],
-                contact: &solved,
-                forces: &forces,
-                hub: &hub_motion,
-            };
-            observe(&finished).map_err(|e| e.at_step(step))?;
-            contact = solved;
         }
-        monitor.progress("transient solid model", scenario.steps, scenario.steps)?;
-        Ok(TransientRun {
-            history: History { rows, degrees_of_freedom: rail.equations() + wheel.equations() + 1, ending },
-            wheel_mass,
-            factor_values: rail.factor_values() + wheel.factor_values(),
-            most_active,
-        })
     }
 
-    /// Lateral positions of the ends of the wheel's running surface at t = 0, m.
-    fn wheel_extent(&self) -> [f64; 2] {
-        let surface = &self.wheel_surface;
-        lateral_extent(surface.curve.knot_points()).map(|y| y + surface.origin.x)
-    }
-
-    fn rail_system(&self) -> Result<System<'_>> {
-        let supports = Supports { held: self.rail_mesh.ends.clone(), ..Default::default() };
-        Ok(System::new(self.rail_mesh, self.material, self.formulation, &supports)?.with_massless_contact())
-    }
-
-    fn wheel_system(&self, scenario: &Scenario) -> Result<System<'_>> {
-        let turning = !scenario.rotations_held;
-        let supports = Supports {
-            held: Vec::new(),
-            followers: self.wheel_mesh.bore.clone(),
-            master: Point3::origin(),
-            master_free: [false, true, true, turning, turning, turning],
+    fn full_bodies(&self, scenario: &Scenario) -> Result<[FullBody<'_>; 2]> {
+        let SolidBodies::Full { rail, wheel, formulation } = self.bodies else {
+            unreachable!("bodies at full order");
         };
-        Ok(System::new(self.wheel_mesh, self.material, self.formulation, &supports)?.with_massless_contact())
+        let scheme = scheme(scenario);
+        let stiffness = Suspension::new(scenario, &scheme).stiffness();
+        let on_ends = Supports { held: rail.ends.clone(), ..Default::default() };
+        let mut master_free = [false; 6];
+        hub_motions(scenario).iter().for_each(|&motion| master_free[motion] = true);
+        let on_hub = Supports {
+            held: Vec::new(),
+            followers: wheel.bore.clone(),
+            master: Point3::origin(),
+            master_free,
+        };
+        let body = |mesh, supports, hub_stiffness| {
+            let system = System::new(mesh, self.material, formulation, supports)?;
+            FullBody::new(system.with_massless_contact(), &scheme, hub_stiffness)
+        };
+        let (rail, wheel) =
+            rayon::join(|| body(rail, &on_ends, None), || body(wheel, &on_hub, Some(stiffness)));
+        Ok([rail?, wheel?])
     }
 
-    /// The patches that carry load: runs of load-carrying grid lines with at least two free lines between them.
-    fn contacts(&self, points: &[ContactPoint], solution: &Solution) -> Vec<ContactState> {
-        let n = points.len();
-        let active: Vec<usize> = (0..n).filter(|&j| solution.forces[j] > 0.0).collect();
-        let mut patches: Vec<Vec<usize>> = Vec::new();
-        for &j in &active {
-            match patches.last_mut() {
-                Some(patch) if points[j].index.0 <= points[patch[patch.len() - 1]].index.0 + 2 => {
-                    patch.push(j)
-                }
-                _ => patches.push(vec![j]),
-            }
-        }
-        patches
-            .iter()
-            .map(|patch| {
-                let force: f64 = patch.iter().map(|&j| solution.forces[j]).sum();
-                let mean = |value: &dyn Fn(usize) -> f64| {
-                    patch.iter().map(|&j| solution.forces[j] * value(j)).sum::<f64>() / force
-                };
-                let s = mean(&|j| points[j].position.x);
-                let slipping = mean(&|j| f64::from(solution.modes[j] == PointMode::Slip));
-                ContactState {
-                    mode: if slipping > 0.5 { ContactMode::Slip } else { ContactMode::Stick },
-                    rail: self.placed_rail.to_profile(&self.rail_surface.world(s)),
-                    wheel: Point2::new(
-                        mean(&|j| points[j].opposing_position.x),
-                        mean(&|j| points[j].opposing_position.y),
-                    ),
-                    normal_force: force,
-                    tangential_force: patch
-                        .iter()
-                        .map(|&j| solution.forces.get(n + j).copied().unwrap_or(0.0))
-                        .sum(),
-                }
-            })
-            .collect()
+    /// The number of modes that the body with more of them has.
+    fn most_modes(&self) -> usize {
+        let SolidBodies::Reduced { rail, wheel, .. } = self.bodies else { return 0 };
+        [rail, wheel].into_iter().flat_map(|body| &body.modes).map(Modes::count).max().unwrap_or(0)
+    }
+
+    /// The reduced bodies with the first `count` of their modes.
+    fn reduced_bodies(&self, scenario: &Scenario, count: usize) -> Result<[ReducedBody<'_>; 2]> {
+        let SolidBodies::Reduced { rail, wheel, .. } = self.bodies else {
+            unreachable!("reduced bodies");
+        };
+        let scheme = scheme(scenario);
+        let stiffness = Suspension::new(scenario, &scheme).stiffness();
+        Ok([
+            ReducedBody::new(rail, count, &self.material, &scheme, &[], 0.0)?,
+            ReducedBody::new(wheel, count, &self.material, &scheme, hub_motions(scenario), stiffness)?,
+        ])
     }
 }
 
-/// Velocities (y, z) of the whole bodies at t = 0, m/s; the suspended mass has that of the wheel.
-#[derive(Debug, Clone, Copy, Default)]
-struct InitialVelocity {
-    rail: Vector2<f64>,
-    wheel: Vector2<f64>,
+/// The scheme of a run: average acceleration.
+fn scheme(scenario: &Scenario) -> Newmark {
+    Newmark::new(scenario.time_step, 0.0)
 }
 
-/// What an observer sees of a finished step.
-#[cfg_attr(not(test), expect(dead_code, reason = "the energy balance of the tests is made from it"))]
-struct Step<'s, 'a> {
-    /// Rail and wheel.
-    bodies: [&'s Body<'a>; 2],
-    states: [&'s BodyState; 2],
-    contact: &'s LastContact,
-    /// Contact forces on the retained equations of each body, N.
-    forces: &'s [Vec<f64>; 2],
-    hub: &'s HubMotion,
-}
-
-/// Motion of the hub and of the suspended mass, positive down and to the field side.
-struct HubMotion {
-    /// Of the hub along y and z.
-    hub: [Motion; 2],
-    /// Of the suspended mass along z.
-    suspended: Motion,
-}
-
-impl HubMotion {
-    /// With the accelerations of the rigid bodies under the forces of t = 0.
-    fn at_start(scenario: &Scenario, velocity: &Vector2<f64>, wheel_mass: f64) -> Self {
-        let mut hub = [velocity.x, velocity.y].map(|v| Motion { v, ..Motion::default() });
-        let mut suspended = hub[1];
-        let (force, acceleration) = Suspension::start(scenario, &hub[1], &suspended, load(scenario, 0.0));
-        hub[0].a = scenario.lateral_force.at(0.0) / wheel_mass;
-        hub[1].a = scenario.gravity + force / wheel_mass;
-        suspended.a = acceleration;
-        Self { hub, suspended }
-    }
-
-    fn position(&self) -> Vector2<f64> {
-        Vector2::new(self.hub[0].u, self.hub[1].u)
-    }
-
-    fn velocity(&self) -> Vector2<f64> {
-        Vector2::new(self.hub[0].v, self.hub[1].v)
-    }
-
-    fn acceleration(&self) -> Vector2<f64> {
-        Vector2::new(self.hub[0].a, self.hub[1].a)
-    }
-
-    /// Position at the end of a step of constant acceleration.
-    fn predicted(&self, dt: f64) -> Vector2<f64> {
-        self.position() + self.velocity() * dt + self.acceleration() * (0.5 * dt * dt)
-    }
-
-    /// Forces (y, z) on the hub at time `t` with the suspended mass condensed, and the step of the suspension.
-    fn forces(&self, scenario: &Scenario, t: f64, suspension: &Suspension) -> ([f64; 2], SuspensionStep) {
-        let step = suspension.step(&self.hub[1], &self.suspended, load(scenario, t));
-        ([scenario.lateral_force.at(t), step.transmitted + step.damper], step)
-    }
-
-    fn advance(
-        &mut self,
-        scheme: &Newmark,
-        hub: &Vector2<f64>,
-        suspension: &Suspension,
-        step: &SuspensionStep,
-    ) {
-        self.hub = [0, 1].map(|i| scheme.advance(&self.hub[i], hub[i]));
-        self.suspended = suspension.finish(step, &self.suspended, hub.y);
-    }
-}
-
-/// Vertical load on the suspended mass at time `t`, its weight included, N.
-fn load(scenario: &Scenario, t: f64) -> f64 {
-    scenario.vertical_force.at(t) + scenario.suspended_mass * scenario.gravity
+/// Free motions of the hub (1 to 5: translations y, z, rotations).
+fn hub_motions(scenario: &Scenario) -> &'static [usize] {
+    if scenario.rotations_held { &[1, 2] } else { &[1, 2, 3, 4, 5] }
 }
 
 fn refuse_moving(scenario: &Scenario) -> Result<()> {

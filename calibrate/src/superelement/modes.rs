@@ -1,0 +1,338 @@
+//! What a condensed body needs in time besides its static compliance: a few modes of its inside, held at its hub, and its
+//! rigid motions.
+//!
+//! The modes span what static solutions give: the body under loads on its contact zone and under the inertia of its hub's
+//! motions, then again and again under the inertia of the solutions before (block Lanczos on the factor of the stiffness).
+//! B. Nour-Omid, R.W. Clough, "Block Lanczos method for dynamic analysis of structures", Earthquake Eng. Struct. Dyn. 13 (1985).
+//! The space of the first blocks has the lowest natural modes, and in place of the others what they do under loads on the contact
+//! zone: with n blocks the first 2n terms of the flexibility there as a series of the squared frequency, of which the first is
+//! the statics and the second the inertia of a quasi-static motion.
+//!
+//! Contact nodes have no mass, so that what the modes leave of the static compliance follows the contact forces at once:
+//! the residual `C - Φ·K⁻¹·Φᵀ` of the compliance C by the rows Φ of the modes and their stiffness K, which is positive
+//! semi-definite for any modes. D.J. Rixen, "A dual Craig-Bampton method for dynamic substructuring", J. Comput. Appl. Math. 168
+//! (2004), for the free interface; C.D. Monjaraz-Tec, J. Gross, M. Krack, "A massless boundary component mode synthesis method for elastodynamic
+//! contact problems", Comput. Struct. 260 (2022), for the interface without mass.
+
+use super::Superelement;
+use super::factor::{Factor, dot};
+use crate::error::{InputError, Result};
+use crate::mesh::{HexMesh, SurfaceGrid};
+use crate::solid::{NodalMass, Numbering, System, rigid_motion};
+use faer::Mat;
+use faer::sparse::{SparseColMat, Triplet};
+use nalgebra::{DMatrix, Matrix6, Point3, SymmetricEigen, Vector3};
+
+/// A direction is spanned already if less than this share of it is left beside the others.
+const SPANNED: f64 = 1e-5;
+
+/// Modes of a body that is held at its hub or supports, each of mass 1 kg: displacements are in metres for a coordinate of 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modes {
+    /// Displacements of the contact nodes, `3·node + axis` in the order of the contact grid; a column for each mode.
+    pub(super) contact: Mat<f64>,
+    /// Stiffness between the modes, N/m; their mass is the unit matrix.
+    pub(super) stiffness: DMatrix<f64>,
+    /// Mass between the rigid motions of the body about [`Modes::master`] (row: translations x, y, z in kg, rotations in kg·m)
+    /// and the modes.
+    pub(super) coupling: DMatrix<f64>,
+    /// Mass between the rigid motions; kg, kg·m, kg·m².
+    pub(super) rigid: Matrix6<f64>,
+    /// Point about which the body rotates, m: its master node, or the origin.
+    pub(super) master: Point3<f64>,
+}
+
+impl Modes {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.contact.ncols()
+    }
+
+    /// Displacements of the contact nodes in a mode.
+    pub fn contact(&self, mode: usize) -> &[f64] {
+        self.contact.col_as_slice(mode)
+    }
+
+    /// Stiffness between the first `count` modes, N/m.
+    pub fn stiffness(&self, count: usize) -> DMatrix<f64> {
+        self.stiffness.view((0, 0), (count, count)).into_owned()
+    }
+
+    /// Mass between a rigid motion (0 to 5: translations, rotations) and a mode.
+    pub fn coupling(&self, motion: usize, mode: usize) -> f64 {
+        self.coupling[(motion, mode)]
+    }
+
+    /// Mass between two rigid motions.
+    pub fn rigid_mass(&self, motion: usize, other: usize) -> f64 {
+        self.rigid[(motion, other)]
+    }
+
+    /// Displacement of a point under a unit rigid motion, m.
+    pub fn rigid_motion(&self, point: &Point3<f64>, motion: usize) -> Vector3<f64> {
+        rigid_motion(&(point - self.master), motion)
+    }
+
+    /// Natural frequencies of the first `count` modes together, Hz, ascending. The lowest are those of the body.
+    pub fn frequencies(&self, count: usize) -> Vec<f64> {
+        let squares = SymmetricEigen::new(self.stiffness(count)).eigenvalues;
+        let mut found: Vec<f64> =
+            squares.iter().map(|square| square.max(0.0).sqrt() / std::f64::consts::TAU).collect();
+        found.sort_by(f64::total_cmp);
+        found
+    }
+}
+
+impl Superelement<'_> {
+    /// At most `count` modes of the body, which must be held, its hub included; fewer where it has no more.
+    ///
+    /// # Errors
+    /// [`InputError`] for a body whose hub is free.
+    pub fn modes(&self, count: usize) -> Result<Modes> {
+        let System { mesh, numbering, .. } = &self.system;
+        let Numbering { interior, contact, equations, .. } = *numbering;
+        if equations > interior + contact {
+            return Err(InputError::new(
+                "modes",
+                "a body whose hub is free",
+                "a body that is held",
+                "condense the body with its hub held",
+            )
+            .into());
+        }
+        let mass = self.system.mass_off_contact();
+        let master = numbering.master().unwrap_or_else(Point3::origin);
+        let moved: [Vec<f64>; 6] = std::array::from_fn(|motion| rigid(mesh, &master, motion));
+        let impulses = moved.each_ref().map(|motion| mass.times(motion));
+        let inertia = impulses.each_ref().map(|impulse| numbering.gather(mesh, impulse));
+        let mut first = contact_loads(mesh, numbering);
+        if numbering.master().is_some() {
+            // of the hub's motions across the track and down
+            first.extend([inertia[1].clone(), inertia[2].clone()]);
+        }
+        let vectors = self.lanczos(&mass, &Surface::new(&self.system)?, first, count);
+        let kept = vectors.len();
+        let root = self.factor.root_times(Mat::from_fn(equations, kept, |row, n| vectors[n][row]).as_ref());
+        let energy = |i: usize, j: usize| dot(root.col_as_slice(i), root.col_as_slice(j));
+        Ok(Modes {
+            contact: Mat::from_fn(contact, kept, |row, mode| vectors[mode][interior + row]),
+            stiffness: DMatrix::from_fn(kept, kept, |i, j| energy(i.min(j), i.max(j))),
+            coupling: DMatrix::from_fn(6, kept, |motion, mode| dot(&inertia[motion], &vectors[mode])),
+            rigid: Matrix6::from_fn(|i, k| {
+                0.5 * (dot(&impulses[i], &moved[k]) + dot(&impulses[k], &moved[i]))
+            }),
+            master,
+        })
+    }
+
+    /// Block Lanczos from some loads (by equation) on: vectors that are orthonormal with the mass.
+    fn lanczos(
+        &self,
+        mass: &NodalMass,
+        surface: &Surface,
+        mut loads: Vec<Vec<f64>>,
+        count: usize,
+    ) -> Vec<Vec<f64>> {
+        let System { mesh, numbering, .. } = &self.system;
+        let times_mass = |x: &[f64]| numbering.gather(mesh, &mass.times(&numbering.expand(mesh, x)));
+        let mut vectors: Vec<Vec<f64>> = Vec::new();
+        loop {
+            loads.truncate(count - vectors.len());
+            if loads.is_empty() {
+                return vectors;
+            }
+            let mut solved = Mat::from_fn(numbering.equations, loads.len(), |row, n| loads[n][row]);
+            self.factor.solve(solved.as_mut());
+            loads.clear();
+            for n in 0..solved.ncols() {
+                let found = new_direction(solved.col_as_slice(n), &vectors, &times_mass);
+                let Some((mut vector, impulse)) = found else { continue };
+                surface.settle(&mut vector);
+                vectors.push(vector);
+                loads.push(impulse);
+            }
+        }
+    }
+}
+
+/// The contact nodes, which follow the others. They have no mass, so that nothing in the orthogonality of the modes holds them: left alone, the
+/// rounding of their displacements grows from block to block. B. Nour-Omid, B.N. Parlett, T. Ericsson, P.S. Jensen, "How to implement
+/// the spectral transformation", Math. Comp. 48 (1987).
+struct Surface {
+    /// Upper triangle of the stiffness, whole in the columns of the contact nodes.
+    columns: SparseColMat<usize, f64>,
+    /// Factor of the stiffness of the contact nodes with all others held.
+    factor: Factor,
+    interior: usize,
+}
+
+impl Surface {
+    fn new(system: &System) -> Result<Self> {
+        let Numbering { interior, equations, .. } = system.numbering;
+        let columns = system.stiffness_at_contact()?;
+        let mut own = Vec::new();
+        for column in interior..equations {
+            let range = columns.col_ptr()[column]..columns.col_ptr()[column + 1];
+            for (&row, &value) in columns.row_idx()[range.clone()].iter().zip(&columns.val()[range]) {
+                if row >= interior {
+                    own.push(Triplet::new(row - interior, column - interior, value));
+                }
+            }
+        }
+        let size = equations - interior;
+        let own =
+            SparseColMat::try_new_from_triplets(size, size, &own).expect("rows and columns within the block");
+        Ok(Self { columns, factor: Factor::new(&own, size)?, interior })
+    }
+
+    /// Puts the contact nodes where no force is on them.
+    fn settle(&self, vector: &mut [f64]) {
+        let (inside, contact) = vector.split_at_mut(self.interior);
+        let mut forces = Mat::from_fn(contact.len(), 1, |n, _| {
+            let column = self.interior + n;
+            let range = self.columns.col_ptr()[column]..self.columns.col_ptr()[column + 1];
+            let terms = self.columns.row_idx()[range.clone()].iter().zip(&self.columns.val()[range]);
+            -terms
+                .filter(|(row, _)| **row < self.interior)
+                .map(|(row, value)| value * inside[*row])
+                .sum::<f64>()
+        });
+        self.factor.solve(forces.as_mut());
+        contact.copy_from_slice(forces.col_as_slice(0));
+    }
+}
+
+/// What is new in a static `solution` beside orthonormal `vectors`, of mass 1, and its product with the mass.
+fn new_direction(
+    solution: &[f64],
+    vectors: &[Vec<f64>],
+    times_mass: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Option<(Vec<f64>, Vec<f64>)> {
+    let norm = |x: &[f64], impulse: &[f64]| dot(x, impulse).max(0.0).sqrt();
+    let mut vector = solution.to_vec();
+    let mut impulse = times_mass(&vector);
+    let whole = norm(&vector, &impulse);
+    // once more against rounding
+    for _ in 0..2 {
+        for other in vectors {
+            let share = dot(other, &impulse);
+            vector.iter_mut().zip(other).for_each(|(v, o)| *v -= share * o);
+        }
+        impulse = times_mass(&vector);
+    }
+    let left = norm(&vector, &impulse);
+    // negated, so that what is no number is left out
+    if !(left > SPANNED * whole) {
+        return None;
+    }
+    [&mut vector, &mut impulse].into_iter().flatten().for_each(|v| *v /= left);
+    Some((vector, impulse))
+}
+
+/// Forces across the track and down on the contact zone (those along it balance in a patch under a wheel that does not roll), growing from one end of its profile to the other or back, and from both its ends
+/// along the track to the middle: together they act anywhere across the zone, with any moment.
+fn contact_loads(mesh: &HexMesh, numbering: &Numbering) -> Vec<Vec<f64>> {
+    let SurfaceGrid { along_profile, along_track, nodes } = &mesh.contact;
+    let columns = along_track.len();
+    // from 0 to 1; a zone of a single line has no ends
+    let place = |values: &[f64], at: usize| {
+        let (first, last) = (values[0], values[values.len() - 1]);
+        if last > first { (values[at] - first) / (last - first) } else { 0.5 }
+    };
+    let load = |towards_last: bool, axis: usize| {
+        let mut forces = vec![0.0; numbering.equations];
+        for n in 0..nodes.len() {
+            let (across, along) = (place(along_profile, n / columns), place(along_track, n % columns));
+            let share = if towards_last { across } else { 1.0 - across };
+            // a little is left at the ends, for a zone that has nothing between them
+            forces[numbering.interior + 3 * n + axis] = share * (1.01 - (2.0 * along - 1.0).abs());
+        }
+        forces
+    };
+    [(false, 1), (false, 2), (true, 1), (true, 2)].map(|(end, axis)| load(end, axis)).into()
+}
+
+/// Displacements of all nodes in a rigid motion about `master`.
+fn rigid(mesh: &HexMesh, master: &Point3<f64>, motion: usize) -> Vec<f64> {
+    mesh.nodes.iter().flat_map(|p| <[f64; 3]>::from(rigid_motion(&(p - master), motion))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{BlockOptions, mesh_block};
+    use crate::solid::{Formulation, Material, Supports};
+
+    fn element<'a>(mesh: &'a HexMesh, material: Material, supports: &Supports) -> Superelement<'a> {
+        let system = System::new(mesh, material, Formulation::IncompatibleModes, supports).unwrap();
+        Superelement::new(system).unwrap()
+    }
+
+    /// Source: a bar that is held at one end (K.F. Graff, Wave Motion in Elastic Solids, 1975, sections 2.4 and 3.3): it swings along its
+    /// axis at (2n-1)·c/4L, and across it at 3.516·√(EI/ρA)/(2π·L²) in two planes. Goal: these natural frequencies (Hz).
+    /// Accuracy: DISCRETISATION, (kh)²/24 of linear elements of the length h at the wave number k with consistent mass, and half as much for the mass
+    /// moved off the end; MODEL, shear and rotatory inertia of a bar of 24 widths, 1 %.
+    #[test]
+    fn a_bar_swings_at_its_natural_frequencies() {
+        const MODEL: f64 = 0.01;
+        let (length, width) = (0.24, 0.01);
+        let mesh = mesh_block(&BlockOptions::uniform([width, width, length], [1, 1, 24])).unwrap();
+        let material = Material { poisson: 0.0, ..Material::STEEL };
+        let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
+        let modes = element(&mesh, material, &supports).modes(40).unwrap();
+        let found = modes.frequencies(40);
+        let speed = (material.young / material.density).sqrt();
+        let bending = 3.516 * speed * width / 12_f64.sqrt() / (std::f64::consts::TAU * length * length);
+        assert!((found[0] / bending - 1.0).abs() < MODEL, "{} {bending}", found[0]);
+        for n in [1.0, 3.0, 5.0] {
+            let exact = n * speed / (4.0 * length);
+            let off = found.iter().map(|f| (f / exact - 1.0).abs()).fold(f64::INFINITY, f64::min);
+            let wave = n * std::f64::consts::FRAC_PI_2 / 24.0;
+            let discretisation = wave * wave / 16.0;
+            assert!(off < discretisation, "{exact} Hz: {off} {discretisation}");
+        }
+    }
+
+    /// Source: the body's own matrices. Goal: the modes are orthonormal with the mass (seen in the mass between them and the rigid
+    /// motions, whose sum of squares stays below that of the body), their stiffness is that of the shapes (J), and what they leave of the
+    /// compliance is positive semi-definite, m/N; the first modes are the same when there are more. Accuracy: ROUNDOFF.
+    #[test]
+    fn what_modes_leave_of_the_compliance_is_not_negative() {
+        const ROUNDOFF: f64 = 1e-10;
+        let mesh = mesh_block(&BlockOptions::uniform([0.02, 0.03, 0.04], [3, 2, 4])).unwrap();
+        let supports = Supports { followers: mesh.foot.clone(), ..Default::default() };
+        let element = element(&mesh, Material::STEEL, &supports);
+        let (few, many) = (element.modes(7).unwrap(), element.modes(30).unwrap());
+        assert_eq!((few.count(), many.count()), (7, 30));
+        let off = (few.stiffness(7) - many.stiffness(7)).abs().max() / few.stiffness(7).max();
+        assert!(off < ROUNDOFF, "{off:e}");
+        for motion in 0..6 {
+            let carried: f64 = (0..30).map(|mode| many.coupling(motion, mode).powi(2)).sum();
+            assert!(carried < many.rigid_mass(motion, motion), "{motion}");
+        }
+        assert!((many.rigid_mass(2, 2) / (7850.0 * 0.02 * 0.03 * 0.04) - 1.0).abs() < ROUNDOFF);
+        let n = element.compliance.nrows();
+        let shapes = DMatrix::from_fn(n, 30, |row, mode| many.contact(mode)[row]);
+        let compliance = DMatrix::from_fn(n, n, |i, j| element.compliance[(i, j)]);
+        let of_modes = &shapes * many.stiffness(30).try_inverse().unwrap() * shapes.transpose();
+        let values = SymmetricEigen::new(&compliance - of_modes).eigenvalues;
+        assert!(
+            values.min() > -ROUNDOFF * values.max() && values.max() > 0.0,
+            "{} {}",
+            values.min(),
+            values.max()
+        );
+    }
+
+    /// Goal: a body whose hub is free has no static solutions, and is refused.
+    #[test]
+    fn a_free_hub_is_refused() {
+        let mesh = mesh_block(&BlockOptions::uniform([0.02; 3], [2; 3])).unwrap();
+        let supports =
+            Supports { followers: mesh.foot.clone(), master_free: [true; 6], ..Default::default() };
+        let system = System::new(&mesh, Material::STEEL, Formulation::IncompatibleModes, &supports).unwrap();
+        let element = Superelement::effective(system, 1.0, 1e6, &[]).unwrap();
+        let refused = element.modes(4).unwrap_err().to_string();
+        assert!(refused.contains("hub is free"), "{refused}");
+    }
+}
