@@ -29,7 +29,7 @@ use crate::output::OutputFolder;
 use crate::records::{LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, VerificationRecord};
 use crate::results::{NewFile, Results, hash};
 use crate::springs;
-use crate::stages::{self, Calibration, Geometry, Meshes};
+use crate::stages::{self, Calibration, Geometry, Meshes, MovingBodies};
 use crate::store::{Artefact, Store};
 use crate::study::Study;
 
@@ -71,6 +71,9 @@ const OF_THE_RUNS: [&str; 3] = [VERIFICATION, REPORT, FIGURES];
 /// What is made from the verdict.
 const OF_THE_VERDICT: [&str; 2] = [REPORT, FIGURES];
 
+/// Bodies of a run on the solids, and the modes that were asked for.
+type Moving = (usize, Arc<MovingBodies>);
+
 /// A study on its way through the stages.
 pub struct Pipeline<'a> {
     study: &'a Study,
@@ -84,8 +87,10 @@ pub struct Pipeline<'a> {
     geometry: Option<Arc<Geometry>>,
     meshes: Option<Meshes>,
     reach: Option<Reach>,
-    /// The bodies of the calibration, for the laws by contact angle.
+    /// The bodies of the calibration, for the laws by contact angle and for the runs on the solids.
     condensed: Option<CondensedPair>,
+    /// The bodies of the last run on the solids.
+    moving: Option<Moving>,
 }
 
 impl<'a> Pipeline<'a> {
@@ -105,6 +110,7 @@ impl<'a> Pipeline<'a> {
             meshes: None,
             reach: None,
             condensed: None,
+            moving: None,
         }
     }
 

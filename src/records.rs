@@ -21,7 +21,7 @@ pub use by_angle::{
 pub use error_band::{BandPointRecord, ErrorBandRecord, ReferenceBandRecord, TargetRecord};
 pub use law::LawConstants;
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
-pub use run::{PairRecord, RunRecord, SpringsRecord, SpringsSource};
+pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};
 
 /// One key of a resolved study.

@@ -10,7 +10,7 @@ use railspring_calibrate::superelement::FactorSize;
 use super::Work;
 use crate::python::Purpose;
 use crate::stages::{self, FINER, Geometry, Meshes};
-use crate::study::{FieldKey, Study};
+use crate::study::{FieldKey, Study, TransientKey};
 
 /// Bytes of a value.
 pub(super) const VALUE: f64 = 8.0;
@@ -48,6 +48,10 @@ const SECONDS_FINE: f64 = 0.1;
 const SECONDS_HALVED: f64 = 0.8;
 /// Seconds of contact in a time step.
 const SECONDS_STEP: f64 = 0.03;
+/// Steps that a reduced run does with fewer modes as well, at the usual time step.
+const STEPS_COMPARED: f64 = 120.0;
+/// Share of a substitution that one of several at the same time takes.
+const SOLVED_AT_ONCE: f64 = 0.2;
 
 /// Memory of the reference's Python, bytes, for the values of the study's factors; measured on studies of 20 and
 /// 113 million values.
@@ -140,12 +144,33 @@ impl Estimate {
         let both = [&rail, &wheel];
         let substitution: f64 =
             both.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum();
-        for (name, steps) in &work.solids {
+        for (n, (name, steps)) in work.solids.iter().enumerate() {
+            let steps = *steps as f64;
+            let (memory, seconds) = match study.solid.transient {
+                TransientKey::Full => (
+                    both.map(Body::making_in_time).iter().sum::<f64>(),
+                    both.map(|body| body.seconds()).iter().sum::<f64>()
+                        + steps * (substitution + SECONDS_STEP),
+                ),
+                TransientKey::Reduced => {
+                    let modes = study.modes() as f64;
+                    let [condensing, stepping] = [Body::making_with_modes, Body::reduced]
+                        .map(|of| both.map(|body| of(body, modes)).iter().sum::<f64>());
+                    // the first steps are done a second time with fewer modes
+                    let contact = (steps + steps.min(STEPS_COMPARED)) * SECONDS_STEP;
+                    // the calibration, and the load case before, leave their bodies
+                    if work.calibrate || n > 0 {
+                        (stepping, contact)
+                    } else {
+                        let making = both.map(|body| body.seconds()).iter().sum::<f64>();
+                        (condensing.max(stepping), contact + making + modes * SOLVED_AT_ONCE * substitution)
+                    }
+                }
+            };
             stages.push(StageEstimate {
                 stage: format!("solid model, {name}"),
-                memory: base + OVERHEAD * both.map(Body::making_in_time).iter().sum::<f64>(),
-                seconds: both.map(|body| body.seconds()).iter().sum::<f64>()
-                    + *steps as f64 * (substitution + SECONDS_STEP),
+                memory: base + OVERHEAD * memory,
+                seconds,
             });
         }
         Ok(Self {
@@ -195,6 +220,17 @@ impl Body {
     fn making_in_time(&self) -> f64 {
         const MASS: f64 = 27.0 * 12.0;
         self.making() + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
+    }
+
+    /// The same for a body that is condensed with modes: besides the factor the modes, and as many products with the factor.
+    fn making_with_modes(&self, modes: f64) -> f64 {
+        self.making() + 2.0 * modes * VALUE * self.size.equations as f64
+    }
+
+    /// Bytes of a reduced body in time: its compliance, and its flexibility in a step with fewer modes and with all.
+    fn reduced(&self, modes: f64) -> f64 {
+        let rows = self.size.retained as f64;
+        VALUE * (3.0 * rows * rows + 4.0 * rows * modes)
     }
 
     /// The same body on a mesh of another size, whose factor grows as that of a body that is refined: the values with the power

@@ -7,7 +7,7 @@ use railspring_calibrate::superelement::{CondensedBody, Interior};
 use std::sync::Mutex;
 
 use super::Pipeline;
-use crate::stages::Bodies;
+use crate::stages::{Bodies, MovingBodies};
 use crate::store::{Artefact, Kind, Store};
 
 /// Part of an artefact: the body's file.
@@ -32,12 +32,38 @@ impl<'a> Pipeline<'a> {
 }
 
 impl BodySource<'_> {
-    /// The bodies of `solids`; `which` goes with their names in messages.
+    /// The bodies of `solids`, those that move with `modes` modes; `which` goes with their names in messages.
     ///
     /// # Errors
     /// Those of condensing them, and an interruption.
-    pub fn bodies<'m>(&self, solids: PairSolids<'m>, which: &str) -> Result<Bodies<'m>> {
-        // said in one order, whichever body is there first
+    pub fn bodies<'m>(&self, solids: PairSolids<'m>, which: &str, modes: usize) -> Result<Bodies<'m>> {
+        self.said(which, |say| {
+            let get = |body| self.body(&solids, body, modes, &|text| say(body, text));
+            Bodies::new(solids, get, self.monitor)
+        })
+    }
+
+    /// The bodies of `solids` that move in runs in time, with `modes` modes.
+    ///
+    /// # Errors
+    /// As [`Self::bodies`].
+    pub fn moving(&self, solids: &PairSolids<'_>, modes: usize) -> Result<MovingBodies> {
+        self.monitor.progress("superelements", 0, 2)?;
+        let bodies = self.said("", |say| {
+            let get = |body| self.body(solids, body, modes, &|text| say(body, text)).map(|(body, _)| body);
+            let (rail, wheel) = rayon::join(|| get(PairBody::RailOnEnds), || get(PairBody::Wheel));
+            Ok([rail?, wheel?])
+        })?;
+        self.monitor.progress("superelements", 2, 2)?;
+        Ok(bodies)
+    }
+
+    /// What `make` makes; what it says of the bodies is said afterwards, in one order, whichever body is there first.
+    fn said<T>(
+        &self,
+        which: &str,
+        make: impl FnOnce(&(dyn Fn(PairBody, String) + Sync)) -> Result<T>,
+    ) -> Result<T> {
         let notices: Mutex<[Vec<String>; 3]> = Mutex::default();
         let say = |body: PairBody, text: String| {
             let mut notices = notices.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -45,30 +71,32 @@ impl BodySource<'_> {
                 list.push(format!("{}{which}: {text}", body.name()));
             });
         };
-        let bodies =
-            Bodies::new(solids, |body| self.body(&solids, body, &|text| say(body, text)), self.monitor)?;
+        let made = make(&say)?;
         let notices = notices.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         notices.iter().flatten().for_each(|text| self.monitor.notice(text));
-        Ok(bodies)
+        Ok(made)
     }
 
     fn body<'m>(
         &self,
         solids: &PairSolids<'m>,
         body: PairBody,
+        modes: usize,
         say: &dyn Fn(String),
     ) -> Result<(CondensedBody, Option<Interior<'m>>)> {
         let key = solids.key(body);
+        let modes = if body.is_in_time() { modes } else { 0 };
+        let condense = |key| solids.condense_in_time(body, key, modes);
         let Some(store) = self.store else {
-            return solids.condense(body, key).map(|(condensed, interior)| (condensed, Some(interior)));
+            return condense(key).map(|(condensed, interior)| (condensed, Some(interior)));
         };
-        let address = store.address(Kind::Body, &key);
+        let address = store.address(Kind::Body, &(&key, modes));
         let read = |artefact: Artefact| CondensedBody::read(artefact.part(BODY).unwrap_or_default());
         if let Some(condensed) = (!self.fresh).then(|| store.take_as(&address, read, say)).flatten() {
             say("taken from the store".into());
             return Ok((condensed, None));
         }
-        let (condensed, interior) = solids.condense(body, key)?;
+        let (condensed, interior) = condense(key)?;
         let artefact = Artefact::default().with(BODY, condensed.write());
         store.keep(&address, body.name(), self.study, &artefact, say);
         say("made".into());

@@ -39,14 +39,18 @@ impl Stage for ByAngle {
             Some(bodies) => bodies,
             None => {
                 let meshes = at.meshes(Pipeline::calibration_work)?;
-                let bodies =
-                    at.body_source().bodies(stages::solids(study, &geometry, &meshes), "")?.condensed;
+                let bodies = at
+                    .body_source()
+                    .bodies(stages::solids(study, &geometry, &meshes), "", study.modes())?
+                    .condensed;
                 at.go_on_with(meshes);
                 bodies
             }
         };
         let mut others = Others { at, geometry: &geometry, longer: None };
         let laws = stages::by_angle(study, &geometry, &bodies, &mut others, monitor)?;
+        // the runs on the solids take them next
+        at.condensed = (study.modes() > 0).then_some(bodies);
         let rows = to_csv(&laws.rows());
         Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }
@@ -105,7 +109,7 @@ impl BodiesByAngle for Others<'_, '_> {
             return Ok(None);
         }
         let solids = stages::solids(study, geometry, &next);
-        let bodies = self.at.body_source().bodies(solids, " of a longer window")?.condensed;
+        let bodies = self.at.body_source().bodies(solids, " of a longer window", 0)?.condensed;
         self.longer = Some(next);
         Ok(Some(bodies))
     }
@@ -118,7 +122,7 @@ impl BodiesByAngle for Others<'_, '_> {
         self.with_meshes(|at, meshes| {
             let condense = |coarser: &Meshes| {
                 let solids = stages::solids(at.study, geometry, coarser);
-                at.body_source().bodies(solids, which).map(|bodies| bodies.condensed)
+                at.body_source().bodies(solids, which, 0).map(|bodies| bodies.condensed)
             };
             let coarser = stages::coarser_bodies(at.study, geometry, meshes, condense)?;
             Ok((meshes.contact_element(), coarser))

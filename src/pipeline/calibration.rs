@@ -46,20 +46,20 @@ impl Stage for Calibrate {
         let geometry = at.geometry()?;
         let mut meshes = at.meshes(Pipeline::calibration_work)?;
         let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
-        let source = at.body_source();
+        let (source, modes) = (at.body_source(), study.modes());
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
         };
         let press = |meshes: &Meshes| {
             let solids = stages::solids(study, &geometry, meshes);
-            let Bodies { condensed, interiors } = source.bodies(solids, "")?;
+            let Bodies { condensed, interiors } = source.bodies(solids, "", modes)?;
             let (calibration, fields, laws) =
                 stages::calibrate(study, &geometry, meshes, &condensed, interiors, monitor)?;
             Ok((calibration, fields, laws, condensed))
         };
         let condense = |coarser: &Meshes| {
             let solids = stages::solids(study, &geometry, coarser);
-            source.bodies(solids, " of coarser elements").map(|bodies| bodies.condensed)
+            source.bodies(solids, " of coarser elements", 0).map(|bodies| bodies.condensed)
         };
         let (Calibration { stiffness, load_curve, patches, horizontal_failure }, fields, condensed) = loop {
             let (mut calibration, fields, laws, condensed) = stages::within_zones(
@@ -86,7 +86,7 @@ impl Stage for Calibrate {
             break (calibration, fields, condensed);
         };
         let reach = at.go_on_with(meshes);
-        at.condensed = study.wants_by_angle().then_some(condensed);
+        at.condensed = (study.wants_by_angle() || modes > 0).then_some(condensed);
         let mut artefact = Artefact::default()
             .with(REACH, to_json(&reach))
             .with(STIFFNESS, to_json(&stiffness))

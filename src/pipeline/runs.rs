@@ -1,12 +1,15 @@
 //! The load cases as stages: a run of the simple model and one of the solid model.
 
+use std::cell::RefCell;
 use std::path::Path;
+use std::sync::Arc;
 
 use railspring_calibrate::error::Result;
 use railspring_calibrate::history::{Ending, History};
+use railspring_calibrate::pair::PairBody;
 
 use super::stage::{Made, REACH, Stage};
-use super::{OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};
+use super::{Moving, OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};
 use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{RunRecord, SpringsRecord, history_csv};
@@ -100,11 +103,32 @@ impl Stage for SimulateSolid<'_> {
         let accept = |larger: &Meshes| {
             budget.check(study, &geometry, larger, &Work::of(study, false, true)).map(|_| ())
         };
-        let run = |meshes: &Meshes| stages::simulate_solid(study, &geometry, meshes, self.scenario, monitor);
-        let history = stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, |_| None)
+        let of_calibration =
+            at.condensed.take().map(|pair| (study.modes(), Arc::new([pair.rail_on_ends, pair.wheel])));
+        let moving = RefCell::new(of_calibration.or(at.moving.take()));
+        let source = at.body_source();
+        let run = |meshes: &Meshes| {
+            let solids = stages::solids(study, &geometry, meshes);
+            let bodies = |modes| {
+                let wanted = [PairBody::RailOnEnds, PairBody::Wheel].map(|body| solids.key(body));
+                let known = moving.take().filter(|(with, bodies): &Moving| {
+                    *with == modes && bodies.iter().zip(&wanted).all(|(body, key)| body.key == *key)
+                });
+                let bodies = match known {
+                    Some((_, bodies)) => bodies,
+                    None => Arc::new(source.moving(&solids, modes)?),
+                };
+                moving.replace(Some((modes, bodies.clone())));
+                Ok(bodies)
+            };
+            stages::simulate_solid(study, &geometry, meshes, &bodies, self.scenario, monitor)
+        };
+        let run = stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, |_| None)
             .map_err(|error| study.in_scenario(self.name, error))?;
+        at.moving = moving.into_inner();
         let reach = at.go_on_with(meshes);
-        let artefact = artefact(&history, &RunRecord::new(&history, None, Vec::new()));
+        let record = RunRecord::of_solid(&run.history, run.reduction.as_ref());
+        let artefact = artefact(&run.history, &record);
         Ok(Made::whole(artefact.with(REACH, to_json(&reach))))
     }
 

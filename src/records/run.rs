@@ -1,6 +1,7 @@
 //! What belongs to a history besides its rows: the model's size, how the run ended, and the springs that it ran with.
 
 use railspring_calibrate::history::{Ending, History};
+use railspring_calibrate::transient::Reduction;
 use serde::{Deserialize, Serialize};
 
 use super::{BeamFactors, LawConstants};
@@ -18,6 +19,9 @@ pub struct RunRecord {
     /// The springs of the simple model; none in a run of the solid model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub springs: Option<SpringsRecord>,
+    /// The modes of the reduced bodies of the solid model; none at full order and in a run of the simple model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<ReductionRecord>,
     /// What has to be known about the run, for instance that it leaves the law's fitted range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -31,13 +35,54 @@ impl RunRecord {
             ending: history.ending.name().into(),
             left_at_s: history.ending.time(),
             springs: springs.cloned(),
+            reduction: None,
             notes,
         }
+    }
+
+    /// The record of a run of the solid model.
+    pub fn of_solid(history: &History, reduction: Option<&Reduction>) -> Self {
+        let record = reduction.map(ReductionRecord::from);
+        let notes = reduction.filter(|reduction| !reduction.suffices()).map(|reduction| {
+            let [vertical, lateral] = reduction.change.map(|change| 100.0 * change);
+            format!(
+                "with {} modes of each body P still changes by {vertical:.2} % and Q by {lateral:.2} % of the peak; \
+                 solid.transient = \"full\" does without modes",
+                reduction.modes[0].max(reduction.modes[1])
+            )
+        });
+        Self { reduction: record, ..Self::new(history, None, notes.into_iter().collect()) }
     }
 
     /// How the run ended; `None` if the record names no known ending.
     pub fn ending(&self) -> Option<Ending> {
         Ending::from_parts(&self.ending, self.left_at_s)
+    }
+}
+
+/// The modes of a reduced solid model, and what they are worth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReductionRecord {
+    /// Modes of the rail.
+    pub rail_modes: usize,
+    /// Modes of the wheel.
+    pub wheel_modes: usize,
+    /// Largest change of P with the modes, against a run with fewer, over its peak.
+    pub vertical_change: f64,
+    /// The same of Q.
+    pub lateral_change: f64,
+    /// Modes of rail and wheel in the run with fewer.
+    pub against_modes: [usize; 2],
+    /// Time up to which the two are compared, s.
+    pub compared_until_s: f64,
+}
+
+impl From<&Reduction> for ReductionRecord {
+    fn from(reduction: &Reduction) -> Self {
+        let ([rail_modes, wheel_modes], [vertical_change, lateral_change]) =
+            (reduction.modes, reduction.change);
+        let (against_modes, compared_until_s) = (reduction.fewer, reduction.time);
+        Self { rail_modes, wheel_modes, vertical_change, lateral_change, against_modes, compared_until_s }
     }
 }
 

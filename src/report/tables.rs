@@ -56,10 +56,22 @@ pub(super) fn notes(verdict: &VerificationRecord) -> Vec<(String, String)> {
     notes
 }
 
-/// Degrees of freedom of the models, as rows of text: scenario, simple, solid.
+/// Degrees of freedom of the models, and modes of the solid one, as rows of text: scenario, simple, solid.
 pub(super) fn models(verdict: &VerificationRecord) -> Vec<[String; 3]> {
     let size = |run: Option<&RunRecord>| {
-        run.map_or_else(|| "not run".into(), |run| number(run.degrees_of_freedom as f64))
+        let Some(run) = run else { return "not run".into() };
+        let size = number(run.degrees_of_freedom as f64);
+        let Some(reduction) = &run.reduction else { return size };
+        let percent = |change: f64| format!("{} %", number(100.0 * change));
+        format!(
+            "{size}, reduced to {} modes of the rail and {} of the wheel; against {} and {} of them P changes by {} and Q by {} of the peak",
+            reduction.rail_modes,
+            reduction.wheel_modes,
+            reduction.against_modes[0],
+            reduction.against_modes[1],
+            percent(reduction.vertical_change),
+            percent(reduction.lateral_change)
+        )
     };
     verdict
         .scenarios

@@ -24,7 +24,7 @@ pub use error_band::{
 };
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use sections::repairs;
-pub use simulate::{Springs, simulate, simulate_solid};
+pub use simulate::{MovingBodies, Springs, simulate, simulate_solid};
 pub use zones::{check_loads, enlarged, mesh_options, within_zones};
 
 use std::path::Path;

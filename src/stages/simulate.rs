@@ -1,13 +1,16 @@
 //! A load case on the moving solver and on the transient solid model.
 
-use railspring_calibrate::error::Result;
+use std::sync::Arc;
+
+use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::transient::TransientModel;
+use railspring_calibrate::superelement::CondensedBody;
+use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel, TransientRun};
 
 use super::{Geometry, Meshes, contact_field, enforcement, formulation};
-use crate::study::{SlidingMatrixKey, Study, StudyScenario};
+use crate::study::{SlidingMatrixKey, Study, StudyScenario, TransientKey};
 use railspring_calibrate::beam::BeamCorrection;
 use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
 
@@ -52,23 +55,46 @@ pub fn simulate(
     Ok(model.run(&scenario.scenario, monitor)?.history)
 }
 
-/// The solid model under the same load case.
+/// Most modes that are asked for; with these a run goes on whatever the estimate of their error says.
+const MOST_MODES: usize = 4 * START_MODES;
+
+/// The rail between its ends and the wheel, with modes.
+pub type MovingBodies = [CondensedBody; 2];
+
+/// The solid model under the same load case; `bodies` gives those of the meshes with so many modes.
 ///
 /// # Errors
-/// Contact iterations that do not converge.
+/// Contact iterations that do not converge, and those of `bodies`.
 pub fn simulate_solid(
     study: &Study,
     geometry: &Geometry,
     meshes: &Meshes,
+    bodies: &dyn Fn(usize) -> Result<Arc<MovingBodies>>,
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
-) -> Result<History> {
-    let model = TransientModel::of_pair(
-        &geometry.pair,
-        [&meshes.rail, &meshes.wheel],
-        study.material,
-        formulation(study),
-        (enforcement(study), contact_field(study)),
-    );
-    Ok(model.run(&scenario.scenario, monitor)?.history)
+) -> Result<TransientRun> {
+    let (pair, material) = (&geometry.pair, study.material);
+    let contact = (enforcement(study), contact_field(study));
+    if study.solid.transient == TransientKey::Full {
+        let meshes = [&meshes.rail, &meshes.wheel];
+        let model = TransientModel::of_pair(pair, meshes, material, formulation(study), contact);
+        return model.run(&scenario.scenario, monitor);
+    }
+    let run = |modes, count| {
+        let bodies = bodies(modes)?;
+        let [rail, wheel] = &*bodies;
+        TransientModel::reduced(pair, [rail, wheel], count, material, contact)
+            .run(&scenario.scenario, monitor)
+    };
+    if let Some(modes) = study.solid.modes {
+        return run(modes, ModeCount::Given(modes));
+    }
+    let mut modes = START_MODES;
+    while modes < MOST_MODES {
+        match run(modes, ModeCount::Estimated) {
+            Err(Error::Numerics(cause)) if cause.reason == StopReason::TooFewModes => modes *= 2,
+            done => return done,
+        }
+    }
+    run(modes, ModeCount::Given(modes))
 }

@@ -7,6 +7,7 @@
 
 mod bodies;
 mod output;
+mod solid;
 
 use std::collections::BTreeMap;
 
@@ -16,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use bodies::{Inclination, MeshUnitKey, ProfileUnitKey, RailKeys, WebKey, WheelKeys};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
+pub use solid::{SolidKeys, TransientKey};
 
 use crate::verify::Limits;
 
@@ -51,6 +53,9 @@ pub struct StudyDocument {
     /// The simple moving-contact model.
     #[serde(default)]
     pub simulation: SimulationKeys,
+    /// The solid model in time.
+    #[serde(default)]
+    pub solid: SolidKeys,
     /// Load cases by name.
     #[serde(default)]
     pub scenario: BTreeMap<String, ScenarioKeys>,

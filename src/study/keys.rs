@@ -18,7 +18,7 @@ use super::{MeasuredSurface, MeshFile, Rail, Wheel};
 /// The hashes of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Keys {
-    /// The whole study without its descriptions and limits, and without the field of its contact: that of a cross-check is the
+    /// The whole study without its descriptions and limits, without the bodies in time, and without the field of its contact: that of a cross-check is the
     /// elements.
     pub crosscheck: String,
     /// What the load curve, the laws, the horizontal stiffness and the fields depend on.
@@ -72,13 +72,13 @@ impl Keys {
 
         // The deflection of the beam is part of the calibration, and the beam is that of the simulation.
         let calibrated = |sections: &Value| hash(&(sections, numeric.simulation.rail_elements, window_given));
-        let calibration = without(&whole, &["scenario", "simulation", "verification"]);
+        let calibration = without(&whole, &["scenario", "simulation", "solid", "verification"]);
         let mut springs = without(&calibration, &["name"]);
         for key in ["damping_ratio", "damping_frequency_hz"] {
             remove(&mut springs, "material", key);
         }
         // the reference solvers have the nodes of the meshes
-        let mut crosscheck = whole.clone();
+        let mut crosscheck = without(&whole, &["solid"]);
         remove(&mut crosscheck, "contact", "field");
         remove(&mut crosscheck, "calibration", "error_band");
         let (calibration, springs) = (calibrated(&calibration), calibrated(&springs));
@@ -91,6 +91,7 @@ impl Keys {
                 "contact",
                 "calibration",
                 "simulation",
+                "solid",
                 "scenario",
                 "verification",
             ],
@@ -105,7 +106,8 @@ impl Keys {
         }
 
         // The springs carry what the simple model has of the meshes and of the calibration.
-        let mut simple = without(&whole, &["name", "mesh", "calibration", "scenario", "verification"]);
+        let mut simple =
+            without(&whole, &["name", "mesh", "calibration", "solid", "scenario", "verification"]);
         // Which scenario is the main one decides on names of files alone.
         remove(&mut simple, "simulation", "scenario");
         let solid = without(&whole, &["name", "calibration", "simulation", "scenario", "verification"]);

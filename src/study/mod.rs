@@ -23,13 +23,14 @@ use railspring_calibrate::profile::wheels::Flange;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::Material;
+use railspring_calibrate::transient::START_MODES;
 use railspring_calibrate::units::MILLIMETRE;
 use serde::Deserialize;
 use toml::de::DeTable;
 
 pub use document::{
     ElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, OutputKeys, ReferenceKey, SlidingMatrixKey,
-    SolidLoadsKey, SpacingKey, StudyDocument, VerticalKey,
+    SolidKeys, SolidLoadsKey, SpacingKey, StudyDocument, TransientKey, VerticalKey,
 };
 pub use keys::Keys;
 pub use source::{LocatedError, Mistakes, Source};
@@ -66,6 +67,8 @@ pub struct Study {
     pub calibration: CalibrationSettings,
     /// The simple model.
     pub simulation: SimulationSettings,
+    /// The solid model in time.
+    pub solid: SolidKeys,
     /// Load cases by name.
     pub scenarios: BTreeMap<String, StudyScenario>,
     /// Name of the load case whose histories have the plain file names.
@@ -224,7 +227,7 @@ pub struct StudyScenario {
 }
 
 /// Sections of the study file, in their order.
-pub const SECTIONS: [&str; 11] = [
+pub const SECTIONS: [&str; 12] = [
     "rail",
     "wheel",
     "track",
@@ -233,6 +236,7 @@ pub const SECTIONS: [&str; 11] = [
     "contact",
     "calibration",
     "simulation",
+    "solid",
     "scenario",
     "verification",
     "output",
@@ -247,6 +251,13 @@ impl Study {
     /// Whether the laws get their error bands, for themselves or for the meshes that a wanted one asks for.
     pub fn wants_error_band(&self) -> bool {
         self.calibration.error_band || self.target_error.is_some()
+    }
+
+    /// Modes that the bodies are condensed with: those that reduced runs begin with, none where there is no such run.
+    pub fn modes(&self) -> usize {
+        let reduced = self.solid.transient == TransientKey::Reduced;
+        let runs = self.scenarios.values().any(|case| case.solid);
+        if reduced && runs { self.solid.modes.unwrap_or(START_MODES) } else { 0 }
     }
 
     /// Reads and checks a study file.

@@ -109,6 +109,7 @@ pub(super) fn resolve(
             sliding_matrix: document.simulation.sliding_matrix,
             law_accepted: document.simulation.law_accepted,
         },
+        solid: document.solid,
         scenarios,
         main_scenario,
         limits: document.verification,

@@ -65,6 +65,7 @@ fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
     assert_eq!(plain, hash("[verification]\nvertical_rms = 0.5\n"));
     assert_eq!(plain, hash("[contact]\nfield = \"elements\"\n"), "a cross-check has elements");
     assert_eq!(plain, hash("[output]\nvertical = \"up\"\n"));
+    assert_eq!(plain, hash("[solid]\ntransient = \"full\"\n"), "a cross-check is static");
     assert_ne!(plain, hash("[track]\ngauge_mm = 1436\n"));
     assert_ne!(plain, hash("[mesh]\nelement = \"full-integration\"\n"));
     // layers count as they are in the end, whether they are given or follow
@@ -109,6 +110,8 @@ fn every_result_has_a_key_of_its_own_inputs() {
         ("[calibration]\nload_max_kn = 140\n", &["calibration"]),
         ("[simulation]\nrail_elements = 10\n", &["calibration", "simple one", "simple two"]),
         ("[simulation]\nlaw = \"published\"\n", &["simple one", "simple two"]),
+        ("[solid]\ntransient = \"full\"\n", &["solid one"]),
+        ("[solid]\nmodes = 40\n", &["solid one"]),
         ("[output]\nvertical = \"up\"\n", &["calibration"]),
         ("[output]\nvertical = \"down\"\n", &[]),
         ("[mesh]\ngrowth = 1.5\n", &["calibration", "solid one"]),

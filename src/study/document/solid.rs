@@ -1,0 +1,32 @@
+//! The section `solid`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The solid model in time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SolidKeys {
+    /// How many equations of the bodies are solved in a time step.
+    pub transient: TransientKey,
+    /// Number of modes of each reduced body; left out, as many as it takes until P and Q change by less than 0.3 % of their peaks.
+    #[schemars(range(min = 1, max = 1000))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modes: Option<usize>,
+}
+
+impl Default for SolidKeys {
+    fn default() -> Self {
+        Self { transient: TransientKey::Reduced, modes: None }
+    }
+}
+
+/// How many equations of the bodies are solved in a time step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TransientKey {
+    /// The bodies reduced to the motions of their hub, a few modes, and the static compliance of their contact nodes.
+    Reduced,
+    /// All of them, factored for the time step; what the reduced bodies are compared with.
+    Full,
+}
