@@ -6,8 +6,8 @@
 
 mod brick;
 mod numbering;
-mod assembly;
 mod columns;
+mod assembly;
 mod locate;
 mod stress;
 
