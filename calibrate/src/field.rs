@@ -141,6 +141,8 @@ fields! {
     HorizontalStiffness = "horizontal_stiffness",
     /// Time step of a scenario.
     TimeStep = "time_step",
+    /// Steps of the integration within each time step of a scenario.
+    InnerSteps = "inner_steps",
     /// Number of time steps of a scenario.
     Steps = "steps",
     /// Coulomb friction of a scenario.

@@ -90,8 +90,10 @@ impl Kelvin {
 pub struct Scenario {
     /// Number of time steps after the initial state.
     pub steps: usize,
-    /// Time step, s.
+    /// Time step of the history, s.
     pub time_step: f64,
+    /// Steps of the integration within each of these.
+    pub inner_steps: usize,
     /// Coulomb friction coefficient of wheel on rail.
     pub friction: f64,
     /// Gravity, m/s², acting on the wheel and the suspended mass; 0 leaves it out.
@@ -149,6 +151,7 @@ impl Scenario {
         Self {
             steps,
             time_step,
+            inner_steps: 1,
             friction,
             gravity: 0.0,
             suspended_mass: 0.0,
@@ -162,6 +165,11 @@ impl Scenario {
             speed: 0.0,
             rotations_held: true,
         }
+    }
+
+    /// Length of a step of the integration, s.
+    pub fn inner_step(&self) -> f64 {
+        self.time_step / self.inner_steps as f64
     }
 
     /// Displacement (m) since t = 0 of the point where the lateral force acts, positive towards the field side, from that of
@@ -195,6 +203,14 @@ impl Scenario {
                     format!("lower `{}` to {longest:.3e} s or less, or the frequency", InputField::TimeStep),
                 ));
             }
+        }
+        if self.inner_steps == 0 {
+            return Err(InputError::new(
+                InputField::InnerSteps,
+                self.inner_steps,
+                "at least one step of the integration in each of the history",
+                "set it to 1, or to more for impacts",
+            ));
         }
         let spring = self.vertical_suspension;
         if self.suspended_mass > 0.0 && spring.stiffness == 0.0 && spring.damping == 0.0 {
@@ -270,6 +286,8 @@ mod tests {
         let loose = Kelvin { stiffness: 0.0, damping: 0.0 };
         let slow = Scenario { lateral_force: HarmonicForce::NONE, vertical_suspension: loose, ..scenario };
         assert!(slow.check().unwrap_err().to_string().contains("vertical_suspension"));
-        Scenario { suspended_mass: 0.0, ..slow }.check().unwrap();
+        Scenario { suspended_mass: 0.0, ..slow.clone() }.check().unwrap();
+        let none = Scenario { inner_steps: 0, suspended_mass: 0.0, ..slow };
+        assert!(none.check().unwrap_err().to_string().starts_with("inner_steps = 0"));
     }
 }

@@ -90,6 +90,7 @@ mod tests {
         Scenario {
             steps: 1,
             time_step: 5e-4,
+            inner_steps: 1,
             friction: 0.3,
             gravity: 9.81,
             suspended_mass,

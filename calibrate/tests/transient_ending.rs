@@ -4,7 +4,7 @@
 use nalgebra::Vector2;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::contact::Surface;
-use railspring_calibrate::history::{Departure, Ending, History};
+use railspring_calibrate::history::{Departure, Ending, History, HistoryRow};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
@@ -75,6 +75,26 @@ fn a_force_without_suspended_mass_reaches_the_wheel() {
     for (bare, chained) in runs[1].rows.iter().zip(&runs[2].rows) {
         assert!((bare.vertical_force - chained.vertical_force).abs() <= SOLVER * peak, "{} s", bare.time);
         assert!((bare.wheel_z - chained.wheel_z).abs() <= SOLVER * 1e-3, "{} s", bare.time);
+    }
+}
+
+/// Goal: steps within those of the history are steps: the rows of a run with two of them are every second row of the run with time steps
+/// of half the length, and a wheel that leaves the rail does so at the same time. Accuracy: to the bit.
+#[test]
+fn inner_steps_are_steps() {
+    for scenario in [scenario(2e3, 50e3, 12, 2e-4), scenario(-500e3, -10e3, 50, 1e-3)] {
+        let inner = Scenario { inner_steps: 2, ..scenario.clone() };
+        let short =
+            Scenario { steps: 2 * scenario.steps, time_step: 0.5 * scenario.time_step, ..scenario.clone() };
+        let (runs, _) = run(&[inner, short]);
+        let [inner, short] = &runs[..] else { unreachable!("two runs") };
+        assert_eq!(inner.ending, short.ending);
+        assert_eq!(inner.rows.len(), (short.rows.len() - 1) / 2 + 1);
+        assert!(inner.rows.len() > 10);
+        for (a, b) in inner.rows.iter().zip(short.rows.iter().step_by(2)) {
+            assert!((a.time - b.time).abs() < 1e-12);
+            assert_eq!(HistoryRow { time: b.time, load_y: b.load_y, ..a.clone() }, *b, "{} s", a.time);
+        }
     }
 }
 

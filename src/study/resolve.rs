@@ -348,6 +348,7 @@ fn scenario(keys: &ScenarioKeys, friction: f64) -> StudyScenario {
         scenario: Scenario {
             steps: keys.steps,
             time_step: keys.time_step_s,
+            inner_steps: 1,
             friction: keys.friction.unwrap_or(friction),
             gravity: keys.gravity_m_per_s2,
             suspended_mass: keys.suspended_mass_t * TONNE,

@@ -222,7 +222,7 @@ impl TransientModel<'_> {
 
 /// The scheme of a run: average acceleration.
 fn scheme(scenario: &Scenario) -> Newmark {
-    Newmark::new(scenario.time_step, 0.0)
+    Newmark::new(scenario.inner_step(), 0.0)
 }
 
 /// Free motions of the hub (1 to 5: translations y, z, rotations).

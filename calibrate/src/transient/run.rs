@@ -93,15 +93,29 @@ impl<'m, B: ElasticBody> Run<'m, B> {
         while self.rows.len() <= last && self.ending == Ending::Completed {
             let step = self.rows.len();
             monitor.progress("transient solid model", step - 1, self.scenario.steps)?;
-            self.step(step, observe).map_err(|e| e.at_step(step))?;
+            let mut row = None;
+            for inner in 1..=self.scenario.inner_steps {
+                let number = (step - 1) * self.scenario.inner_steps + inner;
+                row = self.step(number, observe).map_err(|e| e.at_step(step))?;
+                if row.is_none() {
+                    break;
+                }
+            }
+            self.rows
+                .extend(row.map(|row| HistoryRow { time: step as f64 * self.scenario.time_step, ..row }));
         }
         monitor.progress("transient solid model", self.rows.len() - 1, self.scenario.steps)
     }
 
-    fn step(&mut self, step: usize, observe: &mut dyn FnMut(&Step) -> Result<()>) -> Result<()> {
+    /// Step `number` of the integration, and the state at its end; none where the wheel has left the rail.
+    fn step(
+        &mut self,
+        number: usize,
+        observe: &mut dyn FnMut(&Step) -> Result<()>,
+    ) -> Result<Option<HistoryRow>> {
         let scenario = self.scenario;
         let scheme = scheme(scenario);
-        let t = step as f64 * scheme.step();
+        let t = number as f64 * scheme.step();
         let (hub, suspended) = self.hub.forces(scenario, t, &self.suspension);
         let wheel_load = BodyLoad { hub, gravity: scenario.gravity };
         let [rail_state, wheel_state] = &self.states;
@@ -124,11 +138,11 @@ impl<'m, B: ElasticBody> Run<'m, B> {
         let rail_extent = lateral_extent(model.placed_rail.curve.knot_points());
         if let Some(departure) = departure(rail_extent, model.wheel_extent().map(|y| y + hub.x)) {
             self.ending = Ending::Departed { time: t, departure };
-            return Ok(());
+            return Ok(None);
         }
         self.hub.advance(&scheme, &hub, &self.suspension, &suspended);
         let force = resultant(points, &solution.forces);
-        self.rows.push(HistoryRow {
+        let row = HistoryRow {
             time: t,
             vertical_force: -force.z,
             lateral_force: -force.y,
@@ -136,7 +150,7 @@ impl<'m, B: ElasticBody> Run<'m, B> {
             wheel_z: hub.y,
             load_y: scenario.load_travel(t, hub.x),
             contacts: model.contacts(points, solution),
-        });
+        };
         let [rail, wheel] = self.bodies;
         observe(&Step {
             displacements: [rail.contact_displacement(&states[0]), wheel.contact_displacement(&states[1])],
@@ -148,7 +162,7 @@ impl<'m, B: ElasticBody> Run<'m, B> {
         })?;
         self.states = states;
         self.contact = solved;
-        Ok(())
+        Ok(Some(row))
     }
 
     /// The run as far as it has come.

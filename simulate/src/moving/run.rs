@@ -98,13 +98,14 @@ fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Resul
     let mut rows = vec![run.row(0.0, &solution)];
     let mut rail = vec![section_motion(&solution)];
     let mut ending = Ending::Completed;
-    for step in 0..scenario.steps {
+    let inner = scenario.inner_step();
+    for number in 0..scenario.steps * scenario.inner_steps {
+        let step = number / scenario.inner_steps;
         monitor.progress("simulate", step, scenario.steps)?;
-        let time = step as f64 * scenario.time_step;
         let left = run.evaluations_left.get() + EVALUATIONS_A_STEP;
         run.evaluations_left.set(left);
         let advanced = run
-            .advance(&mut surface, &mut state, time, scenario.time_step, 0, &mut statistics)
+            .advance(&mut surface, &mut state, number as f64 * inner, inner, 0, &mut statistics)
             .map_err(|error| at_step(error, step + 1))?;
         statistics.evaluations += left - run.evaluations_left.get();
         let solution = match advanced {
@@ -114,9 +115,11 @@ fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Resul
                 break;
             }
         };
-        rows.push(run.row((step + 1) as f64 * scenario.time_step, &solution));
-        rail.push(section_motion(&solution));
         penalty_errors.push(run.penalty_error(&solution));
+        if (number + 1) % scenario.inner_steps == 0 {
+            rows.push(run.row((step + 1) as f64 * scenario.time_step, &solution));
+            rail.push(section_motion(&solution));
+        }
     }
     let largest = penalty_errors.iter().fold(0.0, |m: f64, e| m.max(e.0));
     let counted = penalty_errors.iter().filter(|e| e.0 >= 0.1 * largest);
