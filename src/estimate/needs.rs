@@ -222,9 +222,10 @@ impl Body {
         self.making() + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
     }
 
-    /// The same for a body that is condensed with modes: besides the factor the modes, and as many products with the factor.
+    /// The same for a body that is condensed with modes: besides the factor the modes, and what is solved at the same time.
     fn making_with_modes(&self, modes: f64) -> f64 {
-        self.making() + 2.0 * modes * VALUE * self.size.equations as f64
+        const SOLVED: f64 = 24.0;
+        self.making() + (modes + SOLVED) * VALUE * self.size.equations as f64
     }
 
     /// Bytes of a reduced body in time: its compliance, and its flexibility in a step with fewer modes and with all.

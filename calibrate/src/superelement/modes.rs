@@ -112,17 +112,34 @@ impl Superelement<'_> {
         }
         let vectors = self.lanczos(&mass, &Surface::new(&self.system)?, first, count);
         let kept = vectors.len();
-        let root = self.factor.root_times(Mat::from_fn(equations, kept, |row, n| vectors[n][row]).as_ref());
-        let energy = |i: usize, j: usize| dot(root.col_as_slice(i), root.col_as_slice(j));
+        let shapes = Mat::from_fn(contact, kept, |row, mode| vectors[mode][interior + row]);
+        let coupling = DMatrix::from_fn(6, kept, |motion, mode| dot(&inertia[motion], &vectors[mode]));
+        let roots = self.roots(vectors);
+        let energy = |i: usize, j: usize| dot(&roots[i], &roots[j]);
         Ok(Modes {
-            contact: Mat::from_fn(contact, kept, |row, mode| vectors[mode][interior + row]),
+            contact: shapes,
             stiffness: DMatrix::from_fn(kept, kept, |i, j| energy(i.min(j), i.max(j))),
-            coupling: DMatrix::from_fn(6, kept, |motion, mode| dot(&inertia[motion], &vectors[mode])),
+            coupling,
             rigid: Matrix6::from_fn(|i, k| {
                 0.5 * (dot(&impulses[i], &moved[k]) + dot(&impulses[k], &moved[i]))
             }),
             master,
         })
+    }
+
+    /// The products of [`Factor::root_times`], which take the place of the vectors.
+    fn roots(&self, vectors: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        const AT_ONCE: usize = 8;
+        let mut roots = Vec::with_capacity(vectors.len());
+        let mut vectors = vectors.into_iter();
+        loop {
+            let some: Vec<Vec<f64>> = vectors.by_ref().take(AT_ONCE).collect();
+            let Some(first) = some.first() else { return roots };
+            let columns = Mat::from_fn(first.len(), some.len(), |row, n| some[n][row]);
+            drop(some);
+            let products = self.factor.root_times(columns.as_ref());
+            roots.extend((0..products.ncols()).map(|n| products.col_as_slice(n).to_vec()));
+        }
     }
 
     /// Block Lanczos from some loads (by equation) on: vectors that are orthonormal with the mass.
