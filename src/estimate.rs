@@ -18,8 +18,8 @@ use crate::stages::{self, Geometry, Meshes};
 use crate::study::Study;
 
 use machine::available;
-use needs::{ASSEMBLY, NODE, VALUE, reference_memory};
 pub use needs::{Estimate, StageEstimate};
+use needs::{NODE, VALUE, reference_memory};
 
 /// Bytes of a gibibyte.
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -33,7 +33,7 @@ const FIRST_LOOK: f64 = 2.0;
 pub struct Work {
     /// Whether it calibrates, or answers the questions of a cross-check, which takes as much.
     pub calibrate: bool,
-    /// Load cases of the solid model: name and steps.
+    /// Load cases of the solid model: name and steps of the integration.
     pub solids: Vec<(String, usize)>,
     /// The questions to the reference.
     pub reference: Option<Purpose>,
@@ -43,7 +43,8 @@ impl Work {
     /// What the study asks for: with or without the calibration, with or without its load cases.
     pub fn of(study: &Study, calibrate: bool, solids: bool) -> Self {
         let cases = study.scenarios.iter().filter(|(_, case)| solids && case.solid);
-        let solids = cases.map(|(name, case)| (name.clone(), case.scenario.steps)).collect();
+        let solids =
+            cases.map(|(name, case)| (name.clone(), case.scenario.steps * study.solid.inner_steps)).collect();
         Self { calibrate, solids, reference: None }
     }
 
@@ -194,7 +195,7 @@ fn first_look(size: &MeshSize, work: &Work) -> f64 {
     let factors = if work.calibrate { 1.5 } else { 1.0 };
     let own = VALUE * (factors * values + (factors + 1.0) * dense);
     let factored = work.reference.map_or(own, |purpose| own.max(reference_memory(purpose, values)));
-    factored.max(ASSEMBLY * size.hexes as f64) + NODE * size.nodes as f64
+    factored + NODE * size.nodes as f64
 }
 
 /// The refusal of a study, with sizes of the contact elements for which `needed` stays within the budget.

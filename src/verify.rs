@@ -12,6 +12,7 @@
 mod line;
 mod limits;
 mod signals;
+mod step_change;
 
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::{Ending, History, HistoryRow};
@@ -20,6 +21,7 @@ use serde::{Deserialize, Serialize};
 pub use limits::Limits;
 pub use line::{Criterion, Kind, Line, NotApplicable};
 pub use signals::{Both, ModeFractions, Separation, averaged_ratio, mode_fractions, separations};
+pub use step_change::StepChange;
 
 use line::rounded;
 use signals::pair_separations;

@@ -16,8 +16,6 @@ use crate::study::{FieldKey, Study, TransientKey};
 pub(super) const VALUE: f64 = 8.0;
 /// Bytes of an entry of a sparse matrix: value and row.
 const ENTRY: f64 = 16.0;
-/// Bytes a hexahedron while a matrix is assembled: its stiffness (4.6 kB), 300 triplets, and their sorting.
-pub(super) const ASSEMBLY: f64 = 17e3;
 /// Bytes a node of a mesh, its hexahedra and the lists of its neighbours.
 pub(super) const NODE: f64 = 1.0e3;
 /// Bytes of Python with NumPy and SciPy.
@@ -146,18 +144,21 @@ impl Estimate {
             both.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum();
         for (n, (name, steps)) in work.solids.iter().enumerate() {
             let steps = *steps as f64;
+            let other = if study.solid.inner_steps > 1 { 1.0 } else { 0.0 };
+            let compared = steps.min(STEPS_COMPARED * study.solid.inner_steps as f64);
             let (memory, seconds) = match study.solid.transient {
                 TransientKey::Full => (
                     both.map(Body::making_in_time).iter().sum::<f64>(),
-                    both.map(|body| body.seconds()).iter().sum::<f64>()
-                        + steps * (substitution + SECONDS_STEP),
+                    // the first steps are done a second time with twice the length
+                    both.map(|body| (1.0 + other) * body.seconds()).iter().sum::<f64>()
+                        + (steps + 0.5 * other * compared) * (substitution + SECONDS_STEP),
                 ),
                 TransientKey::Reduced => {
                     let modes = study.modes() as f64;
                     let [condensing, stepping] = [Body::making_with_modes, Body::reduced]
                         .map(|of| both.map(|body| of(body, modes)).iter().sum::<f64>());
-                    // the first steps are done a second time with fewer modes
-                    let contact = (steps + steps.min(STEPS_COMPARED)) * SECONDS_STEP;
+                    // the first steps are done a second time with fewer modes, and with twice the length both ways
+                    let contact = (steps + (1.0 + other) * compared) * SECONDS_STEP;
                     // the calibration, and the load case before, leave their bodies
                     if work.calibrate || n > 0 {
                         (stepping, contact)
@@ -212,8 +213,7 @@ impl Body {
     /// Largest memory on the way there, bytes.
     fn making(&self) -> f64 {
         let values = VALUE * self.size.values as f64;
-        let factored = ENTRY * self.size.entries as f64 + values + 2.0 * self.dense();
-        factored.max(ASSEMBLY * self.mesh.hexes as f64)
+        ENTRY * self.size.entries as f64 + values + 2.0 * self.dense()
     }
 
     /// The same for a body in time, which has its mass and its damping besides.

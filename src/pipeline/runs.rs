@@ -61,10 +61,12 @@ impl Stage for Simulate<'_> {
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
         let used = springs::springs(self.springs)?;
         let geometry = at.geometry()?;
-        let history = stages::simulate(at.study, &geometry, &used, self.scenario, at.resources.monitor)
-            .map_err(|error| at.study.in_scenario(self.name, error))?;
+        let (history, other_steps) =
+            stages::simulate(at.study, &geometry, &used, self.scenario, at.resources.monitor)
+                .map_err(|error| at.study.in_scenario(self.name, error))?;
         let notes = springs::range_note(self.springs, &history).into_iter().collect();
-        Ok(Made::whole(artefact(&history, &RunRecord::new(&history, Some(self.springs), notes))))
+        let record = RunRecord::new(&history, Some(self.springs), other_steps, notes);
+        Ok(Made::whole(artefact(&history, &record)))
     }
 
     fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<Run> {
@@ -123,11 +125,12 @@ impl Stage for SimulateSolid<'_> {
             };
             stages::simulate_solid(study, &geometry, meshes, &bodies, self.scenario, monitor)
         };
-        let run = stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, |_| None)
-            .map_err(|error| study.in_scenario(self.name, error))?;
+        let (run, other_steps) =
+            stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, |_| None)
+                .map_err(|error| study.in_scenario(self.name, error))?;
         at.moving = moving.into_inner();
         let reach = at.go_on_with(meshes);
-        let record = RunRecord::of_solid(&run.history, run.reduction.as_ref());
+        let record = RunRecord::of_solid(&run.history, run.reduction.as_ref(), other_steps);
         let artefact = artefact(&run.history, &record);
         Ok(Made::whole(artefact.with(REACH, to_json(&reach))))
     }

@@ -5,6 +5,7 @@ use railspring_calibrate::transient::Reduction;
 use serde::{Deserialize, Serialize};
 
 use super::{BeamFactors, LawConstants};
+use crate::verify::StepChange;
 
 /// A run of one of the models.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +23,9 @@ pub struct RunRecord {
     /// The modes of the reduced bodies of the solid model; none at full order and in a run of the simple model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reduction: Option<ReductionRecord>,
+    /// What steps of another length change; none where that is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_change: Option<StepChange>,
     /// What has to be known about the run, for instance that it leaves the law's fitted range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -29,19 +33,34 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// The record of a run; `springs` are those of the simple model.
-    pub fn new(history: &History, springs: Option<&SpringsRecord>, notes: Vec<String>) -> Self {
+    pub fn new(
+        history: &History,
+        springs: Option<&SpringsRecord>,
+        step_change: Result<StepChange, String>,
+        mut notes: Vec<String>,
+    ) -> Self {
+        let model = if springs.is_some() { "simple model" } else { "solid model" };
+        notes.push(match &step_change {
+            Ok(change) => format!("{model}: {change}"),
+            Err(reason) => format!("{model}: what steps of another length change is not known: {reason}"),
+        });
         Self {
             degrees_of_freedom: history.degrees_of_freedom,
             ending: history.ending.name().into(),
             left_at_s: history.ending.time(),
             springs: springs.cloned(),
             reduction: None,
+            step_change: step_change.ok(),
             notes,
         }
     }
 
     /// The record of a run of the solid model.
-    pub fn of_solid(history: &History, reduction: Option<&Reduction>) -> Self {
+    pub fn of_solid(
+        history: &History,
+        reduction: Option<&Reduction>,
+        step_change: Result<StepChange, String>,
+    ) -> Self {
         let record = reduction.map(ReductionRecord::from);
         let notes = reduction.filter(|reduction| !reduction.suffices()).map(|reduction| {
             let [vertical, lateral] = reduction.change.map(|change| 100.0 * change);
@@ -51,7 +70,7 @@ impl RunRecord {
                 reduction.modes[0].max(reduction.modes[1])
             )
         });
-        Self { reduction: record, ..Self::new(history, None, notes.into_iter().collect()) }
+        Self { reduction: record, ..Self::new(history, None, step_change, notes.into_iter().collect()) }
     }
 
     /// How the run ended; `None` if the record names no known ending.

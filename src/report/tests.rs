@@ -47,8 +47,8 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
     let comparison = compare(simple, solid, &Limits::default()).unwrap();
     let scenario = ScenarioVerdict {
         scenario: "sample".into(),
-        simple: RunRecord::new(simple, None, vec!["P leaves the range".into()]),
-        solid: Some(RunRecord::new(solid, None, Vec::new())),
+        simple: RunRecord::new(simple, None, Err("made up".into()), vec!["P leaves the range".into()]),
+        solid: Some(RunRecord::new(solid, None, Err("made up".into()), Vec::new())),
         lines: comparison.lines,
         not_applicable: comparison.not_applicable,
         compared: Some(comparison.compared),

@@ -68,7 +68,7 @@ pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::Dissipation, &[]),
     (InputField::HorizontalStiffness, &["simulation.horizontal_kn_per_m"]),
     (InputField::TimeStep, &["scenario.*.time_step_s"]),
-    (InputField::InnerSteps, &[]),
+    (InputField::InnerSteps, &["simulation.inner_steps", "solid.inner_steps"]),
     (InputField::Steps, &["scenario.*.steps"]),
     (InputField::Friction, &["scenario.*.friction", "contact.friction"]),
     (InputField::Gravity, &["scenario.*.gravity_m_per_s2"]),

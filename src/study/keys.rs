@@ -81,6 +81,7 @@ impl Keys {
         let mut crosscheck = without(&whole, &["solid"]);
         remove(&mut crosscheck, "contact", "field");
         remove(&mut crosscheck, "calibration", "error_band");
+        remove(&mut crosscheck, "simulation", "inner_steps");
         let (calibration, springs) = (calibrated(&calibration), calibrated(&springs));
         let mut pair = without(
             &whole,

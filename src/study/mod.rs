@@ -209,6 +209,8 @@ pub struct SimulationSettings {
     pub rail_node_spacing: f64,
     /// Matrix of a sliding contact.
     pub sliding_matrix: SlidingMatrixKey,
+    /// Steps of the integration within each time step of a scenario.
+    pub inner_steps: usize,
     /// In which respects a law may be another's.
     pub law_accepted: Vec<LawAcceptedKey>,
 }

@@ -107,6 +107,7 @@ pub(super) fn resolve(
             contact_penalty: document.simulation.contact_penalty_kn_per_m * KILONEWTON_PER_METRE,
             rail_node_spacing: document.simulation.rail_node_spacing_mm * MILLIMETRE,
             sliding_matrix: document.simulation.sliding_matrix,
+            inner_steps: document.simulation.inner_steps,
             law_accepted: document.simulation.law_accepted,
         },
         solid: document.solid,

@@ -13,11 +13,14 @@ pub struct SolidKeys {
     #[schemars(range(min = 1, max = 1000))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
+    /// Steps of the integration within each time step of a scenario. With more than one, what half as many change is stated with the run.
+    #[schemars(range(min = 1, max = 1000))]
+    pub inner_steps: usize,
 }
 
 impl Default for SolidKeys {
     fn default() -> Self {
-        Self { transient: TransientKey::Reduced, modes: None }
+        Self { transient: TransientKey::Reduced, modes: None, inner_steps: 1 }
     }
 }
 

@@ -1,0 +1,134 @@
+//! What a run is worth: how far it changes with steps of another length.
+
+use railspring_calibrate::history::{History, HistoryRow};
+use serde::{Deserialize, Serialize};
+
+use super::signals::averaged_ratio;
+use super::{Limits, column, peak, rms};
+
+/// How far a run changes with steps of another length, at the times of its history. Forces are over their own largest; Q/P is averaged
+/// over the published window, where the averaged P of both is above a twentieth of its largest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StepChange {
+    /// Length of the steps of the run, s.
+    pub inner_step_s: f64,
+    /// Length of the steps of the other run, s: twice that, which changes more than half of it would.
+    pub other_step_s: f64,
+    /// Time up to which the runs are compared, s.
+    pub until_s: f64,
+    /// RMS change of the vertical force.
+    pub p_rms: f64,
+    /// Largest change of the vertical force.
+    pub p_max: f64,
+    /// RMS change of the lateral force.
+    pub q_rms: f64,
+    /// Largest change of the lateral force.
+    pub q_max: f64,
+    /// RMS change of the averaged Q/P; none where it is not defined.
+    pub ratio_rms: Option<f64>,
+    /// Largest change of the averaged Q/P.
+    pub ratio_max: Option<f64>,
+}
+
+impl StepChange {
+    /// From a run to the same with steps of another length (s); where one of them ends early, over the times of both.
+    pub fn between([run, other]: [&History; 2], steps: [f64; 2]) -> Self {
+        let common = run.rows.len().min(other.rows.len());
+        let of = |history: &History| History { rows: history.rows[..common].to_vec(), ..history.clone() };
+        let (run, other) = (of(run), of(other));
+        let changes = |value: fn(&HistoryRow) -> f64| -> Vec<f64> {
+            let values = column(&run, value);
+            let largest = peak(&values);
+            let over = |change: f64| if change == 0.0 { 0.0 } else { change / largest };
+            values.iter().zip(column(&other, value)).map(|(a, b)| over(b - a)).collect()
+        };
+        let (p, q) = (changes(|row| row.vertical_force), changes(|row| row.lateral_force));
+        let limits = Limits::default();
+        let floor = limits.ratio_floor * peak(&column(&run, |row| row.vertical_force));
+        let ratios = [&run, &other].map(|history| averaged_ratio(history, limits.ratio_window_s, floor));
+        let ratio: Vec<f64> =
+            ratios[0].iter().zip(&ratios[1]).filter_map(|(a, b)| Some((*b)? - (*a)?)).collect();
+        let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));
+        Self {
+            inner_step_s: steps[0],
+            other_step_s: steps[1],
+            until_s: run.rows.last().map_or(0.0, |row| row.time),
+            p_rms: rms(&p),
+            p_max: peak(&p),
+            q_rms: rms(&q),
+            q_max: peak(&q),
+            ratio_rms: of_ratio(rms),
+            ratio_max: of_ratio(peak),
+        }
+    }
+}
+
+impl std::fmt::Display for StepChange {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(
+            f,
+            "steps of {:.4} ms; with {:.4} ms P changes by {:.2} % of its largest (RMS) and {:.2} % at most up to {} s, Q by {:.2} % and {:.2} %",
+            1e3 * self.inner_step_s,
+            1e3 * self.other_step_s,
+            1e2 * self.p_rms,
+            1e2 * self.p_max,
+            self.until_s,
+            1e2 * self.q_rms,
+            1e2 * self.q_max
+        )?;
+        match (self.ratio_rms, self.ratio_max) {
+            (Some(rms), Some(max)) => write!(f, ", the averaged Q/P by {rms:.4} and {max:.4}"),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use railspring_calibrate::history::Ending;
+
+    /// ROUNDOFF: quotients and means of numbers of order one.
+    const ROUNDOFF: f64 = 1e-12;
+
+    /// P of 100 kN but 120 kN in the middle, Q of `share` of it, N, at `count` times of 1 ms.
+    fn run(count: usize, share: f64, last: f64) -> History {
+        let row = |n: usize| {
+            let vertical_force = if n == 4 { 120e3 } else { 100e3 } + if n + 1 == count { last } else { 0.0 };
+            HistoryRow {
+                time: n as f64 * 1e-3,
+                vertical_force,
+                lateral_force: share * vertical_force,
+                wheel_y: 0.0,
+                wheel_z: 0.0,
+                load_y: 0.0,
+                contacts: Vec::new(),
+            }
+        };
+        History { rows: (0..count).map(row).collect(), degrees_of_freedom: 1, ending: Ending::Completed }
+    }
+
+    /// Goal: changes are over the largest force of the run itself, the largest and the RMS one of the times that both have; that of the averaged
+    /// ratio is a difference; the sentence names both lengths. Accuracy: ROUNDOFF.
+    #[test]
+    fn changes_are_over_the_runs_own_largest() {
+        let near = |a: f64, b: f64| (a - b).abs() < ROUNDOFF;
+        let change = StepChange::between([&run(9, 0.5, 0.0), &run(9, 0.5, 12e3)], [5e-4, 1e-3]);
+        assert!(near(change.p_max, 0.1) && near(change.p_rms, 0.1 / 3.0), "{change:?}");
+        assert!(near(change.q_max, 0.1) && near(change.q_rms, 0.1 / 3.0), "{change:?}");
+        assert!(near(change.ratio_max.unwrap(), 0.0) && near(change.until_s, 8e-3), "{change:?}");
+        let change = StepChange::between([&run(9, 0.5, 0.0), &run(7, 0.6, 0.0)], [5e-4, 1e-3]);
+        assert!(
+            near(change.p_max, 0.0) && near(change.q_max, 0.2) && near(change.until_s, 6e-3),
+            "{change:?}"
+        );
+        assert!(near(change.ratio_max.unwrap(), 0.1) && near(change.ratio_rms.unwrap(), 0.1), "{change:?}");
+        assert!(
+            change.to_string().starts_with("steps of 0.5000 ms; with 1.0000 ms P changes by 0.00 %"),
+            "{change}"
+        );
+        let still = run(5, 0.0, 0.0);
+        let change = StepChange::between([&still, &still], [1e-3; 2]);
+        assert_eq!((change.q_rms, change.q_max, change.ratio_max), (0.0, 0.0, Some(0.0)));
+    }
+}
