@@ -105,7 +105,7 @@ pub fn error_band(
 }
 
 /// The bands of a solid under its loads, from its changes with the grid and to the `coarser` bodies; `contact_element` is the edge of the
-/// contact elements of its own meshes, m.
+/// contact elements of the meshes of that solid, m.
 pub(super) fn band_record(
     points: &SolidPoints,
     Changed { grid, mesh }: Changed,

@@ -23,7 +23,7 @@ use crate::contact::Surface;
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::history::History;
-use crate::mesh::HexMesh;
+use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::monitor::Monitor;
 use crate::newmark::Newmark;
 use crate::pair::Pair;
@@ -32,6 +32,7 @@ use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Supports, System};
 use crate::superelement::{CondensedBody, Modes};
 use crate::suspension::Suspension;
+use body::ElasticBody;
 use full::FullBody;
 use nalgebra::{Point3, Vector2};
 use reduced::ReducedBody;
@@ -86,17 +87,10 @@ impl<'a> TransientModel<'a> {
         [rail, wheel]: [&'a HexMesh; 2],
         material: Material,
         formulation: Formulation,
-        (enforcement, field): (Enforcement, ContactField),
+        contact: (Enforcement, ContactField),
     ) -> Self {
-        Self {
-            bodies: SolidBodies::Full { rail, wheel, formulation },
-            material,
-            placed_rail: &pair.placed,
-            rail_surface: pair.rail_surface(&rail.contact),
-            wheel_surface: pair.wheel_surface(&wheel.contact),
-            enforcement,
-            field,
-        }
+        let bodies = SolidBodies::Full { rail, wheel, formulation };
+        Self::with(pair, bodies, [&rail.contact, &wheel.contact], material, contact)
     }
 
     /// The solid model of a pair with reduced bodies: the rail between its ends and the wheel, both with modes.
@@ -105,14 +99,26 @@ impl<'a> TransientModel<'a> {
         [rail, wheel]: [&'a CondensedBody; 2],
         modes: ModeCount,
         material: Material,
+        contact: (Enforcement, ContactField),
+    ) -> Self {
+        let bodies = SolidBodies::Reduced { rail, wheel, modes };
+        Self::with(pair, bodies, [&rail.grid, &wheel.grid], material, contact)
+    }
+
+    /// The bodies of a pair with the grids of their contact surfaces.
+    fn with(
+        pair: &'a Pair,
+        bodies: SolidBodies<'a>,
+        [rail, wheel]: [&'a SurfaceGrid; 2],
+        material: Material,
         (enforcement, field): (Enforcement, ContactField),
     ) -> Self {
         Self {
-            bodies: SolidBodies::Reduced { rail, wheel, modes },
+            bodies,
             material,
             placed_rail: &pair.placed,
-            rail_surface: pair.rail_surface(&rail.grid),
-            wheel_surface: pair.wheel_surface(&wheel.grid),
+            rail_surface: pair.rail_surface(rail),
+            wheel_surface: pair.wheel_surface(wheel),
             enforcement,
             field,
         }
@@ -162,18 +168,26 @@ impl TransientModel<'_> {
     ) -> Result<TransientRun> {
         match self.bodies {
             SolidBodies::Full { .. } => {
-                let bodies = self.full_bodies(scenario)?;
-                let mut run = Run::new(self, scenario, velocity, bodies.each_ref());
-                run.to(scenario.steps, monitor, observe)?;
-                Ok(run.ended(None))
+                self.run_bodies(&self.full_bodies(scenario)?, velocity, scenario, monitor, observe)
             }
             SolidBodies::Reduced { .. } => {
                 let bodies = self.reduced_bodies(scenario, self.most_modes())?;
-                let mut run = Run::new(self, scenario, velocity, bodies.each_ref());
-                run.to(scenario.steps, monitor, observe)?;
-                Ok(run.ended(None))
+                self.run_bodies(&bodies, velocity, scenario, monitor, observe)
             }
         }
+    }
+
+    fn run_bodies<B: ElasticBody>(
+        &self,
+        bodies: &[B; 2],
+        velocity: &Vector2<f64>,
+        scenario: &Scenario,
+        monitor: &dyn Monitor,
+        observe: &mut dyn FnMut(&Step) -> Result<()>,
+    ) -> Result<TransientRun> {
+        let mut run = Run::new(self, scenario, velocity, bodies.each_ref());
+        run.to(scenario.steps, monitor, observe)?;
+        Ok(run.ended(None))
     }
 
     fn full_bodies(&self, scenario: &Scenario) -> Result<[FullBody<'_>; 2]> {
