@@ -18,13 +18,14 @@ use crate::stages::{self, Geometry, Meshes};
 use crate::study::Study;
 
 use machine::available;
-pub use needs::{Estimate, StageEstimate};
-use needs::{NODE, VALUE, reference_memory};
+use needs::reference_memory;
+pub use needs::{Estimate, StageEstimate, condensing};
+pub(crate) use needs::{NODE, VALUE};
 
 /// Bytes of a gibibyte.
-const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
+pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 /// Values of a factor for every equation to the power of 4/3, for a first look before there is a mesh. Measured: 20.
-const FILL: f64 = 20.0;
+pub(crate) const FILL: f64 = 20.0;
 /// A first look may be wrong by this factor.
 const FIRST_LOOK: f64 = 2.0;
 
@@ -68,7 +69,7 @@ impl Budget {
     }
 
     /// Bytes that may be used and who says so; `None` where the system does not say.
-    fn bytes(self) -> Option<(f64, &'static str)> {
+    pub fn bytes(self) -> Option<(f64, &'static str)> {
         match self.limit {
             Some(limit) => Some((limit, "allowed by --memory-limit")),
             None => available().map(|bytes| (bytes, "available on this machine")),

@@ -26,6 +26,7 @@ pub mod stages;
 pub mod springs;
 pub mod estimate;
 pub mod measure;
+pub mod scaling;
 pub mod crosscheck;
 pub mod pipeline;
 pub mod cli;

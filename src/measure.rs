@@ -3,7 +3,7 @@
 
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use crate::records::{Measured, StageMeasure};
+use crate::records::{MachineRecord, Measured, StageMeasure};
 
 /// Measures one stage.
 #[derive(Debug)]
@@ -19,30 +19,65 @@ impl Stopwatch {
         Self { begun: Instant::now() }
     }
 
+    /// Seconds since the start, and the largest resident memory since then, MiB, where the system says.
+    pub fn read(&self) -> (f64, Option<f64>) {
+        (self.begun.elapsed().as_secs_f64(), peak_memory_mib())
+    }
+
     /// The measure of the stage; `key` is the hash of what its result was made from, `taken` whether the store had it.
     pub fn stop(self, stage: &str, key: &str, taken: bool) -> StageMeasure {
-        let seconds = self.begun.elapsed().as_secs_f64();
+        let (seconds, peak) = self.read();
         StageMeasure {
             stage: stage.into(),
             key: key.into(),
             seconds: (seconds * 1e3).round() / 1e3,
-            peak_memory_mib: peak_memory_mib().map(|mib| (mib * 10.0).round() / 10.0),
+            peak_memory_mib: peak.map(|mib| (mib * 10.0).round() / 10.0),
             taken,
         }
     }
 }
 
-/// Date, host and threads; no stages yet.
+/// Date, machine and threads; no stages yet.
 pub fn begin() -> Measured {
     Measured {
-        begun_utc: utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())),
+        begun_utc: now_utc(),
         host: std::fs::read_to_string("/proc/sys/kernel/hostname")
             .map(|name| name.trim().to_string())
             .or_else(|_| std::env::var("COMPUTERNAME"))
             .unwrap_or_else(|_| "unknown".into()),
+        machine: machine(),
         threads: rayon::current_num_threads(),
         stages: Vec::new(),
     }
+}
+
+/// The time, UTC.
+pub fn now_utc() -> String {
+    utc(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()))
+}
+
+/// What the program runs on, as far as the system says.
+pub fn machine() -> MachineRecord {
+    let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
+    MachineRecord {
+        processor: processor(&read("/proc/cpuinfo")),
+        cores: std::thread::available_parallelism().map_or(1, usize::from),
+        memory_gib: memory_gib(&read("/proc/meminfo")),
+    }
+}
+
+/// Model of the first processor of `/proc/cpuinfo`.
+fn processor(text: &str) -> Option<String> {
+    let named = text.lines().filter_map(|line| line.split_once(':'));
+    let model = named.map(|(key, value)| (key.trim(), value.trim())).find(|(key, _)| *key == "model name");
+    model.map(|(_, name)| name.to_string())
+}
+
+/// Memory of the machine by `/proc/meminfo`, GiB, to a tenth.
+fn memory_gib(text: &str) -> Option<f64> {
+    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some((kib / 1024.0 / 1024.0 * 10.0).round() / 10.0)
 }
 
 /// Largest resident memory since the last reset, MiB.
@@ -76,6 +111,15 @@ fn utc(seconds: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_machine_is_read_from_the_texts_of_the_system() {
+        let cpu = "processor\t: 0\nvendor_id\t: x\nmodel name\t: Fast 9000: Pro\nprocessor\t: 1\nmodel name\t: other\n";
+        assert_eq!(processor(cpu).as_deref(), Some("Fast 9000: Pro"));
+        assert_eq!(memory_gib("MemTotal:  25165824 kB\nMemFree: 1 kB\n"), Some(24.0));
+        assert_eq!((processor(""), memory_gib("MemTotal: many\n")), (None, None));
+        assert!(machine().cores > 0);
+    }
 
     #[test]
     fn dates_are_those_of_the_calendar() {

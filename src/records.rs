@@ -13,6 +13,7 @@ mod verdict;
 mod by_angle;
 mod error_band;
 mod patches;
+mod scaling;
 
 pub use by_angle::{
     AngleLawRecord, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
@@ -22,6 +23,9 @@ pub use error_band::{BandPointRecord, ErrorBandRecord, ReferenceBandRecord, Targ
 pub use law::LawConstants;
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
+pub use scaling::{
+    BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
+};
 pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};
 
 /// One key of a resolved study.
@@ -456,10 +460,24 @@ pub struct Measured {
     pub begun_utc: String,
     /// Name of the machine.
     pub host: String,
+    /// What it has.
+    #[serde(default)]
+    pub machine: MachineRecord,
     /// Number of threads.
     pub threads: usize,
     /// The stages, in the order in which they ended.
     pub stages: Vec<StageMeasure>,
+}
+
+/// The machine that something was measured on.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct MachineRecord {
+    /// Model of its processor; none where the system does not say.
+    pub processor: Option<String>,
+    /// Cores that the program may use.
+    pub cores: usize,
+    /// Its memory, GiB; none where the system does not say.
+    pub memory_gib: Option<f64>,
 }
 
 impl Measured {

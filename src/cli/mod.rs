@@ -7,6 +7,7 @@ mod shapes;
 mod contact;
 mod profile;
 mod cache;
+mod bench;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,6 +29,7 @@ use crate::records::{RunRecord, VerificationRecord, with_unit};
 use crate::store::{self, Store};
 use crate::study::{LocatedError, Mistakes, Study, schema};
 
+use bench::BenchCommand;
 use cache::CacheCommand;
 use output::{remark, say};
 use profile::ProfileCommand;
@@ -99,6 +101,9 @@ enum Command {
     /// Look at the store of what was made before, and make room
     #[command(subcommand)]
     Cache(CacheCommand),
+    /// Measure how time and memory grow with the size of a model
+    #[command(subcommand)]
+    Bench(BenchCommand),
 }
 
 /// What every stage needs to know.
@@ -256,6 +261,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         }
         Command::Profile(command) => return profile::run(command),
         Command::Cache(command) => return cache::run(command).map(|()| true).map_err(Failure::Plain),
+        Command::Bench(command) => return bench::run(command).map(|()| true),
         Command::Simulate { study, law } => (study, law.as_deref()),
         Command::Crosscheck { study, .. } | Command::Export { study, .. } => (study, None),
         Command::Run(study)
@@ -303,11 +309,7 @@ fn staged(
     } else {
         OutputFolder::open(&path)?
     };
-    if let Some(threads) = args.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(|cause| {
-            InputError::new("--threads", cause, "a number of threads that the system grants", "take fewer")
-        })?;
-    }
+    take_threads(args.threads)?;
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
     let resources = args.resources(&progress);
@@ -340,7 +342,9 @@ fn staged(
             }
             record.holds
         }
-        Command::Schema | Command::Profile(_) | Command::Cache(_) => unreachable!("done without a study"),
+        Command::Schema | Command::Profile(_) | Command::Cache(_) | Command::Bench(_) => {
+            unreachable!("done without a study")
+        }
     };
     progress.finish();
     if !args.quiet {
@@ -355,6 +359,14 @@ fn staged(
         }
     }
     Ok(holds)
+}
+
+/// Takes as many threads as are wanted, those of the machine by default.
+fn take_threads(threads: Option<u16>) -> Result<(), Error> {
+    let Some(threads) = threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(|cause| {
+        InputError::new("--threads", cause, "a number of threads that the system grants", "take fewer").into()
+    })
 }
 
 /// The store. One that was named must be there; without the default one everything is made, which is said.

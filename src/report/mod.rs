@@ -13,6 +13,7 @@ mod by_angle;
 mod positions;
 mod patches;
 mod patch_section;
+pub mod scaling;
 pub mod crosscheck;
 
 use railspring_calibrate::history::History;

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Point2;
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
-use crate::records::{Measured, ResolvedKey, StageMeasure};
+use crate::records::{MachineRecord, Measured, ResolvedKey, StageMeasure};
 
 use super::ProfilePair;
 
@@ -140,6 +140,7 @@ pub(crate) fn measured() -> Measured {
     Measured {
         begun_utc: "2016-01-31T12:00:00Z".into(),
         host: "host".into(),
+        machine: MachineRecord { processor: Some("processor".into()), cores: 2, memory_gib: Some(16.0) },
         threads: 2,
         stages: vec![stage("superelements", 41.2), stage("solid model, sample", 102.7)],
     }

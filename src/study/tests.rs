@@ -54,6 +54,17 @@ fn the_shipped_studies_are_the_published_load_cases() {
     assert_eq!((torsion.solid, torsion.scenario.start_x, torsion.scenario.speed), (false, Some(0.0), 0.5));
     assert_eq!(sine.rail, constant.rail, "both studies calibrate the same pair");
     assert_eq!(sine.calibration, constant.calibration);
+
+    let large = Study::read(&folder.join("paper-scale.toml")).unwrap();
+    assert_eq!(
+        (&large.rail, &large.wheel, large.material),
+        (&constant.rail, &constant.wheel, constant.material)
+    );
+    for (name, of) in [("constant", &constant), ("sine", &sine)] {
+        assert_eq!(large.scenarios[name].scenario, of.scenarios[name].scenario, "{name}");
+        assert!(large.scenarios[name].solid);
+    }
+    assert_eq!((large.calibration.loads.len(), large.solid), (30, SolidKeys::default()));
 }
 
 #[test]

@@ -116,7 +116,11 @@ impl<'a> PairSolids<'a> {
         Interior::new(self.system(body)?)
     }
 
-    fn system(&self, body: PairBody) -> Result<System<'a>> {
+    /// A body with its supports and the order of its equations.
+    ///
+    /// # Errors
+    /// An impossible material, and a mesh that cannot be ordered.
+    pub fn system(&self, body: PairBody) -> Result<System<'a>> {
         let (mesh, supports) = self.held(body);
         System::new(mesh, self.material, self.element, &supports)
     }

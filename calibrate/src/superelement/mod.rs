@@ -4,6 +4,7 @@
 //! trailing block `L_rr` of the Cholesky factor is the factor of the Schur
 //! complement, and `(L_rr·L_rrᵀ)⁻¹` is the exact compliance there.
 
+mod dense;
 mod factor;
 mod size;
 mod section_motion;
@@ -12,6 +13,7 @@ mod condensed;
 mod condensed_file;
 
 pub use condensed::{CondensedBody, Interior, body_key};
+pub use dense::product_speed;
 pub use factor::Factor;
 pub use modes::Modes;
 pub use section_motion::SectionMotion;

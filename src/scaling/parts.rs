@@ -1,0 +1,177 @@
+//! The stages of one size, each with its time and its peak of the memory.
+
+use railspring_calibrate::calibration::{Reference, load_points, press_loads};
+use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::{PairBody, PairSolids};
+use railspring_calibrate::scenario::{HarmonicForce, Scenario};
+use railspring_calibrate::solid::System;
+use railspring_calibrate::superelement::{CondensedBody, Factor, FactorSize, Superelement};
+use railspring_calibrate::transient::{ModeCount, TransientModel};
+
+use super::clock::Clock;
+use crate::estimate::condensing;
+use crate::measure::Stopwatch;
+use crate::records::{ScalingBody, ScalingSize, ScalingStage};
+use crate::stages::{self, Geometry};
+use crate::study::Study;
+
+/// Shares of the study's largest load that are pressed.
+const LOADS: [f64; 3] = [0.25, 0.5, 1.0];
+/// Steps in time.
+const STEPS: usize = 24;
+/// Their length, s, in a study without a load case.
+const TIME_STEP: f64 = 5e-4;
+
+/// Does something and measures it.
+pub(super) fn timed<T>(stage: &str, make: impl FnOnce() -> Result<T>) -> Result<(T, ScalingStage)> {
+    let watch = Stopwatch::start();
+    let made = make()?;
+    Ok((made, measured(stage, &watch)))
+}
+
+fn measured(stage: &str, watch: &Stopwatch) -> ScalingStage {
+    let (seconds, peak_memory_mib) = watch.read();
+    ScalingStage { stage: stage.into(), seconds, peak_memory_mib }
+}
+
+/// A body whose equations have their order, and whose factor is counted.
+pub(super) struct Ordered<'a> {
+    body: PairBody,
+    system: System<'a>,
+    size: FactorSize,
+    ordering: ScalingStage,
+    /// Bytes that it takes on the way to its condensed form.
+    pub memory: f64,
+}
+
+impl<'a> Ordered<'a> {
+    /// The rail between its ends and the wheel, which are to have so many modes.
+    ///
+    /// # Errors
+    /// A mesh that cannot be ordered, and an interruption.
+    pub fn both(solids: &PairSolids<'a>, modes: usize, monitor: &dyn Monitor) -> Result<[Self; 2]> {
+        let one = |body: PairBody| -> Result<Self> {
+            monitor.progress(body.name(), 0, 5)?;
+            let (system, ordering) = timed("ordering", || solids.system(body))?;
+            let (size, memory) = condensing(&system, modes)?;
+            Ok(Self { body, system, size, ordering, memory })
+        };
+        Ok([one(PairBody::RailOnEnds)?, one(PairBody::Wheel)?])
+    }
+
+    /// Assembles, factors and condenses the body; `product` is the speed of the dense product, multiplications a second.
+    ///
+    /// # Errors
+    /// An inverted element, and an interruption.
+    pub fn condensed(
+        self,
+        modes: usize,
+        product: f64,
+        monitor: &dyn Monitor,
+    ) -> Result<(CondensedBody, ScalingBody)> {
+        let Self { body, system, size, ordering, .. } = self;
+        let progress = |done| monitor.progress(body.name(), done, 5);
+        progress(1)?;
+        let (matrix, assembly) = timed("assembly", || system.matrix(1.0, 0.0, &[]))?;
+        progress(2)?;
+        let (factor, factorisation) =
+            timed("factorisation", || Factor::new(&matrix, system.numbering.interior))?;
+        drop(matrix);
+        progress(3)?;
+        let (compliance, condensation) = timed("condensation", || Ok(factor.retained_compliance()))?;
+        let factor_values = factor.stored_values();
+        let share_of_product = size.multiplications / factorisation.seconds / product;
+        let element = Superelement { system, factor, compliance };
+        progress(4)?;
+        let (modes, of_modes) = timed("modes", || element.modes(modes))?;
+        progress(5)?;
+        let record = ScalingBody {
+            body: body.name().into(),
+            nodes: element.system.mesh.nodes.len(),
+            degrees_of_freedom: element.system.numbering.equations,
+            retained: size.retained,
+            factor_values,
+            multiplications: size.multiplications,
+            share_of_product,
+            stages: vec![ordering, assembly, factorisation, condensation, of_modes],
+        };
+        // nothing is kept of it, so that it needs no key
+        let (condensed, _) = element.split(String::new());
+        Ok((CondensedBody { modes: Some(modes), ..condensed }, record))
+    }
+}
+
+/// A load and a step of both bodies; where the contact has no answer, that is a note.
+///
+/// # Errors
+/// An interruption, and what is wrong with the study.
+pub(super) fn contact(
+    study: &Study,
+    geometry: &Geometry,
+    [rail, wheel]: [&CondensedBody; 2],
+    size: &mut ScalingSize,
+    monitor: &dyn Monitor,
+) -> Result<()> {
+    let conditions = stages::contact_conditions(study);
+    let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
+    let on_rail = geometry.pair.wheel_on_rail(rail, wheel, study.material, conditions);
+    one(size, ("one load", "loads"), monitor, |clock| {
+        let states = press_loads(&on_rail, &LOADS.map(|share| share * largest), "loads", clock)?;
+        let begun = std::time::Instant::now();
+        load_points(&on_rail, &states, Reference::Foot)?;
+        // every load has its tangent
+        Ok(begun.elapsed().as_secs_f64() / LOADS.len() as f64)
+    })?;
+    let modes = ModeCount::Given(size_of_modes(rail, wheel));
+    let contact = (conditions.enforcement, conditions.field);
+    let model = TransientModel::reduced(&geometry.pair, [rail, wheel], modes, study.material, contact);
+    let scenario = scenario(study);
+    one(size, ("one step", "transient solid model"), monitor, |clock| {
+        model.run(&scenario, clock).map(|_| 0.0)
+    })
+}
+
+/// Adds a stage: the median of the pieces that are heard of, and what `run` says of the rest.
+fn one(
+    size: &mut ScalingSize,
+    (stage, heard): (&str, &str),
+    monitor: &dyn Monitor,
+    run: impl FnOnce(&Clock<'_>) -> Result<f64>,
+) -> Result<()> {
+    let clock = Clock::new(heard, stage, monitor);
+    let watch = Stopwatch::start();
+    let rest = match run(&clock) {
+        Ok(rest) => Some(rest),
+        Err(Error::Numerics(failure)) => {
+            size.notes.push(format!("{stage}: {failure}"));
+            None
+        }
+        Err(other) => return Err(other),
+    };
+    let whole = measured(stage, &watch);
+    if let (Some(rest), Some(median)) = (rest, clock.median()) {
+        size.stages.push(ScalingStage { seconds: median + rest, ..whole });
+    }
+    Ok(())
+}
+
+fn size_of_modes(rail: &CondensedBody, wheel: &CondensedBody) -> usize {
+    [rail, wheel].into_iter().flat_map(|body| &body.modes).map(|modes| modes.count()).max().unwrap_or(0)
+}
+
+/// The first steps of the study's first load case on the solid model; without one, of a wheel under half the largest load.
+fn scenario(study: &Study) -> Scenario {
+    let mut cases = study.scenarios.values().filter(|case| case.solid);
+    match cases.next() {
+        Some(case) => {
+            Scenario { steps: STEPS, inner_steps: study.solid.inner_steps, ..case.scenario.clone() }
+        }
+        None => Scenario {
+            vertical_force: HarmonicForce::constant(
+                0.5 * study.calibration.loads.last().copied().unwrap_or(0.0),
+            ),
+            ..Scenario::new(STEPS, TIME_STEP, study.contact.friction)
+        },
+    }
+}

@@ -1,0 +1,152 @@
+//! `railspring bench solid`: its files, what it predicts, and what it refuses.
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use serde_json::Value;
+
+const COARSE: &str = include_str!("studies/coarse.toml");
+
+/// Runs the command in a folder with the coarse study.
+fn bench(root: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    std::fs::write(root.join("study.toml"), COARSE).unwrap();
+    let Output { status, stdout, stderr } = assert_cmd::Command::cargo_bin("railspring")
+        .unwrap()
+        .current_dir(root)
+        .args(["bench", "solid"])
+        .args(arguments)
+        .output()
+        .unwrap();
+    (status.code(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
+}
+
+fn record(folder: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("scaling.json")).unwrap()).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+/// Source: the counts of the meshes and factors, and the peak of the resident memory. Goal: a sweep of two sizes has both near the wanted
+/// degrees of freedom, all stages of each body, exponents, a table with a row for every stage, and a figure with axes; bodies that
+/// grow have more values, and more of them than they have equations. Accuracy: DISCRETISATION, rings and layers are whole numbers, and held
+/// nodes, two of some thirty sections of the rail and the bore, are no equations: 10 %; MODEL, the predicted memory: 0.35, of a program of a hundred mebibytes.
+#[test]
+fn a_sweep_writes_its_sizes_their_exponents_and_a_figure() {
+    const DISCRETISATION: f64 = 0.1;
+    const MODEL: f64 = 0.35;
+    let root = tempfile::tempdir().unwrap();
+    let arguments =
+        ["--study", "study.toml", "--from", "22000", "--to", "30000", "--sizes", "2", "-o", "out"];
+    let (code, said, heard) = bench(root.path(), &arguments);
+    assert_eq!(code, Some(0), "{heard}");
+    assert!(
+        said.contains("factorisation, both bodies: exponent") && heard.contains("sizes: 1 of 2"),
+        "{said}{heard}"
+    );
+    let out = root.path().join("out");
+    let found = record(&out);
+    let sizes = found["sizes"].as_array().unwrap();
+    assert_eq!((sizes.len(), found["skipped"].as_array().unwrap().len()), (2, 0));
+    let mut rows = 0;
+    for (size, wanted) in sizes.iter().zip([22e3, 30e3]) {
+        let all = number(&size["degrees_of_freedom"]);
+        assert!((all / wanted - 1.0).abs() < DISCRETISATION, "{all} of {wanted}");
+        let bodies = size["bodies"].as_array().unwrap();
+        let sum: f64 = bodies.iter().map(|body| number(&body["degrees_of_freedom"])).sum();
+        assert_eq!((bodies.len(), sum), (2, all));
+        let names = |stages: &Value| {
+            let stages = stages.as_array().unwrap();
+            stages.iter().for_each(|stage| assert!(number(&stage["seconds"]) > 0.0, "{stage}"));
+            stages.iter().map(|stage| stage["stage"].as_str().unwrap().to_string()).collect::<Vec<_>>()
+        };
+        for body in bodies {
+            let stages = names(&body["stages"]);
+            assert_eq!(stages, ["ordering", "assembly", "factorisation", "condensation", "modes"]);
+            assert!(number(&body["factor_values"]) > number(&body["degrees_of_freedom"]));
+            assert!(number(&body["multiplications"]) > number(&body["factor_values"]));
+            // a product that does nothing else is faster, and no factorisation is a hundred times slower
+            let share = number(&body["share_of_product"]);
+            assert!((0.01..1.2).contains(&share), "{share}");
+            rows += stages.len();
+        }
+        assert_eq!(names(&size["stages"]), ["mesh", "one load", "one step"], "{size}");
+        rows += 3;
+        if cfg!(target_os = "linux") {
+            let memory = &size["memory"];
+            let ratio = number(&memory["predicted_mib"]) / number(&memory["found_mib"]);
+            assert!((ratio - 1.0).abs() < MODEL, "{memory}");
+        }
+    }
+    let values = |size: &Value| number(&size["bodies"][1]["factor_values"]);
+    assert!(values(&sizes[1]) > values(&sizes[0]));
+    let exponents = found["exponents"].as_array().unwrap();
+    let of = |quantity: &str, of: &str| {
+        let found = exponents.iter().find(|e| e["quantity"] == quantity && e["of"] == of);
+        number(&found.unwrap_or_else(|| panic!("{quantity}: {exponents:?}"))["exponent"])
+    };
+    let dof = |size: &Value| number(&size["bodies"][1]["degrees_of_freedom"]);
+    let slope = (values(&sizes[1]) / values(&sizes[0])).ln() / (dof(&sizes[1]) / dof(&sizes[0])).ln();
+    // ROUNDOFF: some logarithms
+    assert!((of("values in the factor", "wheel") - slope).abs() < 1e-9);
+    assert!(of("multiplications of the factorisations", "both bodies") > 1.0);
+    let table = std::fs::read_to_string(out.join("scaling.csv")).unwrap();
+    let heading = "degrees_of_freedom,body,body_degrees_of_freedom,stage,seconds,peak_memory_mib";
+    assert_eq!((table.lines().next(), table.lines().count()), (Some(heading), rows + 1));
+    let figure = std::fs::read_to_string(out.join("scaling.svg")).unwrap();
+    for text in
+        ["time (s)", "memory (MiB)", "degrees of freedom of rail and wheel", "factorisation, exponent"]
+    {
+        assert!(figure.contains(text), "{text}");
+    }
+}
+
+/// Goal: sizes that are expected to need more than there is are left out, which is said, and the results say which; nothing fails.
+#[test]
+fn sizes_beyond_the_memory_are_left_out() {
+    let root = tempfile::tempdir().unwrap();
+    let arguments = ["--study", "study.toml", "--to", "1e9", "--sizes", "2", "--memory-limit", "0.05"];
+    let (code, said, heard) = bench(root.path(), &arguments);
+    assert_eq!(code, Some(0), "{heard}");
+    assert!(
+        heard.contains("50000 degrees of freedom are left out: about") && heard.contains("0.1 GiB"),
+        "{heard}"
+    );
+    let out = root.path().join("out/bench-solid");
+    assert!(said.trim_end().ends_with("out/bench-solid"), "{said}");
+    let found = record(&out);
+    assert_eq!(found["sizes"].as_array().unwrap().len(), 0);
+    let skipped = found["skipped"].as_array().unwrap();
+    let needed: Vec<f64> = skipped.iter().map(|size| number(&size["needed_gib"])).collect();
+    assert!(needed.len() == 2 && 0.05 < needed[0] && needed[0] < needed[1], "{needed:?}");
+    assert!(std::fs::read_to_string(out.join("scaling.svg")).unwrap().contains("left out"));
+}
+
+/// Goal: one message with the argument, what is expected and what to do; exit code 2, and nothing written.
+#[test]
+fn wrong_sizes_are_refused() {
+    let cases: [(&[&str], &[&str]); 5] = [
+        (&["--to", "20000", "--from", "30000"], &["--to = 20000", "more than 30000"]),
+        (&["--from", "100"], &["--from = 100", "contact zone", "leave it out"]),
+        (&["--to", "many"], &["--to", "a number of degrees of freedom"]),
+        (&["--sizes", "1"], &["--sizes"]),
+        (&["--memory-limit", "0"], &["--memory-limit", "a positive number"]),
+    ];
+    for (arguments, parts) in cases {
+        let root = tempfile::tempdir().unwrap();
+        let study = ["--study", "study.toml", "-o", "deep/out", "--quiet"];
+        let (code, said, heard) = bench(root.path(), &[&study[..], arguments].concat());
+        assert_eq!(code, Some(2), "{arguments:?}: {heard}");
+        for part in parts {
+            assert!(heard.contains(part), "{arguments:?}: {part:?} in {heard}");
+        }
+        assert!(said.is_empty() && !root.path().join("deep").exists(), "{arguments:?}");
+    }
+    let root = tempfile::tempdir().unwrap();
+    let (code, _, heard) = bench(root.path(), &["--study", "absent.toml"]);
+    assert!(code == Some(2) && heard.contains("absent.toml"), "{heard}");
+    let left: Vec<PathBuf> =
+        std::fs::read_dir(root.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert_eq!(left.len(), 1, "{left:?}");
+}
