@@ -4,6 +4,7 @@
 
 mod machine;
 mod needs;
+mod condensing;
 mod table;
 
 use std::path::Path;
@@ -17,15 +18,15 @@ use crate::python::Purpose;
 use crate::stages::{self, Geometry, Meshes};
 use crate::study::Study;
 
+pub use condensing::{condensing, least_memory};
 use machine::available;
-use needs::reference_memory;
-pub use needs::{Estimate, StageEstimate, condensing};
-pub(crate) use needs::{NODE, VALUE};
+pub use needs::{Estimate, StageEstimate};
+use needs::{NODE, VALUE, reference_memory};
 
 /// Bytes of a gibibyte.
 pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 /// Values of a factor for every equation to the power of 4/3, for a first look before there is a mesh. Measured: 20.
-pub(crate) const FILL: f64 = 20.0;
+const FILL: f64 = 20.0;
 /// A first look may be wrong by this factor.
 const FIRST_LOOK: f64 = 2.0;
 

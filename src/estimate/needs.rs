@@ -13,11 +13,11 @@ use crate::stages::{self, FINER, Geometry, Meshes};
 use crate::study::{FieldKey, Study, TransientKey};
 
 /// Bytes of a value.
-pub(crate) const VALUE: f64 = 8.0;
+pub(super) const VALUE: f64 = 8.0;
 /// Bytes of an entry of a sparse matrix: value and row.
 const ENTRY: f64 = 16.0;
 /// Bytes a node of a mesh, its hexahedra and the lists of its neighbours.
-pub(crate) const NODE: f64 = 1.0e3;
+pub(super) const NODE: f64 = 1.0e3;
 /// Bytes of Python with NumPy and SciPy.
 const PYTHON: f64 = 300e6;
 /// Bytes of the program itself with its profiles and texts.
@@ -191,17 +191,6 @@ impl Estimate {
     pub fn memory(&self) -> f64 {
         self.stages.iter().map(|stage| stage.memory).fold(0.0, f64::max)
     }
-}
-
-/// A body that is condensed by itself with so many modes: the size of its factor, and the bytes that it takes at most besides its mesh
-/// and the order of its equations.
-///
-/// # Errors
-/// A mesh that cannot be ordered.
-pub fn condensing(system: &System<'_>, modes: usize) -> Result<(FactorSize, f64)> {
-    let body =
-        Body { mesh: MeshSize::of(system.mesh), size: FactorSize::of(system.mesh, &system.numbering)? };
-    Ok((body.size, OVERHEAD * body.making_with_modes(modes as f64)))
 }
 
 /// One body: its mesh and its factor.

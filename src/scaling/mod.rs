@@ -14,7 +14,7 @@ pub use power::PowerLaw;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::transient::START_MODES;
 
-use crate::estimate::{GIB, Resources};
+use crate::estimate::{GIB, Resources, least_memory};
 use crate::measure::{Stopwatch, machine, now_utc};
 use crate::records::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, SkippedSize,
@@ -143,7 +143,7 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
             available_gib: available / GIB,
         }))
     };
-    if let Some(skipped) = too_large(sizes::least_memory(wanted)) {
+    if let Some(skipped) = too_large(least_memory(wanted)) {
         return Ok(skipped);
     }
     let refined = sizes.refinement(wanted, monitor)?;

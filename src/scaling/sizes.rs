@@ -4,7 +4,6 @@ use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::{MeshOptions, rail_size, wheel_size};
 use railspring_calibrate::monitor::Monitor;
 
-use crate::estimate::{FILL, NODE, VALUE};
 use crate::stages::Geometry;
 use crate::study::Study;
 
@@ -14,14 +13,6 @@ const RANGE: [f64; 2] = [0.35, 16.0];
 const CLOSE: f64 = 0.02;
 /// Most sections that are meshed for one size.
 const TRIALS: usize = 12;
-
-/// Bytes that meshes with so many degrees of freedom and their factors take at least.
-pub(super) fn least_memory(degrees_of_freedom: usize) -> f64 {
-    /// What factors of bodies that are refined had less than those of the first look.
-    const LESS: f64 = 0.5;
-    let degrees_of_freedom = degrees_of_freedom as f64;
-    NODE * degrees_of_freedom / 3.0 + LESS * VALUE * FILL * degrees_of_freedom.powf(4.0 / 3.0)
-}
 
 /// Degrees of freedom over the refinement of the bodies, held nodes among them.
 pub(super) struct Sizes<'a> {

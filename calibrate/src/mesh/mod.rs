@@ -178,15 +178,7 @@ impl MeshOptions {
             layers,
             first_layer,
             layer_growth,
-            ..self.with_bodies_refined(factor)
-        }
-    }
-
-    /// The same contact zone with bodies whose elements are smaller by `factor` (> 1 refines): the largest elements, and what
-    /// elements grow by along the sweep. In the section they grow away from the zone as before.
-    #[must_use]
-    pub fn with_bodies_refined(&self, factor: f64) -> Self {
-        Self {
+            section_growth: self.section_growth,
             rail_section_element: self.rail_section_element / factor,
             wheel_section_element: self.wheel_section_element / factor,
             growth: self.growth.powf(1.0 / factor).min(LARGEST_RATIO),
@@ -195,7 +187,9 @@ impl MeshOptions {
             ..self.clone()
         }
     }
+}
 
+impl MeshOptions {
     /// Structured layers under the contact zone: their number, and the thickness of the first, m. Where they are not given they
     /// follow from the contact element, so that the far field of the bodies converges with it: elements as high as wide, down to
     /// where a patch no longer bends the stresses much within an element.

@@ -1,6 +1,23 @@
-//! How large the elements of a section may be at each point of it.
+//! How large the elements may be: those of a body, and those of a section at each point of it.
 
+use super::{LARGEST_RATIO, MeshOptions};
 use nalgebra::{Point2, Vector2};
+
+impl MeshOptions {
+    /// The same contact zone with bodies whose elements are smaller by `factor` (> 1 refines): the largest elements, and what
+    /// elements grow by along the sweep. In the section they grow away from the zone as before.
+    #[must_use]
+    pub fn with_bodies_refined(&self, factor: f64) -> Self {
+        Self {
+            rail_section_element: self.rail_section_element / factor,
+            wheel_section_element: self.wheel_section_element / factor,
+            growth: self.growth.powf(1.0 / factor).min(LARGEST_RATIO),
+            rail_length_element: self.rail_length_element / factor,
+            wheel_arc_element: self.wheel_arc_element / factor,
+            ..self.clone()
+        }
+    }
+}
 
 /// Size of an edge as a function of position: the smallest of all prescribed
 /// sizes, each growing linearly with the distance from where it is prescribed.

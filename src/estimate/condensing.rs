@@ -1,0 +1,47 @@
+//! What a body takes that is condensed by itself.
+
+use railspring_calibrate::error::Result;
+use railspring_calibrate::mesh::HexMesh;
+use railspring_calibrate::solid::System;
+use railspring_calibrate::superelement::FactorSize;
+
+use super::FILL;
+use super::needs::{NODE, VALUE};
+
+/// Bytes of an entry of a sparse matrix: value and row, and its share of the pattern of the nodes.
+const ENTRY: f64 = 17.0;
+/// Work space and indices of the factorisation, beside the values; measured 1.08 to 1.12.
+const FACTORISATION: f64 = 1.1;
+/// Bytes of the mass of a node: itself and 26 neighbours, value and column.
+const MASS: f64 = 27.0 * 12.0;
+/// Vectors beside the modes: those that are solved at the same time, and their products.
+const AT_ONCE: f64 = 24.0;
+
+/// The size of the factor of a body, and the bytes that it takes at most on the way to its condensed form with so many modes, besides its
+/// mesh and the order of its equations.
+///
+/// # Errors
+/// A mesh that cannot be ordered.
+pub fn condensing(system: &System<'_>, modes: usize) -> Result<(FactorSize, f64)> {
+    let size = FactorSize::of(system.mesh, &system.numbering)?;
+    Ok((size, largest(system.mesh, &size, modes as f64)))
+}
+
+/// The largest of the stages: factorisation, condensation, modes.
+fn largest(mesh: &HexMesh, size: &FactorSize, modes: f64) -> f64 {
+    let factor = FACTORISATION * VALUE * size.values as f64;
+    let dense = VALUE * (size.retained as f64).powi(2);
+    let vectors = (modes + AT_ONCE) * VALUE * size.equations as f64 + MASS * mesh.nodes.len() as f64;
+    [ENTRY * size.entries as f64, 2.0 * dense, dense + vectors]
+        .into_iter()
+        .map(|beside| factor + beside)
+        .fold(0.0, f64::max)
+}
+
+/// Bytes that meshes with so many degrees of freedom and one of their factors take at least, before there is a mesh.
+pub fn least_memory(degrees_of_freedom: usize) -> f64 {
+    /// Share of the values of a first look that bodies have which are refined.
+    const LESS: f64 = 0.5;
+    let degrees_of_freedom = degrees_of_freedom as f64;
+    NODE * degrees_of_freedom / 3.0 + LESS * VALUE * FILL * degrees_of_freedom.powf(4.0 / 3.0)
+}
