@@ -167,10 +167,10 @@ fn table_and_record_agree() {
     assert!(listed.contains("stiffness_by_angle.json") && listed.contains("stiffness_by_angle.csv"));
 }
 
-/// Goal: on the flange the patch is longer than the window of the calibration's meshes; the law there reaches the largest load all the
-/// same, in the bodies meshed again with a longer window, for little and much friction, on the fine grid, and has its error band, for which
-/// those bodies are meshed coarser; where the study gives the window, the law ends with that key, and without `calibration.error_band` there
-/// are no bands. The calibration and the shift on the tread stay what they are. Unit kN. Accuracy: the largest load of the study; equal bytes.
+/// Goal: on the flange the patch is longer than the contact window of the meshes; the law there reaches the largest load all the same, on
+/// the larger elements beyond, for little and much friction, on the fine grid, and has its error band; where the study gives the window, the
+/// law ends with that key, and without `calibration.error_band` there are no bands. The elements beyond the window change displacement and
+/// tangent on the tread by less than the band. Unit kN. Accuracy: the largest load of the study; MODEL, the band.
 #[test]
 fn the_law_on_the_flange_reaches_the_largest_load() {
     let with = |keys: &str, friction: &str| {
@@ -187,11 +187,16 @@ fn the_law_on_the_flange_reaches_the_largest_load() {
         (output, shifts)
     };
     let largest = |shift: &Value| shift["laws"][0]["law"]["range_kn"][1].as_f64().unwrap_or(0.0);
+    let values = |shift: &Value, of: &str| -> Vec<f64> {
+        let references = shift["loads"].as_array().unwrap().iter();
+        let references = references.flat_map(|load| load["references"].as_array().unwrap());
+        references.map(|point| point[of].as_f64().unwrap()).collect()
+    };
     let check = |friction: &str| {
         let root = tempfile::tempdir().unwrap();
         let root = root.path();
         let (output, whole) = shifts(root, &with("", friction));
-        assert!(said(&output).contains("meshed again"), "{}", said(&output));
+        assert!(!said(&output).contains("meshed again"), "{}", said(&output));
         for shift in &whole {
             assert!((largest(shift) - 85.0).abs() < 1e-9, "{friction}: {shift}");
             assert!(shift["reason"].is_null(), "{friction}: {shift}");
@@ -204,21 +209,23 @@ fn the_law_on_the_flange_reaches_the_largest_load() {
                 assert_eq!(of["points"].as_array().unwrap().len(), 4, "20 to 80 kN");
             }
         }
-        assert!(said(&output).contains("of coarser elements and a longer window: "), "{}", said(&output));
         if friction == "0.6" {
             return;
         }
-        let stiffness = read(root, "load_curve.csv");
         let given = with("window_half_length_mm = 12\n", friction);
         let (output, given) = shifts(root, &given.replace("error_band = true", "error_band = false"));
         assert!(!said(&output).contains("meshed again"), "{}", said(&output));
         let reason = given[2]["reason"].as_str().unwrap();
         assert!(largest(&given[2]) < 85.0 && reason.contains("end of the contact window"), "{reason}");
         assert!(reason.contains("mesh.window_half_length_mm"), "{reason}");
-        let mut on_tread = whole[0].clone();
-        assert!(on_tread.as_object_mut().unwrap().remove("error_band").is_some());
-        assert_eq!(given[0], on_tread);
-        assert_eq!(read(root, "load_curve.csv"), stiffness);
+        assert!(whole[0]["error_band"].is_object() && given[0]["error_band"].is_null());
+        for (of, key) in [("displacement", "displacement_mm"), ("tangent", "tangent_kn_per_m")] {
+            let bands = whole[0]["error_band"]["references"].as_array().unwrap();
+            let band = bands.iter().map(|reference| reference[of].as_f64().unwrap()).fold(0.0, f64::max);
+            for (one, other) in values(&given[0], key).iter().zip(values(&whole[0], key)) {
+                assert!((one / other - 1.0).abs() < band, "{key}: {one} {other}, band {band}");
+            }
+        }
     };
     std::thread::scope(|scope| {
         scope.spawn(|| check("0.05"));

@@ -122,8 +122,7 @@ fn the_band_on_the_flange_holds_what_a_finer_computation_changes() {
         let settings = AngleSettings { contact, direction, loads: &ANGLE_LOADS, fixed_loads };
         let laws = by_shift(&pair, &base, &settings, &shifts);
         let finer = by_shift(&pair, &fine, &settings, &shifts);
-        let entries: Vec<&ShiftLaw> = laws.iter().collect();
-        let changed = changed_by_shift(&pair, &base, Some(&coarser), &settings, &entries, &Silent).unwrap();
+        let changed = changed_by_shift(&pair, &base, Some(&coarser), &settings, &laws, &Silent).unwrap();
         for (((shift, entry), finer), changed) in shifts.iter().zip(&laws).zip(&finer).zip(changed) {
             let case = format!("{shift} m, friction {friction}");
             let (points, changed) = changed.unwrap();
@@ -178,7 +177,6 @@ fn the_place_of_the_calibration_has_its_bands() {
         fixed_loads,
     };
     let entries = by_shift(&pair, &base, &settings, &[0.0]);
-    let entries: Vec<&ShiftLaw> = entries.iter().collect();
     let changed = changed_by_shift(&pair, &base, Some(&coarser), &settings, &entries, &Silent).unwrap();
     let [Some((points, changed))] = &changed[..] else { panic!("one band") };
     let (mesh, wanted) = (changed.mesh.as_ref().unwrap(), calibration.mesh.unwrap());

@@ -27,7 +27,7 @@ use crate::records::crosscheck::{
     Cause, Check, CrosscheckRecord, Differences, HUB_DISPLACEMENT, Provenance, Timing,
 };
 use crate::stages::{self, Answers, Geometry, Meshes};
-use crate::study::Study;
+use crate::study::{FieldKey, Study};
 use calculix::displacement_at;
 use compare::{MODEL, ReferenceResult, compare, limits};
 use deck::{Deck, Format};
@@ -55,6 +55,7 @@ pub struct Prepared {
 /// # Errors
 /// Those of meshing and calibration, and sizes that the machine cannot hold.
 pub fn prepare(study: &Study, cases: &[Case], resources: &Resources<'_>) -> Result<Prepared> {
+    let study = &between_elements(study);
     let geometry = stages::geometry(study)?;
     let (options, work) = (stages::mesh_options(study, &geometry), Work::of_crosscheck(purpose(cases)));
     let meshes = estimate::meshes(study, &geometry, options, &work, resources)?;
@@ -71,6 +72,13 @@ pub fn prepare(study: &Study, cases: &[Case], resources: &Resources<'_>) -> Resu
     Ok(Prepared { geometry, meshes, answers, exchange })
 }
 
+/// The study with a contact between the elements of its meshes, which is what other programs have.
+fn between_elements(study: &Study) -> Study {
+    let mut study = study.clone();
+    study.contact.field = FieldKey::Elements;
+    study
+}
+
 /// Writes a deck of the study's problem into `folder`: its own element and friction, a step for every
 /// wanted load; the name of the file.
 ///
@@ -82,6 +90,7 @@ pub fn export(
     folder: &OutputFolder,
     resources: &Resources<'_>,
 ) -> Result<String> {
+    let study = &between_elements(study);
     let geometry = stages::geometry(study)?;
     let (options, work) = (stages::mesh_options(study, &geometry), Work::of(study, true, false));
     let meshes = estimate::meshes(study, &geometry, options, &work, resources)?;

@@ -3,7 +3,7 @@
 
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, MeshSize, rail_size, wheel_size};
-use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_HALVED};
+use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::FactorSize;
 
@@ -316,7 +316,7 @@ fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates,
     }
 }
 
-/// The laws by contact angle with their error bands; bodies with a longer window, which a flange may ask for, are not among them.
+/// The laws by contact angle with their error bands.
 fn by_angle(
     study: &Study,
     geometry: &Geometry,
@@ -390,7 +390,8 @@ fn error_band(
         let options = stages::coarser_options(geometry, meshes.options());
         let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
         estimate.memory += OVERHEAD * (wheel.dense() + rail.dense() + wheel.making() + rail.making());
-        estimate.seconds += wheel.seconds() + 2.0 * rail.seconds() + 2.0 * loads * of_a_load;
+        estimate.seconds +=
+            wheel.seconds() + 2.0 * rail.seconds() + 4.0 * loads.min(LOADS_COARSER as f64) * of_a_load;
     }
     Ok(estimate)
 }

@@ -2,7 +2,7 @@
 
 use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{PairBody, PairSolids};
+use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids, condense_all};
 use railspring_calibrate::superelement::{CondensedBody, Interior};
 use std::sync::Mutex;
 
@@ -32,14 +32,33 @@ impl<'a> Pipeline<'a> {
 }
 
 impl BodySource<'_> {
-    /// The bodies of `solids`, those that move with `modes` modes; `which` goes with their names in messages.
+    /// The bodies of `solids`, those that move with `modes` modes, and the insides of the `wanted` ones.
     ///
     /// # Errors
     /// Those of condensing them, and an interruption.
-    pub fn bodies<'m>(&self, solids: PairSolids<'m>, which: &str, modes: usize) -> Result<Bodies<'m>> {
-        self.said(which, |say| {
-            let get = |body| self.body(&solids, body, modes, &|text| say(body, text));
+    pub fn bodies<'m>(
+        &self,
+        solids: PairSolids<'m>,
+        modes: usize,
+        wanted: &[PairBody],
+    ) -> Result<Bodies<'m>> {
+        self.said("", |say| {
+            let get = |body| {
+                let (condensed, interior) = self.body(&solids, body, modes, &|text| say(body, text))?;
+                Ok((condensed, interior.filter(|_| wanted.contains(&body))))
+            };
             Bodies::new(solids, get, self.monitor)
+        })
+    }
+
+    /// The bodies of `solids` without their insides, those that move with `modes` modes; `which` goes with their names in messages.
+    ///
+    /// # Errors
+    /// As [`Self::bodies`].
+    pub fn condensed(&self, solids: &PairSolids<'_>, which: &str, modes: usize) -> Result<CondensedPair> {
+        self.said(which, |say| {
+            let get = |body| self.body(solids, body, modes, &|text| say(body, text)).map(|(body, _)| body);
+            condense_all(self.monitor, get).and_then(|bodies| CondensedPair::new(solids.material, bodies))
         })
     }
 

@@ -1,15 +1,13 @@
 //! The law by contact angle as a stage.
 
-use railspring_calibrate::error::{NumericsError, Result};
-use railspring_calibrate::pair::CondensedPair;
+use railspring_calibrate::error::Result;
 
 use super::stage::{Made, Stage};
 use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
-use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{StiffnessByAngleRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, BodiesByAngle, CoarserBodies, Geometry, Meshes};
+use crate::stages::{self, Meshes};
 use crate::store::{Address, Artefact, Kind};
 
 /// The laws of the study's shifts, on the bodies of its calibration.
@@ -39,16 +37,25 @@ impl Stage for ByAngle {
             Some(bodies) => bodies,
             None => {
                 let meshes = at.meshes(Pipeline::calibration_work)?;
-                let bodies = at
-                    .body_source()
-                    .bodies(stages::solids(study, &geometry, &meshes), "", study.modes())?
-                    .condensed;
+                let solids = stages::solids(study, &geometry, &meshes);
+                let bodies = at.body_source().condensed(&solids, "", study.modes())?;
                 at.go_on_with(meshes);
                 bodies
             }
         };
-        let mut others = Others { at, geometry: &geometry, longer: None };
-        let laws = stages::by_angle(study, &geometry, &bodies, &mut others, monitor)?;
+        // with the zones of the calibration, with which the runs on the solids go on
+        let coarser = || {
+            let meshes = at.meshes(Pipeline::calibration_work)?;
+            let condense = |coarser: &Meshes| {
+                let solids = stages::solids(study, &geometry, coarser);
+                at.body_source().condensed(&solids, " of coarser elements", 0)
+            };
+            let coarser = stages::coarser_bodies(study, &geometry, &meshes, condense)?;
+            let element = meshes.contact_element();
+            at.go_on_with(meshes);
+            Ok((element, coarser))
+        };
+        let laws = stages::by_angle(study, &geometry, &bodies, coarser, monitor)?;
         // the runs on the solids take them next
         at.condensed = (study.modes() > 0).then_some(bodies);
         let rows = to_csv(&laws.rows());
@@ -71,61 +78,5 @@ impl Stage for ByAngle {
 
     fn outdates(&self) -> &'static [&'static str] {
         &OF_THE_VERDICT
-    }
-}
-
-/// Bodies beside those of the calibration, from the store or condensed.
-struct Others<'p, 'a> {
-    at: &'p mut Pipeline<'a>,
-    geometry: &'p Geometry,
-    /// The meshes with the longest window so far.
-    longer: Option<Meshes>,
-}
-
-impl Others<'_, '_> {
-    /// Does something with the meshes of the last bodies.
-    fn with_meshes<T>(&mut self, work: impl FnOnce(&Pipeline<'_>, &Meshes) -> Result<T>) -> Result<T> {
-        if let Some(meshes) = &self.longer {
-            return work(self.at, meshes);
-        }
-        let own = self.at.meshes(Pipeline::calibration_work)?;
-        let done = work(self.at, &own);
-        // the runs on the solids go on with the zones of the calibration
-        self.at.go_on_with(own);
-        done
-    }
-}
-
-impl BodiesByAngle for Others<'_, '_> {
-    fn longer(&mut self, cause: &NumericsError) -> Result<Option<CondensedPair>> {
-        let (geometry, budget) = (self.geometry, self.at.resources.budget);
-        let next = self.with_meshes(|at, meshes| {
-            Ok(stages::enlarged(at.study, geometry, meshes, cause, at.resources.monitor))
-        })?;
-        let Some(next) = next else { return Ok(None) };
-        let study = self.at.study;
-        // a law that ends early is a result; without the memory for a longer one it stays that
-        if budget.check(study, geometry, &next, &Work::of(study, true, false)).is_err() {
-            return Ok(None);
-        }
-        let solids = stages::solids(study, geometry, &next);
-        let bodies = self.at.body_source().bodies(solids, " of a longer window", 0)?.condensed;
-        self.longer = Some(next);
-        Ok(Some(bodies))
-    }
-
-    fn coarser(&mut self) -> Result<(f64, CoarserBodies)> {
-        let (geometry, which) = match &self.longer {
-            Some(_) => (self.geometry, " of coarser elements and a longer window"),
-            None => (self.geometry, " of coarser elements"),
-        };
-        self.with_meshes(|at, meshes| {
-            let condense = |coarser: &Meshes| {
-                let solids = stages::solids(at.study, geometry, coarser);
-                at.body_source().bodies(solids, which, 0).map(|bodies| bodies.condensed)
-            };
-            let coarser = stages::coarser_bodies(at.study, geometry, meshes, condense)?;
-            Ok((meshes.contact_element(), coarser))
-        })
     }
 }

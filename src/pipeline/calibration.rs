@@ -52,14 +52,15 @@ impl Stage for Calibrate {
         };
         let press = |meshes: &Meshes| {
             let solids = stages::solids(study, &geometry, meshes);
-            let Bodies { condensed, interiors } = source.bodies(solids, "", modes)?;
+            let Bodies { condensed, interiors } =
+                source.bodies(solids, modes, &stages::bodies_of_fields(study))?;
             let (calibration, fields, laws) =
                 stages::calibrate(study, &geometry, meshes, &condensed, interiors, monitor)?;
             Ok((calibration, fields, laws, condensed))
         };
         let condense = |coarser: &Meshes| {
             let solids = stages::solids(study, &geometry, coarser);
-            source.bodies(solids, " of coarser elements", 0).map(|bodies| bodies.condensed)
+            source.condensed(&solids, " of coarser elements", 0)
         };
         let (Calibration { stiffness, load_curve, patches, horizontal_failure }, fields, condensed) = loop {
             let (mut calibration, fields, laws, condensed) = stages::within_zones(

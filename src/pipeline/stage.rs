@@ -71,6 +71,7 @@ pub(super) struct Reach {
     /// Times that the study's sizes are refined.
     refinements: u32,
     window_half_length: f64,
+    contact_half_length: f64,
     rail_face_depth: f64,
     rail_field_y: f64,
     wheel_face_depth: f64,
@@ -82,6 +83,7 @@ impl Reach {
         Self {
             refinements,
             window_half_length: options.window_half_length,
+            contact_half_length: options.contact_half_length,
             rail_face_depth: options.rail_zone.face_depth,
             rail_field_y: options.rail_zone.field_y,
             wheel_face_depth: options.wheel_zone.face_depth,
@@ -94,6 +96,7 @@ impl Reach {
             *options = options.refined(FINER);
         }
         options.window_half_length = self.window_half_length;
+        options.contact_half_length = self.contact_half_length;
         options.rail_zone.face_depth = self.rail_face_depth;
         options.rail_zone.field_y = self.rail_field_y;
         options.wheel_zone.face_depth = self.wheel_face_depth;

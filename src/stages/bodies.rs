@@ -36,6 +36,11 @@ pub fn rail_in_use(study: &Study) -> PairBody {
     }
 }
 
+/// The bodies whose fields the calibration writes.
+pub fn bodies_of_fields(study: &Study) -> [PairBody; 2] {
+    [rail_in_use(study), PairBody::Wheel]
+}
+
 impl<'a> Bodies<'a> {
     /// The bodies as `get` has them: condensed before, or just now with their insides.
     ///

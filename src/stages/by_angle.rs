@@ -1,7 +1,7 @@
 //! The law by contact angle: the calibration's bodies with the wheel in other places across the track.
 
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
-use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
+use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
@@ -17,7 +17,6 @@ use super::calibrate::{
     MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record, subsurface_values,
 };
 use super::error_band::{CoarserBodies, band_record, bodies_of};
-use super::zones::EXTENSIONS;
 use crate::records::{
     AngleLawRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
@@ -27,32 +26,18 @@ use crate::study::Study;
 /// Loads along the contact normal at which displacement and stiffness are given, N.
 const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
 
-/// Bodies for the laws by contact angle beside those of the calibration.
-pub trait BodiesByAngle {
-    /// Bodies with a longer contact window than those before, for a patch that has reached its end; `None` where there are none.
-    ///
-    /// # Errors
-    /// Those of condensing them.
-    fn longer(&mut self, cause: &NumericsError) -> Result<Option<CondensedPair>>;
-
-    /// Edge of the contact elements of the last bodies, m, and the bodies of coarser meshes beside those, or why there are none.
-    ///
-    /// # Errors
-    /// Those of meshing the last bodies again, and an interruption.
-    fn coarser(&mut self) -> Result<(f64, CoarserBodies)>;
-}
-
-/// The laws of the pair at the shifts of the study, with their error bands, on the condensed bodies of its calibration. Where the patch of
-/// a shift reaches the end of their contact window, as on the flange, that shift has its law and its band on longer ones of `others`.
+/// The laws of the pair at the shifts of the study on the condensed bodies of its calibration, with their error bands where the study wants
+/// them: `coarser` has the edge of the contact elements of those bodies, m, and the bodies of coarser meshes beside them, or why there are
+/// none.
 ///
 /// # Errors
-/// Loads that cannot be used, an interruption, and those of `others`; a shift without a law is an entry with its reason, and so is a
+/// Loads that cannot be used, an interruption, and those of `coarser`; a shift without a law is an entry with its reason, and so is a
 /// part of a band.
 pub fn by_angle(
     study: &Study,
     geometry: &Geometry,
     bodies: &CondensedPair,
-    others: &mut dyn BodiesByAngle,
+    coarser: impl FnOnce() -> Result<(f64, CoarserBodies)>,
     monitor: &dyn Monitor,
 ) -> Result<StiffnessByAngleRecord> {
     let pair = &geometry.pair;
@@ -64,42 +49,15 @@ pub fn by_angle(
         fixed_loads: &FIXED_LOADS,
     };
     let places: Vec<f64> = shifts.iter().map(|shift| tape_y(study, pair, *shift)).collect();
-    let mut laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
+    let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
     let mut bands: Vec<Option<ErrorBandRecord>> = vec![None; laws.len()];
-    type Others<'a> = &'a mut dyn BodiesByAngle;
-    let mut add_bands =
-        |of: &[usize], on: &CondensedPair, laws: &[ShiftLaw], others: Others<'_>| -> Result<()> {
-            if !study.wants_error_band() || of.is_empty() {
-                return Ok(());
-            }
-            let (element, coarser) = others.coarser()?;
-            let laws: Vec<&ShiftLaw> = of.iter().map(|&i| &laws[i]).collect();
-            let changed = changed_by_shift(pair, on, bodies_of(&coarser), &settings, &laws, monitor)?;
-            for (&i, changed) in of.iter().zip(changed) {
-                bands[i] = changed.map(|(points, changed)| band_record(&points, changed, element, &coarser));
-            }
-            Ok(())
-        };
-    // the shifts whose bodies may be followed by longer ones, and the longer ones
-    let (mut open, mut extended): (Vec<usize>, Option<CondensedPair>) = ((0..laws.len()).collect(), None);
-    for _ in 0..EXTENSIONS {
-        let on = extended.as_ref().unwrap_or(bodies);
-        let (short, done): (Vec<usize>, Vec<usize>) =
-            open.iter().partition(|&&i| end_of_window(&laws[i]).is_some());
-        add_bands(&done, on, &laws, others)?;
-        open = short;
-        let Some(cause) = open.first().and_then(|&i| end_of_window(&laws[i])) else { break };
-        let Some(longer) = others.longer(cause)? else { break };
-        let places: Vec<f64> = open.iter().map(|&i| places[i]).collect();
-        let found = law_by_shift(pair, &longer, &settings, &places, monitor)?;
-        for (&i, found) in open.iter().zip(found) {
-            if loads_carried(&found) >= loads_carried(&laws[i]) {
-                laws[i] = found;
-            }
+    if study.wants_error_band() {
+        let (element, coarser) = coarser()?;
+        let changed = changed_by_shift(pair, bodies, bodies_of(&coarser), &settings, &laws, monitor)?;
+        for (band, changed) in bands.iter_mut().zip(changed) {
+            *band = changed.map(|(points, changed)| band_record(&points, changed, element, &coarser));
         }
-        extended = Some(longer);
     }
-    add_bands(&open, extended.as_ref().unwrap_or(bodies), &laws, others)?;
     Ok(StiffnessByAngleRecord {
         study: study.name.clone(),
         friction: study.contact.friction,
@@ -112,22 +70,6 @@ pub fn by_angle(
         input_hash: study.keys.by_angle.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     })
-}
-
-/// Why a law ends where the window does.
-fn end_of_window(entry: &ShiftLaw) -> Option<&NumericsError> {
-    let error = match &entry.law {
-        Ok(law) => law.ended.as_ref()?,
-        Err(error) => error,
-    };
-    match error {
-        Error::Numerics(cause) if cause.reason == StopReason::EndOfWindow => Some(cause),
-        _ => None,
-    }
-}
-
-fn loads_carried(entry: &ShiftLaw) -> usize {
-    entry.law.as_ref().map_or(0, |law| law.laws[0].points.len())
 }
 
 /// World position of the tape circle at a shift of the wheelset, m.

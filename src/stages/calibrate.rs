@@ -10,14 +10,14 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, SeriesBeam};
+use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 use rayon::prelude::*;
 
-use super::bodies::rail_in_use;
+use super::bodies::bodies_of_fields;
 use super::fields::{PressedSolids, field_files};
 use super::patches::{below_record, chosen, patch_record};
 use super::{FieldFile, Geometry, Interiors, Meshes, contact_field, enforcement};
@@ -89,7 +89,7 @@ pub fn calibrate(
     // the insides of bodies from the store are factored beside the contact
     let (pressed, interiors) = rayon::join(
         || bodies.press(pair, contact, &study.calibration.loads, monitor),
-        || interiors.of([rail_in_use(study), PairBody::Wheel]),
+        || interiors.of(bodies_of_fields(study)),
     );
     let (pressed, [rail, wheel]) = (pressed?, interiors?);
     let laws = pressed.laws()?;

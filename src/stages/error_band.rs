@@ -39,7 +39,9 @@ pub fn check_target(study: &Study) -> Result<()> {
 /// Sizes of the coarser meshes. Their contact zones are longer by two of their elements, so that they hold what the others hold.
 pub fn coarser_options(geometry: &Geometry, options: &MeshOptions) -> MeshOptions {
     let mut coarser = options.refined(1.0 / COARSER);
-    coarser.window_half_length += 2.0 * coarser.contact_element_along;
+    for half_length in [&mut coarser.window_half_length, &mut coarser.contact_half_length] {
+        *half_length += 2.0 * coarser.contact_element_along;
+    }
     let longer = 2.0 * coarser.contact_element;
     extend_zones(geometry, &mut coarser, longer);
     coarser

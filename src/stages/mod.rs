@@ -15,8 +15,8 @@ mod mesh_files;
 mod sections;
 mod simulate;
 
-pub use bodies::{Bodies, Interiors, solids};
-pub use by_angle::{BodiesByAngle, by_angle, shifts};
+pub use bodies::{Bodies, Interiors, bodies_of_fields, solids};
+pub use by_angle::{by_angle, shifts};
 pub use calibrate::{Calibration, calibrate, check_friction};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use error_band::{
@@ -25,7 +25,7 @@ pub use error_band::{
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use sections::repairs;
 pub use simulate::{MovingBodies, Springs, simulate, simulate_solid};
-pub use zones::{check_loads, enlarged, mesh_options, within_zones};
+pub use zones::{check_loads, mesh_options, within_zones};
 
 use std::path::Path;
 

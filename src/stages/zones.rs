@@ -13,10 +13,10 @@ use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 use super::{Geometry, Meshes, remeshed_with};
-use crate::study::Study;
+use crate::study::{FieldKey, Study};
 
 /// Times that the zone is made larger, at most.
-pub const EXTENSIONS: usize = 4;
+const EXTENSIONS: usize = 4;
 /// Length that an extension adds at each end of the zone on a profile, m: two elements of the default mesh.
 const LONGER: f64 = 4e-3;
 /// Distance that a zone keeps from the end of a profile and from the top of a flange, m.
@@ -36,7 +36,18 @@ pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
     {
         options.window_half_length = window_for(study, patch).min(longest_window(study, geometry));
     }
+    options.contact_half_length = contact_half_length(study, geometry, options.window_half_length);
     options
+}
+
+/// Half length of the contact grid of meshes with a window, m: a fine grid also carries a patch that goes on beyond the window, as that of
+/// the flange, so that one pair of bodies serves everywhere on the profiles.
+fn contact_half_length(study: &Study, geometry: &Geometry, window: f64) -> f64 {
+    const BEYOND: f64 = 2.0;
+    match study.contact.field {
+        FieldKey::Hybrid if window_is_ours(study) => (BEYOND * window).min(longest_window(study, geometry)),
+        FieldKey::Hybrid | FieldKey::Elements => window,
+    }
 }
 
 /// Checks that the wheel touches within the contact zone of the tool's own meshes, and that the Hertz patch of the
@@ -191,7 +202,7 @@ pub fn within_zones<T>(
 
 /// Meshes with a larger zone, where the contact of `cause` has reached the end of that of `meshes`; says so. `None` where no larger zone
 /// can be had.
-pub fn enlarged(
+fn enlarged(
     study: &Study,
     geometry: &Geometry,
     meshes: &Meshes,
@@ -228,6 +239,7 @@ fn larger(
         }
         let longer = 1.5 * next.window_half_length;
         next.window_half_length = longer.min(longest_window(study, geometry)).max(next.window_half_length);
+        next.contact_half_length = contact_half_length(study, geometry, next.window_half_length);
     } else {
         if !meshes_are_ours(study) {
             return None;

@@ -137,7 +137,7 @@ pub struct MeshKeys {
     #[schemars(range(min = 0.2, max = 10.0))]
     pub contact_element_along_mm: f64,
     /// Half length of the contact zone along the track, mm. Left out, the zone is made longer where the contact patch
-    /// requires it.
+    /// requires it, and a contact on the fine grid may go on beyond it, on larger elements.
     #[schemars(range(min = 4.0, max = 60.0))]
     pub window_half_length_mm: f64,
     /// Ratio of the lengths of neighbouring elements along the track, outside the contact zone.

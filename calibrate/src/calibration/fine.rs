@@ -72,14 +72,10 @@ impl FineContact {
             let mut keep = near.iter();
             shares.retain(|_| *keep.next().unwrap_or(&false));
         }
+        // some more, for the grids of larger loads
+        let spare = |n: usize| n + n / 4 + 8;
         let reach = extent(&points);
-        let table = known.map(|known| known.hybrid.near().table()).filter(|table| {
-            table.cell == lattice.cell && reach.0 <= table.reach.0 && reach.1 <= table.reach.1
-        });
-        let table = table.cloned().unwrap_or_else(|| {
-            let spare = |n: usize| n + n / 4 + 8;
-            Arc::new(HatTable::new(lattice.cell, (spare(reach.0), spare(reach.1))))
-        });
+        let table = HatTable::shared(lattice.cell, (spare(reach.0), spare(reach.1)));
         let near = NearField::with_table(table, &solids.half_spaces, &points, directions);
         let hybrid = Hybrid::new(near, far.sum.clone(), shares);
         (points, Self { lattice, far, hybrid, half_spaces: solids.half_spaces })

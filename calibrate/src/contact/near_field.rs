@@ -23,7 +23,7 @@ impl NearField {
     /// The half-spaces `bodies` between `points` of a uniform grid with `directions` (1 or 3) unknowns a point.
     pub fn new(bodies: &[HalfSpace], points: &[ContactPoint], directions: usize) -> Self {
         let cell = points.first().map_or_else(Default::default, |point| point.widths);
-        Self::with_table(Arc::new(HatTable::new(cell, extent(points))), bodies, points, directions)
+        Self::with_table(HatTable::shared(cell, extent(points)), bodies, points, directions)
     }
 
     /// As [`Self::new`], with the `table` of the grid, which must reach over the extent of the points.
@@ -65,11 +65,6 @@ impl NearField {
     pub(crate) fn between(&self, points: &[usize], directions: usize) -> Self {
         let places = points.iter().map(|&j| self.places[j]).collect();
         Self::at(self.table.clone(), self.factors, places, directions)
-    }
-
-    /// The table of the grid.
-    pub(crate) fn table(&self) -> &Arc<HatTable> {
-        &self.table
     }
 
     /// Compliance of `bodies` under `forces` on the points: fᵀ·N·f, m·N.

@@ -45,7 +45,7 @@ pub fn rail_size(section: &RailSection, length: f64, options: &MeshOptions) -> R
     Ok(MeshSize {
         nodes: plane.nodes.len() * x.len(),
         hexes: plane.quads.len() * (x.len() - 1),
-        contact: plane.contact.len() * in_window(&x, options.window_half_length).count(),
+        contact: plane.contact.len() * in_window(&x, grid_half_length(&x, 1.0, options)).count(),
     })
 }
 
@@ -59,7 +59,8 @@ pub fn wheel_size(section: &WheelSection, options: &MeshOptions) -> Result<MeshS
     Ok(MeshSize {
         nodes: plane.nodes.len() * theta.len(),
         hexes: plane.quads.len() * theta.len(),
-        contact: plane.contact.len() * in_window(&theta, options.window_half_length / section.radius).count(),
+        contact: plane.contact.len()
+            * in_window(&theta, grid_half_length(&theta, section.radius, options)).count(),
     })
 }
 
@@ -76,7 +77,8 @@ pub fn mesh_rail(
     let mut mesh = rail_section_mesh(section, length, options)?;
     let foot = on_line(&mesh.boundary, &mesh.nodes, section.height);
     mesh.nodes.iter_mut().for_each(|p| *p = placed.to_world(p));
-    Ok(extrude(&mesh, &rail_layers(length, options), options.window_half_length, &foot))
+    let x = rail_layers(length, options);
+    Ok(extrude(&mesh, &x, grid_half_length(&x, 1.0, options), &foot))
 }
 
 fn rail_section_mesh(section: &RailSection, length: f64, options: &MeshOptions) -> Result<SectionMesh> {
@@ -101,7 +103,8 @@ pub fn mesh_wheel(section: &WheelSection, options: &MeshOptions) -> Result<HexMe
     let mesh = wheel_section_mesh(section, options)?;
     let bore = on_line(&mesh.boundary, &mesh.nodes, section.bore_radius - section.radius);
     let theta = wheel_layers(section.radius, options);
-    Ok(revolve(&mesh, section.radius, &theta, options.window_half_length / section.radius, &bore))
+    let half_length = grid_half_length(&theta, section.radius, options);
+    Ok(revolve(&mesh, section.radius, &theta, half_length, &bore))
 }
 
 fn wheel_section_mesh(section: &WheelSection, options: &MeshOptions) -> Result<SectionMesh> {
@@ -153,6 +156,14 @@ fn on_line(boundary: &[usize], nodes: &[Point2<f64>], z: f64) -> Vec<usize> {
 /// Positions along one half of a sweep, from the middle of the window to `end`.
 fn half_positions(options: &MeshOptions, end: f64, largest: f64) -> Vec<f64> {
     graded(options.window_half_length, end, options.contact_element_along, options.growth, largest)
+}
+
+/// Half the length of the contact grid among the `layers` of nodes, in their unit, of which `radius` makes arc lengths: up to the first
+/// layer at the wanted distance, the last one that is no end.
+fn grid_half_length(layers: &[f64], radius: f64, options: &MeshOptions) -> f64 {
+    let wanted = options.contact_half_length.max(options.window_half_length) / radius;
+    let ahead = &layers[layers.partition_point(|l| *l < 0.0)..layers.len() - 1];
+    ahead.iter().copied().find(|l| *l >= wanted * (1.0 - 1e-9)).unwrap_or(wanted)
 }
 
 /// Outline of a rail's section with its contact nodes, in the profile frame.

@@ -109,8 +109,12 @@ pub struct MeshOptions {
     /// Edge of an element of the contact window along the track. Patches are shorter along the track
     /// than across it on conformal profiles, so that finer elements pay off here.
     pub contact_element_along: f64,
-    /// Half the length of the contact window along the track.
+    /// Half the length of the contact window along the track, within which the elements are equally long.
     pub window_half_length: f64,
+    /// Half the length of the contact grid along the track; it is at least that of the window. What lies beyond the window has the growing
+    /// elements there, up to the first line at that distance: enough for the bodies under a contact on a fine grid, too coarse for one
+    /// between the nodes.
+    pub contact_half_length: f64,
     /// Number of structured layers under the contact zone, even; none: as many as it takes down to 4 mm.
     pub layers: Option<usize>,
     /// Thickness of the first layer; none: that of the contact element, 2 mm at most.
@@ -142,6 +146,7 @@ impl Default for MeshOptions {
             contact_element: 2e-3,
             contact_element_along: 1.5e-3,
             window_half_length: 12e-3,
+            contact_half_length: 0.0,
             layers: None,
             first_layer: None,
             layer_growth: 1.25,

@@ -34,6 +34,9 @@ pub const COARSER: f64 = 2.0;
 /// Loads of a calibration at which the grid is halved, at most: one takes as long as a dozen on the grid itself.
 pub const LOADS_HALVED: usize = 8;
 
+/// Loads of a calibration that coarser meshes carry, at most: the error of linear bodies goes along with the load.
+pub const LOADS_COARSER: usize = 6;
+
 /// Fixed loads of a law by contact angle at which the grid is halved, and as many that coarser meshes carry, at most.
 pub const FIXED_LOADS_CHANGED: usize = 2;
 
@@ -179,7 +182,7 @@ pub struct Changed {
 }
 
 impl<'a> Solid<'a> {
-    /// That of a calibration, pressed downwards with the loads of its `laws` in turn. Every load is carried by coarser meshes.
+    /// That of a calibration, pressed downwards with the loads of its `laws` in turn.
     pub fn of_calibration(
         pair: &'a Pair,
         bodies: &'a CondensedPair,
@@ -196,7 +199,7 @@ impl<'a> Solid<'a> {
             points,
             in_turn: true,
             halved: spread(count, LOADS_HALVED),
-            coarser: (0..count).collect(),
+            coarser: spread(count, LOADS_COARSER),
         }
     }
 
@@ -313,7 +316,7 @@ pub fn changed_by_shift(
     bodies: &CondensedPair,
     coarser: Option<&CondensedPair>,
     settings: &AngleSettings,
-    laws: &[&ShiftLaw],
+    laws: &[ShiftLaw],
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<(SolidPoints, Changed)>>> {
     let done = AtomicUsize::new(0);

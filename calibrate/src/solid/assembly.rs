@@ -212,6 +212,15 @@ impl NodalMass {
         product
     }
 
+    /// The mass between a node and others, kg.
+    pub(crate) fn row(&self, node: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let entries = self.starts[node]..self.starts[node + 1];
+        self.columns[entries.clone()]
+            .iter()
+            .map(|&column| column as usize)
+            .zip(self.values[entries].iter().copied())
+    }
+
     /// Mass of the whole body, kg.
     pub fn total(&self) -> f64 {
         self.values.iter().sum()

@@ -196,7 +196,23 @@ impl Factor {
         let mut inverse = Mat::<f64>::zeros(n, n);
         invert_lower_triangular(inverse.as_mut(), lower.as_ref(), Par::Seq);
         let mut compliance = lower;
-        matmul(compliance.as_mut(), Accum::Replace, inverse.transpose(), inverse.as_ref(), 1.0, Par::Seq);
+        triangular::matmul(
+            compliance.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            inverse.transpose(),
+            BlockStructure::TriangularUpper,
+            inverse.as_ref(),
+            BlockStructure::TriangularLower,
+            1.0,
+            Par::Seq,
+        );
+        drop(inverse);
+        for column in 1..n {
+            for row in 0..column {
+                compliance[(row, column)] = compliance[(column, row)];
+            }
+        }
         compliance
     }
 }

@@ -19,8 +19,9 @@ use super::factor::{Factor, dot};
 use crate::error::{InputError, Result};
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::solid::{NodalMass, Numbering, System, rigid_motion};
-use faer::Mat;
+use faer::linalg::matmul::matmul;
 use faer::sparse::{SparseColMat, Triplet};
+use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 use nalgebra::{DMatrix, Matrix6, Point3, SymmetricEigen, Vector3};
 
 /// A direction is spanned already if less than this share of it is left beside the others.
@@ -110,12 +111,14 @@ impl Superelement<'_> {
             // of the hub's motions across the track and down
             first.extend([inertia[1].clone(), inertia[2].clone()]);
         }
-        let vectors = self.lanczos(&mass, &Surface::new(&self.system)?, first, count);
-        let kept = vectors.len();
-        let shapes = Mat::from_fn(contact, kept, |row, mode| vectors[mode][interior + row]);
-        let coupling = DMatrix::from_fn(6, kept, |motion, mode| dot(&inertia[motion], &vectors[mode]));
+        let inside = InteriorMass::new(mesh, numbering, &mass);
+        let vectors = self.lanczos(&inside, &Surface::new(&self.system)?, first, count);
+        let kept = vectors.ncols();
+        let shapes = vectors.subrows(interior, contact).to_owned();
+        let coupling =
+            DMatrix::from_fn(6, kept, |motion, mode| dot(&inertia[motion], vectors.col_as_slice(mode)));
         let roots = self.roots(vectors);
-        let energy = |i: usize, j: usize| dot(&roots[i], &roots[j]);
+        let energy = |i: usize, j: usize| dot(roots.col_as_slice(i), roots.col_as_slice(j));
         Ok(Modes {
             contact: shapes,
             stiffness: DMatrix::from_fn(kept, kept, |i, j| energy(i.min(j), i.max(j))),
@@ -128,47 +131,122 @@ impl Superelement<'_> {
     }
 
     /// The products of [`Factor::root_times`], which take the place of the vectors.
-    fn roots(&self, vectors: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    fn roots(&self, mut vectors: Mat<f64>) -> Mat<f64> {
         const AT_ONCE: usize = 8;
-        let mut roots = Vec::with_capacity(vectors.len());
-        let mut vectors = vectors.into_iter();
-        loop {
-            let some: Vec<Vec<f64>> = vectors.by_ref().take(AT_ONCE).collect();
-            let Some(first) = some.first() else { return roots };
-            let columns = Mat::from_fn(first.len(), some.len(), |row, n| some[n][row]);
-            drop(some);
-            let products = self.factor.root_times(columns.as_ref());
-            roots.extend((0..products.ncols()).map(|n| products.col_as_slice(n).to_vec()));
+        for first in (0..vectors.ncols()).step_by(AT_ONCE) {
+            let mut some = vectors.subcols_mut(first, AT_ONCE.min(vectors.ncols() - first));
+            let products = self.factor.root_times(some.as_ref());
+            some.copy_from(&products);
         }
+        vectors
     }
 
-    /// Block Lanczos from some loads (by equation) on: vectors that are orthonormal with the mass.
+    /// Block Lanczos from some loads (by equation) on: vectors that are orthonormal with the mass, by equation.
     fn lanczos(
         &self,
-        mass: &NodalMass,
+        mass: &InteriorMass,
         surface: &Surface,
-        mut loads: Vec<Vec<f64>>,
+        loads: Vec<Vec<f64>>,
         count: usize,
-    ) -> Vec<Vec<f64>> {
-        let System { mesh, numbering, .. } = &self.system;
-        let times_mass = |x: &[f64]| numbering.gather(mesh, &mass.times(&numbering.expand(mesh, x)));
-        let mut vectors: Vec<Vec<f64>> = Vec::new();
-        loop {
-            loads.truncate(count - vectors.len());
-            if loads.is_empty() {
-                return vectors;
+    ) -> Mat<f64> {
+        let Numbering { interior, equations, .. } = self.system.numbering;
+        let mut vectors = Mat::zeros(equations, count);
+        let mut found = 0;
+        let mut block = Mat::from_fn(equations, loads.len().min(count), |row, n| loads[n][row]);
+        drop(loads);
+        while block.ncols() > 0 {
+            self.factor.solve(block.as_mut());
+            let mut impulses = mass.times(block.as_ref());
+            let norm = |x: &[f64], impulse: &[f64]| dot(&x[..interior], impulse).max(0.0).sqrt();
+            let whole: Vec<f64> =
+                (0..block.ncols()).map(|n| norm(block.col_as_slice(n), impulses.col_as_slice(n))).collect();
+            let known = vectors.subcols(0, found);
+            // once more against rounding
+            for _ in 0..2 {
+                let mut shares = Mat::zeros(found, block.ncols());
+                let inside = known.subrows(0, interior);
+                matmul(shares.as_mut(), Accum::Replace, inside.transpose(), impulses.as_ref(), 1.0, Par::Seq);
+                matmul(block.as_mut(), Accum::Add, known, shares.as_ref(), -1.0, Par::Seq);
+                impulses = mass.times(block.as_ref());
             }
-            let mut solved = Mat::from_fn(numbering.equations, loads.len(), |row, n| loads[n][row]);
-            self.factor.solve(solved.as_mut());
-            loads.clear();
-            for n in 0..solved.ncols() {
-                let found = new_direction(solved.col_as_slice(n), &vectors, &times_mass);
-                let Some((mut vector, impulse)) = found else { continue };
-                surface.settle(&mut vector);
-                vectors.push(vector);
-                loads.push(impulse);
+            let mut new = Vec::new();
+            for n in 0..block.ncols() {
+                for _ in 0..2 {
+                    for &other in &new {
+                        let share = dot(&block.col_as_slice(other)[..interior], impulses.col_as_slice(n));
+                        subtract(&mut block, share, other, n);
+                        subtract(&mut impulses, share, other, n);
+                    }
+                }
+                let left = norm(block.col_as_slice(n), impulses.col_as_slice(n));
+                // not so where it is no number
+                if left > SPANNED * whole[n] {
+                    for values in [block.col_as_slice_mut(n), impulses.col_as_slice_mut(n)] {
+                        values.iter_mut().for_each(|v| *v /= left);
+                    }
+                    new.push(n);
+                }
+            }
+            for &n in &new {
+                surface.settle(block.col_as_slice_mut(n));
+                vectors.col_as_slice_mut(found).copy_from_slice(block.col_as_slice(n));
+                found += 1;
+            }
+            new.truncate(count - found);
+            block = Mat::from_fn(equations, new.len(), |row, n| {
+                if row < interior { impulses[(row, new[n])] } else { 0.0 }
+            });
+        }
+        vectors.resize_with(equations, found, |_, _| 0.0);
+        vectors
+    }
+}
+
+/// Takes `share` times the column `other` from the column `n`.
+fn subtract(columns: &mut Mat<f64>, share: f64, other: usize, n: usize) {
+    let (before, after) = columns.as_mut().split_at_col_mut(n);
+    zip!(after.col_mut(0), before.col(other)).for_each(|unzip!(v, o)| *v -= share * *o);
+}
+
+/// The mass between the nodes that are eliminated, in their order.
+struct InteriorMass {
+    starts: Vec<usize>,
+    entries: Vec<(u32, f64)>,
+}
+
+impl InteriorMass {
+    fn new(mesh: &HexMesh, numbering: &Numbering, mass: &NodalMass) -> Self {
+        let inside = numbering.interior / 3;
+        let place = |node: usize| numbering.place(node).filter(|place| *place < inside);
+        let mut nodes = vec![0; inside];
+        (0..mesh.nodes.len()).for_each(|node| {
+            if let Some(place) = place(node) {
+                nodes[place] = node;
+            }
+        });
+        let (mut starts, mut entries) = (vec![0], Vec::new());
+        for node in nodes {
+            let row = mass.row(node).filter_map(|(other, value)| Some((place(other)? as u32, value)));
+            entries.extend(row);
+            starts.push(entries.len());
+        }
+        Self { starts, entries }
+    }
+
+    /// Mass times vectors by equation, in the equations of these nodes.
+    fn times(&self, vectors: MatRef<'_, f64>) -> Mat<f64> {
+        let mut products = Mat::zeros(3 * (self.starts.len() - 1), vectors.ncols());
+        for n in 0..vectors.ncols() {
+            let vector = vectors.col(n).try_as_col_major().expect("whole columns").as_slice();
+            let (to, _) = products.col_as_slice_mut(n).as_chunks_mut::<3>();
+            for (sum, row) in to.iter_mut().zip(self.starts.windows(2)) {
+                for &(place, value) in &self.entries[row[0]..row[1]] {
+                    let at = 3 * place as usize;
+                    (0..3).for_each(|d| sum[d] += value * vector[at + d]);
+                }
             }
         }
+        products
     }
 }
 
@@ -217,33 +295,6 @@ impl Surface {
         self.factor.solve(forces.as_mut());
         contact.copy_from_slice(forces.col_as_slice(0));
     }
-}
-
-/// What is new in a static `solution` beside orthonormal `vectors`, of mass 1, and its product with the mass.
-fn new_direction(
-    solution: &[f64],
-    vectors: &[Vec<f64>],
-    times_mass: &dyn Fn(&[f64]) -> Vec<f64>,
-) -> Option<(Vec<f64>, Vec<f64>)> {
-    let norm = |x: &[f64], impulse: &[f64]| dot(x, impulse).max(0.0).sqrt();
-    let mut vector = solution.to_vec();
-    let mut impulse = times_mass(&vector);
-    let whole = norm(&vector, &impulse);
-    // once more against rounding
-    for _ in 0..2 {
-        for other in vectors {
-            let share = dot(other, &impulse);
-            vector.iter_mut().zip(other).for_each(|(v, o)| *v -= share * o);
-        }
-        impulse = times_mass(&vector);
-    }
-    let left = norm(&vector, &impulse);
-    // negated, so that what is no number is left out
-    if !(left > SPANNED * whole) {
-        return None;
-    }
-    [&mut vector, &mut impulse].into_iter().flatten().for_each(|v| *v /= left);
-    Some((vector, impulse))
 }
 
 /// Forces across the track and down on the contact zone (those along it balance in a patch under a wheel that does not roll), growing from one end of its profile to the other or back, and from both its ends

@@ -3,6 +3,7 @@
 use super::potentials::{Kernels, hat_potentials};
 use crate::quadrature::{GAUSS_5, gauss_4_unit};
 use nalgebra::Vector2;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Distance, in widths of the wider hat, from which points take the place of hats.
 pub(super) const FAR: f64 = 5.0;
@@ -97,7 +98,31 @@ pub(crate) struct HatTable {
     means: Vec<Kernels>,
 }
 
+/// Tables that were made, at most so many.
+static MADE: Mutex<Vec<Arc<HatTable>>> = Mutex::new(Vec::new());
+const KEPT: usize = 64;
+
 impl HatTable {
+    /// A table with that reach or more. Grids of one spacing share it: their spacings are few, and a value does not depend on the reach.
+    pub fn shared(cell: Vector2<f64>, reach: (usize, usize)) -> Arc<Self> {
+        let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut wanted = reach;
+        for table in made().iter().filter(|table| table.cell == cell) {
+            if reach.0 <= table.reach.0 && reach.1 <= table.reach.1 {
+                return table.clone();
+            }
+            wanted = (wanted.0.max(table.reach.0), wanted.1.max(table.reach.1));
+        }
+        let table = Arc::new(Self::new(cell, wanted));
+        let mut tables = made();
+        tables.retain(|other| other.cell != cell);
+        if tables.len() == KEPT {
+            tables.remove(0);
+        }
+        tables.push(table.clone());
+        table
+    }
+
     pub fn new(cell: Vector2<f64>, reach: (usize, usize)) -> Self {
         let at = |n: usize| {
             means(&Vector2::new((n / reach.1) as f64 * cell.x, (n % reach.1) as f64 * cell.y), &cell, &cell)

@@ -17,6 +17,7 @@ use faer::Mat;
 use means::means;
 use nalgebra::{Vector2, Vector3};
 use potentials::Kernels;
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
@@ -121,6 +122,26 @@ impl Compliance for HalfSpace {
     }
 }
 
+/// Means that a thread has made, at most so many.
+const KEPT: usize = 1 << 17;
+
+/// [`means`] to a picometre of distance and widths. On a mesh few of them are different, and it is the same mesh again and again.
+fn known_means(d: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>) -> Kernels {
+    thread_local!(static KNOWN: RefCell<HashMap<[i64; 6], Kernels>> = RefCell::default());
+    const UNIT: f64 = 1e-12;
+    let key = [d.x, d.y, a.x, a.y, b.x, b.y].map(|v| (v / UNIT).round() as i64);
+    KNOWN.with_borrow_mut(|known| {
+        if known.len() == KEPT {
+            known.clear();
+        }
+        *known.entry(key).or_insert_with(|| {
+            // of the rounded values, so that it does not matter who asked first
+            let [dx, dy, ax, ay, bx, by] = key.map(|v| v as f64 * UNIT);
+            means(&Vector2::new(dx, dy), &Vector2::new(ax, ay), &Vector2::new(bx, by))
+        })
+    })
+}
+
 /// Adds the compliance of several half-spaces to a matrix each, between the `wanted` of the pairs of points, by their places
 /// in the list.
 pub(crate) fn add_half_spaces<const N: usize>(
@@ -132,15 +153,10 @@ pub(crate) fn add_half_spaces<const N: usize>(
     let n = points.len();
     let directions = matrices.first().map_or(0, |matrix| matrix.nrows()).checked_div(n).unwrap_or(0);
     let factors = bodies.map(HalfSpace::factors);
-    // on a uniform grid few distances are different
-    let mut known: HashMap<[i64; 6], Kernels> = HashMap::new();
-    let picometres = |v: f64| (v * 1e12).round() as i64;
     for j in 0..n {
         for i in (0..=j).filter(|&i| wanted(i, j)) {
             let d = points[i].position - points[j].position;
-            let (a, b) = (points[i].widths, points[j].widths);
-            let key = [d.x.abs(), d.y.abs(), a.x, a.y, b.x, b.y].map(picometres);
-            let mut means = *known.entry(key).or_insert_with(|| means(&d.abs(), &a, &b));
+            let mut means = known_means(&d.abs(), &points[i].widths, &points[j].widths);
             let sign = Vector2::new(d.x.signum(), d.y.signum());
             means.shear *= sign.x * sign.y;
             means.gradient.component_mul_assign(&sign);
