@@ -81,7 +81,7 @@ impl WheelOnRail<'_> {
         Solids {
             rail: self.rail,
             wheel: self.wheel,
-            rail_surface: &self.rail_surface,
+            rail_surface: self.rail_surface.clone(),
             wheel_surface: self.wheel_surface.moved(hub),
             half_spaces,
         }

@@ -5,7 +5,7 @@ use crate::contact::{
 };
 use crate::superelement::times;
 use faer::Mat;
-use nalgebra::Point2;
+use nalgebra::{Point2, UnitComplex};
 use std::sync::Arc;
 
 /// Two condensed bodies in place.
@@ -14,9 +14,9 @@ pub(crate) struct Solids<'a> {
     pub rail: &'a Mat<f64>,
     /// Compliance of the wheel's contact nodes, m/N.
     pub wheel: &'a Mat<f64>,
-    /// The rail's surface.
-    pub rail_surface: &'a Surface<'a>,
-    /// The wheel's surface where the hub is.
+    /// The rail's surface in its place.
+    pub rail_surface: Surface<'a>,
+    /// The wheel's surface in its place.
     pub wheel_surface: Surface<'a>,
     /// Half-spaces of the materials of rail and wheel.
     pub half_spaces: [HalfSpace; 2],
@@ -36,15 +36,21 @@ pub(super) struct FarField {
     pub sum: Arc<Mat<f64>>,
     /// The nodes for which it was made.
     pub nodes: Vec<bool>,
+    /// Turn of the rail for which it was made.
+    turn: UnitComplex<f64>,
     /// Which of the points stands at each node of the rail's grid.
     slot: Vec<Option<usize>>,
 }
+
+/// The rail turns by as much before a far field without friction is made again, rad: one with normal directions alone does not turn with
+/// the points, and the forces on the bodies keep its directions.
+const FAR_TURN: f64 = 1e-4;
 
 impl FarField {
     /// The far field between the `nodes` of the rail's grid, with `directions` unknowns a point.
     pub fn new(solids: &Solids, nodes: Vec<bool>, directions: usize) -> Self {
         let columns = solids.rail_surface.grid.along_track.len();
-        let points = pair_nodes(solids.rail_surface, &solids.wheel_surface, |(i, k)| nodes[i * columns + k]);
+        let points = pair_nodes(&solids.rail_surface, &solids.wheel_surface, |(i, k)| nodes[i * columns + k]);
         let mut slot = vec![None; nodes.len()];
         points.iter().enumerate().for_each(|(j, p)| slot[p.index.0 * columns + p.index.1] = Some(j));
         let stand_ins = StandIns { points: &points, slot: &slot, columns };
@@ -65,12 +71,14 @@ impl FarField {
             stand_ins.smooth(body);
         }
         let sum = Mat::from_fn(rail.nrows(), rail.ncols(), |r, c| rail[(r, c)] + wheel[(r, c)]);
-        Self { points, bodies: [rail, wheel], sum: Arc::new(sum), nodes, slot }
+        let turn = solids.rail_surface.turn;
+        Self { points, bodies: [rail, wheel], sum: Arc::new(sum), nodes, turn, slot }
     }
 
-    /// Whether it was made for all of the `nodes` and as many `directions`.
-    pub fn serves(&self, nodes: &[bool], directions: usize) -> bool {
+    /// Whether it was made for all of the `nodes` and as many `directions`, and serves a `rail` in its place.
+    pub fn serves(&self, nodes: &[bool], directions: usize, rail: &Surface) -> bool {
         self.sum.nrows() == directions * self.points.len()
+            && (directions > 1 || self.turn.angle_to(&rail.turn).abs() < FAR_TURN)
             && nodes.iter().zip(&self.nodes).all(|(wanted, made)| !wanted || *made)
     }
 

@@ -33,7 +33,7 @@ impl FineContact {
         displaced: Option<&Displaced>,
         directions: usize,
     ) -> (Vec<ContactPoint>, Self) {
-        let rail = solids.rail_surface;
+        let rail = &solids.rail_surface;
         let cells = cells_at(rail.grid, region);
         let columns = rail.grid.along_track.len();
         let mut needed = vec![false; region.len()];
@@ -44,7 +44,7 @@ impl FineContact {
             }
         }
         let far = match known {
-            Some(known) if known.far.serves(&needed, directions) => known.far.clone(),
+            Some(known) if known.far.serves(&needed, directions, rail) => known.far.clone(),
             _ => Arc::new(FarField::new(solids, widened(&needed, columns, SPARE_NODES), directions)),
         };
         let mut nodes = Vec::new();
@@ -177,7 +177,7 @@ impl FineContact {
             let far = far.get_or_insert_with(|| {
                 let mut carried = vec![0.0; to.far.sum.nrows()];
                 for (j, force) in &loads {
-                    let Some((shares, _)) = to.far.shares(solids.rail_surface, &own[*j].position) else {
+                    let Some((shares, _)) = to.far.shares(&solids.rail_surface, &own[*j].position) else {
                         continue;
                     };
                     for (coarse, weight) in shares {
@@ -191,7 +191,7 @@ impl FineContact {
                 let offset = point.position - own[*j].position;
                 sum += displacement_far_from(&self.half_spaces, &offset, force);
             }
-            if let Some((shares, _)) = to.far.shares(solids.rail_surface, &point.position) {
+            if let Some((shares, _)) = to.far.shares(&solids.rail_surface, &point.position) {
                 for (coarse, weight) in shares {
                     (1..3).for_each(|d| sum[d] += weight * far[d * rows + coarse]);
                 }
@@ -271,7 +271,7 @@ fn at_end(grid: &SurfaceGrid, lattice: &Lattice, place: &Point2<f64>) -> bool {
     })
 }
 
-/// Displacements of the contact nodes of both bodies (`3·node + axis`, m), the wheel's beyond its hub's, with which only points
+/// Displacements of the contact nodes of both bodies (`3·node + axis`, m) beyond their places, with which only points
 /// whose gap is smaller than `margin` (m) are in reach.
 pub(crate) struct Displaced<'a> {
     pub rail: &'a [f64],

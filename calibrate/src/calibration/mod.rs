@@ -1,6 +1,7 @@
 //! Loads in, stiffness law out: the normal law `k(f) = a + b·(f/f0)^c` from the
 //! tangent of the solid model, and the constant horizontal stiffness.
 
+mod zone;
 mod far_field;
 mod grid;
 mod fine;
@@ -13,6 +14,7 @@ pub(crate) use fine::{Displaced, FineContact, widened};
 pub(crate) use grid::{cell_for, too_coarse, touches_border, widths};
 pub use pressed::{ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};
 pub(crate) use pressed::{carry_over, edge_reached};
+pub(crate) use zone::{Change, Placed, Places, Zone, distance};
 
 use crate::contact::{
     BodyCompliance, Compliance, ContactPoint, HalfSpace, PointMode, Side, hub_response, total,

@@ -97,7 +97,7 @@ impl Lattice {
                 let (arcs, half) = gauss_2_on(part.0, part.1);
                 for s in arcs {
                     let along = self.gaps_along(base, opposing, s, columns.clone(), facing[0]);
-                    let normal = base.curve.upward_normal(s);
+                    let normal = base.normal(s);
                     let u = (s - ends.0) / self.cell.x;
                     for (line, weight) in [(below.clone(), 1.0 - u), (above.clone(), u)] {
                         let weight = weight * half / self.cell.x;
@@ -132,7 +132,7 @@ impl Lattice {
         columns: std::ops::RangeInclusive<usize>,
         facing: f64,
     ) -> Vec<Option<Projection>> {
-        let (point, normal) = (base.world(s), base.curve.upward_normal(s));
+        let (point, normal) = (base.world(s), base.normal(s));
         let mut near: Option<Projection> = None;
         columns
             .map(|k| {

@@ -12,6 +12,7 @@
 //! intersections of the cells of both surfaces, so a uniform pressure crosses
 //! non-matching meshes exactly (patch test).
 
+mod rigid_motion;
 mod surface;
 mod point;
 mod pairing;
@@ -42,6 +43,7 @@ pub use operator::ComplianceOperator;
 pub use pairing::{PairingLimits, pair};
 pub(crate) use pairing::{locate, pair_nodes};
 pub use point::{ContactPoint, NodeWeight, Side, flat_grid, gaps, nodal_forces, resultant};
+pub use rigid_motion::RigidMotion;
 pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};
 pub use subsurface::{PatchStress, Peak, Subsurface, stress_below, subsurface};
 pub(crate) use surface::corners;

@@ -57,7 +57,7 @@ struct Line {
 
 impl Line {
     fn new(base: &Surface, s: f64) -> Self {
-        Self { s, point: base.world(s), normal: base.curve.upward_normal(s) }
+        Self { s, point: base.world(s), normal: base.normal(s) }
     }
 }
 
@@ -274,8 +274,7 @@ pub(super) fn profile_intervals(
     s1: f64,
     seeds: (f64, f64),
 ) -> Vec<(f64, f64)> {
-    let facing =
-        |s: f64, guess: f64| opposing.project(&base.world(s), 0.0, &base.curve.upward_normal(s), guess);
+    let facing = |s: f64, guess: f64| opposing.project(&base.world(s), 0.0, &base.normal(s), guess);
     let mut cuts = base.curve.breakpoints();
     if let (Some(a), Some(b)) = (facing(s0, seeds.0), facing(s1, seeds.1)) {
         let (a, b) = (a.along_profile, b.along_profile);

@@ -1,8 +1,9 @@
 //! The two contact surfaces as tensor grids on smooth curves.
 
+use super::rigid_motion::RigidMotion;
 use crate::mesh::SurfaceGrid;
 use crate::profile::ProfileCurve;
-use nalgebra::{Matrix2, Point2, Vector2, Vector3};
+use nalgebra::{Matrix2, Point2, UnitComplex, Vector2, Vector3};
 
 /// How the profile curve sweeps out the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +28,8 @@ pub struct Surface<'a> {
     pub grid: &'a SurfaceGrid,
     /// World coordinates (y, z) of the origin of the curve's frame, m.
     pub origin: Vector2<f64>,
+    /// Turn of the curve's frame about x, from y towards z; the axle of what is revolved turns with it.
+    pub turn: UnitComplex<f64>,
     /// What lies between the nodes.
     pub between_nodes: BetweenNodes,
 }
@@ -61,8 +64,14 @@ pub(crate) fn corners(u: f64, v: f64) -> [(usize, usize, f64); 4] {
 impl<'a> Surface<'a> {
     /// The smooth surface of a rail or block at rest, its curve in world coordinates.
     pub fn extruded(curve: &'a ProfileCurve, grid: &'a SurfaceGrid) -> Self {
-        let (shape, origin) = (Shape::Extruded, Vector2::zeros());
-        Self { curve, shape, grid, origin, between_nodes: BetweenNodes::Smooth }
+        Self {
+            curve,
+            shape: Shape::Extruded,
+            grid,
+            origin: Vector2::zeros(),
+            turn: UnitComplex::identity(),
+            between_nodes: BetweenNodes::Smooth,
+        }
     }
 
     /// The smooth surface of a wheel with `radius` (m) at the curve's z = 0, the curve's frame at the world
@@ -73,7 +82,7 @@ impl<'a> Surface<'a> {
         radius: f64,
         origin: Vector2<f64>,
     ) -> Self {
-        Self { curve, shape: Shape::Revolved { radius }, grid, origin, between_nodes: BetweenNodes::Smooth }
+        Self { shape: Shape::Revolved { radius }, origin, ..Self::extruded(curve, grid) }
     }
 
     /// The surface moved by (y, z), m.
@@ -82,9 +91,33 @@ impl<'a> Surface<'a> {
         Self { origin: self.origin + by, ..self.clone() }
     }
 
+    /// The surface after a rigid motion across the track.
+    #[must_use]
+    pub fn placed(&self, motion: &RigidMotion) -> Self {
+        let origin = motion.place(&Point2::from(self.origin)).coords;
+        Self { origin, turn: motion.turn() * self.turn, ..self.clone() }
+    }
+
     /// Point of the curve in world coordinates (y, z).
     pub fn world(&self, s: f64) -> Point2<f64> {
-        self.curve.point(s) + self.origin
+        self.turn * self.curve.point(s) + self.origin
+    }
+
+    /// Normal out of a rail (or lower block) at the arc length `s`, world (y, z).
+    pub fn normal(&self, s: f64) -> Vector2<f64> {
+        self.turn * self.curve.upward_normal(s)
+    }
+
+    /// World coordinates (y, z) of a node of the grid, m.
+    pub fn node(&self, node: usize) -> Point2<f64> {
+        let columns = self.grid.along_track.len();
+        let swept =
+            self.swept(self.grid.along_profile[node / columns], self.grid.along_track[node % columns]);
+        let below = match self.shape {
+            Shape::Extruded => 0.0,
+            Shape::Revolved { radius } => radius,
+        };
+        self.turn * Point2::new(swept.y, swept.z - below) + self.origin
     }
 
     /// Grid coordinate along the track of the point at arc length `s` and `x`.
@@ -138,7 +171,7 @@ impl<'a> Surface<'a> {
 
     /// A first guess for [`Self::project`]: the arc length nearest to a world point (y, z) at x = 0.
     pub fn nearest(&self, point: &Point2<f64>) -> f64 {
-        self.curve.closest(&(point - self.origin)).0
+        self.curve.closest(&self.turn.inverse_transform_point(&(point - self.origin))).0
     }
 
     /// Follows the ray from (x, `point`) along `normal` to this surface, starting the search at
@@ -161,7 +194,8 @@ impl<'a> Surface<'a> {
         normal: &Vector2<f64>,
         (guess, gap): (f64, f64),
     ) -> Option<Projection> {
-        let start = point - self.origin;
+        let start = self.turn.inverse_transform_point(&(point - self.origin));
+        let normal = self.turn.inverse_transform_vector(normal);
         let radius = match self.shape {
             Shape::Extruded => 0.0,
             Shape::Revolved { radius } => radius,

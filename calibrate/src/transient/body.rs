@@ -29,14 +29,19 @@ pub(super) struct Interface<'s> {
 }
 
 impl Interface<'_> {
-    /// Hub displacement (y, z) at the end of the step under forces at the interface, m.
-    pub(super) fn hub(&self, forces: &[f64]) -> Vector2<f64> {
-        Vector2::from_fn(|i, _| {
-            self.hub[i].map_or(0.0, |row| {
-                let column = self.flexibility.col_as_slice(row);
-                self.free[row] + column.iter().zip(forces).map(|(c, f)| c * f).sum::<f64>()
-            })
-        })
+    /// Hub displacement (y, z) at the end of the step under `forces` at the interface, m: (coordinate, N).
+    pub(super) fn hub(&self, forces: &[(usize, f64)]) -> Vector2<f64> {
+        Vector2::from_fn(|i, _| self.hub[i].map_or(0.0, |row| self.at(row, forces)))
+    }
+
+    /// Displacement (y, z) of a contact node at the end of the step under `forces` at the interface, m: (coordinate, N).
+    pub(super) fn displacement(&self, node: usize, forces: &[(usize, f64)]) -> Vector2<f64> {
+        Vector2::from_fn(|i, _| self.at(3 * node + 1 + i, forces))
+    }
+
+    fn at(&self, row: usize, forces: &[(usize, f64)]) -> f64 {
+        let moved = forces.iter().map(|&(column, force)| self.flexibility[(row, column)] * force);
+        self.free[row] + moved.sum::<f64>()
     }
 }
 

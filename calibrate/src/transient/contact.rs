@@ -2,18 +2,19 @@
 //!
 //! The contact nodes have no mass, so what is elastic around a patch follows at once: the near field of the fine grid is
 //! that of the statics. What the bodies are beyond their half-spaces is that of the step, inertia and hub included.
+//!
+//! The profiles are paired where rim and railhead are at the end of the step ([`Places`]); gaps and slips are those of the
+//! displacements of the bodies' own nodes, so that pairing anew makes no slip.
 
 use super::TransientModel;
 use super::body::Interface;
+use super::last_contact::{BeyondNodes, Fine, LastContact, Settled};
 use crate::calibration::{
-    ContactField, Displaced, FineContact, Solids, carry_over, cell_for, edge_reached, too_coarse,
-    touches_border, widened, widths,
+    ContactField, Displaced, FineContact, Placed, Places, Solids, Zone, carry_over, cell_for, distance,
+    too_coarse, touches_border, widened, widths,
 };
-use crate::contact::{
-    ContactPoint, HalfSpace, Lattice, PairingLimits, Problem, Side, Solution, nodal_forces, pair, solve,
-};
+use crate::contact::{ContactPoint, HalfSpace, Lattice, Problem, Side, Surface, solve};
 use crate::error::{Error, NumericsError, Result, StopReason};
-use crate::mesh::SurfaceGrid;
 use crate::newmark::Newmark;
 use crate::scenario::Scenario;
 use nalgebra::Vector2;
@@ -23,18 +24,21 @@ use std::sync::Arc;
 const CANDIDATE_MARGIN: f64 = 5e-6;
 /// Gap within which points are paired at all, m.
 const PAIRING_GAP: f64 = 0.25e-3;
-/// The geometry is paired again until the hub has moved by less, m: the gap changes by the relative
+/// The geometry is paired again until the places of the bodies have moved by less, m: the gap changes by the relative
 /// curvature (below 1/m·10²) times its square, which is below a picometre.
-const HUB_TOLERANCE: f64 = 1e-7;
+const NODE_TOLERANCE: f64 = 1e-7;
 const PAIRING_LIMIT: usize = 12;
-/// On a fine grid, where what the bodies move beyond the hub's place stands in the gaps as well, half the square of this over
+/// Pairings of a step after which the zone whose motion places the bodies stays as it is: what it changes then is below any
+/// tolerance, but where load comes and goes between two regions it might follow them for ever.
+const ZONE_LIMIT: usize = 4;
+/// On a fine grid, where what the bodies move beyond their places stands in the gaps along the normals, half the square of this over
 /// a radius of a centimetre is left of a gap, a millionth of the approach of a loaded wheel; m.
 const PLACE_TOLERANCE: f64 = 1e-6;
 /// The wheel slides past the rail by as much before its far field is made again, m: it changes by some tenths of a
 /// per cent over that.
 const FAR_SLIDE: f64 = 1e-3;
-/// The hub moves by as much before the nodes in reach are sought again, m. The gaps without contact forces do not depend
-/// on it but for its square over a radius.
+/// The places move by as much before the nodes in reach are sought again, m. The gaps without contact forces do not depend
+/// on them but for its square over a radius.
 const REGION_SLIDE: f64 = 0.1e-3;
 /// Of a second difference over a node, what the surface between nodes may lie nearer than the mean over the node's hat: an eighth
 /// in the middle of a cell, and a twelfth for the mean.
@@ -49,101 +53,6 @@ const TOO_FINE: f64 = 1.3;
 const MOST_OVERLAPPING: usize = 1000;
 /// Changes of the fine grid and its reach at most, in a step.
 const GRID_CHANGES: usize = 6;
-
-/// Contact of the step before, as a start for the next.
-#[derive(Clone)]
-pub(super) struct LastContact {
-    pub points: Vec<ContactPoint>,
-    pub solution: Solution,
-    /// The fine grid, if it is one: that of the last contact while the wheel is in the air.
-    fine: Option<Fine>,
-    /// What the hub was beyond its prediction, m.
-    missed: Vector2<f64>,
-}
-
-/// A fine grid at the end of a step.
-#[derive(Clone)]
-struct Fine {
-    contact: Arc<FineContact>,
-    /// Position of the hub for which its far field was made, m.
-    made_at: Vector2<f64>,
-    /// Displacements of the wheel against the rail at the points, by direction and point, at the end of the step, m.
-    displacement: Vec<f64>,
-    /// What of them was beyond those of the contact nodes at the beginning of the step, m.
-    beyond_before: Vec<f64>,
-}
-
-impl Default for LastContact {
-    fn default() -> Self {
-        Self::open(None)
-    }
-}
-
-impl LastContact {
-    /// Without contact, after the fine grid `fine`.
-    fn open(fine: Option<&Fine>) -> Self {
-        let solution = Solution {
-            forces: Vec::new(),
-            separation: Vec::new(),
-            modes: Vec::new(),
-            hub: Vec::new(),
-            iterations: 0,
-        };
-        let fine =
-            fine.map(|fine| Fine { displacement: Vec::new(), beyond_before: Vec::new(), ..fine.clone() });
-        Self { points: Vec::new(), solution, fine, missed: Vector2::zeros() }
-    }
-
-    /// Forces on the retained `equations` of one body, N.
-    pub fn nodal_forces(&self, side: Side, equations: usize) -> Vec<f64> {
-        let forces = &self.solution.forces;
-        match &self.fine {
-            Some(fine) if !self.points.is_empty() => fine.contact.nodal_forces(side, forces, equations),
-            _ => nodal_forces(&self.points, side, forces, equations),
-        }
-    }
-
-    /// An error if a point at the edge of either grid carries load: the surface goes on beyond it. `grid` is the rail's.
-    pub fn refuse_edge(&self, grid: &SurfaceGrid) -> Result<()> {
-        let forces = &self.solution.forces;
-        let reached = match &self.fine {
-            Some(fine) => fine.contact.edge_reached(&self.points, forces, grid),
-            None => edge_reached(&self.points, forces, grid.along_track.len()),
-        };
-        match reached {
-            Some(reason) => Err(failure(0.0, self.solution.active(), reason)),
-            None => Ok(()),
-        }
-    }
-
-    /// What the points of a fine grid have moved beyond the contact nodes of the bodies at the beginning of the next step, which are
-    /// displaced by `rail` and `wheel` (m) there; `None` if there are none.
-    fn beyond_nodes(&self, rail: &[f64], wheel: &[f64], time_step: f64) -> Option<BeyondNodes<'_>> {
-        let fine = self.fine.as_ref().filter(|_| !self.points.is_empty())?;
-        let nodes = fine.contact.motion_of_nodes(rail, wheel);
-        let displacement: Vec<f64> =
-            fine.displacement.iter().zip(nodes).map(|(all, node)| all - node).collect();
-        let moved = displacement.iter().zip(&fine.beyond_before);
-        let velocity = moved.map(|(now, before)| (now - before) / time_step).collect();
-        Some(BeyondNodes { contact: &fine.contact, points: &self.points, displacement, velocity })
-    }
-}
-
-/// Displacements (m) of the points of a fine grid beyond the contact nodes, and their velocities (m/s).
-struct BeyondNodes<'c> {
-    contact: &'c FineContact,
-    points: &'c [ContactPoint],
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-}
-
-impl BeyondNodes<'_> {
-    /// Displacements and velocities at other points. Far from the patch there are none: both function spaces have the
-    /// same half-space there.
-    fn at(&self, points: &[ContactPoint]) -> [Vec<f64>; 2] {
-        [&self.displacement, &self.velocity].map(|values| self.contact.values_at(self.points, values, points))
-    }
-}
 
 /// What the contact of every step of a run has in common.
 pub(super) struct StepContact<'m> {
@@ -170,33 +79,77 @@ impl<'m> StepContact<'m> {
         if self.friction > 0.0 { 3 } else { 1 }
     }
 
-    /// Solves the contact at the end of a step, pairing again until the hub stays where it was paired.
+    /// Solves the contact at the end of a step, pairing again until the bodies stay where they were paired. The hub is expected
+    /// to come to `predicted`.
     pub fn solve(
         &self,
         bodies: [&Interface; 2],
         predicted: &Vector2<f64>,
         last: &LastContact,
     ) -> Result<LastContact> {
-        match self.model.field {
-            ContactField::Elements => self.between_nodes(bodies, predicted, last),
-            ContactField::Hybrid | ContactField::HybridHalved => self.on_fine_grid(bodies, predicted, last),
-        }
+        let (settled, step) = (last.settled.as_ref(), self.time_step);
+        let expected =
+            settled.map_or(Places::of_hub(predicted), |settled| settled.expected(*predicted, step));
+        let first = settled.map_or(expected, |settled| settled.corrected(&expected, step));
+        let (solved, end) = match self.model.field {
+            ContactField::Elements => self.between_nodes(bodies, first, last),
+            ContactField::Hybrid | ContactField::HybridHalved => self.on_fine_grid(bodies, first, last),
+        }?;
+        let settled = Settled::new(&end.places, &expected, &end.hub, step, settled);
+        Ok(LastContact { settled: Some(settled), ..solved })
+    }
+
+    fn surfaces_at_rest(&self) -> [&Surface<'m>; 2] {
+        [&self.model.rail_surface, &self.model.wheel_surface]
+    }
+
+    /// Where the bodies are at the end of the step under the forces of `contact`, around its patch or the last there was; before any
+    /// contact the wheel is where its hub is.
+    fn end_under(&self, [rail, wheel]: [&Interface; 2], contact: &LastContact) -> End {
+        let loaded = |side, body: &Interface| -> Vec<(usize, f64)> {
+            let forces = contact.nodal_forces(side, body.free.len()).into_iter().enumerate();
+            forces.filter(|(_, force)| *force != 0.0).collect()
+        };
+        let (on_rail, on_wheel) = (loaded(Side::Base, rail), loaded(Side::Opposing, wheel));
+        let hub = wheel.hub(&on_wheel);
+        let places = contact.zone.as_ref().map_or(Places::of_hub(&hub), |zone| {
+            Places([
+                zone.motion(Side::Base, |node| rail.displacement(node, &on_rail)),
+                zone.motion(Side::Opposing, |node| wheel.displacement(node, &on_wheel)),
+            ])
+        });
+        End { places, hub }
+    }
+
+    /// The bodies in their `places`, with what they move beyond these without contact forces.
+    fn placed(&self, places: Places, [rail, wheel]: [&Interface; 2]) -> Placed<'m> {
+        Placed::new(places, self.surfaces_at_rest(), [rail.free, wheel.free])
+    }
+
+    /// A `solved` contact with the nodes around its patch, those of the last one where it has none or after [`ZONE_LIMIT`] pairings.
+    fn with_zone(&self, solved: LastContact, last: &LastContact, pairings: usize) -> LastContact {
+        let forces = &solved.solution.forces[..solved.points.len()];
+        let zone = match &last.zone {
+            Some(zone) if pairings > ZONE_LIMIT => Some(zone.clone()),
+            zone => Zone::around(self.surfaces_at_rest(), &solved.points, forces).or_else(|| zone.clone()),
+        };
+        LastContact { zone, ..solved }
     }
 
     fn between_nodes(
         &self,
-        [rail, wheel]: [&Interface; 2],
-        predicted: &Vector2<f64>,
+        bodies: [&Interface; 2],
+        mut places: Places,
         last: &LastContact,
-    ) -> Result<LastContact> {
+    ) -> Result<(LastContact, End)> {
+        let [rail, wheel] = bodies;
         let directions = self.directions();
-        let mut hub = *predicted;
         let mut start = last.clone();
         let mut moved = f64::NAN;
-        for _ in 0..PAIRING_LIMIT {
-            let limits = PairingLimits { largest_gap: PAIRING_GAP };
-            let mut points = pair(&self.model.rail_surface, &self.model.wheel_surface.moved(&hub), limits);
-            let gaps = free_gaps(&points, &hub, rail.free, wheel.free);
+        for pairing in 1..=PAIRING_LIMIT {
+            let placed = self.placed(places, bodies);
+            let mut points = placed.pair(PAIRING_GAP);
+            let gaps = placed.gaps(&points);
             let mut near = gaps.iter().map(|g| *g < CANDIDATE_MARGIN);
             points.retain(|_| near.next().unwrap_or(false));
             let mut free: Vec<f64> = gaps.into_iter().filter(|g| *g < CANDIDATE_MARGIN).collect();
@@ -214,13 +167,14 @@ impl<'m> StepContact<'m> {
                 hub: &[],
             };
             let solution = solve(&problem, &first)?;
-            let solved = LastContact { points, solution, fine: None, missed: Vector2::zeros() };
-            let position = wheel.hub(&solved.nodal_forces(Side::Opposing, wheel.free.len()));
-            moved = (position - hub).norm();
-            if moved < HUB_TOLERANCE {
-                return Ok(solved);
+            let solved = LastContact { points, solution, ..LastContact::default() };
+            let solved = self.with_zone(solved, &start, pairing);
+            let end = self.end_under(bodies, &solved);
+            moved = distance(&end.places.since(&places));
+            if moved < NODE_TOLERANCE {
+                return Ok((solved, end));
             }
-            hub = position;
+            places = end.places;
             start = solved;
         }
         Err(failure(moved, start.solution.active(), StopReason::IterationLimit))
@@ -229,32 +183,33 @@ impl<'m> StepContact<'m> {
     fn on_fine_grid(
         &self,
         bodies: [&Interface; 2],
-        predicted: &Vector2<f64>,
+        mut places: Places,
         last: &LastContact,
-    ) -> Result<LastContact> {
+    ) -> Result<(LastContact, End)> {
         let [rail, wheel] = bodies;
         let grid = self.model.rail_surface.grid;
         let before = last.beyond_nodes(rail.before, wheel.before, self.time_step);
-        // a load that grows or falls evenly makes the same error of the prediction in every step
-        let mut hub = predicted + last.missed;
         let mut moved = f64::NAN;
         let mut previous: Option<LastContact> = None;
         let mut lattice = self.lattice_after(last);
-        let mut region: Option<(Vector2<f64>, Vec<bool>)> = None;
+        let mut region: Option<(Places, Vec<bool>)> = None;
         let mut changes = 0;
         let mut coarsened = false;
-        for _ in 0..PAIRING_LIMIT + 2 * GRID_CHANGES {
+        for pairing in 1..=PAIRING_LIMIT + 2 * GRID_CHANGES {
             let start = previous.as_ref().unwrap_or(last);
+            let placed = self.placed(places, bodies);
             let (sought_at, near) = match region.take() {
-                Some(sought) if (sought.0 - hub).norm() < REGION_SLIDE => sought,
-                _ => (hub, self.near_nodes(&hub, bodies)),
+                Some(sought) if distance(&places.since(&sought.0)) < REGION_SLIDE => sought,
+                _ => (places, self.near_nodes(&placed)),
             };
-            let Some(solved) = self.solve_at(&hub, bodies, (lattice, &near), start, before.as_ref())? else {
+            let Some(solved) = self.solve_at(&placed, bodies, (lattice, &near), start, before.as_ref())?
+            else {
                 coarsened = true;
                 lattice = self.coarser(&lattice);
                 region = Some((sought_at, near));
                 continue;
             };
+            let solved = self.with_zone(solved, start, pairing);
             let (points, forces) = (&solved.points, &solved.solution.forces);
             let spreads = touches_border(points, forces);
             let finer = if coarsened { None } else { self.finer(&lattice, &solved) };
@@ -269,12 +224,12 @@ impl<'m> StepContact<'m> {
                 previous = Some(solved);
                 continue;
             }
-            let position = wheel.hub(&solved.nodal_forces(Side::Opposing, wheel.free.len()));
-            moved = (position - hub).norm();
+            let end = self.end_under(bodies, &solved);
+            moved = distance(&end.places.since(&places));
             if moved < PLACE_TOLERANCE {
-                return Ok(LastContact { missed: position - predicted, ..solved });
+                return Ok((solved, end));
             }
-            hub = position;
+            places = end.places;
             region = Some((sought_at, near));
             previous = Some(solved);
         }
@@ -282,11 +237,11 @@ impl<'m> StepContact<'m> {
         Err(failure(moved, active, StopReason::IterationLimit))
     }
 
-    /// The contact with the hub displaced by `hub`, on a fine grid around the nodes `near` of the rail's; `None` where a coarser
+    /// The contact of the bodies in their places, on a fine grid around the nodes `near` of the rail's; `None` where a coarser
     /// grid is enough.
     fn solve_at(
         &self,
-        hub: &Vector2<f64>,
+        placed: &Placed,
         [rail, wheel]: [&Interface; 2],
         (lattice, near): (Lattice, &[bool]),
         start: &LastContact,
@@ -300,14 +255,13 @@ impl<'m> StepContact<'m> {
         let solids = Solids {
             rail: rail.flexibility,
             wheel: wheel.flexibility,
-            rail_surface: &self.model.rail_surface,
-            wheel_surface: self.model.wheel_surface.moved(hub),
+            rail_surface: placed.surfaces[0].clone(),
+            wheel_surface: placed.surfaces[1].clone(),
             half_spaces: self.half_spaces,
         };
-        let of_hub: Vec<f64> = (0..wheel.free.len()).map(|dof| [0.0, hub.x, hub.y][dof % 3]).collect();
-        let wheel_beyond_hub = difference(wheel.free, &of_hub);
-        let displaced = Displaced { rail: rail.free, wheel: &wheel_beyond_hub, margin: CANDIDATE_MARGIN };
-        let serving = known.filter(|known| (known.made_at - hub).norm() < FAR_SLIDE);
+        let displaced = Displaced { rail: &placed.rest[0], wheel: &placed.rest[1], margin: CANDIDATE_MARGIN };
+        let at = placed.places.slide();
+        let serving = known.filter(|known| (known.made_at - at).norm() < FAR_SLIDE);
         let (points, contact) = FineContact::new(
             &solids,
             lattice,
@@ -318,9 +272,10 @@ impl<'m> StepContact<'m> {
         );
         let made_at = match serving {
             Some(known) if known.contact.shares_far_field(&contact) => known.made_at,
-            _ => *hub,
+            _ => at,
         };
         let n = points.len();
+        // in the directions of the points, which turn with the rail: what is pressed in turns with it
         let (beyond_before, kept) = match before {
             Some(before) => {
                 let [displacement, velocity] = before.at(&points);
@@ -334,14 +289,14 @@ impl<'m> StepContact<'m> {
             }
             None => (vec![0.0; directions * n], vec![0.0; directions * n]),
         };
-        // gaps at the hub's place, with what the bodies move beyond it; slips since the last step
+        // gaps in the places, with what the bodies move beyond them; slips since the last step
         let of_nodes = contact.motion_of_nodes(rail.free, wheel.free);
-        let beyond_hub = contact.motion_of_nodes(rail.free, &wheel_beyond_hub);
+        let beyond_places = contact.motion_of_nodes(&placed.rest[0], &placed.rest[1]);
         let since_last = contact
             .motion_of_nodes(&difference(rail.free, rail.before), &difference(wheel.free, wheel.before));
         let free: Vec<f64> = (0..directions * n)
             .map(|row| match points.get(row) {
-                Some(point) => point.gap + beyond_hub[row] + kept[row],
+                Some(point) => point.gap + beyond_places[row] + kept[row],
                 None => since_last[row] + kept[row] - beyond_before[row],
             })
             .collect();
@@ -361,17 +316,16 @@ impl<'m> StepContact<'m> {
             .map(|row| of_nodes[row] + kept[row] + solution.separation[row] - free[row])
             .collect();
         let fine = Some(Fine { contact: Arc::new(contact), made_at, displacement, beyond_before });
-        Ok(Some(LastContact { points, solution, fine, missed: Vector2::zeros() }))
+        Ok(Some(LastContact { points, solution, fine, zone: None, settled: None }))
     }
 
     /// The nodes of the rail's grid near which the surfaces may touch in this step.
-    fn near_nodes(&self, hub: &Vector2<f64>, [rail, wheel]: [&Interface; 2]) -> Vec<bool> {
+    fn near_nodes(&self, placed: &Placed) -> Vec<bool> {
         let grid = self.model.rail_surface.grid;
         let (rows, columns) = (grid.along_profile.len(), grid.along_track.len());
-        let limits = PairingLimits { largest_gap: PAIRING_GAP };
-        let points = pair(&self.model.rail_surface, &self.model.wheel_surface.moved(hub), limits);
+        let points = placed.pair(PAIRING_GAP);
         let mut gaps = vec![PAIRING_GAP; rows * columns];
-        for (point, gap) in points.iter().zip(free_gaps(&points, hub, rail.free, wheel.free)) {
+        for (point, gap) in points.iter().zip(placed.gaps(&points)) {
             gaps[point.index.0 * columns + point.index.1] = gap;
         }
         let mut near = vec![false; rows * columns];
@@ -435,6 +389,13 @@ impl<'m> StepContact<'m> {
     }
 }
 
+/// Where the bodies are at the end of a step.
+struct End {
+    places: Places,
+    /// Displacement of the hub, m.
+    hub: Vector2<f64>,
+}
+
 /// Forces of a contact on the `points` of a lattice.
 fn first_forces(
     start: &LastContact,
@@ -452,21 +413,6 @@ fn first_forces(
 
 fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
-}
-
-/// Normal gaps at the end of the step without contact forces: the rigid gap at `hub` plus what the
-/// bodies move beyond it.
-fn free_gaps(points: &[ContactPoint], hub: &Vector2<f64>, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
-    points
-        .iter()
-        .map(|point| {
-            let beyond: f64 = point
-                .row(Side::Opposing, 0)
-                .map(|(dof, w)| w * (wheel[dof] - [0.0, hub.x, hub.y][dof % 3]))
-                .sum();
-            point.gap + beyond - point.displacement(Side::Base, 0, rail)
-        })
-        .collect()
 }
 
 /// Appends the slips (lateral, then along the track) of the step without contact forces.

@@ -10,6 +10,7 @@
 mod body;
 mod full;
 mod reduced;
+mod last_contact;
 mod contact;
 mod run;
 mod reduction;
@@ -150,7 +151,10 @@ impl TransientModel<'_> {
         refuse_moving(scenario)?;
         scenario.check()?;
         self.field.check(self.enforcement)?;
-        let observe = &mut |step: &Step| step.contact.refuse_edge(self.rail_surface.grid);
+        let observe = &mut |step: &Step| match step.contact.edge_reached(self.rail_surface.grid) {
+            Some(reason) => Err(contact::failure(0.0, step.contact.solution.active(), reason)),
+            None => Ok(()),
+        };
         match self.bodies {
             SolidBodies::Full { .. } => self.run_from(&Vector2::zeros(), scenario, monitor, observe),
             SolidBodies::Reduced { modes, .. } => reduction::run(self, modes, scenario, monitor, observe),

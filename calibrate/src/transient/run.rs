@@ -1,7 +1,8 @@
 //! The steps of a run, whatever the order of its bodies.
 
 use super::body::{BodyLoad, ElasticBody};
-use super::contact::{LastContact, StepContact, failure};
+use super::contact::{StepContact, failure};
+use super::last_contact::LastContact;
 use super::{TransientModel, TransientRun, scheme};
 use crate::contact::{ContactPoint, PointMode, Side, Solution, resultant};
 use crate::error::{Result, StopReason};

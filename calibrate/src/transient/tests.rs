@@ -5,6 +5,7 @@
 //! K.F. Graff, Wave Motion in Elastic Solids (1975), section 2.4; speed `c = √(E/ρ)`.
 
 mod fine;
+mod placed;
 
 use super::run::Step;
 use super::*;
@@ -138,10 +139,16 @@ fn collide(
     gap: f64,
     scenario: &Scenario,
 ) -> Vec<Record> {
-    let points: Vec<_> = (0..=8).map(|i| Point2::new(WIDTH * (f64::from(i) / 8.0 - 0.5), 0.0)).collect();
-    let curve = ProfileCurve::from_points(&points, &[]).unwrap();
+    let straight = |half: f64| {
+        let points: Vec<_> = (-4..=4).map(|i| Point2::new(half * f64::from(i) / 4.0, 0.0)).collect();
+        ProfileCurve::from_points(&points, &[]).unwrap()
+    };
+    // the wheel's profile goes on beyond its mesh: the last nodes of the rail see it, whatever rounding moves them aside
+    let (curve, wider) = (straight(0.5 * WIDTH), straight(0.6 * WIDTH));
     let placed_rail = PlacedRail { curve: curve.clone(), angle: 0.0, origin: Point2::origin() };
-    let mut wheel_surface = Surface::extruded(&curve, &wheel_mesh.contact);
+    let mut grid = wheel_mesh.contact.clone();
+    grid.along_profile.iter_mut().for_each(|s| *s += 0.1 * WIDTH);
+    let mut wheel_surface = Surface::extruded(&wider, &grid);
     wheel_surface.origin.y = -gap;
     let mut records = Vec::new();
     of_order(order, [rail_mesh, wheel_mesh], material, &mut |bodies| {

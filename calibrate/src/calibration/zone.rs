@@ -1,0 +1,171 @@
+//! Where rail and wheel are paired: the rigid part of what both bodies move around the patch.
+//!
+//! Rim and railhead move by more than a millimetre as the disc bends, and turn; the contact then is at another place of both
+//! profiles, with another normal. What both move around the patch as a rigid body, the hub's motion included, places their
+//! profiles; the rest, some tens of micrometres, stands in the gaps along the normals. The choice of that part is free but for the
+//! product of the rest across the normal and the curvature, so that the size of the zone matters little.
+//!
+//! The calibration pairs where the hub is, as the reference solvers do: there the hub is held across the load, and its laws change by less
+//! than their error bands.
+
+use crate::contact::{ContactPoint, PairingLimits, RigidMotion, Side, Surface, pair};
+use nalgebra::{Point2, Vector2};
+
+/// Half length along profile and track of the zone around every loaded point whose motion counts, m: some half widths of a patch, so
+/// that what the load presses in there has a small part in it, and a fraction of a railhead.
+const ZONE: f64 = 10e-3;
+/// Lines of a coarse grid that it reaches over at least, for a turn to be seen.
+const ZONE_LINES: f64 = 2.0;
+/// Turn that counts as much as a displacement, by this length, m: a normal force changes its direction by a hundred-thousandth
+/// where the profiles move by a micrometre.
+const TURN_LENGTH: f64 = 0.1;
+
+/// Contact nodes around the loaded points of both bodies, with weights that fall with the distance from the load.
+#[derive(Clone)]
+pub(crate) struct Zone([Vec<ZoneNode>; 2]);
+
+#[derive(Clone)]
+struct ZoneNode {
+    node: usize,
+    place: Point2<f64>,
+    weight: f64,
+}
+
+impl Zone {
+    /// Around the `points` with normal `forces` (N) between the surfaces of rail and wheel at rest; `None` without load.
+    pub fn around([rail, wheel]: [&Surface; 2], points: &[ContactPoint], forces: &[f64]) -> Option<Self> {
+        let loaded = || points.iter().zip(forces).filter(|(_, force)| **force > 0.0);
+        let on_rail: Vec<_> = loaded().map(|(point, force)| (point.position, *force)).collect();
+        let on_wheel: Vec<_> = loaded()
+            .map(|(point, force)| {
+                let s = wheel.curve.closest(&point.opposing_position).0;
+                (Point2::new(s, point.position.y), *force)
+            })
+            .collect();
+        (!on_rail.is_empty()).then(|| Self([nodes_around(rail, &on_rail), nodes_around(wheel, &on_wheel)]))
+    }
+
+    /// The rigid part of the displacements (y, z; m) of the nodes of one body.
+    pub fn motion(&self, side: Side, displacement: impl Fn(usize) -> Vector2<f64>) -> RigidMotion {
+        let nodes = &self.0[usize::from(side == Side::Opposing)];
+        let moved: Vec<_> = nodes.iter().map(|n| (n.place, displacement(n.node), n.weight)).collect();
+        RigidMotion::fit(&moved).unwrap_or(RigidMotion::translation(Vector2::zeros()))
+    }
+}
+
+/// The nodes of a surface around `loads`: (arc length and x, force).
+fn nodes_around(surface: &Surface, loads: &[(Point2<f64>, f64)]) -> Vec<ZoneNode> {
+    let grid = surface.grid;
+    let columns = grid.along_track.len();
+    let mut weights = vec![0.0; grid.along_profile.len() * columns];
+    for (at, force) in loads {
+        let track: Vec<f64> = grid.along_track.iter().map(|&t| surface.x(at.x, t)).collect();
+        let (across, along) = (hats(&grid.along_profile, at.x), hats(&track, at.y));
+        for &(i, u) in &across {
+            for &(k, v) in &along {
+                weights[i * columns + k] += force * u * v;
+            }
+        }
+    }
+    let inside = weights.into_iter().enumerate().filter(|(_, weight)| *weight > 0.0);
+    inside.map(|(node, weight)| ZoneNode { node, place: surface.node(node), weight }).collect()
+}
+
+/// Lines of a grid near a place, with weights that fall in proportion to the distance.
+fn hats(lines: &[f64], at: f64) -> Vec<(usize, f64)> {
+    let widest = lines.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    let half = f64::max(ZONE, ZONE_LINES * widest);
+    let weight = |line: f64| 1.0 - (line - at).abs() / half;
+    let all = lines.iter().map(|line| weight(*line)).enumerate();
+    all.filter(|(_, weight)| *weight > 0.0).collect()
+}
+
+/// Rigid motions of rail and wheel by which their profiles are placed for pairing.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Places(pub [RigidMotion; 2]);
+
+/// What the places of rail and wheel differ by from others, at their centres: displacement (m) and turn (rad).
+pub(crate) type Change = [(Vector2<f64>, f64); 2];
+
+impl Places {
+    /// Rail and wheel as they are meshed, the wheel displaced by that of its hub (y, z; m).
+    pub fn of_hub(hub: &Vector2<f64>) -> Self {
+        Self([RigidMotion::translation(Vector2::zeros()), RigidMotion::translation(*hub)])
+    }
+
+    /// Displacement of the wheel's surface against the rail's at the patch, m.
+    pub fn slide(&self) -> Vector2<f64> {
+        let [rail, wheel] = &self.0;
+        wheel.shift - rail.shift
+    }
+
+    /// From the places `before` to these, at the centres of these.
+    pub fn since(&self, before: &Self) -> Change {
+        [0, 1].map(|body| {
+            let (now, before) = (&self.0[body], &before.0[body]);
+            (now.shift - before.displacement(&now.centre), now.angle - before.angle)
+        })
+    }
+
+    /// These places and a change.
+    pub fn and(&self, change: &Change) -> Self {
+        let mut places = *self;
+        for (motion, (shift, angle)) in places.0.iter_mut().zip(change) {
+            motion.shift += shift;
+            motion.angle += angle;
+        }
+        places
+    }
+
+    /// With the wheel displaced by (y, z) in addition, m.
+    pub fn with_wheel(&self, by: Vector2<f64>) -> Self {
+        self.and(&[(Vector2::zeros(), 0.0), (by, 0.0)])
+    }
+}
+
+/// Rail and wheel where they are paired.
+pub(crate) struct Placed<'s> {
+    pub places: Places,
+    /// Their surfaces.
+    pub surfaces: [Surface<'s>; 2],
+    /// Displacements of their contact nodes (`3·node + axis`) beyond their places, m.
+    pub rest: [Vec<f64>; 2],
+}
+
+impl<'s> Placed<'s> {
+    /// The surfaces of rail and wheel at rest, in `places`, with the displacements of their contact nodes (`3·node + axis`, m).
+    pub fn new(places: Places, at_rest: [&Surface<'s>; 2], displacement: [&[f64]; 2]) -> Self {
+        let rest = |body: usize| {
+            let motion = &places.0[body];
+            let mut rest = displacement[body].to_vec();
+            for (node, nodal) in rest.chunks_exact_mut(3).take(at_rest[body].grid.nodes.len()).enumerate() {
+                let moved = motion.displacement(&at_rest[body].node(node));
+                nodal[1] -= moved.x;
+                nodal[2] -= moved.y;
+            }
+            rest
+        };
+        let surfaces = [0, 1].map(|body| at_rest[body].placed(&places.0[body]));
+        Self { places, surfaces, rest: [rest(0), rest(1)] }
+    }
+
+    /// The nodes of the rail within `largest_gap` (m) of the wheel in these places.
+    pub fn pair(&self, largest_gap: f64) -> Vec<ContactPoint> {
+        pair(&self.surfaces[0], &self.surfaces[1], PairingLimits { largest_gap })
+    }
+
+    /// Normal gaps of nodes with the displacements, m.
+    pub fn gaps(&self, points: &[ContactPoint]) -> Vec<f64> {
+        let [rail, wheel] = &self.rest;
+        let gap = |point: &ContactPoint| {
+            let beyond = point.displacement(Side::Opposing, 0, wheel);
+            point.gap + beyond - point.displacement(Side::Base, 0, rail)
+        };
+        points.iter().map(gap).collect()
+    }
+}
+
+/// How far from each other places are, at the patch, m.
+pub(crate) fn distance(change: &Change) -> f64 {
+    change.iter().map(|(shift, angle)| shift.norm() + TURN_LENGTH * angle.abs()).fold(0.0, f64::max)
+}
