@@ -214,6 +214,35 @@ mod tests {
     /// Rounding of floating-point arithmetic on lengths of order one.
     const ROUNDOFF: f64 = 1e-12;
 
+    /// Goal: bodies that are refined by two have edges half as long and, over the same distance, twice as many steps of the growth; contact
+    /// zone, window, layers and the growth from the zone stay; by one, nothing changes. Accuracy: ROUNDOFF.
+    #[test]
+    fn refined_bodies_keep_the_contact_zone() {
+        let given = MeshOptions::default();
+        assert_eq!(given.with_bodies_refined(1.0), given);
+        let fine = given.with_bodies_refined(2.0);
+        assert!((fine.growth.powi(2) - given.growth).abs() < ROUNDOFF);
+        for (fine, given) in [
+            (fine.rail_section_element, given.rail_section_element),
+            (fine.wheel_section_element, given.wheel_section_element),
+            (fine.rail_length_element, given.rail_length_element),
+            (fine.wheel_arc_element, given.wheel_arc_element),
+        ] {
+            assert!((2.0 * fine - given).abs() < ROUNDOFF);
+        }
+        assert_eq!(
+            MeshOptions {
+                growth: given.growth,
+                rail_section_element: given.rail_section_element,
+                wheel_section_element: given.wheel_section_element,
+                rail_length_element: given.rail_length_element,
+                wheel_arc_element: given.wheel_arc_element,
+                ..fine
+            },
+            given
+        );
+    }
+
     #[test]
     fn the_size_grows_linearly_from_its_sources() {
         let mut field = SizeField::new(0.5, 3.0);
