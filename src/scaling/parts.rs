@@ -1,9 +1,9 @@
 //! The stages of one size, each with its time and its peak of the memory.
 
-use railspring_calibrate::calibration::{ContactField, Enforcement, Reference, load_points, press_loads};
+use railspring_calibrate::calibration::{Reference, load_points, press_loads};
 use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{ContactConditions, PairBody, PairSolids};
+use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::solid::System;
 use railspring_calibrate::superelement::{CondensedBody, Factor, FactorSize, Superelement};
@@ -13,8 +13,8 @@ use super::clock::Clock;
 use crate::estimate::condensing;
 use crate::measure::Stopwatch;
 use crate::records::{ScalingBody, ScalingSize, ScalingStage};
-use crate::stages::Geometry;
-use crate::study::{ContactSettings, EnforcementKey, FieldKey, Study};
+use crate::stages::{self, Geometry};
+use crate::study::Study;
 
 /// Shares of the study's largest load that are pressed.
 const LOADS: [f64; 3] = [0.25, 0.5, 1.0];
@@ -113,7 +113,7 @@ pub(super) fn contact(
     size: &mut ScalingSize,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    let conditions = conditions(study);
+    let conditions = stages::contact_conditions(study);
     let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
     let on_rail = geometry.pair.wheel_on_rail(rail, wheel, study.material, conditions);
     one(size, ("one load", "loads"), monitor, |clock| {
@@ -154,20 +154,6 @@ fn one(
         size.stages.push(ScalingStage { seconds: median + rest, ..whole });
     }
     Ok(())
-}
-
-/// How wheel and rail meet in the study.
-fn conditions(study: &Study) -> ContactConditions {
-    let ContactSettings { field, enforcement, penalty, friction } = study.contact;
-    let field = match field {
-        FieldKey::Hybrid => ContactField::Hybrid,
-        FieldKey::Elements => ContactField::Elements,
-    };
-    let enforcement = match enforcement {
-        EnforcementKey::Exact => Enforcement::Exact,
-        EnforcementKey::Penalty => Enforcement::Penalty(penalty),
-    };
-    ContactConditions { friction, enforcement, field }
 }
 
 fn size_of_modes(rail: &CondensedBody, wheel: &CondensedBody) -> usize {

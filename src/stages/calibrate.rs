@@ -61,7 +61,7 @@ pub fn check_friction(study: &Study) -> Result<()> {
 }
 
 /// How wheel and rail meet in the calibration of a study.
-pub(super) fn contact_conditions(study: &Study) -> ContactConditions {
+pub fn contact_conditions(study: &Study) -> ContactConditions {
     ContactConditions {
         friction: study.contact.friction,
         enforcement: enforcement(study),

@@ -17,7 +17,7 @@ mod simulate;
 
 pub use bodies::{Bodies, Interiors, bodies_of_fields, solids};
 pub use by_angle::{by_angle, shifts};
-pub use calibrate::{Calibration, calibrate, check_friction};
+pub use calibrate::{Calibration, calibrate, check_friction, contact_conditions};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use error_band::{
     CoarserBodies, FINER, check_target, coarser_bodies, coarser_options, error_band, finer_meshes,

@@ -183,13 +183,7 @@ impl MeshOptions {
             layers,
             first_layer,
             layer_growth,
-            section_growth: self.section_growth,
-            rail_section_element: self.rail_section_element / factor,
-            wheel_section_element: self.wheel_section_element / factor,
-            growth: self.growth.powf(1.0 / factor).min(LARGEST_RATIO),
-            rail_length_element: self.rail_length_element / factor,
-            wheel_arc_element: self.wheel_arc_element / factor,
-            ..self.clone()
+            ..self.with_bodies_refined(factor)
         }
     }
 }
