@@ -21,7 +21,7 @@ use crate::study::Study;
 pub use condensing::{condensing, least_memory};
 use machine::available;
 pub use needs::{Estimate, StageEstimate};
-use needs::{NODE, VALUE, reference_memory};
+use needs::{NODE, VALUE, reference_memory, steps_in_each};
 
 /// Bytes of a gibibyte.
 pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -45,8 +45,11 @@ impl Work {
     /// What the study asks for: with or without the calibration, with or without its load cases.
     pub fn of(study: &Study, calibrate: bool, solids: bool) -> Self {
         let cases = study.scenarios.iter().filter(|(_, case)| solids && case.solid);
-        let solids =
-            cases.map(|(name, case)| (name.clone(), case.scenario.steps * study.solid.inner_steps)).collect();
+        let solids = cases
+            .map(|(name, case)| {
+                (name.clone(), (case.scenario.steps as f64 * steps_in_each(study)).ceil() as usize)
+            })
+            .collect();
         Self { calibrate, solids, reference: None }
     }
 

@@ -14,6 +14,7 @@ mod limits;
 mod signals;
 mod step_change;
 
+use railspring_calibrate::energy::EnergyBalance;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::{Ending, History, HistoryRow};
 use serde::{Deserialize, Serialize};
@@ -111,6 +112,7 @@ pub fn compare(simple: &History, solid: &History, limits: &Limits) -> Result<Com
     checks.extend(force_lines(&vertical, [limits.vertical_rms(), limits.vertical_max()]).map(Ok));
     checks.extend(force_lines(&lateral, [limits.lateral_rms(), limits.lateral_max()]).map(Ok));
     checks.extend(ratio_lines(&runs, peak_p, limits).map(Ok));
+    checks.push(energy_check(&runs, limits));
     checks.extend(separation_checks(&separations, limits));
     checks.extend(mode_lines(&modes, runs.solid.rows.len(), limits).map(Ok));
     let (mut lines, mut not_applicable) = (Vec::new(), Vec::new());
@@ -188,6 +190,29 @@ fn ratio_lines(runs: &Both<History>, peak_p: f64, limits: &Limits) -> [Line; 2] 
         ))
     };
     [line(limits.ratio_rms(), rms), line(limits.ratio_max(), peak)]
+}
+
+/// The drift of the energy balance, of the models that have one.
+fn energy_check(runs: &Both<History>, limits: &Limits) -> Check {
+    let criterion = limits.energy_drift();
+    let drift = |history: &History| {
+        let balances: Option<Vec<EnergyBalance>> = history.rows.iter().map(|row| row.energy).collect();
+        let balances = balances.filter(|_| has_steps(history.rows.len()))?;
+        let most = peak(&balances.iter().map(EnergyBalance::stored).collect::<Vec<_>>());
+        let drift = peak(&balances.iter().map(|balance| balance.drift).collect::<Vec<_>>());
+        Some(if drift == 0.0 { 0.0 } else { drift / most })
+    };
+    let drifts = runs.map(drift);
+    let both = [drifts.simple, drifts.solid];
+    let largest = both.into_iter().flatten().fold(None, |most: Option<f64>, drift| {
+        Some(most.map_or(drift, |most| if drift > most || drift.is_nan() { drift } else { most }))
+    });
+    let Some(largest) = largest else {
+        return Err(criterion.not_applicable("neither run has energies"));
+    };
+    let percent = |drift: Option<f64>| drift.map_or("none".into(), |drift| format!("{:.2} %", 1e2 * drift));
+    let note = format!("simple model {}, solid model {}", percent(drifts.simple), percent(drifts.solid));
+    Ok(criterion.line(Some(largest)).noted(note))
 }
 
 /// Times and number of the separations. Times can be compared only where both models separate.

@@ -64,8 +64,8 @@ fn difference(a: &[[f64; 2]], b: &[[f64; 2]], force: usize) -> f64 {
 #[ignore = "a minute: cargo full-order"]
 fn reduced_bodies_follow_full_order() {
     let (full, reduced) = std::thread::scope(|scope| {
-        let full = scope.spawn(|| run("[solid]\ntransient = \"full\"\n"));
-        let reduced = run("");
+        let full = scope.spawn(|| run("[solid]\ntransient = \"full\"\ninner_steps = 1\n"));
+        let reduced = run("[solid]\ninner_steps = 1\n");
         (full.join().unwrap(), reduced)
     });
     for case in 0..2 {

@@ -5,6 +5,8 @@ use std::fmt;
 
 use nalgebra::Point2;
 
+use crate::energy::EnergyBalance;
+
 /// State of one contact between wheel and rail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactMode {
@@ -58,6 +60,8 @@ pub struct HistoryRow {
     /// Lateral displacement since t = 0 of the point where the lateral force acts, m: that of the wheel centre and the
     /// lengthening of the lateral suspension, which starts unloaded.
     pub load_y: f64,
+    /// The balance of energy, J; none of bodies at full order, whose energies cost as much as a step.
+    pub energy: Option<EnergyBalance>,
     /// The contacts that carry load, ordered from the gauge side to the field side; empty while separated.
     pub contacts: Vec<ContactState>,
 }

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 
 use crate::error::InputError;
 use crate::field::InputField;
+use crate::step_control::InnerSteps;
 
 /// Time steps that a period of a force must have at least.
 ///
@@ -93,7 +94,7 @@ pub struct Scenario {
     /// Time step of the history, s.
     pub time_step: f64,
     /// Steps of the integration within each of these.
-    pub inner_steps: usize,
+    pub inner_steps: InnerSteps,
     /// Coulomb friction coefficient of wheel on rail.
     pub friction: f64,
     /// Gravity, m/s², acting on the wheel and the suspended mass; 0 leaves it out.
@@ -151,7 +152,7 @@ impl Scenario {
         Self {
             steps,
             time_step,
-            inner_steps: 1,
+            inner_steps: InnerSteps::Equal(1),
             friction,
             gravity: 0.0,
             suspended_mass: 0.0,
@@ -167,9 +168,16 @@ impl Scenario {
         }
     }
 
-    /// Length of a step of the integration, s.
-    pub fn inner_step(&self) -> f64 {
-        self.time_step / self.inner_steps as f64
+    /// Length of the shortest steps of the integration, s.
+    pub fn shortest_step(&self) -> f64 {
+        self.time_step / self.inner_steps.most() as f64
+    }
+
+    /// The largest that forces and weights can be at the same time, N.
+    pub fn largest_load(&self) -> f64 {
+        let of = |force: &HarmonicForce| force.constant.abs() + force.amplitude.abs();
+        let weight = (self.suspended_mass + self.wheel_mass.unwrap_or(0.0)) * self.gravity;
+        (of(&self.vertical_force) + weight.abs()).hypot(of(&self.lateral_force))
     }
 
     /// Displacement (m) since t = 0 of the point where the lateral force acts, positive towards the field side, from that of
@@ -204,14 +212,7 @@ impl Scenario {
                 ));
             }
         }
-        if self.inner_steps == 0 {
-            return Err(InputError::new(
-                InputField::InnerSteps,
-                self.inner_steps,
-                "at least one step of the integration in each of the history",
-                "set it to 1, or to more for impacts",
-            ));
-        }
+        self.inner_steps.check()?;
         let spring = self.vertical_suspension;
         if self.suspended_mass > 0.0 && spring.stiffness == 0.0 && spring.damping == 0.0 {
             return Err(InputError::new(
@@ -287,7 +288,7 @@ mod tests {
         let slow = Scenario { lateral_force: HarmonicForce::NONE, vertical_suspension: loose, ..scenario };
         assert!(slow.check().unwrap_err().to_string().contains("vertical_suspension"));
         Scenario { suspended_mass: 0.0, ..slow.clone() }.check().unwrap();
-        let none = Scenario { inner_steps: 0, suspended_mass: 0.0, ..slow };
+        let none = Scenario { inner_steps: InnerSteps::Equal(0), suspended_mass: 0.0, ..slow };
         assert!(none.check().unwrap_err().to_string().starts_with("inner_steps = 0"));
     }
 }

@@ -3,6 +3,7 @@
 //! The suspended mass is eliminated: the centre feels a stiffness and forces. Both models of a wheel on a rail use
 //! this, whichever way their coordinate points.
 
+use crate::energy::PartEnergy;
 use crate::newmark::{Motion, Newmark};
 use crate::scenario::Scenario;
 
@@ -71,6 +72,30 @@ impl Suspension {
         SuspensionStep { damper, transmitted: self.share() * load, load }
     }
 
+    /// Energy of spring and suspended mass after a step from the state `before` to `after` (centre and suspended mass), with the mean `load` (N) on the mass over the step; without
+    /// a mass the load acts on the centre, and the spring transmits it. Friction apart, J.
+    pub fn energy(
+        scenario: &Scenario,
+        before: [&Motion; 2],
+        after: [&Motion; 2],
+        load: f64,
+        step: f64,
+    ) -> PartEnergy {
+        let (spring, mass) = (scenario.vertical_suspension, scenario.suspended_mass);
+        if mass == 0.0 {
+            return PartEnergy { work: load * (after[0].u - before[0].u), ..PartEnergy::default() };
+        }
+        let stroke = |[centre, suspended]: [&Motion; 2]| suspended.u - centre.u;
+        let moved = stroke(after) - stroke(before);
+        PartEnergy {
+            kinetic: 0.5 * mass * after[1].v * after[1].v,
+            elastic: 0.5 * spring.stiffness * stroke(after).powi(2),
+            work: load * (after[1].u - before[1].u),
+            damped: if step > 0.0 { spring.damping * moved * moved / step } else { 0.0 },
+            friction: 0.0,
+        }
+    }
+
     /// State of the suspended mass at the end of a step, with the displacement `centre` (m) there.
     pub fn finish(&self, step: &SuspensionStep, suspended: &Motion, centre: f64) -> Motion {
         let sum = self.inertia + self.coupling;
@@ -83,6 +108,7 @@ impl Suspension {
 mod tests {
     use super::*;
     use crate::scenario::{HarmonicForce, Kelvin};
+    use crate::step_control::InnerSteps;
 
     const QUIET: HarmonicForce = HarmonicForce { constant: 0.0, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
 
@@ -90,7 +116,7 @@ mod tests {
         Scenario {
             steps: 1,
             time_step: 5e-4,
-            inner_steps: 1,
+            inner_steps: InnerSteps::Equal(1),
             friction: 0.3,
             gravity: 9.81,
             suspended_mass,

@@ -11,6 +11,7 @@ use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::transient::{SolidBodies, TransientModel};
 
 /// A wheel at rest, just touching, without a suspended mass, under constant forces (N; to the field side, and down).
@@ -83,7 +84,7 @@ fn a_force_without_suspended_mass_reaches_the_wheel() {
 #[test]
 fn inner_steps_are_steps() {
     for scenario in [scenario(2e3, 50e3, 12, 2e-4), scenario(-500e3, -10e3, 50, 1e-3)] {
-        let inner = Scenario { inner_steps: 2, ..scenario.clone() };
+        let inner = Scenario { inner_steps: InnerSteps::Equal(2), ..scenario.clone() };
         let short =
             Scenario { steps: 2 * scenario.steps, time_step: 0.5 * scenario.time_step, ..scenario.clone() };
         let (runs, _) = run(&[inner, short]);

@@ -5,6 +5,7 @@ use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
+use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::FactorSize;
 
 use super::Work;
@@ -48,6 +49,8 @@ const SECONDS_HALVED: f64 = 0.8;
 const SECONDS_STEP: f64 = 0.03;
 /// Steps that a reduced run does with fewer modes as well, at the usual time step.
 const STEPS_COMPARED: f64 = 120.0;
+/// Steps of the integration in a time step of a published load case in the mean, where they adapt themselves.
+const ADAPTED_STEPS: f64 = 3.0;
 /// Share of a substitution that one of several at the same time takes.
 const SOLVED_AT_ONCE: f64 = 0.2;
 
@@ -93,6 +96,14 @@ pub struct Estimate {
     /// The calibration on the next finer meshes, where the study has a wanted error of meshes: how often they are refined is not known
     /// before, so that no refinement is among the stages.
     pub finer: Option<StageEstimate>,
+}
+
+/// Steps of the integration in a time step.
+pub(super) fn steps_in_each(study: &Study) -> f64 {
+    match study.solid.steps() {
+        InnerSteps::Equal(count) => count as f64,
+        InnerSteps::Adaptive(control) => ADAPTED_STEPS.min(control.most as f64),
+    }
 }
 
 impl Estimate {
@@ -144,8 +155,9 @@ impl Estimate {
             both.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum();
         for (n, (name, steps)) in work.solids.iter().enumerate() {
             let steps = *steps as f64;
-            let other = if study.solid.inner_steps > 1 { 1.0 } else { 0.0 };
-            let compared = steps.min(STEPS_COMPARED * study.solid.inner_steps as f64);
+            let within = study.solid.steps();
+            let other = if within.doubled() == within { 0.0 } else { 1.0 };
+            let compared = steps.min(STEPS_COMPARED * steps_in_each(study));
             let (memory, seconds) = match study.solid.transient {
                 TransientKey::Full => (
                     both.map(Body::making_in_time).iter().sum::<f64>(),
@@ -157,8 +169,8 @@ impl Estimate {
                     let modes = study.modes() as f64;
                     let [condensing, stepping] = [Body::making_with_modes, Body::reduced]
                         .map(|of| both.map(|body| of(body, modes)).iter().sum::<f64>());
-                    // the first steps are done a second time with fewer modes, and with twice the length both ways
-                    let contact = (steps + (1.0 + other) * compared) * SECONDS_STEP;
+                    // the first steps are done with fewer modes as well; with longer steps, beside the run, both ways
+                    let contact = (steps + compared / (1.0 + other)) * SECONDS_STEP;
                     // the calibration, and the load case before, leave their bodies
                     if work.calibrate || n > 0 {
                         (stepping, contact)

@@ -7,13 +7,30 @@
 use std::path::Path;
 
 use nalgebra::Point2;
+use railspring_calibrate::energy::EnergyBalance;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 /// Columns before those of the contacts.
-const COMMON: [&str; 8] =
-    ["time_s", "p_kn", "q_kn", "q_over_p", "wheel_y_mm", "wheel_z_mm", "load_y_mm", "mode"];
+const COMMON: [&str; 14] = [
+    "time_s",
+    "p_kn",
+    "q_kn",
+    "q_over_p",
+    "wheel_y_mm",
+    "wheel_z_mm",
+    "load_y_mm",
+    "mode",
+    "kinetic_j",
+    "elastic_j",
+    "work_j",
+    "damped_j",
+    "friction_j",
+    "energy_drift_j",
+];
+/// The first of the columns of the balance of energy, which are empty where the run has none.
+const ENERGY: usize = 8;
 /// Columns of one contact.
 const OF_CONTACT: [&str; 7] =
     ["mode", "normal_kn", "tangential_kn", "rail_y_mm", "rail_z_mm", "wheel_y_mm", "wheel_z_mm"];
@@ -48,6 +65,12 @@ fn cells(row: &HistoryRow, contacts: usize) -> Vec<String> {
         number(row.load_y / MILLIMETRE),
         row.mode().name().to_string(),
     ];
+    cells.extend(match row.energy {
+        Some(EnergyBalance { kinetic, elastic, work, damped, friction, drift }) => {
+            [kinetic, elastic, work, damped, friction, drift].map(number)
+        }
+        None => Default::default(),
+    });
     for index in 0..contacts {
         match row.contacts.get(index) {
             Some(contact) => {
@@ -138,6 +161,17 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
                 wheel: point(start + 5)?,
             });
         }
+        let energy = match (ENERGY..COMMON.len()).all(|column| cell(column).is_empty()) {
+            true => None,
+            false => Some(EnergyBalance {
+                kinetic: value(ENERGY, 1.0)?,
+                elastic: value(ENERGY + 1, 1.0)?,
+                work: value(ENERGY + 2, 1.0)?,
+                damped: value(ENERGY + 3, 1.0)?,
+                friction: value(ENERGY + 4, 1.0)?,
+                drift: value(ENERGY + 5, 1.0)?,
+            }),
+        };
         let row = HistoryRow {
             time: value(0, 1.0)?,
             vertical_force: value(1, KILONEWTON)?,
@@ -145,6 +179,7 @@ pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) 
             wheel_y: value(4, MILLIMETRE)?,
             wheel_z: value(5, MILLIMETRE)?,
             load_y: value(6, MILLIMETRE)?,
+            energy,
             contacts,
         };
         // What follows from other cells, or is empty because there is no contact, must say the same.
@@ -198,6 +233,14 @@ mod tests {
             wheel_y: 0.0067,
             wheel_z: -1e-12,
             load_y: 0.0167,
+            energy: (contacts != 1).then_some(EnergyBalance {
+                kinetic: 280.0 / 3.0,
+                elastic: 1e-7,
+                work: -7.5,
+                damped: 0.0,
+                friction: 2.25,
+                drift: -1e-15,
+            }),
             contacts: (0..contacts).map(contact).collect(),
         }
     }

@@ -61,6 +61,7 @@ pub(crate) fn history(shift: f64) -> History {
                 wheel_y,
                 wheel_z: -0.0004 * (PI * time * 20.0).sin(),
                 load_y: 0.0,
+                energy: None,
                 contacts,
             }
         })

@@ -6,6 +6,7 @@ use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::solid::System;
+use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::{CondensedBody, Factor, FactorSize, Superelement};
 use railspring_calibrate::transient::{ModeCount, TransientModel};
 
@@ -164,9 +165,11 @@ fn size_of_modes(rail: &CondensedBody, wheel: &CondensedBody) -> usize {
 fn scenario(study: &Study) -> Scenario {
     let mut cases = study.scenarios.values().filter(|case| case.solid);
     match cases.next() {
-        Some(case) => {
-            Scenario { steps: STEPS, inner_steps: study.solid.inner_steps, ..case.scenario.clone() }
-        }
+        Some(case) => Scenario {
+            steps: STEPS,
+            inner_steps: InnerSteps::Equal(study.solid.inner_steps.unwrap_or(1)),
+            ..case.scenario.clone()
+        },
         None => Scenario {
             vertical_force: HarmonicForce::constant(
                 0.5 * study.calibration.loads.last().copied().unwrap_or(0.0),

@@ -153,6 +153,7 @@ fn leaving_the_fitted_range_is_said() {
         wheel_y: 0.0,
         wheel_z: 0.0,
         load_y: 0.0,
+        energy: None,
         contacts: (load > 0.0)
             .then(|| ContactState {
                 mode: ContactMode::Stick,

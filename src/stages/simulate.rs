@@ -7,6 +7,7 @@ use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel, TransientRun};
 
@@ -31,9 +32,6 @@ pub struct Springs {
 
 /// What steps of another length change, or why that is not known.
 pub type OtherSteps = std::result::Result<StepChange, String>;
-
-/// Time over which other steps are tried in the solid model, s: up to the impacts of a load case, whose runs diverge later.
-const TRIED_TIME: f64 = 0.06;
 
 /// The simple model under a load case.
 ///
@@ -60,34 +58,23 @@ pub fn simulate(
         SlidingMatrixKey::Unsymmetric => SlidingMatrix::Consistent,
         SlidingMatrixKey::Symmetric => SlidingMatrix::Symmetric,
     };
+    let with = |inner_steps| -> Result<History> {
+        let scenario = Scenario { inner_steps: InnerSteps::Equal(inner_steps), ..scenario.scenario.clone() };
+        Ok(model.run(&scenario, monitor)?.history)
+    };
     let steps = study.simulation.inner_steps;
-    let with = |scenario: &Scenario| -> Result<History> { Ok(model.run(scenario, monitor)?.history) };
-    let scenario = Scenario { inner_steps: steps, ..scenario.scenario.clone() };
-    let history = with(&scenario)?;
-    let change = other_steps(&scenario, &history, with)?;
-    Ok((history, change))
-}
-
-/// What steps of twice the length change in `history`, the run of `scenario`; where that has one step in each of the history, what half the
-/// length changes.
-///
-/// # Errors
-/// An interruption.
-fn other_steps(
-    scenario: &Scenario,
-    history: &History,
-    with: impl Fn(&Scenario) -> Result<History>,
-) -> Result<OtherSteps> {
-    let inner_steps = if scenario.inner_steps > 1 { scenario.inner_steps.div_ceil(2) } else { 2 };
-    let other = Scenario { inner_steps, ..scenario.clone() };
-    match with(&other) {
+    let history = with(steps)?;
+    // steps of twice the length; where the history has no longer ones, of half the length
+    let other = if steps > 1 { steps.div_ceil(2) } else { 2 };
+    let change = match with(other) {
         Ok(changed) => {
-            let steps = [scenario.inner_step(), other.inner_step()];
-            Ok(Ok(StepChange::between([history, &changed], steps)))
+            let steps = [steps, other].map(InnerSteps::Equal);
+            Ok(StepChange::between([&history, &changed], steps, scenario.scenario.time_step))
         }
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        Err(error) => Ok(Err(error.to_string())),
-    }
+        Err(Error::Interrupted) => return Err(Error::Interrupted),
+        Err(error) => Err(error.to_string()),
+    };
+    Ok((history, change))
 }
 
 /// Most modes that are asked for; with these a run goes on whatever the estimate of their error says.
@@ -110,44 +97,46 @@ pub fn simulate_solid(
 ) -> Result<(TransientRun, OtherSteps)> {
     let (pair, material) = (&geometry.pair, study.material);
     let contact = (enforcement(study), contact_field(study));
-    let scenario = Scenario { inner_steps: study.solid.inner_steps, ..scenario.scenario.clone() };
-    let tried = (TRIED_TIME / scenario.time_step).ceil().min(scenario.steps as f64) as usize;
-    let shorter = Scenario { steps: tried, ..scenario.clone() };
-    let other = |run: &TransientRun, with: &dyn Fn(&Scenario) -> Result<TransientRun>| {
-        if scenario.inner_steps == 1 {
-            // half the length would take twice as long as the run
-            return Ok(Err("`solid.inner_steps` is 1; of more, half as many are tried as well".into()));
-        }
-        other_steps(&shorter, &run.history, |scenario| Ok(with(scenario)?.history))
-    };
+    let scenario = Scenario { inner_steps: study.solid.steps(), ..scenario.scenario.clone() };
     if study.solid.transient == TransientKey::Full {
         let meshes = [&meshes.rail, &meshes.wheel];
         let model = TransientModel::of_pair(pair, meshes, material, formulation(study), contact);
-        let with = |scenario: &Scenario| model.run(scenario, monitor);
-        let run = with(&scenario)?;
-        let change = other(&run, &with)?;
+        let run = model.run(&scenario, monitor)?;
+        let change = change(&scenario, &run);
         return Ok((run, change));
     }
-    let with = |modes, count, scenario: &Scenario| {
+    let with = |modes, count| {
         let bodies = bodies(modes)?;
         let [rail, wheel] = &*bodies;
-        TransientModel::reduced(pair, [rail, wheel], count, material, contact).run(scenario, monitor)
+        TransientModel::reduced(pair, [rail, wheel], count, material, contact).run(&scenario, monitor)
     };
-    let estimated = || -> Result<(TransientRun, usize)> {
+    let estimated = || -> Result<TransientRun> {
         let mut modes = START_MODES;
         while modes < MOST_MODES {
-            match with(modes, ModeCount::Estimated, &scenario) {
+            match with(modes, ModeCount::Estimated) {
                 Err(Error::Numerics(cause)) if cause.reason == StopReason::TooFewModes => modes *= 2,
-                done => return Ok((done?, modes)),
+                done => return done,
             }
         }
-        Ok((with(modes, ModeCount::Given(modes), &scenario)?, modes))
+        with(modes, ModeCount::Given(modes))
     };
-    let (run, modes) = match study.solid.modes {
-        Some(modes) => (with(modes, ModeCount::Given(modes), &scenario)?, modes),
+    let run = match study.solid.modes {
+        Some(modes) => with(modes, ModeCount::Given(modes))?,
         None => estimated()?,
     };
-    let used = run.reduction.as_ref().map_or(modes, |reduction| reduction.modes[0].max(reduction.modes[1]));
-    let change = other(&run, &|scenario| with(modes, ModeCount::Given(used), scenario))?;
+    let change = change(&scenario, &run);
     Ok((run, change))
+}
+
+/// What longer steps of the integration change in a run of the solid model.
+fn change(scenario: &Scenario, run: &TransientRun) -> OtherSteps {
+    match &run.longer {
+        Some(Ok(longer)) => {
+            let steps = [scenario.inner_steps, scenario.inner_steps.doubled()];
+            Ok(StepChange::between([&run.history, longer], steps, scenario.time_step))
+        }
+        Some(Err(reason)) => Err(reason.clone()),
+        // half the length would take twice as long as the run
+        None => Err("`solid.inner_steps` is 1; of more, half as many are tried as well".into()),
+    }
 }

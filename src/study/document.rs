@@ -371,7 +371,7 @@ pub struct SimulationKeys {
     pub rail_node_spacing_mm: f64,
     /// Matrix of a sliding contact.
     pub sliding_matrix: SlidingMatrixKey,
-    /// Steps of the integration within each time step of a scenario. What half as many change, or twice one, is stated with the run.
+    /// Steps of the integration within each time step of a scenario; 1 is the published element with the published step. What half as many change, or twice one, is stated with the run.
     #[schemars(range(min = 1, max = 1000))]
     pub inner_steps: usize,
     /// In which respects the law may be another's and is used all the same; the terminal and the report say so. Without this, a law of another pair is refused, and one that was not measured against the beam model of the rail.
@@ -391,7 +391,7 @@ impl Default for SimulationKeys {
             contact_penalty_kn_per_m: 2e9,
             rail_node_spacing_mm: 0.25,
             sliding_matrix: SlidingMatrixKey::Unsymmetric,
-            inner_steps: 1,
+            inner_steps: 16,
             law_accepted: Vec::new(),
             scenario: None,
         }

@@ -11,6 +11,7 @@ use railspring_calibrate::profile::wheels::{Flange, WHEEL_NAMES, wheel_profile_w
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::section::{WebShape, WheelBody, wheel_section_on};
 use railspring_calibrate::solid::Material;
+use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
@@ -349,7 +350,7 @@ fn scenario(keys: &ScenarioKeys, friction: f64) -> StudyScenario {
         scenario: Scenario {
             steps: keys.steps,
             time_step: keys.time_step_s,
-            inner_steps: 1,
+            inner_steps: InnerSteps::Equal(1),
             friction: keys.friction.unwrap_or(friction),
             gravity: keys.gravity_m_per_s2,
             suspended_mass: keys.suspended_mass_t * TONNE,

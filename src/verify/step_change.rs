@@ -1,6 +1,7 @@
 //! What a run is worth: how far it changes with steps of another length.
 
 use railspring_calibrate::history::{History, HistoryRow};
+use railspring_calibrate::step_control::InnerSteps;
 use serde::{Deserialize, Serialize};
 
 use super::signals::averaged_ratio;
@@ -10,10 +11,10 @@ use super::{Limits, column, peak, rms};
 /// over the published window, where the averaged P of both is above a twentieth of its largest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepChange {
-    /// Length of the steps of the run, s.
-    pub inner_step_s: f64,
-    /// Length of the steps of the other run, s: twice that, which changes more than half of it would.
-    pub other_step_s: f64,
+    /// Length of the longest and of the shortest steps of the run, s.
+    pub steps_s: [f64; 2],
+    /// The same of the other run, s: twice as long where they adapt themselves or are many, which changes more than half the length would.
+    pub other_steps_s: [f64; 2],
     /// Time up to which the runs are compared, s.
     pub until_s: f64,
     /// RMS change of the vertical force.
@@ -31,8 +32,8 @@ pub struct StepChange {
 }
 
 impl StepChange {
-    /// From a run to the same with steps of another length (s); where one of them ends early, over the times of both.
-    pub fn between([run, other]: [&History; 2], steps: [f64; 2]) -> Self {
+    /// From a run to the same with other steps within its time steps (s); where one of them ends early, over the times of both.
+    pub fn between([run, other]: [&History; 2], steps: [InnerSteps; 2], time_step: f64) -> Self {
         let common = run.rows.len().min(other.rows.len());
         let of = |history: &History| History { rows: history.rows[..common].to_vec(), ..history.clone() };
         let (run, other) = (of(run), of(other));
@@ -50,8 +51,8 @@ impl StepChange {
             ratios[0].iter().zip(&ratios[1]).filter_map(|(a, b)| Some((*b)? - (*a)?)).collect();
         let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));
         Self {
-            inner_step_s: steps[0],
-            other_step_s: steps[1],
+            steps_s: steps[0].lengths(time_step),
+            other_steps_s: steps[1].lengths(time_step),
             until_s: run.rows.last().map_or(0.0, |row| row.time),
             p_rms: rms(&p),
             p_max: peak(&p),
@@ -65,11 +66,15 @@ impl StepChange {
 
 impl std::fmt::Display for StepChange {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let length = |[longest, shortest]: [f64; 2]| match longest == shortest {
+            true => format!("{:.4} ms", 1e3 * longest),
+            false => format!("{:.4} to {:.4} ms", 1e3 * shortest, 1e3 * longest),
+        };
         write!(
             f,
-            "steps of {:.4} ms; with {:.4} ms P changes by {:.2} % of its largest (RMS) and {:.2} % at most up to {} s, Q by {:.2} % and {:.2} %",
-            1e3 * self.inner_step_s,
-            1e3 * self.other_step_s,
+            "steps of {}; with {} P changes by {:.2} % of its largest (RMS) and {:.2} % at most up to {} s, Q by {:.2} % and {:.2} %",
+            length(self.steps_s),
+            length(self.other_steps_s),
             1e2 * self.p_rms,
             1e2 * self.p_max,
             self.until_s,
@@ -90,6 +95,7 @@ mod tests {
 
     /// ROUNDOFF: quotients and means of numbers of order one.
     const ROUNDOFF: f64 = 1e-12;
+    const TWO_AND_ONE: [InnerSteps; 2] = [InnerSteps::Equal(2), InnerSteps::Equal(1)];
 
     /// P of 100 kN but 120 kN in the middle, Q of `share` of it, N, at `count` times of 1 ms.
     fn run(count: usize, share: f64, last: f64) -> History {
@@ -102,6 +108,7 @@ mod tests {
                 wheel_y: 0.0,
                 wheel_z: 0.0,
                 load_y: 0.0,
+                energy: None,
                 contacts: Vec::new(),
             }
         };
@@ -113,11 +120,11 @@ mod tests {
     #[test]
     fn changes_are_over_the_runs_own_largest() {
         let near = |a: f64, b: f64| (a - b).abs() < ROUNDOFF;
-        let change = StepChange::between([&run(9, 0.5, 0.0), &run(9, 0.5, 12e3)], [5e-4, 1e-3]);
+        let change = StepChange::between([&run(9, 0.5, 0.0), &run(9, 0.5, 12e3)], TWO_AND_ONE, 1e-3);
         assert!(near(change.p_max, 0.1) && near(change.p_rms, 0.1 / 3.0), "{change:?}");
         assert!(near(change.q_max, 0.1) && near(change.q_rms, 0.1 / 3.0), "{change:?}");
         assert!(near(change.ratio_max.unwrap(), 0.0) && near(change.until_s, 8e-3), "{change:?}");
-        let change = StepChange::between([&run(9, 0.5, 0.0), &run(7, 0.6, 0.0)], [5e-4, 1e-3]);
+        let change = StepChange::between([&run(9, 0.5, 0.0), &run(7, 0.6, 0.0)], TWO_AND_ONE, 1e-3);
         assert!(
             near(change.p_max, 0.0) && near(change.q_max, 0.2) && near(change.until_s, 6e-3),
             "{change:?}"
@@ -128,7 +135,7 @@ mod tests {
             "{change}"
         );
         let still = run(5, 0.0, 0.0);
-        let change = StepChange::between([&still, &still], [1e-3; 2]);
+        let change = StepChange::between([&still, &still], [InnerSteps::Equal(1); 2], 1e-3);
         assert_eq!((change.q_rms, change.q_max, change.ratio_max), (0.0, 0.0, Some(0.0)));
     }
 }

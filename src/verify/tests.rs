@@ -33,6 +33,7 @@ fn history(
                 wheel_y: 0.0,
                 wheel_z: 0.0,
                 load_y: 0.0,
+                energy: None,
                 contacts: mode(time).map(contact).into_iter().collect(),
             }
         })

@@ -30,6 +30,7 @@ fn history() -> History {
             wheel_y: -1e-4 * n as f64,
             wheel_z: 2e-4,
             load_y: 1e-3 - 1e-4 * n as f64,
+            energy: None,
             contacts: (0..if touches { 1 + n % 2 } else { 0 }).map(|i| contact(i, n as f64)).collect(),
         }
     };

@@ -6,14 +6,27 @@ use crate::contact::{
 use crate::superelement::times;
 use faer::Mat;
 use nalgebra::{Point2, UnitComplex};
+use std::borrow::Cow;
 use std::sync::Arc;
+
+/// The compliance of a body's contact nodes, m/N.
+pub(crate) trait NodalCompliance: Sync {
+    /// As it is kept, or made for the far field alone.
+    fn matrix(&self) -> Cow<'_, Mat<f64>>;
+}
+
+impl NodalCompliance for Mat<f64> {
+    fn matrix(&self) -> Cow<'_, Mat<f64>> {
+        Cow::Borrowed(self)
+    }
+}
 
 /// Two condensed bodies in place.
 pub(crate) struct Solids<'a> {
-    /// Compliance of the rail's contact nodes, m/N.
-    pub rail: &'a Mat<f64>,
-    /// Compliance of the wheel's contact nodes, m/N.
-    pub wheel: &'a Mat<f64>,
+    /// Compliance of the rail's contact nodes.
+    pub rail: &'a dyn NodalCompliance,
+    /// Compliance of the wheel's contact nodes.
+    pub wheel: &'a dyn NodalCompliance,
     /// The rail's surface in its place.
     pub rail_surface: Surface<'a>,
     /// The wheel's surface in its place.
@@ -54,8 +67,9 @@ impl FarField {
         let mut slot = vec![None; nodes.len()];
         points.iter().enumerate().for_each(|(j, p)| slot[p.index.0 * columns + p.index.1] = Some(j));
         let stand_ins = StandIns { points: &points, slot: &slot, columns };
-        let of =
-            |compliance: &Mat<f64>, side| total(&[&BodyCompliance { compliance, side }], &points, directions);
+        let of = |body: &dyn NodalCompliance, side| {
+            total(&[&BodyCompliance { compliance: &body.matrix(), side }], &points, directions)
+        };
         let (mut rail, mut wheel) =
             rayon::join(|| of(solids.rail, Side::Base), || of(solids.wheel, Side::Opposing));
         let mut near = [&rail, &wheel].map(|body| Mat::<f64>::zeros(body.nrows(), body.ncols()));

@@ -2,6 +2,7 @@
 
 use super::{StiffnessLaw, TableLaw};
 use crate::error::Result;
+use crate::quadrature::gauss_2_on;
 
 /// Tangent stiffness against force: the power law or a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +50,24 @@ impl NormalLaw {
         match self {
             Self::Power(law) => law.displacement(force),
             Self::Table(law) => law.displacement(force),
+        }
+    }
+
+    /// Energy stored under `force` (N), `∫ f dδ` from 0, J; 0 for a force below zero.
+    pub fn energy(&self, force: f64) -> f64 {
+        match self {
+            Self::Power(law) => law.energy(law.displacement(force)),
+            Self::Table(law) if force > 0.0 => {
+                // the displacement is smooth between knots, and panels are many
+                const PANELS: usize = 64;
+                let panel = |n: usize| {
+                    let end = |n: usize| force * n as f64 / PANELS as f64;
+                    let (points, half) = gauss_2_on(end(n), end(n + 1));
+                    half * points.into_iter().map(|f| law.displacement(f)).sum::<f64>()
+                };
+                force * law.displacement(force) - (0..PANELS).map(panel).sum::<f64>()
+            }
+            Self::Table(_) => 0.0,
         }
     }
 

@@ -1,6 +1,8 @@
 //! An elastic body in time, a linear part with its contact nodes and its hub as interface: what the run and its contact see
 //! of it, whatever its order.
 
+use crate::calibration::NodalCompliance;
+use crate::energy::PartEnergy;
 use crate::linear_part::LinearPart;
 use faer::Mat;
 use nalgebra::Vector2;
@@ -14,14 +16,34 @@ pub(super) struct BodyLoad {
     pub(super) gravity: f64,
 }
 
+/// Displacements of an interface at the end of a step per unit force, m/N. A contact on a fine grid needs them now and then, one between
+/// nodes in every step.
+pub(super) trait Flexible: NodalCompliance {
+    /// To be used in every step.
+    fn kept(&self) -> &Mat<f64>;
+
+    /// Displacement of the coordinate `row` under forces, (coordinate, N).
+    fn under(&self, row: usize, forces: &[(usize, f64)]) -> f64;
+}
+
+impl Flexible for Mat<f64> {
+    fn kept(&self) -> &Mat<f64> {
+        self
+    }
+
+    fn under(&self, row: usize, forces: &[(usize, f64)]) -> f64 {
+        forces.iter().map(|&(column, force)| self[(row, column)] * force).sum()
+    }
+}
+
 /// The interface of a body in a step. Its coordinates are those of the contact nodes (`3·node + axis` in the order of the
 /// contact grid), then the master's free motions.
 #[derive(Clone, Copy)]
 pub(super) struct Interface<'s> {
     /// Displacements at the end of the step without contact forces, m.
     pub(super) free: &'s [f64],
-    /// Displacements at the end of the step per unit force, m/N.
-    pub(super) flexibility: &'s Mat<f64>,
+    /// Displacements at the end of the step per unit force.
+    pub(super) flexibility: &'s dyn Flexible,
     /// The contact nodes' displacements at the start of the step, m.
     pub(super) before: &'s [f64],
     /// Coordinates of the hub's motions y and z, if they are free.
@@ -40,8 +62,7 @@ impl Interface<'_> {
     }
 
     fn at(&self, row: usize, forces: &[(usize, f64)]) -> f64 {
-        let moved = forces.iter().map(|&(column, force)| self.flexibility[(row, column)] * force);
-        self.free[row] + moved.sum::<f64>()
+        self.free[row] + self.flexibility.under(row, forces)
     }
 }
 
@@ -77,6 +98,14 @@ pub(super) trait ElasticBody: LinearPart<Load = BodyLoad> + Sized {
 
     /// Displacements of the contact nodes in a state, `3·node + axis` in the order of the contact grid.
     fn contact_displacement<'s>(&self, state: &'s Self::State) -> &'s [f64];
+
+    /// Elastic state in the norm of energy, as forces (N): where a force of this size on a contact node has the same energy. Empty for
+    /// bodies whose steps are all of one length.
+    fn elastic(&self, state: &Self::State) -> Vec<f64>;
+
+    /// Energies after a step from `before` to `after` with the gravity of `load`, J; the work of its forces on the hub is not in it. None of bodies whose energy
+    /// costs as much as a step.
+    fn energy(&self, before: &Self::State, after: &Self::State, gravity: f64) -> Option<PartEnergy>;
 
     /// What a balance of momentum and energy is made of.
     #[cfg(test)]

@@ -18,6 +18,7 @@ use crate::error::{Error, NumericsError, Result, StopReason};
 use crate::newmark::Newmark;
 use crate::scenario::Scenario;
 use nalgebra::Vector2;
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// Points whose gap without contact forces in this step exceeds this cannot come to carry load, m.
@@ -63,6 +64,8 @@ pub(super) struct StepContact<'m> {
     half_spaces: [HalfSpace; 2],
     /// What a damped near field keeps of its displacement and of its velocity (s).
     kept: [f64; 2],
+    /// The fine grid of the last contact, and the displacement of the wheel's surface against the rail's for which its far field was made, m.
+    made: RefCell<Option<(Arc<FineContact>, Vector2<f64>)>>,
 }
 
 impl<'m> StepContact<'m> {
@@ -72,7 +75,14 @@ impl<'m> StepContact<'m> {
         let half_spaces = HalfSpace::both(&model.material)
             .map(|body| HalfSpace { shear_modulus: stiffening * body.shear_modulus, ..body });
         let kept = [damping * scheme.velocity / stiffening, damping / stiffening];
-        Self { model, friction: scenario.friction, time_step: scheme.step(), half_spaces, kept }
+        Self {
+            model,
+            friction: scenario.friction,
+            time_step: scheme.step(),
+            half_spaces,
+            kept,
+            made: RefCell::default(),
+        }
     }
 
     fn directions(&self) -> usize {
@@ -156,8 +166,8 @@ impl<'m> StepContact<'m> {
             if directions == 3 {
                 add_slips(&points, rail, wheel, &mut free);
             }
-            let compliance =
-                self.model.enforcement.compliance(rail.flexibility, wheel.flexibility, &points, directions);
+            let [of_rail, of_wheel] = [rail, wheel].map(|body| body.flexibility.kept());
+            let compliance = self.model.enforcement.compliance(of_rail, of_wheel, &points, directions);
             let first = carry_over(&start.points, &start.solution.forces, &points, directions);
             let problem = Problem {
                 points: &points,
@@ -188,7 +198,7 @@ impl<'m> StepContact<'m> {
     ) -> Result<(LastContact, End)> {
         let [rail, wheel] = bodies;
         let grid = self.model.rail_surface.grid;
-        let before = last.beyond_nodes(rail.before, wheel.before, self.time_step);
+        let before = last.beyond_nodes(rail.before, wheel.before);
         let mut moved = f64::NAN;
         let mut previous: Option<LastContact> = None;
         let mut lattice = self.lattice_after(last);
@@ -261,19 +271,23 @@ impl<'m> StepContact<'m> {
         };
         let displaced = Displaced { rail: &placed.rest[0], wheel: &placed.rest[1], margin: CANDIDATE_MARGIN };
         let at = placed.places.slide();
-        let serving = known.filter(|known| (known.made_at - at).norm() < FAR_SLIDE);
+        // a far field is that of steps of one length
+        let made = self.made.borrow().clone();
+        let serving = made.filter(|(_, made_at)| (made_at - at).norm() < FAR_SLIDE);
         let (points, contact) = FineContact::new(
             &solids,
             lattice,
             near,
-            serving.map(|known| &*known.contact),
+            serving.as_ref().map(|(contact, _)| &**contact),
             Some(&displaced),
             directions,
         );
-        let made_at = match serving {
-            Some(known) if known.contact.shares_far_field(&contact) => known.made_at,
+        let made_at = match &serving {
+            Some((known, made_at)) if known.shares_far_field(&contact) => *made_at,
             _ => at,
         };
+        let contact = Arc::new(contact);
+        *self.made.borrow_mut() = Some((contact.clone(), made_at));
         let n = points.len();
         // in the directions of the points, which turn with the rail: what is pressed in turns with it
         let (beyond_before, kept) = match before {
@@ -315,7 +329,7 @@ impl<'m> StepContact<'m> {
         let displacement = (0..directions * n)
             .map(|row| of_nodes[row] + kept[row] + solution.separation[row] - free[row])
             .collect();
-        let fine = Some(Fine { contact: Arc::new(contact), made_at, displacement, beyond_before });
+        let fine = Some(Fine { contact, step: self.time_step, displacement, beyond_before });
         Ok(Some(LastContact { points, solution, fine, zone: None, settled: None }))
     }
 
@@ -364,7 +378,8 @@ impl<'m> StepContact<'m> {
             return None;
         }
         let across = widths(lattice, &contact.points, &contact.solution.forces[..contact.points.len()]);
-        let wanted = self.wanted(lattice, contact);
+        // in neither direction coarser: else two grids would want each other
+        let wanted = self.lattice(self.wanted(lattice, contact).cell.inf(&lattice.cell));
         (too_coarse(lattice, across, self.model.field.spacing()) && wanted != *lattice).then_some(wanted)
     }
 

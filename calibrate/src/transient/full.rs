@@ -1,6 +1,7 @@
 //! A body at full order: all equations of its mesh, factored for one length of step.
 
 use super::body::{BodyLoad, ElasticBody, Interface};
+use crate::energy::PartEnergy;
 use crate::error::Result;
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
@@ -133,10 +134,11 @@ impl ElasticBody for FullBody<'_> {
 
     fn interface<'s>(step: &'s Self::Step<'_>) -> Interface<'s> {
         let system = &step.body.element.system;
+        let compliance = &step.body.element.compliance;
         let row = |motion| Some(system.numbering.master_equation(motion)? - system.numbering.interior);
         Interface {
             free: &step.free,
-            flexibility: &step.body.element.compliance,
+            flexibility: compliance,
             before: step.body.contact_displacement(step.state),
             hub: [row(1), row(2)],
         }
@@ -163,6 +165,14 @@ impl ElasticBody for FullBody<'_> {
     fn contact_displacement<'s>(&self, state: &'s FullState) -> &'s [f64] {
         let numbering = &self.element.system.numbering;
         &state.displacement[numbering.interior..numbering.interior + numbering.contact]
+    }
+
+    fn energy(&self, _: &FullState, _: &FullState, _: f64) -> Option<PartEnergy> {
+        None
+    }
+
+    fn elastic(&self, _: &FullState) -> Vec<f64> {
+        Vec::new()
     }
 
     #[cfg(test)]

@@ -1,7 +1,8 @@
 //! The contact at the end of a step, from which the next one starts.
 
 use crate::calibration::{Change, FineContact, Places, Zone, edge_reached};
-use crate::contact::{ContactPoint, Side, Solution, nodal_forces};
+use crate::contact::{ContactPoint, PointMode, Side, Solution, nodal_forces};
+use crate::energy::PartEnergy;
 use crate::error::StopReason;
 use crate::mesh::SurfaceGrid;
 use nalgebra::Vector2;
@@ -68,8 +69,8 @@ fn times(change: &Change, factor: f64) -> Change {
 #[derive(Clone)]
 pub(super) struct Fine {
     pub contact: Arc<FineContact>,
-    /// Displacement of the wheel's surface against the rail's for which its far field was made, m.
-    pub made_at: Vector2<f64>,
+    /// Length of the step, s.
+    pub step: f64,
     /// Displacements of the wheel against the rail at the points, by direction and point, at the end of the step, m.
     pub displacement: Vec<f64>,
     /// What of them was beyond those of the contact nodes at the beginning of the step, m.
@@ -116,15 +117,30 @@ impl LastContact {
         }
     }
 
+    /// Energy of the near field of a fine grid, with the contact nodes displaced by `rail` and `wheel` (m), and what friction took in
+    /// the step, J.
+    pub fn energy(&self, rail: &[f64], wheel: &[f64]) -> PartEnergy {
+        let Solution { forces, separation, modes, .. } = &self.solution;
+        let n = self.points.len();
+        let slides = |j: &usize| modes[j % n] == PointMode::Slip;
+        let work: f64 = (n..forces.len()).filter(slides).map(|row| forces[row] * separation[row]).sum();
+        let near = self.fine.as_ref().filter(|_| n > 0).map_or(0.0, |fine| {
+            let nodes = fine.contact.motion_of_nodes(rail, wheel);
+            let beyond = fine.displacement.iter().zip(nodes).map(|(all, node)| all - node);
+            0.5 * beyond.zip(forces).map(|(u, f)| u * f).sum::<f64>()
+        });
+        PartEnergy { elastic: near, friction: work.abs(), ..PartEnergy::default() }
+    }
+
     /// What the points of a fine grid have moved beyond the contact nodes of the bodies at the beginning of the next step, which are
     /// displaced by `rail` and `wheel` (m) there; `None` if there are none.
-    pub fn beyond_nodes(&self, rail: &[f64], wheel: &[f64], time_step: f64) -> Option<BeyondNodes<'_>> {
+    pub fn beyond_nodes(&self, rail: &[f64], wheel: &[f64]) -> Option<BeyondNodes<'_>> {
         let fine = self.fine.as_ref().filter(|_| !self.points.is_empty())?;
         let nodes = fine.contact.motion_of_nodes(rail, wheel);
         let displacement: Vec<f64> =
             fine.displacement.iter().zip(nodes).map(|(all, node)| all - node).collect();
         let moved = displacement.iter().zip(&fine.beyond_before);
-        let velocity = moved.map(|(now, before)| (now - before) / time_step).collect();
+        let velocity = moved.map(|(now, before)| (now - before) / fine.step).collect();
         Some(BeyondNodes { contact: &fine.contact, points: &self.points, displacement, velocity })
     }
 }

@@ -21,7 +21,7 @@ pub use reduction::{ModeCount, Reduction, START_MODES};
 
 use crate::calibration::{ContactField, Enforcement};
 use crate::contact::Surface;
-use crate::error::{InputError, Result};
+use crate::error::{Error, InputError, Result};
 use crate::field::InputField;
 use crate::history::History;
 use crate::mesh::{HexMesh, SurfaceGrid};
@@ -31,13 +31,14 @@ use crate::pair::Pair;
 use crate::placement::PlacedRail;
 use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Supports, System};
+use crate::step_control::InnerSteps;
 use crate::superelement::{CondensedBody, Modes};
 use crate::suspension::Suspension;
 use body::ElasticBody;
 use full::FullBody;
 use nalgebra::{Point3, Vector2};
 use reduced::ReducedBody;
-use run::{Run, Step};
+use run::{Run, ShorterSteps, Step};
 
 /// Everything the transient solid model is made of.
 pub struct TransientModel<'a> {
@@ -136,8 +137,24 @@ pub struct TransientRun {
     pub factor_values: usize,
     /// Largest number of load-carrying contact points in a step.
     pub most_active: usize,
+    /// Steps of the integration.
+    pub steps: StepCounts,
+    /// The first time steps with steps of the integration that are twice as long; none where there are no longer ones.
+    pub longer: Option<LongerSteps>,
     /// The modes of reduced bodies, and what they are worth.
     pub reduction: Option<Reduction>,
+}
+
+/// A run with longer steps, or why it could not be done.
+pub type LongerSteps = std::result::Result<History, String>;
+
+/// Steps of the integration of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct StepCounts {
+    /// Those that the run is made of.
+    pub taken: usize,
+    /// All that were solved, with those that were taken again because they were too long.
+    pub tried: usize,
 }
 
 impl TransientModel<'_> {
@@ -151,12 +168,24 @@ impl TransientModel<'_> {
         refuse_moving(scenario)?;
         scenario.check()?;
         self.field.check(self.enforcement)?;
+        if let (SolidBodies::Full { .. }, InnerSteps::Adaptive(_)) = (self.bodies, scenario.inner_steps) {
+            return Err(no_shorter_steps());
+        }
         let observe = &mut |step: &Step| match step.contact.edge_reached(self.rail_surface.grid) {
             Some(reason) => Err(contact::failure(0.0, step.contact.solution.active(), reason)),
             None => Ok(()),
         };
         match self.bodies {
-            SolidBodies::Full { .. } => self.run_from(&Vector2::zeros(), scenario, monitor, observe),
+            SolidBodies::Full { .. } => {
+                let from_rest = |scenario: &Scenario, observe: &mut dyn FnMut(&Step) -> Result<()>| {
+                    self.run_from(&Vector2::zeros(), scenario, monitor, observe)
+                };
+                let run = from_rest(scenario, observe)?;
+                let longer = reduction::longer_steps(&reduction::first_of(scenario), |longer| {
+                    Ok(from_rest(longer, &mut |_| Ok(()))?.history)
+                })?;
+                Ok(TransientRun { longer, ..run })
+            }
             SolidBodies::Reduced { modes, .. } => reduction::run(self, modes, scenario, monitor, observe),
         }
     }
@@ -172,11 +201,14 @@ impl TransientModel<'_> {
     ) -> Result<TransientRun> {
         match self.bodies {
             SolidBodies::Full { .. } => {
-                self.run_bodies(&self.full_bodies(scenario)?, velocity, scenario, monitor, observe)
+                let bodies = self.full_bodies(scenario)?;
+                let shorter = |_: &Newmark| Err(no_shorter_steps());
+                self.run_bodies(&bodies, &shorter, velocity, scenario, monitor, observe)
             }
             SolidBodies::Reduced { .. } => {
-                let bodies = self.reduced_bodies(scenario, self.most_modes())?;
-                self.run_bodies(&bodies, velocity, scenario, monitor, observe)
+                let with = |scheme: &Newmark| self.reduced_bodies(scenario, self.most_modes(), scheme);
+                let bodies = with(&longest(scenario))?;
+                self.run_bodies(&bodies, &with, velocity, scenario, monitor, observe)
             }
         }
     }
@@ -184,21 +216,22 @@ impl TransientModel<'_> {
     fn run_bodies<B: ElasticBody>(
         &self,
         bodies: &[B; 2],
+        shorter: &ShorterSteps<B>,
         velocity: &Vector2<f64>,
         scenario: &Scenario,
         monitor: &dyn Monitor,
         observe: &mut dyn FnMut(&Step) -> Result<()>,
     ) -> Result<TransientRun> {
-        let mut run = Run::new(self, scenario, velocity, bodies.each_ref());
-        run.to(scenario.steps, monitor, observe)?;
-        Ok(run.ended(None))
+        let mut run = Run::new(self, scenario, velocity, bodies.each_ref(), shorter);
+        run.to_end(("transient solid model", monitor), observe)?;
+        Ok(run.ended())
     }
 
     fn full_bodies(&self, scenario: &Scenario) -> Result<[FullBody<'_>; 2]> {
         let SolidBodies::Full { rail, wheel, formulation } = self.bodies else {
             unreachable!("bodies at full order");
         };
-        let scheme = scheme(scenario);
+        let scheme = longest(scenario);
         let stiffness = Suspension::new(scenario, &scheme).stiffness();
         let on_ends = Supports { held: rail.ends.clone(), ..Default::default() };
         let mut master_free = [false; 6];
@@ -224,28 +257,47 @@ impl TransientModel<'_> {
         [rail, wheel].into_iter().flat_map(|body| &body.modes).map(Modes::count).max().unwrap_or(0)
     }
 
-    /// The reduced bodies with the first `count` of their modes.
-    fn reduced_bodies(&self, scenario: &Scenario, count: usize) -> Result<[ReducedBody<'_>; 2]> {
+    /// The reduced bodies with the first `count` of their modes, for steps of `scheme`.
+    fn reduced_bodies(
+        &self,
+        scenario: &Scenario,
+        count: usize,
+        scheme: &Newmark,
+    ) -> Result<[ReducedBody<'_>; 2]> {
         let SolidBodies::Reduced { rail, wheel, .. } = self.bodies else {
             unreachable!("reduced bodies");
         };
-        let scheme = scheme(scenario);
-        let stiffness = Suspension::new(scenario, &scheme).stiffness();
+        let stiffness = Suspension::new(scenario, scheme).stiffness();
         Ok([
-            ReducedBody::new(rail, count, &self.material, &scheme, &[], 0.0)?,
-            ReducedBody::new(wheel, count, &self.material, &scheme, hub_motions(scenario), stiffness)?,
+            ReducedBody::new(rail, count, &self.material, scheme, &[], 0.0)?,
+            ReducedBody::new(wheel, count, &self.material, scheme, hub_motions(scenario), stiffness)?,
         ])
     }
 }
 
-/// The scheme of a run: average acceleration.
-fn scheme(scenario: &Scenario) -> Newmark {
-    Newmark::new(scenario.inner_step(), 0.0)
+/// The scheme of the longest steps of a run: average acceleration.
+fn longest(scenario: &Scenario) -> Newmark {
+    let longest = match scenario.inner_steps {
+        InnerSteps::Equal(_) => scenario.shortest_step(),
+        InnerSteps::Adaptive(_) => scenario.time_step,
+    };
+    Newmark::new(longest, 0.0)
 }
 
 /// Free motions of the hub (1 to 5: translations y, z, rotations).
 fn hub_motions(scenario: &Scenario) -> &'static [usize] {
     if scenario.rotations_held { &[1, 2] } else { &[1, 2, 3, 4, 5] }
+}
+
+/// At full order every length of step is a factor of its own.
+fn no_shorter_steps() -> Error {
+    InputError::new(
+        InputField::InnerSteps,
+        "steps of adapted length",
+        "equal steps for bodies at full order, which are factored for one length",
+        "give their number, or take reduced bodies",
+    )
+    .into()
 }
 
 fn refuse_moving(scenario: &Scenario) -> Result<()> {

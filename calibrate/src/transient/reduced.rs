@@ -4,7 +4,9 @@
 //! nodes have no mass: beyond hub and modes they follow the contact forces by the residual of the static compliance, damped as
 //! the material is.
 
-use super::body::{BodyLoad, ElasticBody, Interface};
+use super::body::{BodyLoad, ElasticBody, Flexible, Interface};
+use crate::calibration::NodalCompliance;
+use crate::energy::PartEnergy;
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
@@ -12,7 +14,9 @@ use crate::solid::Material;
 use crate::superelement::{CondensedBody, Modes, times};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use nalgebra::{Cholesky, DMatrix, DVector, Vector2};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
+use std::borrow::Cow;
+use std::sync::OnceLock;
 
 /// Motions of a hub: translations y and z.
 const TRANSLATIONS: [usize; 2] = [1, 2];
@@ -34,8 +38,12 @@ pub(super) struct ReducedBody<'a> {
     effective_inverse: DMatrix<f64>,
     /// Inverse of the modes' stiffness.
     static_inverse: DMatrix<f64>,
-    /// Flexibility of the interface in a step, m/N.
-    flexibility: Mat<f64>,
+    /// From the modes to forces in the norm of energy, N: [`ElasticBody::elastic`].
+    elastic: DMatrix<f64>,
+    /// What hub and modes add to the flexibility of the interface in a step beyond the static compliance is this times the shapes.
+    half: Mat<f64>,
+    /// Flexibility of the interface in a step, m/N, if it was wanted for every step.
+    flexibility: OnceLock<Mat<f64>>,
     /// Damping proportional to stiffness, s.
     damping: f64,
     scheme: Newmark,
@@ -50,10 +58,10 @@ pub(super) struct ReducedState {
     residual: Vec<Motion>,
     /// Displacements of the contact nodes, m.
     contact: Vec<f64>,
-    /// What they moved by in the last step, m.
+    /// What they moved by in the last step, m, and its length, s.
     contact_step: Vec<f64>,
+    step: f64,
     /// Contact forces on them, N.
-    #[cfg(test)]
     forces: Vec<f64>,
 }
 
@@ -114,19 +122,14 @@ impl<'a> ReducedBody<'a> {
         let effective_inverse = inverse(effective)?;
         let static_inverse = inverse(stiffness.clone())?;
         let shapes = shapes(body, modes, hub, count);
+        let elastic = energy_norm(&stiffness, &static_inverse, &shapes, body.nodes.len() / 2, held)?;
         let mut between = effective_inverse.clone();
         between
             .view_mut((held, held), (count, count))
             .zip_apply(&static_inverse, |e, k| *e -= k / stiffening);
-        let contact = 3 * body.nodes.len();
-        let rows = shapes.nrows();
-        let mut flexibility = Mat::from_fn(rows, rows, |i, j| {
-            if i < contact && j < contact { body.compliance[(i, j)] / stiffening } else { 0.0 }
-        });
         let between = Mat::from_fn(size, size, |i, j| between[(i, j)]);
-        let mut half = Mat::zeros(rows, size);
+        let mut half = Mat::zeros(shapes.nrows(), size);
         matmul(half.as_mut(), Accum::Replace, shapes.as_ref(), between.as_ref(), 1.0, Par::Seq);
-        matmul(flexibility.as_mut(), Accum::Add, half.as_ref(), shapes.transpose(), 1.0, Par::Seq);
         Ok(Self {
             body,
             hub: hub.to_vec(),
@@ -136,10 +139,22 @@ impl<'a> ReducedBody<'a> {
             weight,
             effective_inverse,
             static_inverse,
-            flexibility,
+            elastic,
+            half,
+            flexibility: OnceLock::new(),
             damping,
             scheme: *scheme,
         })
+    }
+
+    fn made_flexibility(&self) -> Mat<f64> {
+        let (shapes, stiffening, contact) = (&self.shapes, self.stiffening(), self.contact_rows());
+        let rows = shapes.nrows();
+        let mut flexibility = Mat::from_fn(rows, rows, |i, j| {
+            if i < contact && j < contact { self.body.compliance[(i, j)] / stiffening } else { 0.0 }
+        });
+        matmul(flexibility.as_mut(), Accum::Add, self.half.as_ref(), shapes.transpose(), 1.0, Par::Seq);
+        flexibility
     }
 
     /// How many modes it has.
@@ -194,8 +209,29 @@ fn shapes(body: &CondensedBody, modes: &Modes, hub: &[usize], count: usize) -> M
     })
 }
 
+/// From modes to the square roots of their energy, over that of a unit force down on a contact node.
+fn energy_norm(
+    stiffness: &DMatrix<f64>,
+    static_inverse: &DMatrix<f64>,
+    shapes: &Mat<f64>,
+    node: usize,
+    held: usize,
+) -> Result<DMatrix<f64>> {
+    let count = stiffness.nrows();
+    let down = DVector::from_fn(count, |mode, _| shapes[(3 * node + 2, held + mode)]);
+    let compliance = down.dot(&(static_inverse * &down));
+    let root = cholesky(stiffness.clone())?.l().transpose();
+    // modes that a force there does not move say nothing of it
+    Ok(if compliance > 0.0 { root / compliance.sqrt() } else { DMatrix::zeros(count, count) })
+}
+
 /// Inverse of a matrix that is positive definite.
 fn inverse(matrix: DMatrix<f64>) -> Result<DMatrix<f64>> {
+    let inverse = cholesky(matrix)?.inverse();
+    Ok((&inverse + inverse.transpose()) * 0.5)
+}
+
+fn cholesky(matrix: DMatrix<f64>) -> Result<Cholesky<f64, Dyn>> {
     let symmetric = (&matrix + matrix.transpose()) * 0.5;
     let size = symmetric.nrows();
     let factor = Cholesky::new(symmetric).ok_or(NumericsError {
@@ -206,12 +242,37 @@ fn inverse(matrix: DMatrix<f64>) -> Result<DMatrix<f64>> {
         active: size,
         reason: StopReason::Singular,
     })?;
-    let inverse = factor.inverse();
-    Ok((&inverse + inverse.transpose()) * 0.5)
+    Ok(factor)
 }
 
 fn part(motions: &[Motion], of: impl Fn(&Motion) -> f64) -> DVector<f64> {
     DVector::from_iterator(motions.len(), motions.iter().map(of))
+}
+
+impl NodalCompliance for ReducedBody<'_> {
+    fn matrix(&self) -> Cow<'_, Mat<f64>> {
+        match self.flexibility.get() {
+            Some(flexibility) => Cow::Borrowed(flexibility),
+            None => Cow::Owned(self.made_flexibility()),
+        }
+    }
+}
+
+impl Flexible for ReducedBody<'_> {
+    fn kept(&self) -> &Mat<f64> {
+        self.flexibility.get_or_init(|| self.made_flexibility())
+    }
+
+    fn under(&self, row: usize, forces: &[(usize, f64)]) -> f64 {
+        let contact = self.contact_rows();
+        let of_nodes = forces.iter().filter(|(column, _)| row < contact && *column < contact);
+        let moved: f64 = of_nodes.map(|&(column, force)| self.body.compliance[(row, column)] * force).sum();
+        let with_shapes = (0..self.shapes.ncols()).map(|k| {
+            let shape = self.shapes.col_as_slice(k);
+            self.half[(row, k)] * forces.iter().map(|&(column, force)| shape[column] * force).sum::<f64>()
+        });
+        moved / self.stiffening() + with_shapes.sum::<f64>()
+    }
 }
 
 impl<'a> LinearPart for ReducedBody<'a> {
@@ -248,7 +309,7 @@ impl LinearStep for ReducedStep<'_, '_> {
     }
 
     fn flexibility(&self) -> &Mat<f64> {
-        &self.body.flexibility
+        self.body.kept()
     }
 
     fn finish(self, forces: &[f64]) -> ReducedState {
@@ -271,11 +332,15 @@ impl LinearStep for ReducedStep<'_, '_> {
             moved.iter().zip(&state.contact).map(|(now, before)| now - before).collect();
         let advanced = coordinates.iter().zip(&state.coordinates);
         let coordinates: Vec<Motion> = advanced.map(|(u, m)| scheme.advance(m, *u)).collect();
-        // nothing carries the velocity of a node without mass on: it is that of its last two steps, of second order; what hub and
-        // modes have of it is theirs
+        // nothing carries the velocity of a node without mass on: it is that of its last two steps, of second order whatever their
+        // lengths; what hub and modes have of it is theirs
         let theirs = body.at_interface(&part(&coordinates, |m| m.v));
-        let velocity =
-            |i: usize| (1.5 * contact_step[i] - 0.5 * state.contact_step[i]) / scheme.step() - theirs[i];
+        let step = scheme.step();
+        let beyond = step / (step + state.step);
+        let velocity = |i: usize| {
+            let mean = contact_step[i] / step;
+            mean + beyond * (mean - state.contact_step[i] / state.step) - theirs[i]
+        };
         let advanced = residual.iter().zip(&state.residual).enumerate();
         let residual =
             advanced.map(|(i, (u, m))| Motion { v: velocity(i), ..scheme.advance(m, *u) }).collect();
@@ -284,7 +349,7 @@ impl LinearStep for ReducedStep<'_, '_> {
             residual,
             contact: moved,
             contact_step,
-            #[cfg(test)]
+            step,
             forces: forces[..contact].to_vec(),
         }
     }
@@ -312,7 +377,7 @@ impl ElasticBody for ReducedBody<'_> {
             residual: vec![Motion::default(); contact],
             contact: vec![0.0; contact],
             contact_step,
-            #[cfg(test)]
+            step: dt,
             forces: vec![0.0; contact],
         }
     }
@@ -330,12 +395,17 @@ impl ElasticBody for ReducedBody<'_> {
     }
 
     fn interface<'s>(step: &'s Self::Step<'_>) -> Interface<'s> {
-        let ReducedBody { hub, flexibility, .. } = step.body;
+        let body = step.body;
         let row = |translation: usize| {
-            let place = hub.iter().position(|&motion| motion == translation)?;
-            Some(step.body.contact_rows() + place)
+            let place = body.hub.iter().position(|&motion| motion == translation)?;
+            Some(body.contact_rows() + place)
         };
-        Interface { free: &step.free, flexibility, before: &step.state.contact, hub: TRANSLATIONS.map(row) }
+        Interface {
+            free: &step.free,
+            flexibility: body,
+            before: &step.state.contact,
+            hub: TRANSLATIONS.map(row),
+        }
     }
 
     fn equations(&self) -> usize {
@@ -360,6 +430,35 @@ impl ElasticBody for ReducedBody<'_> {
 
     fn contact_displacement<'s>(&self, state: &'s ReducedState) -> &'s [f64] {
         &state.contact
+    }
+
+    fn energy(&self, before: &ReducedState, after: &ReducedState, gravity: f64) -> Option<PartEnergy> {
+        let held = self.hub.len();
+        let velocity = part(&after.coordinates, |m| m.v);
+        let moved = part(&after.coordinates, |m| m.u) - part(&before.coordinates, |m| m.u);
+        let (modes, of_modes) =
+            (part(&after.coordinates[held..], |m| m.u), moved.rows(held, self.modes()).into_owned());
+        // of the residual, what its forces did in the step and did not leave as energy; at rest that is what its damping took
+        let of_residual = |state: &ReducedState| -> f64 {
+            0.5 * state.residual.iter().zip(&state.forces).map(|(m, f)| m.u * f).sum::<f64>()
+        };
+        let forces = before.forces.iter().zip(&after.forces);
+        let ways = before.residual.iter().zip(&after.residual);
+        let done: f64 = forces.zip(ways).map(|((f0, f1), (m0, m1))| 0.5 * (f0 + f1) * (m1.u - m0.u)).sum();
+        let (residual, gained) = (of_residual(after), of_residual(after) - of_residual(before));
+        let damped = self.damping * of_modes.dot(&(&self.stiffness * &of_modes)) / after.step;
+        Some(PartEnergy {
+            kinetic: 0.5 * velocity.dot(&(&self.mass * &velocity)),
+            elastic: 0.5 * modes.dot(&(&self.stiffness * &modes)) + residual,
+            work: gravity * self.weight.dot(&moved),
+            damped: damped + done - gained,
+            friction: 0.0,
+        })
+    }
+
+    fn elastic(&self, state: &ReducedState) -> Vec<f64> {
+        let modes = part(&state.coordinates[self.hub.len()..], |m| m.u);
+        (&self.elastic * modes).as_slice().to_vec()
     }
 
     #[cfg(test)]
@@ -435,7 +534,7 @@ mod tests {
                         let of = |motions: &[Motion], value: fn(&Motion) -> f64| -> Vec<f64> {
                             motions.iter().map(value).collect()
                         };
-                        let ReducedState { coordinates, residual, contact, contact_step, forces } = state;
+                        let ReducedState { coordinates, residual, contact, contact_step, forces, .. } = state;
                         let motions = [&coordinates[hub.len()..], residual].into_iter();
                         motions
                             .flat_map(|m| [of(m, |m| m.u), of(m, |m| m.v), of(m, |m| m.a)])

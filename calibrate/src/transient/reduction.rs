@@ -2,10 +2,11 @@
 
 use super::reduced::ReducedBody;
 use super::run::{Run, Step};
-use super::{TransientModel, TransientRun};
-use crate::error::{NumericsError, Result, StopReason};
-use crate::history::HistoryRow;
+use super::{LongerSteps, TransientModel, TransientRun, longest};
+use crate::error::{Error, NumericsError, Result, StopReason};
+use crate::history::{History, HistoryRow};
 use crate::monitor::Monitor;
+use crate::newmark::Newmark;
 use crate::scenario::Scenario;
 use nalgebra::Vector2;
 
@@ -51,7 +52,8 @@ impl Reduction {
     }
 }
 
-/// A run with as many modes as `count` says.
+/// A run with as many modes as `count` says. Beside it the first time steps are done with steps of the integration that are twice as long,
+/// with these modes and with fewer, which says what steps and modes are worth.
 pub(super) fn run(
     model: &TransientModel<'_>,
     count: ModeCount,
@@ -63,27 +65,27 @@ pub(super) fn run(
         ModeCount::Given(count) => count,
         ModeCount::Estimated => START_MODES,
     };
-    let steps = (MEASURED_TIME / scenario.time_step).ceil().min(scenario.steps as f64) as usize;
-    let rest = Vector2::zeros();
     let mut wanted = first.min(model.most_modes());
     loop {
-        let bodies = model.reduced_bodies(scenario, wanted)?;
-        let modes = bodies.each_ref().map(ReducedBody::modes);
-        let fewer = (FEWER * wanted as f64) as usize;
-        let fewer = model.reduced_bodies(scenario, fewer)?;
-        let mut less = Run::new(model, scenario, &rest, fewer.each_ref());
-        less.to(steps, monitor, &mut |_| Ok(()))?;
-        let mut run = Run::new(model, scenario, &rest, bodies.each_ref());
-        run.to(steps, monitor, observe)?;
+        let mut beside = None;
+        let run = rayon::in_place_scope(|scope| {
+            scope.spawn(|_| beside = Some(first_steps(model, wanted, scenario, monitor)));
+            some_modes(model, wanted, scenario, ("transient solid model", monitor), observe)
+        });
+        let ((run, modes), beside) = (run?, beside.expect("the scope has ended")?);
+        let first = first_of(scenario).steps;
+        let all = match &beside.longer {
+            Some(Ok(longer)) => &longer.rows[..],
+            _ => &run.history.rows[..run.history.rows.len().min(first + 1)],
+        };
         let reduction = Reduction {
             modes,
-            fewer: fewer.each_ref().map(ReducedBody::modes),
-            time: steps as f64 * scenario.time_step,
-            change: change(less.rows(), run.rows()),
+            fewer: beside.modes,
+            time: first as f64 * scenario.time_step,
+            change: change(&beside.fewer.rows, all),
         };
         if count != ModeCount::Estimated || reduction.suffices() {
-            run.to(scenario.steps, monitor, observe)?;
-            return Ok(run.ended(Some(reduction)));
+            return Ok(TransientRun { reduction: Some(reduction), longer: beside.longer, ..run });
         }
         if model.most_modes() <= wanted {
             return Err(NumericsError {
@@ -98,6 +100,79 @@ pub(super) fn run(
         }
         wanted = (2 * wanted).min(model.most_modes());
     }
+}
+
+/// The first time steps of a run.
+struct FirstSteps {
+    /// With longer steps, or why not; none where there are no longer ones.
+    longer: Option<LongerSteps>,
+    /// With fewer modes, and with longer steps if these can be done.
+    fewer: History,
+    /// Those modes of rail and wheel.
+    modes: [usize; 2],
+}
+
+/// The first time steps of `scenario` with `count` modes and longer steps, and with fewer modes.
+fn first_steps(
+    model: &TransientModel<'_>,
+    count: usize,
+    scenario: &Scenario,
+    monitor: &dyn Monitor,
+) -> Result<FirstSteps> {
+    let of = |count: usize, scenario: &Scenario| -> Result<(History, [usize; 2])> {
+        let stage = "first time steps of the transient solid model";
+        let (run, modes) = some_modes(model, count, scenario, (stage, monitor), &mut |_| Ok(()))?;
+        Ok((run.history, modes))
+    };
+    let fewer = (FEWER * count as f64) as usize;
+    let first = first_of(scenario);
+    let longer = longer_steps(&first, |longer| Ok(of(count, longer)?.0))?;
+    let (history, modes) = match &longer {
+        Some(Ok(_)) => of(fewer, &Scenario { inner_steps: first.inner_steps.doubled(), ..first })?,
+        _ => of(fewer, &first)?,
+    };
+    Ok(FirstSteps { longer, fewer: history, modes })
+}
+
+/// The time steps of a scenario over which runs are compared.
+pub(super) fn first_of(scenario: &Scenario) -> Scenario {
+    let steps = (MEASURED_TIME / scenario.time_step).ceil().min(scenario.steps as f64) as usize;
+    Scenario { steps, ..scenario.clone() }
+}
+
+/// What `with` makes of `scenario` with steps of the integration that are twice as long, or why it cannot; none where there are no
+/// longer ones.
+///
+/// # Errors
+/// An interruption.
+pub(super) fn longer_steps(
+    scenario: &Scenario,
+    with: impl Fn(&Scenario) -> Result<History>,
+) -> Result<Option<LongerSteps>> {
+    let inner_steps = scenario.inner_steps.doubled();
+    if inner_steps == scenario.inner_steps {
+        return Ok(None);
+    }
+    match with(&Scenario { inner_steps, ..scenario.clone() }) {
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        run => Ok(Some(run.map_err(|error| error.to_string()))),
+    }
+}
+
+/// A run with `count` modes of each body, and how many that is of rail and wheel.
+fn some_modes(
+    model: &TransientModel<'_>,
+    count: usize,
+    scenario: &Scenario,
+    (stage, monitor): (&str, &dyn Monitor),
+    observe: &mut dyn FnMut(&Step) -> Result<()>,
+) -> Result<(TransientRun, [usize; 2])> {
+    let with = |scheme: &Newmark| model.reduced_bodies(scenario, count, scheme);
+    let bodies = with(&longest(scenario))?;
+    let modes = bodies.each_ref().map(ReducedBody::modes);
+    let mut run = Run::new(model, scenario, &Vector2::zeros(), bodies.each_ref(), &with);
+    run.to_end((stage, monitor), observe)?;
+    Ok((run.ended(), modes))
 }
 
 /// Largest difference of P and of Q over the peaks of the second.

@@ -3,14 +3,16 @@
 use super::body::{BodyLoad, ElasticBody};
 use super::contact::{StepContact, failure};
 use super::last_contact::LastContact;
-use super::{TransientModel, TransientRun, scheme};
+use super::{StepCounts, TransientModel, TransientRun, longest};
 use crate::contact::{ContactPoint, PointMode, Side, Solution, resultant};
-use crate::error::{Result, StopReason};
+use crate::energy::{EnergyLedger, PartEnergy};
+use crate::error::{Error, Result, StopReason};
 use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use crate::monitor::Monitor;
 use crate::newmark::{Motion, Newmark};
 use crate::placement::{departure, lateral_extent};
 use crate::scenario::Scenario;
+use crate::step_control::StepSequence;
 use crate::suspension::{Suspension, SuspensionStep};
 use nalgebra::{Point2, Vector2};
 
@@ -18,16 +20,73 @@ use nalgebra::{Point2, Vector2};
 pub(super) struct Run<'m, B: ElasticBody> {
     model: &'m TransientModel<'m>,
     scenario: &'m Scenario,
-    /// Rail and wheel.
-    bodies: [&'m B; 2],
+    /// What steps of each length need: those of the whole time step first, each of the others half as long as the one before.
+    lengths: Vec<StepLength<'m, B>>,
+    /// Makes the bodies for steps of another length.
+    shorter: &'m ShorterSteps<'m, B>,
+    sequence: StepSequence,
     states: [B::State; 2],
     hub: HubMotion,
-    suspension: Suspension,
-    step_contact: StepContact<'m>,
     contact: LastContact,
     rows: Vec<HistoryRow>,
     ending: Ending,
     most_active: usize,
+    steps: StepCounts,
+    /// None of bodies that do not give their energies.
+    ledger: Option<EnergyLedger>,
+}
+
+/// Rail and wheel for steps of one length.
+pub(super) type ShorterSteps<'m, B> = dyn Fn(&Newmark) -> Result<[B; 2]> + 'm;
+
+/// What steps of one length need.
+struct StepLength<'m, B> {
+    scheme: Newmark,
+    /// Rail and wheel.
+    bodies: [MaybeOwned<'m, B>; 2],
+    suspension: Suspension,
+    contact: StepContact<'m>,
+}
+
+/// The bodies of the longest steps are the caller's.
+enum MaybeOwned<'m, B> {
+    Borrowed(&'m B),
+    Owned(B),
+}
+
+impl<B> MaybeOwned<'_, B> {
+    fn get(&self) -> &B {
+        match self {
+            Self::Borrowed(body) => body,
+            Self::Owned(body) => body,
+        }
+    }
+}
+
+impl<'m, B> StepLength<'m, B> {
+    fn new(
+        model: &'m TransientModel<'m>,
+        scenario: &Scenario,
+        scheme: Newmark,
+        bodies: [MaybeOwned<'m, B>; 2],
+    ) -> Self {
+        let suspension = Suspension::new(scenario, &scheme);
+        Self { scheme, bodies, suspension, contact: StepContact::new(model, scenario, &scheme) }
+    }
+
+    fn bodies(&self) -> [&B; 2] {
+        self.bodies.each_ref().map(MaybeOwned::get)
+    }
+}
+
+/// The end of a step, which is not yet the state of the run.
+struct StepEnd<B: ElasticBody> {
+    states: [B::State; 2],
+    hub: HubMotion,
+    contact: LastContact,
+    /// Contact forces on the retained equations of each body, N.
+    forces: [Vec<f64>; 2],
+    row: HistoryRow,
 }
 
 /// What an observer sees of a finished step.
@@ -39,6 +98,9 @@ pub(super) struct Step<'s> {
     /// Contact forces on the retained equations of each body, N.
     pub forces: &'s [Vec<f64>; 2],
     pub hub: &'s HubMotion,
+    /// Its length, s.
+    #[cfg(test)]
+    pub length: f64,
     /// Of rail and wheel.
     #[cfg(test)]
     pub sums: [super::body::Sums; 2],
@@ -51,19 +113,29 @@ impl<'m, B: ElasticBody> Run<'m, B> {
         scenario: &'m Scenario,
         velocity: &Vector2<f64>,
         bodies: [&'m B; 2],
+        shorter: &'m ShorterSteps<'m, B>,
     ) -> Self {
-        let scheme = scheme(scenario);
         let [rail, wheel] = bodies;
         let hub = HubMotion::at_start(scenario, velocity, wheel.mass());
         let rest = Vector2::zeros();
+        let states = [rail.in_motion(&rest, &rest), wheel.in_motion(&hub.velocity(), &hub.acceleration())];
+        let at_start =
+            rail.energy(&states[0], &states[0], 0.0).zip(wheel.energy(&states[1], &states[1], 0.0));
+        let ledger = at_start
+            .map(|(rail, wheel)| EnergyLedger::new(rail + wheel + hub.energy(&hub, scenario, [0.0; 2])));
         Self {
             model,
             scenario,
-            bodies,
-            states: [rail.in_motion(&rest, &rest), wheel.in_motion(&hub.velocity(), &hub.acceleration())],
+            lengths: vec![StepLength::new(
+                model,
+                scenario,
+                longest(scenario),
+                bodies.map(MaybeOwned::Borrowed),
+            )],
+            shorter,
+            sequence: StepSequence::new(scenario.inner_steps, scenario.largest_load()),
+            states,
             hub,
-            suspension: Suspension::new(scenario, &scheme),
-            step_contact: StepContact::new(model, scenario, &scheme),
             contact: LastContact::default(),
             rows: vec![HistoryRow {
                 time: 0.0,
@@ -72,32 +144,29 @@ impl<'m, B: ElasticBody> Run<'m, B> {
                 wheel_y: 0.0,
                 wheel_z: 0.0,
                 load_y: scenario.load_travel(0.0, 0.0),
+                energy: ledger.map(|ledger| ledger.balance()),
                 contacts: Vec::new(),
             }],
             ending: Ending::Completed,
             most_active: 0,
+            steps: StepCounts::default(),
+            ledger,
         }
     }
 
-    /// The states so far.
-    pub fn rows(&self) -> &[HistoryRow] {
-        &self.rows
-    }
-
-    /// Goes on to the end of step `last`, unless the wheel leaves the rail before.
-    pub fn to(
+    /// All time steps, unless the wheel leaves the rail before.
+    pub fn to_end(
         &mut self,
-        last: usize,
-        monitor: &dyn Monitor,
+        (stage, monitor): (&str, &dyn Monitor),
         observe: &mut dyn FnMut(&Step) -> Result<()>,
     ) -> Result<()> {
-        while self.rows.len() <= last && self.ending == Ending::Completed {
+        let most = self.scenario.inner_steps.most();
+        while self.rows.len() <= self.scenario.steps && self.ending == Ending::Completed {
             let step = self.rows.len();
-            monitor.progress("transient solid model", step - 1, self.scenario.steps)?;
+            monitor.progress(stage, step - 1, self.scenario.steps)?;
             let mut row = None;
-            for inner in 1..=self.scenario.inner_steps {
-                let number = (step - 1) * self.scenario.inner_steps + inner;
-                row = self.step(number, observe).map_err(|e| e.at_step(step))?;
+            while self.sequence.ticks() < step * most {
+                row = self.step(observe).map_err(|e| e.at_step(step))?;
                 if row.is_none() {
                     break;
                 }
@@ -105,70 +174,120 @@ impl<'m, B: ElasticBody> Run<'m, B> {
             self.rows
                 .extend(row.map(|row| HistoryRow { time: step as f64 * self.scenario.time_step, ..row }));
         }
-        monitor.progress("transient solid model", self.rows.len() - 1, self.scenario.steps)
+        monitor.progress(stage, self.rows.len() - 1, self.scenario.steps)
     }
 
-    /// Step `number` of the integration, and the state at its end; none where the wheel has left the rail.
-    fn step(
-        &mut self,
-        number: usize,
-        observe: &mut dyn FnMut(&Step) -> Result<()>,
-    ) -> Result<Option<HistoryRow>> {
+    /// The next step of the integration, as short as it has to be, and the state at its end; none where the wheel has left the rail.
+    fn step(&mut self, observe: &mut dyn FnMut(&Step) -> Result<()>) -> Result<Option<HistoryRow>> {
+        loop {
+            let level = self.sequence.level();
+            self.prepare(level)?;
+            let time = self.sequence.end() as f64 * self.scenario.shortest_step();
+            let end = match self.attempt(level, time) {
+                Err(Error::Numerics(_)) if self.sequence.shorten() => continue,
+                end => end?,
+            };
+            self.steps.tried += 1;
+            let force = [end.row.vertical_force, end.row.lateral_force];
+            let [rail, wheel] = self.lengths[level].bodies();
+            let elastic = [rail.elastic(&end.states[0]), wheel.elastic(&end.states[1])].concat();
+            if !self.sequence.accept(&force, &elastic) {
+                continue;
+            }
+            let model = self.model;
+            let rail_extent = lateral_extent(model.placed_rail.curve.knot_points());
+            let hub = end.hub.position();
+            if let Some(departure) = departure(rail_extent, model.wheel_extent().map(|y| y + hub.x)) {
+                self.ending = Ending::Departed { time, departure };
+                return Ok(None);
+            }
+            self.most_active = self.most_active.max(end.contact.solution.active());
+            observe(&Step {
+                displacements: [
+                    rail.contact_displacement(&end.states[0]),
+                    wheel.contact_displacement(&end.states[1]),
+                ],
+                contact: &end.contact,
+                forces: &end.forces,
+                hub: &end.hub,
+                #[cfg(test)]
+                length: self.lengths[level].scheme.step(),
+                #[cfg(test)]
+                sums: [rail.sums(&end.states[0]), wheel.sums(&end.states[1])],
+            })?;
+            let before = time - self.lengths[level].scheme.step();
+            self.ledger = self.entered([rail, wheel], &end, [before, time]);
+            let row = HistoryRow { energy: self.ledger.map(|ledger| ledger.balance()), ..end.row };
+            self.steps.taken += 1;
+            self.states = end.states;
+            self.hub = end.hub;
+            self.contact = end.contact;
+            return Ok(Some(row));
+        }
+    }
+
+    /// The balance of energy with the step to `end` between two `times`, s.
+    fn entered(&self, [rail, wheel]: [&B; 2], end: &StepEnd<B>, times: [f64; 2]) -> Option<EnergyLedger> {
+        let ([rail_before, wheel_before], [rail_after, wheel_after]) = (&self.states, &end.states);
+        let bodies = rail.energy(rail_before, rail_after, 0.0)?
+            + wheel.energy(wheel_before, wheel_after, self.scenario.gravity)?;
+        let contact = end
+            .contact
+            .energy(rail.contact_displacement(rail_after), wheel.contact_displacement(wheel_after));
+        let loads = end.hub.energy(&self.hub, self.scenario, times);
+        self.ledger.map(|ledger| ledger.entered(bodies + contact + loads))
+    }
+
+    /// Prepares for steps with so many halvings of the longest ones.
+    fn prepare(&mut self, level: usize) -> Result<()> {
+        while self.lengths.len() <= level {
+            let halvings = self.lengths.len() as i32;
+            let scheme = Newmark::new(longest(self.scenario).step() * 0.5_f64.powi(halvings), 0.0);
+            let bodies = (self.shorter)(&scheme)?.map(MaybeOwned::Owned);
+            self.lengths.push(StepLength::new(self.model, self.scenario, scheme, bodies));
+        }
+        Ok(())
+    }
+
+    /// A step of a length from the state of the run to `time`, s.
+    fn attempt(&self, level: usize, time: f64) -> Result<StepEnd<B>> {
         let scenario = self.scenario;
-        let scheme = scheme(scenario);
-        let t = number as f64 * scheme.step();
-        let (hub, suspended) = self.hub.forces(scenario, t, &self.suspension);
+        let StepLength { scheme, suspension, contact, .. } = &self.lengths[level];
+        let bodies = self.lengths[level].bodies();
+        let (hub, suspended) = self.hub.forces(scenario, time, suspension);
         let wheel_load = BodyLoad { hub, gravity: scenario.gravity };
         let [rail_state, wheel_state] = &self.states;
-        let steps =
-            B::predict_both(self.bodies, [rail_state, wheel_state], [&BodyLoad::default(), &wheel_load]);
+        let steps = B::predict_both(bodies, [rail_state, wheel_state], [&BodyLoad::default(), &wheel_load]);
         let interfaces = [B::interface(&steps[0]), B::interface(&steps[1])];
         let [rail_step, wheel_step] = &interfaces;
         let predicted = self.hub.predicted(scheme.step());
-        let solved = self.step_contact.solve([rail_step, wheel_step], &predicted, &self.contact)?;
+        let solved = contact.solve([rail_step, wheel_step], &predicted, &self.contact)?;
         let on = |side, free: &[f64]| solved.nodal_forces(side, free.len());
         let forces = [on(Side::Base, rail_step.free), on(Side::Opposing, wheel_step.free)];
         let states = B::finish_both(steps, &forces);
         let (points, solution) = (&solved.points, &solved.solution);
-        self.most_active = self.most_active.max(solution.active());
-        let hub = self.bodies[1].hub(&states[1]);
+        let hub = bodies[1].hub(&states[1]);
         if !(hub.x.is_finite() && hub.y.is_finite()) {
             return Err(failure(f64::NAN, solution.active(), StopReason::NotFinite));
         }
-        let model = self.model;
-        let rail_extent = lateral_extent(model.placed_rail.curve.knot_points());
-        if let Some(departure) = departure(rail_extent, model.wheel_extent().map(|y| y + hub.x)) {
-            self.ending = Ending::Departed { time: t, departure };
-            return Ok(None);
-        }
-        self.hub.advance(&scheme, &hub, &self.suspension, &suspended);
         let force = resultant(points, &solution.forces);
         let row = HistoryRow {
-            time: t,
+            time,
             vertical_force: -force.z,
             lateral_force: -force.y,
             wheel_y: hub.x,
             wheel_z: hub.y,
-            load_y: scenario.load_travel(t, hub.x),
-            contacts: model.contacts(points, solution),
+            load_y: scenario.load_travel(time, hub.x),
+            energy: None,
+            contacts: self.model.contacts(points, solution),
         };
-        let [rail, wheel] = self.bodies;
-        observe(&Step {
-            displacements: [rail.contact_displacement(&states[0]), wheel.contact_displacement(&states[1])],
-            contact: &solved,
-            forces: &forces,
-            hub: &self.hub,
-            #[cfg(test)]
-            sums: [rail.sums(&states[0]), wheel.sums(&states[1])],
-        })?;
-        self.states = states;
-        self.contact = solved;
-        Ok(Some(row))
+        let hub = self.hub.advanced(scheme, &hub, suspension, &suspended);
+        Ok(StepEnd { states, hub, contact: solved, forces, row })
     }
 
     /// The run as far as it has come.
-    pub fn ended(self, reduction: Option<super::Reduction>) -> TransientRun {
-        let [rail, wheel] = self.bodies;
+    pub fn ended(self) -> TransientRun {
+        let [rail, wheel] = self.lengths[0].bodies();
         TransientRun {
             history: History {
                 rows: self.rows,
@@ -178,7 +297,9 @@ impl<'m, B: ElasticBody> Run<'m, B> {
             wheel_mass: wheel.mass(),
             factor_values: rail.factor_values() + wheel.factor_values(),
             most_active: self.most_active,
-            reduction,
+            steps: self.steps,
+            longer: None,
+            reduction: None,
         }
     }
 }
@@ -273,15 +394,32 @@ impl HubMotion {
         ([scenario.lateral_force.at(t), step.transmitted + step.damper], step)
     }
 
-    fn advance(
-        &mut self,
+    /// Energy of the suspended mass and its spring, and the work of the forces in the step from `before` between two `times` (s), J.
+    fn energy(&self, before: &Self, scenario: &Scenario, times: [f64; 2]) -> PartEnergy {
+        let mean = |of: &dyn Fn(f64) -> f64| 0.5 * (of(times[0]) + of(times[1]));
+        let lateral = mean(&|t| scenario.lateral_force.at(t)) * (self.hub[0].u - before.hub[0].u);
+        let vertical = Suspension::energy(
+            scenario,
+            [&before.hub[1], &before.suspended],
+            [&self.hub[1], &self.suspended],
+            mean(&|t| load(scenario, t)),
+            times[1] - times[0],
+        );
+        PartEnergy { work: lateral, ..PartEnergy::default() } + vertical
+    }
+
+    /// The motion at the end of a step, with the hub at `hub` (m).
+    fn advanced(
+        &self,
         scheme: &Newmark,
         hub: &Vector2<f64>,
         suspension: &Suspension,
         step: &SuspensionStep,
-    ) {
-        self.hub = [0, 1].map(|i| scheme.advance(&self.hub[i], hub[i]));
-        self.suspended = suspension.finish(step, &self.suspended, hub.y);
+    ) -> Self {
+        Self {
+            hub: [0, 1].map(|i| scheme.advance(&self.hub[i], hub[i])),
+            suspended: suspension.finish(step, &self.suspended, hub.y),
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::solid::Material;
+use railspring_calibrate::step_control::InnerSteps;
 
 use super::support::RailSupport;
 use super::surface::SlidingMatrix;
@@ -197,6 +198,13 @@ impl MovingModel {
             return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
         }
         scenario.check()?;
+        if let InnerSteps::Adaptive(_) = scenario.inner_steps {
+            let remedy = "give their number: a step costs little";
+            let expected = "equal steps for the moving solver";
+            return Err(
+                InputError::new(InputField::InnerSteps, "steps of adapted length", expected, remedy).into()
+            );
+        }
         self.springs.normal.check()?;
         self.check_start(scenario)
     }

@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use nalgebra::{Point2, Vector2, Vector3};
 
+use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
 use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
 use railspring_calibrate::history::{ContactMode, ContactState, Departure, Ending, History, HistoryRow};
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
@@ -40,6 +41,7 @@ struct State {
     spring_force: f64,
     /// Friction limits of the rail nodes, N.
     limits: Vec<f64>,
+    ledger: EnergyLedger,
 }
 
 impl State {
@@ -95,12 +97,13 @@ fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Resul
     let mut statistics = RunStatistics::default();
     let mut penalty_errors = Vec::with_capacity(scenario.steps);
     let (mut state, solution) = run.start(&mut surface)?;
-    let mut rows = vec![run.row(0.0, &solution)];
+    let mut rows = vec![run.row(0.0, &solution, state.ledger.balance())];
     let mut rail = vec![section_motion(&solution)];
     let mut ending = Ending::Completed;
-    let inner = scenario.inner_step();
-    for number in 0..scenario.steps * scenario.inner_steps {
-        let step = number / scenario.inner_steps;
+    let inner = scenario.shortest_step();
+    let inner_steps = scenario.inner_steps.most();
+    for number in 0..scenario.steps * inner_steps {
+        let step = number / inner_steps;
         monitor.progress("simulate", step, scenario.steps)?;
         let left = run.evaluations_left.get() + EVALUATIONS_A_STEP;
         run.evaluations_left.set(left);
@@ -116,8 +119,9 @@ fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Resul
             }
         };
         penalty_errors.push(run.penalty_error(&solution));
-        if (number + 1) % scenario.inner_steps == 0 {
-            rows.push(run.row((step + 1) as f64 * scenario.time_step, &solution));
+        if (number + 1) % inner_steps == 0 {
+            let time = (step + 1) as f64 * scenario.time_step;
+            rows.push(run.row(time, &solution, state.ledger.balance()));
             rail.push(section_motion(&solution));
         }
     }
@@ -215,7 +219,15 @@ impl<'a> Run<'a> {
         surface.commit(&solution.pose, &solution.active);
         self.dynamics.start(&mut wheel, solution.on_wheel());
         let rail = self.rail.as_ref().map(|r| r.start(&self.rail_load(0.0), solution.on_rail()));
+        let of_rail = self.rail.as_ref().zip(rail.as_ref());
+        let of_rail = of_rail.map(|(dynamics, rail)| dynamics.energy(rail, rail, 0.0, 0.0));
+        // the springs and the contact start in balance, and nothing has slid
+        let of_contact = PartEnergy { friction: 0.0, ..self.contact_energy(surface, &solution) };
+        let ledger = EnergyLedger::new(
+            self.dynamics.energy(&wheel, &wheel, [0.0; 2]) + of_rail.unwrap_or_default() + of_contact,
+        );
         let state = State {
+            ledger,
             pose: solution.pose,
             wheel,
             rail,
@@ -313,10 +325,21 @@ impl<'a> Run<'a> {
         };
         let solution = system.solve(surface)?;
         let [on_rail, on_wheel] = system.surroundings.forces(&solution);
+        let moved_wheel = wheel_step.finish(on_wheel.as_slice());
+        let moved_rail = rail_step.map(|rail| rail.finish(on_rail.as_slice()));
+        let torsion = |time: f64| self.rail_load(time).torsion;
+        let of_rail = match (&self.rail, &state.rail, &moved_rail) {
+            (Some(dynamics), Some(before), Some(after)) => {
+                dynamics.energy(before, after, 0.5 * (torsion(time - step) + torsion(time)), step)
+            }
+            _ => PartEnergy::default(),
+        };
+        let of_wheel = self.dynamics.energy(&state.wheel, &moved_wheel, [time - step, time]);
         let next = State {
+            ledger: state.ledger.entered(of_wheel + of_rail + self.contact_energy(surface, &solution)),
             pose: solution.pose,
-            wheel: wheel_step.finish(on_wheel.as_slice()),
-            rail: rail_step.map(|rail| rail.finish(on_rail.as_slice())),
+            wheel: moved_wheel,
+            rail: moved_rail,
             spring_force: solution.spring_force.y,
             limits: self.limits(&solution),
         };
@@ -324,6 +347,15 @@ impl<'a> Run<'a> {
             return Err(solution.failure(StopReason::NotFinite));
         }
         Ok((next, solution))
+    }
+
+    /// Energy of the springs between centre and contact and of the contact's penalty, and what friction took in the step that ends with
+    /// `solution`, J.
+    fn contact_energy(&self, surface: &ContactSurface, solution: &Solution) -> PartEnergy {
+        let difference = solution.pose.fixed_rows::<2>(0) - solution.centre;
+        let springs = self.model.springs.energy(difference, solution.spring_force.y);
+        let contact = surface.energy(self.law.penalty, &solution.active);
+        PartEnergy { elastic: springs, ..PartEnergy::default() } + contact
     }
 
     fn limits(&self, solution: &Solution) -> Vec<f64> {
@@ -353,7 +385,7 @@ impl<'a> Run<'a> {
         (force, if penetration > 0.0 { penetration / springs } else { 0.0 })
     }
 
-    fn row(&self, time: f64, solution: &Solution) -> HistoryRow {
+    fn row(&self, time: f64, solution: &Solution, energy: EnergyBalance) -> HistoryRow {
         let centre = to_plane(solution.centre);
         let start = self.model.initial.displacement;
         let on_rail = to_plane(solution.on_rail().xy());
@@ -364,6 +396,7 @@ impl<'a> Run<'a> {
             wheel_y: centre.x - start[0],
             wheel_z: centre.y - start[1],
             load_y: self.scenario.load_travel(time, centre.x - start[0]),
+            energy: Some(energy),
             contacts: self.contacts(&solution.active),
         }
     }

@@ -4,6 +4,7 @@ use faer::Mat;
 use nalgebra::{DMatrix, DVector, Matrix3, Point2, Vector3};
 
 use railspring_calibrate::beam::{RailBeam, RailModes};
+use railspring_calibrate::energy::PartEnergy;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::newmark::{Motion, Newmark};
@@ -93,6 +94,19 @@ impl<'a> RailDynamics<'a> {
     pub fn start(&self, load: &RailLoad, contact: Vector3<f64>) -> RailState {
         let load = &self.middle * load.torsion + self.rows(load.x) * contact;
         RailState { motions: load.iter().map(|&a| Motion { u: 0.0, v: 0.0, a }).collect() }
+    }
+
+    /// Energies after a step of `step` s from `before` to `after` with the mean `torsion` (N·m) over it, J; with the work of the torsion.
+    pub fn energy(&self, before: &RailState, after: &RailState, torsion: f64, step: f64) -> PartEnergy {
+        let mut energy = PartEnergy::default();
+        for (i, (before, after)) in before.motions.iter().zip(&after.motions).enumerate() {
+            let moved = after.u - before.u;
+            energy.kinetic += 0.5 * after.v * after.v;
+            energy.elastic += 0.5 * self.modes.squares[i] * after.u * after.u;
+            energy.work += torsion * self.middle[i] * moved;
+            energy.damped += if step > 0.0 { self.damping[i] * moved * moved / step } else { 0.0 };
+        }
+        energy
     }
 
     /// The rail over steps of `scheme`.

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix2, Point2, Rotation2, SMatrix, SVector, Vector2};
 
+use railspring_calibrate::energy::PartEnergy;
 use railspring_calibrate::history::ContactMode;
 use railspring_calibrate::profile::ProfileCurve;
 
@@ -357,6 +358,22 @@ impl<'a> ContactSurface<'a> {
         for j in 0..6 {
             result.stiffness[(5, j)] += arm_motion[(0, j)] * -force.y + arm_motion[(1, j)] * force.x;
         }
+    }
+
+    /// Energy of the penalty springs of the touching nodes, and what friction took since the last state, J.
+    pub fn energy(&self, penalty: f64, active: &[ActiveNode]) -> PartEnergy {
+        let mut energy = PartEnergy::default();
+        for touching in active {
+            let last = &self.nodes[touching.node];
+            let ActiveNode { normal_force, tangential_force, .. } = *touching;
+            energy.elastic +=
+                0.5 * (normal_force * normal_force + tangential_force * tangential_force) / penalty;
+            if touching.mode == ContactMode::Slip {
+                let slip = touching.place - last.place - (tangential_force - last.force) / penalty;
+                energy.friction += (tangential_force * slip).abs();
+            }
+        }
+        energy
     }
 
     /// Makes the converged pose and its touching nodes the last state.

@@ -3,6 +3,7 @@
 use faer::Mat;
 use nalgebra::{Vector2, Vector3};
 
+use railspring_calibrate::energy::PartEnergy;
 use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::newmark::{Motion, Newmark};
@@ -36,6 +37,15 @@ impl WheelSprings {
             (least * difference.y, least)
         };
         (Vector2::new(self.horizontal * difference.x, force), Vector2::new(self.horizontal, stiffness))
+    }
+
+    /// Energy of the springs with the displacement of B against A (m) and the vertical force (N) that belongs to it, J.
+    pub(super) fn energy(&self, difference: Vector2<f64>, force: f64) -> f64 {
+        let vertical = match difference.y > 0.0 {
+            true => self.normal.energy(force),
+            false => 0.5 * force * difference.y,
+        };
+        0.5 * self.horizontal * difference.x * difference.x + vertical
     }
 
     /// Stiffness at zero force; a thousandth of that at 1 kN for a law that starts from zero, like Hertz's.
@@ -104,6 +114,30 @@ impl WheelDynamics<'_> {
         state.centre[1].a = (load.centre.y + contact.y + force) / self.mass;
         state.suspended.a = acceleration;
         state.roll.a = self.roll_inertia.map_or(0.0, |inertia| contact.z / inertia);
+    }
+
+    /// Energies of wheel and suspended mass after a step from `before` to `after` between two `times` (s), with the work of the outer
+    /// forces, J.
+    pub fn energy(&self, before: &WheelState, after: &WheelState, times: [f64; 2]) -> PartEnergy {
+        let [first, last] = times.map(|time| self.load(time));
+        let ways = [0, 1].map(|i| after.centre[i].u - before.centre[i].u);
+        let work = 0.5 * (first.centre + last.centre).dot(&Vector2::from(ways));
+        let kinetic = |mass: f64, m: &Motion| 0.5 * mass * m.v * m.v;
+        let [lateral, vertical] = &after.centre;
+        let roll = self.roll_inertia.map_or(0.0, |inertia| kinetic(inertia, &after.roll));
+        let own = PartEnergy {
+            kinetic: kinetic(self.mass, lateral) + kinetic(self.mass, vertical) + roll,
+            work,
+            ..PartEnergy::default()
+        };
+        let suspension = Suspension::energy(
+            self.scenario,
+            [&before.centre[1], &before.suspended],
+            [&after.centre[1], &after.suspended],
+            0.5 * (first.suspended + last.suspended),
+            times[1] - times[0],
+        );
+        own + suspension
     }
 
     /// The wheel over steps of `scheme`.

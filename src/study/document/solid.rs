@@ -1,5 +1,6 @@
 //! The section `solid`.
 
+use railspring_calibrate::step_control::{InnerSteps, StepControl};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -13,14 +14,26 @@ pub struct SolidKeys {
     #[schemars(range(min = 1, max = 1000))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
-    /// Steps of the integration within each time step of a scenario. With more than one, what half as many change is stated with the run.
+    /// Number of steps of the integration within each time step of a scenario, all of the same length. Left out, bodies at full order have one, and reduced bodies as many as the contact force and the vibrations of the bodies ask for, up to 16. With more than one, what half as many change is stated with the run.
     #[schemars(range(min = 1, max = 1000))]
-    pub inner_steps: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inner_steps: Option<usize>,
 }
 
 impl Default for SolidKeys {
     fn default() -> Self {
-        Self { transient: TransientKey::Reduced, modes: None, inner_steps: 1 }
+        Self { transient: TransientKey::Reduced, modes: None, inner_steps: None }
+    }
+}
+
+impl SolidKeys {
+    /// Steps of the integration within each time step of a scenario.
+    pub fn steps(&self) -> InnerSteps {
+        match (self.inner_steps, self.transient) {
+            (Some(count), _) => InnerSteps::Equal(count),
+            (None, TransientKey::Full) => InnerSteps::Equal(1),
+            (None, TransientKey::Reduced) => InnerSteps::Adaptive(StepControl::DEFAULT),
+        }
     }
 }
 
