@@ -291,3 +291,33 @@ mod properties {
         }
     }
 }
+
+/// Goal: the drift of the balance (J) over the largest energy that is stored, of the model where it is larger; only of those that have a balance, with both
+/// in the note. Accuracy: ROUNDOFF.
+#[test]
+fn the_drift_is_over_the_largest_energy() {
+    let run = |drift: Option<f64>| {
+        let mut run = history(11, |_| (1e5, 0.0), SLIP);
+        for (n, row) in run.rows.iter_mut().enumerate() {
+            // 50 J are stored at the fifth row alone, and the drift is largest there
+            let (kinetic, elastic) = if n == 4 { (30.0, 20.0) } else { (10.0, 5.0) };
+            let of_row = |drift: f64| if n == 4 { drift } else { 0.5 * drift };
+            row.energy = drift.map(|drift| EnergyBalance {
+                kinetic,
+                elastic,
+                drift: of_row(drift),
+                ..EnergyBalance::default()
+            });
+        }
+        run
+    };
+    let with = |simple, solid| compare(&run(simple), &run(solid), &Limits::default()).unwrap();
+    let both = with(Some(-2.0), Some(4.0));
+    let line = both.lines.iter().find(|line| line.quantity == "energy_drift").unwrap();
+    assert!((line.value.unwrap() - 0.08).abs() < ROUNDOFF && !line.holds, "{line:?}");
+    assert_eq!(line.note.as_deref(), Some("simple model 4.00 %, solid model 8.00 %"));
+    let one = with(Some(-2.0), None);
+    let line = one.lines.iter().find(|line| line.quantity == "energy_drift").unwrap();
+    assert!((line.value.unwrap() - 0.04).abs() < ROUNDOFF && line.holds, "{line:?}");
+    assert_eq!(reason(&with(None, None), "energy_drift"), Some("neither run has energies"));
+}
