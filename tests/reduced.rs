@@ -87,7 +87,7 @@ fn reduced_bodies_follow_full_order() {
 /// Goal: a number that is given is taken, and where it is too small the result says so.
 #[test]
 fn too_few_modes_are_reported() {
-    let few = run("[solid]\nmodes = 6\n");
+    let few = run("[solid]\nmodes = 6\ninner_steps = 1\n");
     let record = &few.runs[0]["reduction"];
     assert_eq!(record["wheel_modes"], 6);
     assert!(record["vertical_change"].as_f64().unwrap() > MODES, "{record}");

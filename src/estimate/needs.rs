@@ -316,10 +316,12 @@ fn pressing(study: &Study, candidates: Candidates) -> f64 {
 fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates, base: f64) -> StageEstimate {
     let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
     let states = 2.0 * shares(&study.calibration.loads).iter().map(of_states).sum::<f64>();
+    // the wheel beside one rail after the other, of which one is kept with its inside
+    let modes = study.modes() as f64;
     let memory = [
-        wheel.making() + rail.making(),
-        wheel.kept() + rail.kept() + rail.making(),
-        wheel.kept() + 2.0 * rail.kept() + states + 2.0 * Candidates::dense(candidates.first),
+        wheel.making_with_modes(modes) + rail.making(),
+        wheel.kept() + rail.dense() + rail.making_with_modes(modes),
+        wheel.kept() + rail.kept() + rail.dense() + states + 2.0 * Candidates::dense(candidates.first),
     ];
     StageEstimate {
         stage: "calibration".into(),

@@ -8,6 +8,7 @@ use crate::history::{History, HistoryRow};
 use crate::monitor::Monitor;
 use crate::newmark::Newmark;
 use crate::scenario::Scenario;
+use crate::step_control::InnerSteps;
 use nalgebra::Vector2;
 
 /// Modes of each body to begin with.
@@ -53,7 +54,7 @@ impl Reduction {
 }
 
 /// A run with as many modes as `count` says. Beside it the first time steps are done with steps of the integration that are twice as long,
-/// with these modes and with fewer, which says what steps and modes are worth.
+/// which says what the steps are worth, and with fewer modes.
 pub(super) fn run(
     model: &TransientModel<'_>,
     count: ModeCount,
@@ -74,8 +75,8 @@ pub(super) fn run(
         });
         let ((run, modes), beside) = (run?, beside.expect("the scope has ended")?);
         let first = first_of(scenario).steps;
-        let all = match &beside.longer {
-            Some(Ok(longer)) => &longer.rows[..],
+        let all = match (&beside.all, &beside.longer) {
+            (Some(all), _) | (None, Some(Ok(all))) => &all.rows[..],
             _ => &run.history.rows[..run.history.rows.len().min(first + 1)],
         };
         let reduction = Reduction {
@@ -106,13 +107,17 @@ pub(super) fn run(
 struct FirstSteps {
     /// With longer steps, or why not; none where there are no longer ones.
     longer: Option<LongerSteps>,
-    /// With fewer modes, and with longer steps if these can be done.
+    /// With all modes, where the run with fewer has the steps of neither that nor the run itself.
+    all: Option<History>,
+    /// With fewer modes.
     fewer: History,
     /// Those modes of rail and wheel.
     modes: [usize; 2],
 }
 
-/// The first time steps of `scenario` with `count` modes and longer steps, and with fewer modes.
+/// The first time steps of `scenario` with `count` modes and longer steps, and with fewer modes: those with the longer steps if these can be done.
+/// Steps that adapt themselves are not the same with other modes, and what they change is more than what the modes do; there both
+/// have the steps of the history.
 fn first_steps(
     model: &TransientModel<'_>,
     count: usize,
@@ -127,11 +132,19 @@ fn first_steps(
     let fewer = (FEWER * count as f64) as usize;
     let first = first_of(scenario);
     let longer = longer_steps(&first, |longer| Ok(of(count, longer)?.0))?;
-    let (history, modes) = match &longer {
-        Some(Ok(_)) => of(fewer, &Scenario { inner_steps: first.inner_steps.doubled(), ..first })?,
-        _ => of(fewer, &first)?,
+    let (compared, all) = match (scenario.inner_steps, &longer) {
+        (InnerSteps::Adaptive(_), _) => {
+            let equal = Scenario { inner_steps: InnerSteps::Equal(1), ..first };
+            let (all, _) = of(count, &equal)?;
+            (equal, Some(all))
+        }
+        (InnerSteps::Equal(_), Some(Ok(_))) => {
+            (Scenario { inner_steps: first.inner_steps.doubled(), ..first }, None)
+        }
+        (InnerSteps::Equal(_), _) => (first, None),
     };
-    Ok(FirstSteps { longer, fewer: history, modes })
+    let (fewer, modes) = of(fewer, &compared)?;
+    Ok(FirstSteps { longer, all, fewer, modes })
 }
 
 /// The time steps of a scenario over which runs are compared.
