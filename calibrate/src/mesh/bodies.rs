@@ -427,6 +427,31 @@ mod tests {
         assert!((grid.along_track[0] + MeshOptions::default().window_half_length).abs() < ON_CURVE);
     }
 
+    /// Goal: the contact grid goes on beyond the window up to the first line at the wanted distance (m), on the same mesh, and has the size
+    /// that is said before; it keeps away from the rail's ends. Accuracy: equal numbers.
+    #[test]
+    fn the_contact_grid_goes_on_beyond_the_window() {
+        let ((section, placed, rail), (wheel_section, wheel)) = (rail(), wheel());
+        for wanted in [20e-3, 1.0] {
+            let options = MeshOptions { contact_half_length: wanted, ..MeshOptions::default() };
+            let long = mesh_rail(&section, &placed, LENGTH, &options).unwrap();
+            assert_eq!((&long.nodes, &long.hexes), (&rail.nodes, &rail.hexes));
+            let (lines, window) = (&long.contact.along_track, rail.contact.along_track.len());
+            let beyond = (lines.len() - window) / 2;
+            assert_eq!(lines[beyond..beyond + window], rail.contact.along_track);
+            let last = lines[lines.len() - 1];
+            assert!(if wanted < 0.5 * LENGTH { last >= wanted } else { last < 0.5 * LENGTH }, "{last}");
+            assert!(wanted > 0.5 * LENGTH || lines[lines.len() - 2] < wanted, "{lines:?}");
+            assert_eq!(rail_size(&section, LENGTH, &options).unwrap(), MeshSize::of(&long));
+        }
+        let options = MeshOptions { contact_half_length: 20e-3, ..MeshOptions::default() };
+        let long = mesh_wheel(&wheel_section, &options).unwrap();
+        assert_eq!((&long.nodes, &long.hexes), (&wheel.nodes, &wheel.hexes));
+        let last = long.contact.along_track[long.contact.along_track.len() - 1];
+        assert!(last * wheel_section.radius >= 20e-3 * (1.0 - ROUNDOFF), "{last}");
+        assert_eq!(wheel_size(&wheel_section, &options).unwrap(), MeshSize::of(&long));
+    }
+
     #[test]
     fn the_wheels_contact_nodes_lie_on_the_revolved_curve_two_millimetres_apart() {
         let (section, mesh) = wheel();

@@ -223,7 +223,7 @@ impl TransientModel<'_> {
         observe: &mut dyn FnMut(&Step) -> Result<()>,
     ) -> Result<TransientRun> {
         let mut run = Run::new(self, scenario, velocity, bodies.each_ref(), shorter);
-        run.to_end(("transient solid model", monitor), observe)?;
+        run.finish(("transient solid model", monitor), observe)?;
         Ok(run.ended())
     }
 
@@ -289,7 +289,7 @@ fn hub_motions(scenario: &Scenario) -> &'static [usize] {
     if scenario.rotations_held { &[1, 2] } else { &[1, 2, 3, 4, 5] }
 }
 
-/// At full order every length of step is a factor of its own.
+/// At full order every length of step would need another factor.
 fn no_shorter_steps() -> Error {
     InputError::new(
         InputField::InnerSteps,

@@ -184,7 +184,7 @@ fn some_modes(
     let bodies = with(&longest(scenario))?;
     let modes = bodies.each_ref().map(ReducedBody::modes);
     let mut run = Run::new(model, scenario, &Vector2::zeros(), bodies.each_ref(), &with);
-    run.to_end((stage, monitor), observe)?;
+    run.finish((stage, monitor), observe)?;
     Ok((run.ended(), modes))
 }
 

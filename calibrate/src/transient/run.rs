@@ -155,7 +155,7 @@ impl<'m, B: ElasticBody> Run<'m, B> {
     }
 
     /// All time steps, unless the wheel leaves the rail before.
-    pub fn to_end(
+    pub fn finish(
         &mut self,
         (stage, monitor): (&str, &dyn Monitor),
         observe: &mut dyn FnMut(&Step) -> Result<()>,

@@ -195,4 +195,21 @@ mod tests {
             }
         }
     }
+
+    /// Goal: a shared table reaches as far as it is asked to, whatever was asked before, and has the values of one that is made anew. Exact.
+    #[test]
+    fn a_shared_table_is_as_a_new_one() {
+        let cell = Vector2::new(0.77e-3, 0.31e-3);
+        for reach in [(3, 5), (2, 2), (6, 2), (1, 9)] {
+            let (shared, new) = (HatTable::shared(cell, reach), HatTable::new(cell, reach));
+            assert!(shared.reach.0 >= reach.0 && shared.reach.1 >= reach.1);
+            for i in 0..reach.0 as isize {
+                for k in 0..reach.1 as isize {
+                    assert_eq!(differences(&shared.at((i, k)), &new.at((i, k))), [0.0; 5]);
+                }
+            }
+        }
+        let other = HatTable::shared(2.0 * cell, (3, 3));
+        assert_eq!(other.cell, 2.0 * cell);
+    }
 }
