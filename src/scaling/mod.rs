@@ -1,6 +1,6 @@
 //! How time and memory of the solid model grow with its degrees of freedom: the same pair with bodies of more and more elements.
 //!
-//! The contact zone stays as it is; what is refined are the bodies ([`MeshOptions::with_bodies_refined`]). Each body is condensed by
+//! The contact zone stays as it is; what is refined are the bodies ([`railspring_calibrate::mesh::MeshOptions::with_bodies_refined`]). Each body is condensed by
 //! itself, stage by stage, so that a stage has its own time and its own peak of the memory. What a size takes is predicted before
 //! it is taken.
 
