@@ -3,8 +3,8 @@
 //! Refusing what the machine cannot hold is the only defence there is: a program that gets no memory is ended by the system.
 
 mod machine;
-mod needs;
 mod condensing;
+mod needs;
 mod table;
 
 use std::path::Path;
@@ -18,10 +18,11 @@ use crate::python::Purpose;
 use crate::stages::{self, Geometry, Meshes};
 use crate::study::Study;
 
+use condensing::{NODE, VALUE};
 pub use condensing::{condensing, least_memory};
 use machine::available;
 pub use needs::{Estimate, StageEstimate};
-use needs::{NODE, VALUE, reference_memory, steps_in_each};
+use needs::{reference_memory, steps_in_each};
 
 /// Bytes of a gibibyte.
 pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;

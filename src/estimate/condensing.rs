@@ -1,19 +1,21 @@
 //! What a body takes that is condensed by itself.
 
 use railspring_calibrate::error::Result;
-use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::solid::System;
 use railspring_calibrate::superelement::FactorSize;
 
 use super::FILL;
-use super::needs::{NODE, VALUE};
 
+/// Bytes of a value.
+pub(super) const VALUE: f64 = 8.0;
+/// Bytes a node of a mesh, its hexahedra and the lists of its neighbours.
+pub(super) const NODE: f64 = 1.0e3;
 /// Bytes of an entry of a sparse matrix: value and row, and its share of the pattern of the nodes.
-const ENTRY: f64 = 17.0;
+pub(super) const ENTRY: f64 = 17.0;
 /// Work space and indices of the factorisation, beside the values; measured 1.08 to 1.12.
 const FACTORISATION: f64 = 1.1;
 /// Bytes of the mass of a node: itself and 26 neighbours, value and column.
-const MASS: f64 = 27.0 * 12.0;
+pub(super) const MASS: f64 = 27.0 * 12.0;
 /// Vectors beside the modes: those that are solved at the same time, and their products.
 const AT_ONCE: f64 = 24.0;
 
@@ -24,18 +26,24 @@ const AT_ONCE: f64 = 24.0;
 /// A mesh that cannot be ordered.
 pub fn condensing(system: &System<'_>, modes: usize) -> Result<(FactorSize, f64)> {
     let size = FactorSize::of(system.mesh, &system.numbering)?;
-    Ok((size, largest(system.mesh, &size, modes as f64)))
+    Ok((size, largest(system.mesh.nodes.len(), &size, modes as f64)))
 }
 
-/// The largest of the stages: factorisation, condensation, modes.
-fn largest(mesh: &HexMesh, size: &FactorSize, modes: f64) -> f64 {
-    let factor = FACTORISATION * VALUE * size.values as f64;
+/// Bytes of a factor, with the indices and the work space of its factorisation.
+pub(super) fn factor(size: &FactorSize) -> f64 {
+    FACTORISATION * VALUE * size.values as f64
+}
+
+/// The largest of the stages of a body with so many nodes: factorisation, condensation, modes.
+pub(super) fn largest(nodes: usize, size: &FactorSize, modes: f64) -> f64 {
     let dense = VALUE * (size.retained as f64).powi(2);
-    let vectors = (modes + AT_ONCE) * VALUE * size.equations as f64 + MASS * mesh.nodes.len() as f64;
-    [ENTRY * size.entries as f64, 2.0 * dense, dense + vectors]
-        .into_iter()
-        .map(|beside| factor + beside)
-        .fold(0.0, f64::max)
+    let vectors = if modes > 0.0 {
+        (modes + AT_ONCE) * VALUE * size.equations as f64 + MASS * nodes as f64
+    } else {
+        0.0
+    };
+    let beside = [ENTRY * size.entries as f64, 2.0 * dense, dense + vectors];
+    factor(size) + beside.into_iter().fold(0.0, f64::max)
 }
 
 /// Bytes that meshes with so many degrees of freedom and one of their factors take at least, before there is a mesh.

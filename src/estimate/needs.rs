@@ -9,22 +9,15 @@ use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::FactorSize;
 
 use super::Work;
+use super::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest};
 use crate::python::Purpose;
 use crate::stages::{self, FINER, Geometry, Meshes};
 use crate::study::{FieldKey, Study, TransientKey};
 
-/// Bytes of a value.
-pub(super) const VALUE: f64 = 8.0;
-/// Bytes of an entry of a sparse matrix: value and row.
-const ENTRY: f64 = 16.0;
-/// Bytes a node of a mesh, its hexahedra and the lists of its neighbours.
-pub(super) const NODE: f64 = 1.0e3;
 /// Bytes of Python with NumPy and SciPy.
 const PYTHON: f64 = 300e6;
 /// Bytes of the program itself with its profiles and texts.
 const PROGRAM: f64 = 40e6;
-/// Indices of the factors, work space of the factorisation, and what the allocator keeps; measured 1.11 to 1.17.
-const OVERHEAD: f64 = 1.15;
 /// Gap up to which points are candidates before the first solution at a load, m.
 const FIRST_GAP: f64 = 0.15e-3;
 /// Gap up to which they are kept with the load, m.
@@ -167,7 +160,7 @@ impl Estimate {
                 ),
                 TransientKey::Reduced => {
                     let modes = study.modes() as f64;
-                    let [condensing, stepping] = [Body::making_with_modes, Body::reduced]
+                    let [condensing, stepping] = [Body::making, Body::reduced]
                         .map(|of| both.map(|body| of(body, modes)).iter().sum::<f64>());
                     // the first steps are done with fewer modes as well; with longer steps, beside the run, both ways
                     let contact = (steps + compared / (1.0 + other)) * SECONDS_STEP;
@@ -182,7 +175,7 @@ impl Estimate {
             };
             stages.push(StageEstimate {
                 stage: format!("solid model, {name}"),
-                memory: base + OVERHEAD * memory,
+                memory: base + memory,
                 seconds,
             });
         }
@@ -212,9 +205,9 @@ struct Body {
 }
 
 impl Body {
-    /// Bytes of a body that is factored and reduced.
+    /// Bytes of a body that is condensed, with its inside.
     fn kept(&self) -> f64 {
-        VALUE * self.size.values as f64 + self.dense()
+        factor(&self.size) + self.dense()
     }
 
     /// Bytes of the matrix of the contact nodes.
@@ -222,22 +215,14 @@ impl Body {
         VALUE * (self.size.retained as f64).powi(2)
     }
 
-    /// Largest memory on the way there, bytes.
-    fn making(&self) -> f64 {
-        let values = VALUE * self.size.values as f64;
-        ENTRY * self.size.entries as f64 + values + 2.0 * self.dense()
+    /// Largest memory on the way there, with so many modes, bytes.
+    fn making(&self, modes: f64) -> f64 {
+        largest(self.mesh.nodes, &self.size, modes)
     }
 
-    /// The same for a body in time, which has its mass and its damping besides.
+    /// The same for a body at full order in time, which has its mass and its damping besides.
     fn making_in_time(&self) -> f64 {
-        const MASS: f64 = 27.0 * 12.0;
-        self.making() + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
-    }
-
-    /// The same for a body that is condensed with modes: besides the factor the modes, and what is solved at the same time.
-    fn making_with_modes(&self, modes: f64) -> f64 {
-        const SOLVED: f64 = 24.0;
-        self.making() + (modes + SOLVED) * VALUE * self.size.equations as f64
+        self.making(0.0) + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
     }
 
     /// Bytes of a reduced body in time: its compliance, and its flexibility in a step with fewer modes and with all.
@@ -319,13 +304,13 @@ fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates,
     // the wheel beside one rail after the other, of which one is kept with its inside
     let modes = study.modes() as f64;
     let memory = [
-        wheel.making_with_modes(modes) + rail.making(),
-        wheel.kept() + rail.dense() + rail.making_with_modes(modes),
+        wheel.making(modes) + rail.making(0.0),
+        wheel.kept() + rail.dense() + rail.making(modes),
         wheel.kept() + rail.kept() + rail.dense() + states + 2.0 * Candidates::dense(candidates.first),
     ];
     StageEstimate {
         stage: "calibration".into(),
-        memory: base + OVERHEAD * memory.into_iter().fold(0.0, f64::max),
+        memory: base + memory.into_iter().fold(0.0, f64::max),
         seconds: wheel.seconds() + 2.0 * rail.seconds() + 2.0 * pressing(study, candidates),
     }
 }
@@ -342,7 +327,8 @@ fn by_angle(
     // each thread presses the wheel in one place, and keeps no state but the last
     let shifts = stages::shifts(study, &geometry.pair).len() as f64;
     let threads = (rayon::current_num_threads() as f64).min(shifts);
-    let mut kept = wheel.kept() + 2.0 * rail.kept();
+    // the third of the rail is against its section
+    let mut kept = wheel.dense() + 3.0 * rail.dense();
     let mut of_a_shift = 2.0 * pressing(study, candidates);
     if study.wants_error_band() {
         let loads = FIXED_LOADS_CHANGED as f64;
@@ -358,7 +344,7 @@ fn by_angle(
     }
     Ok(StageEstimate {
         stage: "law by contact angle".into(),
-        memory: base + OVERHEAD * (kept + 2.0 * threads * Candidates::dense(candidates.first)),
+        memory: base + kept + 2.0 * threads * Candidates::dense(candidates.first),
         seconds: of_a_shift * (shifts / threads).ceil(),
     })
 }
@@ -395,15 +381,15 @@ fn error_band(
     [rail, wheel]: [&Body; 2],
     base: f64,
 ) -> Result<StageEstimate> {
-    let kept = 2.0 * rail.dense() + wheel.dense();
+    let kept = 3.0 * rail.dense() + wheel.dense();
     let loads = study.calibration.loads.len() as f64;
     let (on_grids, of_a_load) = changed(study);
     let seconds = loads.min(LOADS_HALVED as f64) * on_grids;
-    let mut estimate = StageEstimate { stage: "error band".into(), memory: base + OVERHEAD * kept, seconds };
+    let mut estimate = StageEstimate { stage: "error band".into(), memory: base + kept, seconds };
     if meshes_are_ours(study) {
         let options = stages::coarser_options(geometry, meshes.options());
         let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
-        estimate.memory += OVERHEAD * (wheel.dense() + rail.dense() + wheel.making() + rail.making());
+        estimate.memory += wheel.dense() + rail.dense() + wheel.making(0.0) + rail.making(0.0);
         estimate.seconds +=
             wheel.seconds() + 2.0 * rail.seconds() + 4.0 * loads.min(LOADS_COARSER as f64) * of_a_load;
     }
