@@ -48,11 +48,12 @@ fn the_finished_law_is_kept() {
     }
 }
 
-/// Goal: where the window is the program's own, it is made longer for a preload as for a load.
+/// Goal: where the study leaves the window to the program, the same preload has its answer on the same meshes: the contact goes on beyond the
+/// window.
 #[test]
-fn the_window_grows_with_the_preload() {
+fn the_contact_of_a_preload_goes_on_beyond_the_window() {
     let (code, said, record) = calibrate("", PRELOAD);
     assert_eq!(code, 0, "{said}");
-    assert!(said.contains("600.000 kN") && said.contains("meshed again"), "{said}");
+    assert!(!said.contains("meshed again"), "{said}");
     assert_eq!(record["horizontal"]["points"].as_array().unwrap().len(), 2);
 }

@@ -163,7 +163,8 @@ fn half_positions(options: &MeshOptions, end: f64, largest: f64) -> Vec<f64> {
 fn grid_half_length(layers: &[f64], radius: f64, options: &MeshOptions) -> f64 {
     let wanted = options.contact_half_length.max(options.window_half_length) / radius;
     let ahead = &layers[layers.partition_point(|l| *l < 0.0)..layers.len() - 1];
-    ahead.iter().copied().find(|l| *l >= wanted * (1.0 - 1e-9)).unwrap_or(wanted)
+    let reached = ahead.iter().find(|l| **l >= wanted * (1.0 - 1e-9));
+    reached.or(ahead.last()).copied().unwrap_or(wanted)
 }
 
 /// Outline of a rail's section with its contact nodes, in the profile frame.
