@@ -77,6 +77,14 @@ pub(super) struct Fine {
     pub beyond_before: Vec<f64>,
 }
 
+impl Fine {
+    /// What the points have moved beyond the contact nodes of the bodies, which are displaced by `rail` and `wheel` (m).
+    fn beyond_nodes(&self, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
+        let nodes = self.contact.motion_of_nodes(rail, wheel);
+        self.displacement.iter().zip(nodes).map(|(all, node)| all - node).collect()
+    }
+}
+
 impl Default for LastContact {
     fn default() -> Self {
         Self::open(None)
@@ -125,9 +133,8 @@ impl LastContact {
         let slides = |j: &usize| modes[j % n] == PointMode::Slip;
         let work: f64 = (n..forces.len()).filter(slides).map(|row| forces[row] * separation[row]).sum();
         let near = self.fine.as_ref().filter(|_| n > 0).map_or(0.0, |fine| {
-            let nodes = fine.contact.motion_of_nodes(rail, wheel);
-            let beyond = fine.displacement.iter().zip(nodes).map(|(all, node)| all - node);
-            0.5 * beyond.zip(forces).map(|(u, f)| u * f).sum::<f64>()
+            let beyond = fine.beyond_nodes(rail, wheel);
+            0.5 * beyond.iter().zip(forces).map(|(u, f)| u * f).sum::<f64>()
         });
         PartEnergy { elastic: near, friction: work.abs(), ..PartEnergy::default() }
     }
@@ -136,9 +143,7 @@ impl LastContact {
     /// displaced by `rail` and `wheel` (m) there; `None` if there are none.
     pub fn beyond_nodes(&self, rail: &[f64], wheel: &[f64]) -> Option<BeyondNodes<'_>> {
         let fine = self.fine.as_ref().filter(|_| !self.points.is_empty())?;
-        let nodes = fine.contact.motion_of_nodes(rail, wheel);
-        let displacement: Vec<f64> =
-            fine.displacement.iter().zip(nodes).map(|(all, node)| all - node).collect();
+        let displacement = fine.beyond_nodes(rail, wheel);
         let moved = displacement.iter().zip(&fine.beyond_before);
         let velocity = moved.map(|(now, before)| (now - before) / fine.step).collect();
         Some(BeyondNodes { contact: &fine.contact, points: &self.points, displacement, velocity })
