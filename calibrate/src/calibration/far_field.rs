@@ -1,25 +1,13 @@
 //! The far field of two condensed bodies: what they are beyond their half-spaces.
 
 use crate::contact::{
-    BodyCompliance, ContactPoint, HalfSpace, Side, Surface, add_half_spaces, locate, pair_nodes, total,
+    BodyCompliance, ContactPoint, HalfSpace, NodalCompliance, Side, Surface, add_half_spaces, locate,
+    pair_nodes, total,
 };
 use crate::superelement::times;
 use faer::Mat;
 use nalgebra::{Point2, UnitComplex};
-use std::borrow::Cow;
 use std::sync::Arc;
-
-/// The compliance of a body's contact nodes, m/N.
-pub(crate) trait NodalCompliance: Sync {
-    /// As it is kept, or made for the far field alone.
-    fn matrix(&self) -> Cow<'_, Mat<f64>>;
-}
-
-impl NodalCompliance for Mat<f64> {
-    fn matrix(&self) -> Cow<'_, Mat<f64>> {
-        Cow::Borrowed(self)
-    }
-}
 
 /// Two condensed bodies in place.
 pub(crate) struct Solids<'a> {
@@ -68,7 +56,7 @@ impl FarField {
         points.iter().enumerate().for_each(|(j, p)| slot[p.index.0 * columns + p.index.1] = Some(j));
         let stand_ins = StandIns { points: &points, slot: &slot, columns };
         let of = |body: &dyn NodalCompliance, side| {
-            total(&[&BodyCompliance { compliance: &body.matrix(), side }], &points, directions)
+            total(&[&BodyCompliance { compliance: body, side }], &points, directions)
         };
         let (mut rail, mut wheel) =
             rayon::join(|| of(solids.rail, Side::Base), || of(solids.wheel, Side::Opposing));

@@ -9,7 +9,7 @@ mod pressed;
 mod candidates;
 mod press;
 
-pub(crate) use far_field::{NodalCompliance, Solids};
+pub(crate) use far_field::Solids;
 pub(crate) use fine::{Displaced, FineContact, widened};
 pub(crate) use grid::{cell_for, too_coarse, touches_border, widths};
 pub use pressed::{ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};

@@ -45,10 +45,12 @@ impl Zone {
         (!on_rail.is_empty()).then(|| Self([nodes_around(rail, &on_rail), nodes_around(wheel, &on_wheel)]))
     }
 
-    /// The rigid part of the displacements (y, z; m) of the nodes of one body.
-    pub fn motion(&self, side: Side, displacement: impl Fn(usize) -> Vector2<f64>) -> RigidMotion {
-        let nodes = &self.0[usize::from(side == Side::Opposing)];
-        let moved: Vec<_> = nodes.iter().map(|n| (n.place, displacement(n.node), n.weight)).collect();
+    /// The rigid part of the displacements (y, z; m) that `of` some contact nodes of one body are given.
+    pub fn motion(&self, side: Side, of: impl FnOnce(&[usize]) -> Vec<Vector2<f64>>) -> RigidMotion {
+        let zone = &self.0[usize::from(side == Side::Opposing)];
+        let nodes: Vec<usize> = zone.iter().map(|n| n.node).collect();
+        let moved: Vec<_> =
+            zone.iter().zip(of(&nodes)).map(|(n, moved)| (n.place, moved, n.weight)).collect();
         RigidMotion::fit(&moved).unwrap_or(RigidMotion::translation(Vector2::zeros()))
     }
 }

@@ -19,10 +19,34 @@ pub fn total(parts: &[&dyn Compliance], points: &[ContactPoint], directions: usi
     matrix
 }
 
+/// The compliance of a body's contact nodes, `3·node + axis` in the order of its grid, m/N; it may have more coordinates.
+pub trait NodalCompliance: Sync {
+    /// How many coordinates it has.
+    fn coordinates(&self) -> usize;
+
+    /// The compliance between some of the coordinates.
+    fn between(&self, coordinates: &[usize]) -> Mat<f64>;
+}
+
+impl NodalCompliance for Mat<f64> {
+    fn coordinates(&self) -> usize {
+        self.nrows()
+    }
+
+    fn between(&self, coordinates: &[usize]) -> Mat<f64> {
+        let mut part = Mat::zeros(coordinates.len(), coordinates.len());
+        for (c, &column) in coordinates.iter().enumerate() {
+            let all = self.col_as_slice(column);
+            part.col_as_slice_mut(c).iter_mut().zip(coordinates).for_each(|(value, &row)| *value = all[row]);
+        }
+        part
+    }
+}
+
 /// A condensed body.
 pub struct BodyCompliance<'a> {
-    /// Compliance of its contact nodes, `3·node + axis` in the order of its grid, m/N; may be larger.
-    pub compliance: &'a Mat<f64>,
+    /// Its contact nodes.
+    pub compliance: &'a dyn NodalCompliance,
     /// Which body it is.
     pub side: Side,
 }
@@ -34,7 +58,7 @@ impl Compliance for BodyCompliance<'_> {
             .map(|r| points[r % count].row(self.side, r / count).filter(|&(_, w)| w != 0.0).collect())
             .collect();
         // only the degrees of freedom that some point touches
-        let mut local = vec![usize::MAX; self.compliance.nrows()];
+        let mut local = vec![usize::MAX; self.compliance.coordinates()];
         let mut used = Vec::new();
         for &(dof, _) in rows.iter().flatten() {
             if local[dof] == usize::MAX {
@@ -42,12 +66,13 @@ impl Compliance for BodyCompliance<'_> {
                 used.push(dof);
             }
         }
+        let compliance = self.compliance.between(&used);
         let mut response = vec![0.0; used.len()];
         for (column, row) in rows.iter().enumerate() {
             response.fill(0.0);
             for &(dof, w) in row {
-                let c = self.compliance.col_as_slice(dof);
-                response.iter_mut().zip(&used).for_each(|(r, &u)| *r += w * c[u]);
+                let moved = compliance.col_as_slice(local[dof]);
+                response.iter_mut().zip(moved).for_each(|(r, u)| *r += w * u);
             }
             for (other, weights) in rows.iter().enumerate().take(column + 1) {
                 let value: f64 = weights.iter().map(|&(dof, w)| w * response[local[dof]]).sum();

@@ -1,7 +1,7 @@
 //! An elastic body in time, a linear part with its contact nodes and its hub as interface: what the run and its contact see
 //! of it, whatever its order.
 
-use crate::calibration::NodalCompliance;
+use crate::contact::NodalCompliance;
 use crate::energy::PartEnergy;
 use crate::linear_part::LinearPart;
 use faer::Mat;
@@ -22,8 +22,8 @@ pub(super) trait Flexible: NodalCompliance {
     /// To be used in every step.
     fn kept(&self) -> &Mat<f64>;
 
-    /// Displacement of the coordinate `row` under forces, (coordinate, N).
-    fn under(&self, row: usize, forces: &[(usize, f64)]) -> f64;
+    /// Displacements of some coordinates, the `rows`, under forces, (coordinate, N).
+    fn under(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64>;
 }
 
 impl Flexible for Mat<f64> {
@@ -31,8 +31,9 @@ impl Flexible for Mat<f64> {
         self
     }
 
-    fn under(&self, row: usize, forces: &[(usize, f64)]) -> f64 {
-        forces.iter().map(|&(column, force)| self[(row, column)] * force).sum()
+    fn under(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64> {
+        let moved = |&row: &usize| forces.iter().map(|&(column, force)| self[(row, column)] * force).sum();
+        rows.iter().map(moved).collect()
     }
 }
 
@@ -53,16 +54,20 @@ pub(super) struct Interface<'s> {
 impl Interface<'_> {
     /// Hub displacement (y, z) at the end of the step under `forces` at the interface, m: (coordinate, N).
     pub(super) fn hub(&self, forces: &[(usize, f64)]) -> Vector2<f64> {
-        Vector2::from_fn(|i, _| self.hub[i].map_or(0.0, |row| self.at(row, forces)))
+        let free: Vec<usize> = self.hub.into_iter().flatten().collect();
+        let mut moved = self.at(&free, forces).into_iter();
+        Vector2::from_fn(|i, _| self.hub[i].and_then(|_| moved.next()).unwrap_or(0.0))
     }
 
-    /// Displacement (y, z) of a contact node at the end of the step under `forces` at the interface, m: (coordinate, N).
-    pub(super) fn displacement(&self, node: usize, forces: &[(usize, f64)]) -> Vector2<f64> {
-        Vector2::from_fn(|i, _| self.at(3 * node + 1 + i, forces))
+    /// Displacements (y, z) of contact nodes at the end of the step under `forces` at the interface, m: (coordinate, N).
+    pub(super) fn displacements(&self, nodes: &[usize], forces: &[(usize, f64)]) -> Vec<Vector2<f64>> {
+        let rows: Vec<usize> = nodes.iter().flat_map(|node| [3 * node + 1, 3 * node + 2]).collect();
+        self.at(&rows, forces).chunks_exact(2).map(Vector2::from_column_slice).collect()
     }
 
-    fn at(&self, row: usize, forces: &[(usize, f64)]) -> f64 {
-        self.free[row] + self.flexibility.under(row, forces)
+    fn at(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64> {
+        let moved = self.flexibility.under(rows, forces);
+        rows.iter().zip(moved).map(|(&row, moved)| self.free[row] + moved).collect()
     }
 }
 

@@ -124,8 +124,8 @@ impl<'m> StepContact<'m> {
         let hub = wheel.hub(&on_wheel);
         let places = contact.zone.as_ref().map_or(Places::of_hub(&hub), |zone| {
             Places([
-                zone.motion(Side::Base, |node| rail.displacement(node, &on_rail)),
-                zone.motion(Side::Opposing, |node| wheel.displacement(node, &on_wheel)),
+                zone.motion(Side::Base, |nodes| rail.displacements(nodes, &on_rail)),
+                zone.motion(Side::Opposing, |nodes| wheel.displacements(nodes, &on_wheel)),
             ])
         });
         End { places, hub }

@@ -5,7 +5,7 @@
 //! the material is.
 
 use super::body::{BodyLoad, ElasticBody, Flexible, Interface};
-use crate::calibration::NodalCompliance;
+use crate::contact::NodalCompliance;
 use crate::energy::PartEnergy;
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::linear_part::{LinearPart, LinearStep};
@@ -15,7 +15,6 @@ use crate::superelement::{CondensedBody, Modes, times};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
-use std::borrow::Cow;
 use std::sync::OnceLock;
 
 /// Motions of a hub: translations y and z.
@@ -147,16 +146,6 @@ impl<'a> ReducedBody<'a> {
         })
     }
 
-    fn made_flexibility(&self) -> Mat<f64> {
-        let (shapes, stiffening, contact) = (&self.shapes, self.stiffening(), self.contact_rows());
-        let rows = shapes.nrows();
-        let mut flexibility = Mat::from_fn(rows, rows, |i, j| {
-            if i < contact && j < contact { self.body.compliance[(i, j)] / stiffening } else { 0.0 }
-        });
-        matmul(flexibility.as_mut(), Accum::Add, self.half.as_ref(), shapes.transpose(), 1.0, Par::Seq);
-        flexibility
-    }
-
     /// How many modes it has.
     pub(super) fn modes(&self) -> usize {
         self.stiffness.nrows()
@@ -250,28 +239,54 @@ fn part(motions: &[Motion], of: impl Fn(&Motion) -> f64) -> DVector<f64> {
 }
 
 impl NodalCompliance for ReducedBody<'_> {
-    fn matrix(&self) -> Cow<'_, Mat<f64>> {
-        match self.flexibility.get() {
-            Some(flexibility) => Cow::Borrowed(flexibility),
-            None => Cow::Owned(self.made_flexibility()),
-        }
+    fn coordinates(&self) -> usize {
+        self.shapes.nrows()
+    }
+
+    fn between(&self, coordinates: &[usize]) -> Mat<f64> {
+        let (contact, stiffening) = (self.contact_rows(), self.stiffening());
+        let mut part = Mat::from_fn(coordinates.len(), coordinates.len(), |i, j| {
+            let (row, column) = (coordinates[i], coordinates[j]);
+            if row < contact && column < contact {
+                self.body.compliance[(row, column)] / stiffening
+            } else {
+                0.0
+            }
+        });
+        let of =
+            |all: &Mat<f64>| Mat::from_fn(coordinates.len(), all.ncols(), |i, k| all[(coordinates[i], k)]);
+        let (half, shapes) = (of(&self.half), of(&self.shapes));
+        matmul(part.as_mut(), Accum::Add, half.as_ref(), shapes.transpose(), 1.0, Par::Seq);
+        part
     }
 }
 
 impl Flexible for ReducedBody<'_> {
     fn kept(&self) -> &Mat<f64> {
-        self.flexibility.get_or_init(|| self.made_flexibility())
+        self.flexibility.get_or_init(|| self.between(&(0..self.coordinates()).collect::<Vec<_>>()))
     }
 
-    fn under(&self, row: usize, forces: &[(usize, f64)]) -> f64 {
-        let contact = self.contact_rows();
-        let of_nodes = forces.iter().filter(|(column, _)| row < contact && *column < contact);
-        let moved: f64 = of_nodes.map(|&(column, force)| self.body.compliance[(row, column)] * force).sum();
-        let with_shapes = (0..self.shapes.ncols()).map(|k| {
-            let shape = self.shapes.col_as_slice(k);
-            self.half[(row, k)] * forces.iter().map(|&(column, force)| shape[column] * force).sum::<f64>()
-        });
-        moved / self.stiffening() + with_shapes.sum::<f64>()
+    fn under(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64> {
+        let (contact, stiffening) = (self.contact_rows(), self.stiffening());
+        let on_coordinates: Vec<f64> = (0..self.shapes.ncols())
+            .map(|k| {
+                let shape = self.shapes.col_as_slice(k);
+                forces.iter().map(|&(coordinate, force)| shape[coordinate] * force).sum()
+            })
+            .collect();
+        let moved = |&row: &usize| {
+            let with_shapes: f64 =
+                on_coordinates.iter().enumerate().map(|(k, force)| self.half[(row, k)] * force).sum();
+            if row >= contact {
+                return with_shapes;
+            }
+            // a column, which is as the row
+            let compliance = self.body.compliance.col_as_slice(row);
+            let of_nodes = forces.iter().filter(|(coordinate, _)| *coordinate < contact);
+            let moved: f64 = of_nodes.map(|&(coordinate, force)| compliance[coordinate] * force).sum();
+            moved / stiffening + with_shapes
+        };
+        rows.iter().map(moved).collect()
     }
 }
 
