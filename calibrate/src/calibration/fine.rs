@@ -2,8 +2,8 @@
 
 use super::far_field::{FarField, Solids};
 use crate::contact::{
-    ComplianceOperator, ContactPoint, HalfSpace, HatTable, Hybrid, Lattice, NearField, Share, Shares, Side,
-    corners, displacement_far_from, extent, nodal_forces,
+    ComplianceOperator, ContactPoint, HalfSpace, Hybrid, Lattice, NearField, Share, Shares, Side, corners,
+    displacement_far_from, nodal_forces,
 };
 use crate::error::StopReason;
 use crate::mesh::SurfaceGrid;
@@ -72,11 +72,7 @@ impl FineContact {
             let mut keep = near.iter();
             shares.retain(|_| *keep.next().unwrap_or(&false));
         }
-        // some more, for the grids of larger loads
-        let spare = |n: usize| n + n / 4 + 8;
-        let reach = extent(&points);
-        let table = HatTable::shared(lattice.cell, (spare(reach.0), spare(reach.1)));
-        let near = NearField::with_table(table, &solids.half_spaces, &points, directions);
+        let near = NearField::on_grid(lattice.cell, &solids.half_spaces, &points, directions);
         let hybrid = Hybrid::new(near, far.sum.clone(), shares);
         (points, Self { lattice, far, hybrid, half_spaces: solids.half_spaces })
     }

@@ -1,70 +1,60 @@
 //! Half-spaces on a uniform grid: the matrix by look-ups in a table, products by a convolution.
 
-use super::half_space::{Factors, HalfSpace, HatTable, sum_of_factors};
+use super::convolution::{Convolution, Spectrum};
+use super::half_space::{Factors, HalfSpace, sum_of_factors};
 use super::operator::ComplianceOperator;
 use super::point::ContactPoint;
 use faer::Mat;
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::{Fft, FftPlanner};
+use nalgebra::Vector2;
 use std::sync::Arc;
 
 /// Half-spaces between points of a uniform grid.
 pub struct NearField {
-    table: Arc<HatTable>,
     factors: Factors,
     directions: usize,
     /// Place of every point from the corner of the grid's rectangle that holds all.
     places: Vec<(usize, usize)>,
-    convolution: Convolution,
+    /// Lines of the rectangle along the profile and the track.
+    extent: (usize, usize),
+    convolution: Arc<Convolution>,
 }
 
 impl NearField {
     /// The half-spaces `bodies` between `points` of a uniform grid with `directions` (1 or 3) unknowns a point.
     pub fn new(bodies: &[HalfSpace], points: &[ContactPoint], directions: usize) -> Self {
         let cell = points.first().map_or_else(Default::default, |point| point.widths);
-        Self::with_table(HatTable::shared(cell, extent(points)), bodies, points, directions)
+        Self::on_grid(cell, bodies, points, directions)
     }
 
-    /// As [`Self::new`], with the `table` of the grid, which must reach over the extent of the points.
-    pub(crate) fn with_table(
-        table: Arc<HatTable>,
+    /// As [`Self::new`] on a grid with spacings `cell`, m.
+    pub(crate) fn on_grid(
+        cell: Vector2<f64>,
         bodies: &[HalfSpace],
         points: &[ContactPoint],
         directions: usize,
     ) -> Self {
         let places = points.iter().map(|point| point.index).collect();
-        Self::at(table, sum_of_factors(bodies), places, directions)
+        Self::at(cell, sum_of_factors(bodies), places, directions)
     }
 
-    fn at(
-        table: Arc<HatTable>,
-        factors: Factors,
-        mut places: Vec<(usize, usize)>,
-        directions: usize,
-    ) -> Self {
+    fn at(cell: Vector2<f64>, factors: Factors, mut places: Vec<(usize, usize)>, directions: usize) -> Self {
         let low = |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).min().unwrap_or(0);
         let corner = (low(|place| place.0), low(|place| place.1));
         places.iter_mut().for_each(|place| *place = (place.0 - corner.0, place.1 - corner.1));
         let lines =
             |pick: fn(&(usize, usize)) -> usize| places.iter().map(pick).max().map_or(0, |last| last + 1);
         let extent = (lines(|place| place.0), lines(|place| place.1));
-        assert!(extent.0 <= table.reach.0 && extent.1 <= table.reach.1, "the table reaches over all points");
-        let mut convolution = Convolution::new(extent);
-        for to in 0..directions {
-            for from in 0..directions {
-                let kernel = |offset| factors.entry(&table.at(offset), to, from);
-                let spectrum = Self::couples(&factors, to, from).then(|| convolution.spectrum(kernel));
-                convolution.kernels.push(spectrum);
-            }
-        }
-        Self { table, factors, directions, places, convolution }
+        Self { factors, directions, places, extent, convolution: Convolution::shared(cell, extent) }
+    }
+
+    fn cell(&self) -> Vector2<f64> {
+        self.convolution.table.cell
     }
 
     /// The half-spaces between some of the points, by their places in the list, in their first `directions`.
     pub(crate) fn between(&self, points: &[usize], directions: usize) -> Self {
         let places = points.iter().map(|&j| self.places[j]).collect();
-        Self::at(self.table.clone(), self.factors, places, directions)
+        Self::at(self.cell(), self.factors, places, directions)
     }
 
     /// Compliance of `bodies` under `forces` on the points: fᵀ·N·f, m·N.
@@ -73,7 +63,7 @@ impl NearField {
         let loaded: Vec<usize> =
             (0..n).filter(|&j| (0..self.directions).any(|d| forces[d * n + j] != 0.0)).collect();
         let places = loaded.iter().map(|&j| self.places[j]).collect();
-        let near = Self::at(self.table.clone(), sum_of_factors(bodies), places, self.directions);
+        let near = Self::at(self.cell(), sum_of_factors(bodies), places, self.directions);
         let forces: Vec<f64> =
             (0..self.directions).flat_map(|d| loaded.iter().map(move |&j| forces[d * n + j])).collect();
         let mut motion = vec![0.0; forces.len()];
@@ -95,13 +85,13 @@ impl NearField {
         }
         let (a, b) = (self.places[row % n], self.places[column % n]);
         let offset = (a.0 as isize - b.0 as isize, a.1 as isize - b.1 as isize);
-        self.factors.entry(&self.table.at(offset), to, from)
+        self.factors.entry(&self.convolution.table.at(offset), to, from)
     }
 
     /// The values between `rows`, for many of them.
     pub(crate) fn values(&self, rows: &[usize]) -> Values {
         let (n, d) = (self.places.len(), self.directions);
-        let (lines, columns) = self.convolution.extent;
+        let (lines, columns) = self.extent;
         let width = (2 * columns).saturating_sub(1);
         let placed = |&row: &usize| (row / n, self.places[row % n].0 * width + self.places[row % n].1);
         let rows: Vec<(usize, usize)> = rows.iter().map(placed).collect();
@@ -113,7 +103,7 @@ impl NearField {
         };
         let table = |to: usize, from: usize| {
             (there[to] && there[from] && Self::couples(&self.factors, to, from)).then(|| {
-                let at = |t| self.factors.entry(&self.table.at(offset(t)), to, from);
+                let at = |t| self.factors.entry(&self.convolution.table.at(offset(t)), to, from);
                 (0..(2 * lines).saturating_sub(1) * width).map(at).collect()
             })
         };
@@ -155,7 +145,7 @@ impl ComplianceOperator for NearField {
     }
 
     fn normal(&self) -> Option<Box<dyn ComplianceOperator + '_>> {
-        Some(Box::new(Self::at(self.table.clone(), self.factors, self.places.clone(), 1)))
+        Some(Box::new(Self::at(self.cell(), self.factors, self.places.clone(), 1)))
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -174,7 +164,7 @@ impl ComplianceOperator for NearField {
     fn add_product(&self, forces: &[f64], motion: &mut [f64]) {
         let n = self.places.len();
         let d = self.directions;
-        let spectra: Vec<Option<Vec<Complex<f64>>>> = (0..d)
+        let spectra: Vec<Option<Spectrum>> = (0..d)
             .map(|from| {
                 let part = &forces[from * n..(from + 1) * n];
                 part.iter().any(|force| *force != 0.0).then(|| {
@@ -184,140 +174,20 @@ impl ComplianceOperator for NearField {
             })
             .collect();
         for to in 0..d {
-            let mut sum: Option<Vec<Complex<f64>>> = None;
-            for (from, spectrum) in spectra.iter().enumerate() {
-                let (Some(kernel), Some(spectrum)) = (&self.convolution.kernels[to * d + from], spectrum)
-                else {
-                    continue;
-                };
-                let products = kernel.iter().zip(spectrum).map(|(k, s)| k * s);
-                match &mut sum {
-                    None => sum = Some(products.collect()),
-                    Some(sum) => sum.iter_mut().zip(products).for_each(|(sum, p)| *sum += p),
-                }
+            let seen = |from: &usize| Self::couples(&self.factors, to, *from);
+            let acting: Vec<_> =
+                (0..d).filter(seen).filter_map(|from| Some((from, spectra[from].as_ref()?))).collect();
+            if acting.is_empty() {
+                continue;
             }
-            if let Some(sum) = sum {
-                let values = self.convolution.back(sum);
-                let rows = motion[to * n..(to + 1) * n].iter_mut().zip(&self.places);
-                rows.for_each(|(m, place)| *m += values[place.0 * self.convolution.padded.1 + place.1]);
+            let mut sum = self.convolution.zero();
+            for (from, spectrum) in acting {
+                self.convolution.add(&self.factors, (to, from), spectrum, &mut sum);
             }
+            let rows = &mut motion[to * n..(to + 1) * n];
+            self.convolution.back(sum, self.extent.0, &self.places, |j, value| rows[j] += value);
         }
     }
-}
-
-/// Number of grid lines that `points` extend over, along the profile and the track.
-pub(crate) fn extent(points: &[ContactPoint]) -> (usize, usize) {
-    let over = |pick: fn(&ContactPoint) -> usize| {
-        let (low, high) = points.iter().map(pick).fold((usize::MAX, 0), |(l, h), v| (l.min(v), h.max(v)));
-        if low > high { 0 } else { high - low + 1 }
-    };
-    (over(|p| p.index.0), over(|p| p.index.1))
-}
-
-/// Products on a rectangle of the grid, in twice the rectangle so that it does not repeat itself.
-struct Convolution {
-    extent: (usize, usize),
-    padded: (usize, usize),
-    rows: Arc<dyn RealToComplex<f64>>,
-    rows_back: Arc<dyn ComplexToReal<f64>>,
-    columns: Arc<dyn Fft<f64>>,
-    columns_back: Arc<dyn Fft<f64>>,
-    /// Spectra of the kernels by `directions·to + from`; none where all are zero.
-    kernels: Vec<Option<Vec<Complex<f64>>>>,
-}
-
-impl Convolution {
-    fn new(extent: (usize, usize)) -> Self {
-        let padded = (smooth(2 * extent.0), smooth(2 * extent.1));
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
-        Self {
-            extent,
-            padded,
-            rows: real.plan_fft_forward(padded.1),
-            rows_back: real.plan_fft_inverse(padded.1),
-            columns: complex.plan_fft_forward(padded.0),
-            columns_back: complex.plan_fft_inverse(padded.0),
-            kernels: Vec::new(),
-        }
-    }
-
-    /// Spectrum of a kernel given by the signed offset, with the factor of both transforms.
-    fn spectrum(&self, kernel: impl Fn((isize, isize)) -> f64) -> Vec<Complex<f64>> {
-        let (rows, columns) = self.padded;
-        let reach = (self.extent.0 as isize, self.extent.1 as isize);
-        let scale = 1.0 / (rows * columns) as f64;
-        let wrap = |offset: isize, size: usize| offset.rem_euclid(size as isize) as usize;
-        let offsets = (1 - reach.0..reach.0).flat_map(|i| (1 - reach.1..reach.1).map(move |k| (i, k)));
-        self.transform(offsets.map(|(i, k)| ((wrap(i, rows), wrap(k, columns)), scale * kernel((i, k)))))
-    }
-
-    /// Transform of values at places, zero elsewhere.
-    fn transform(&self, values: impl Iterator<Item = ((usize, usize), f64)>) -> Vec<Complex<f64>> {
-        let (rows, columns) = self.padded;
-        let half = columns / 2 + 1;
-        let mut real = vec![0.0; rows * columns];
-        let mut used = vec![false; rows];
-        for ((i, k), value) in values {
-            real[i * columns + k] = value;
-            used[i] = true;
-        }
-        let mut spectrum = vec![Complex::default(); rows * half];
-        let mut scratch = self.rows.make_scratch_vec();
-        for i in (0..rows).filter(|&i| used[i]) {
-            let (input, output) =
-                (&mut real[i * columns..(i + 1) * columns], &mut spectrum[i * half..(i + 1) * half]);
-            self.rows.process_with_scratch(input, output, &mut scratch).expect("lengths of the plan");
-        }
-        self.along_columns(&mut spectrum, &self.columns);
-        spectrum
-    }
-
-    /// The values whose spectrum it is.
-    fn back(&self, mut spectrum: Vec<Complex<f64>>) -> Vec<f64> {
-        let (rows, columns) = self.padded;
-        let half = columns / 2 + 1;
-        self.along_columns(&mut spectrum, &self.columns_back);
-        let mut real = vec![0.0; rows * columns];
-        let mut scratch = self.rows_back.make_scratch_vec();
-        for i in 0..self.extent.0 {
-            let input = &mut spectrum[i * half..(i + 1) * half];
-            // those of a real row are real; what is left is rounding
-            input[0].im = 0.0;
-            if columns.is_multiple_of(2) {
-                input[half - 1].im = 0.0;
-            }
-            let output = &mut real[i * columns..(i + 1) * columns];
-            self.rows_back.process_with_scratch(input, output, &mut scratch).expect("lengths of the plan");
-        }
-        real
-    }
-
-    fn along_columns(&self, spectrum: &mut [Complex<f64>], plan: &Arc<dyn Fft<f64>>) {
-        let rows = self.padded.0;
-        let half = spectrum.len() / rows;
-        let mut turned = vec![Complex::default(); spectrum.len()];
-        for i in 0..rows {
-            (0..half).for_each(|k| turned[k * rows + i] = spectrum[i * half + k]);
-        }
-        plan.process(&mut turned);
-        for i in 0..rows {
-            (0..half).for_each(|k| spectrum[i * half + k] = turned[k * rows + i]);
-        }
-    }
-}
-
-/// Smallest number from `least` on that is even and has no other primes than 2, 3 and 5.
-fn smooth(least: usize) -> usize {
-    let is_smooth = |mut n: usize| {
-        for prime in [2, 3, 5] {
-            while n.is_multiple_of(prime) {
-                n /= prime;
-            }
-        }
-        n == 1
-    };
-    (least.max(2)..).find(|&n| n.is_multiple_of(2) && is_smooth(n)).unwrap_or(least)
 }
 
 #[cfg(test)]

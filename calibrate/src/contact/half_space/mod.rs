@@ -16,7 +16,7 @@ use crate::solid::Material;
 use faer::Mat;
 use means::means;
 use nalgebra::{Vector2, Vector3};
-use potentials::Kernels;
+pub(super) use potentials::Kernels;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::f64::consts::PI;

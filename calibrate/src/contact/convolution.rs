@@ -1,0 +1,190 @@
+//! Sums over a uniform grid by transforms: what the hats of a grid under forces do to each other, by the kernels of half-spaces.
+
+use super::half_space::{Factors, HatTable, Kernels};
+use nalgebra::Vector2;
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::{Fft, FftPlanner};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The kernels of a grid over a rectangle of its lines, in twice the rectangle so that it does not repeat itself.
+pub(super) struct Convolution {
+    /// Means between the hats of the grid, by their offset; it reaches over the rectangle.
+    pub table: Arc<HatTable>,
+    /// Lines of twice the rectangle along the profile and the track.
+    padded: (usize, usize),
+    rows: Arc<dyn RealToComplex<f64>>,
+    rows_back: Arc<dyn ComplexToReal<f64>>,
+    columns: Arc<dyn Fft<f64>>,
+    columns_back: Arc<dyn Fft<f64>>,
+    spectra: Spectra,
+}
+
+/// A transform, by the frequency along the track and then that along the profile.
+pub(super) type Spectrum = Vec<Complex<f64>>;
+
+/// Transforms of the kernels, with the factor of both ways. Those that are even in both directions, and that odd in both, are real; those odd in
+/// one are imaginary.
+struct Spectra {
+    inverse: Vec<f64>,
+    across: Vec<f64>,
+    shear: Vec<f64>,
+    gradient: [Vec<f64>; 2],
+}
+
+/// Convolutions that were made, those used last at the end, at most so many.
+static MADE: Mutex<Vec<Arc<Convolution>>> = Mutex::new(Vec::new());
+const KEPT: usize = 128;
+
+impl Convolution {
+    /// That of a grid with spacings `cell` (m) over at least `extent` lines along the profile and the track. Grids of one spacing share it:
+    /// spacings and sizes are few, and it knows nothing of materials.
+    pub fn shared(cell: Vector2<f64>, extent: (usize, usize)) -> Arc<Self> {
+        let padded = (smooth(2 * extent.0), smooth(2 * extent.1));
+        let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = |made: &mut Vec<Arc<Self>>| {
+            let place = made.iter().position(|known| known.table.cell == cell && known.padded == padded)?;
+            let known = made.remove(place);
+            made.push(known.clone());
+            Some(known)
+        };
+        if let Some(known) = found(&mut made()) {
+            return known;
+        }
+        let new = Arc::new(Self::new(cell, padded));
+        let mut made = made();
+        if made.len() == KEPT {
+            made.remove(0);
+        }
+        made.push(new.clone());
+        new
+    }
+
+    fn new(cell: Vector2<f64>, padded: (usize, usize)) -> Self {
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        let none = || Vec::new();
+        let mut made = Self {
+            table: HatTable::shared(cell, (padded.0 / 2, padded.1 / 2)),
+            padded,
+            rows: real.plan_fft_forward(padded.1),
+            rows_back: real.plan_fft_inverse(padded.1),
+            columns: complex.plan_fft_forward(padded.0),
+            columns_back: complex.plan_fft_inverse(padded.0),
+            spectra: Spectra { inverse: none(), across: none(), shear: none(), gradient: [none(), none()] },
+        };
+        made.spectra = Spectra {
+            inverse: made.kernel(|means| means.inverse).iter().map(|z| z.re).collect(),
+            across: made.kernel(|means| means.across).iter().map(|z| z.re).collect(),
+            shear: made.kernel(|means| means.shear).iter().map(|z| z.re).collect(),
+            gradient: [0, 1]
+                .map(|axis| made.kernel(|means| means.gradient[axis]).iter().map(|z| z.im).collect()),
+        };
+        made
+    }
+
+    /// Transform of a kernel over the signed offsets.
+    fn kernel(&self, of: impl Fn(&Kernels) -> f64) -> Spectrum {
+        let (lines, columns) = self.padded;
+        let reach = ((lines / 2) as isize, (columns / 2) as isize);
+        let scale = 1.0 / (lines * columns) as f64;
+        let wrap = |offset: isize, size: usize| offset.rem_euclid(size as isize) as usize;
+        let offsets = (1 - reach.0..reach.0).flat_map(|i| (1 - reach.1..reach.1).map(move |k| (i, k)));
+        self.transform(offsets.map(|offset| {
+            ((wrap(offset.0, lines), wrap(offset.1, columns)), scale * of(&self.table.at(offset)))
+        }))
+    }
+
+    /// Transform of values at places, zero elsewhere.
+    pub fn transform(&self, values: impl Iterator<Item = ((usize, usize), f64)>) -> Spectrum {
+        let (lines, columns) = self.padded;
+        let half = columns / 2 + 1;
+        let mut real = vec![0.0; lines * columns];
+        let mut used = vec![false; lines];
+        for ((i, k), value) in values {
+            real[i * columns + k] = value;
+            used[i] = true;
+        }
+        let mut spectrum = vec![Complex::default(); lines * half];
+        let (mut row, mut scratch) = (self.rows.make_output_vec(), self.rows.make_scratch_vec());
+        for i in (0..lines).filter(|&i| used[i]) {
+            let input = &mut real[i * columns..(i + 1) * columns];
+            self.rows.process_with_scratch(input, &mut row, &mut scratch).expect("lengths of the plan");
+            row.iter().enumerate().for_each(|(k, z)| spectrum[k * lines + i] = *z);
+        }
+        self.columns.process(&mut spectrum);
+        spectrum
+    }
+
+    /// Adds to `sum` what the forces with a `spectrum` in the direction `from` (0 normal, 1 lateral, 2 along the track) move in the
+    /// direction `to`; what the kernels are multiplied by is that of [`Factors::entry`].
+    pub fn add(
+        &self,
+        factors: &Factors,
+        (to, from): (usize, usize),
+        spectrum: &[Complex<f64>],
+        sum: &mut [Complex<f64>],
+    ) {
+        let Factors { inverse, tangential, coupling } = *factors;
+        let Spectra { inverse: kernel, across, shear, gradient } = &self.spectra;
+        let all = sum.iter_mut().zip(spectrum);
+        match (to, from) {
+            (0, 0) => all.zip(kernel).for_each(|((sum, s), k)| *sum += s * (inverse * k)),
+            (1, 1) => {
+                let kernels = kernel.iter().zip(across).map(|(k, a)| inverse * k + tangential * a);
+                all.zip(kernels).for_each(|((sum, s), k)| *sum += s * k);
+            }
+            (2, 2) => {
+                let kernels = kernel.iter().zip(across).map(|(k, a)| inverse * k + tangential * (k - a));
+                all.zip(kernels).for_each(|((sum, s), k)| *sum += s * k);
+            }
+            (1, 2) | (2, 1) => all.zip(shear).for_each(|((sum, s), k)| *sum += s * (tangential * k)),
+            (0, other) | (other, _) => {
+                let factor = if to == 0 { -coupling } else { coupling };
+                let kernels = gradient[other - 1].iter().map(|g| Complex::new(0.0, factor * g));
+                all.zip(kernels).for_each(|((sum, s), k)| *sum += s * k);
+            }
+        }
+    }
+
+    /// The values whose `spectrum` it is at `places`, in their order, within the first `lines` along the profile.
+    pub fn back(
+        &self,
+        mut spectrum: Spectrum,
+        lines: usize,
+        places: &[(usize, usize)],
+        mut each: impl FnMut(usize, f64),
+    ) {
+        let (padded, columns) = self.padded;
+        self.columns_back.process(&mut spectrum);
+        let mut real = vec![0.0; lines * columns];
+        let (mut row, mut scratch) = (self.rows_back.make_input_vec(), self.rows_back.make_scratch_vec());
+        let last = row.len() - 1;
+        for i in 0..lines {
+            row.iter_mut().enumerate().for_each(|(k, z)| *z = spectrum[k * padded + i]);
+            // those of a real row are real; what is left is rounding. The number of columns is even
+            (row[0].im, row[last].im) = (0.0, 0.0);
+            let output = &mut real[i * columns..(i + 1) * columns];
+            self.rows_back.process_with_scratch(&mut row, output, &mut scratch).expect("lengths of the plan");
+        }
+        places.iter().enumerate().for_each(|(j, place)| each(j, real[place.0 * columns + place.1]));
+    }
+
+    /// A spectrum of zeros.
+    pub fn zero(&self) -> Spectrum {
+        vec![Complex::default(); self.padded.0 * (self.padded.1 / 2 + 1)]
+    }
+}
+
+/// Smallest number from `least` on that is even and has no other primes than 2, 3 and 5.
+fn smooth(least: usize) -> usize {
+    let is_smooth = |mut n: usize| {
+        for prime in [2, 3, 5] {
+            while n.is_multiple_of(prime) {
+                n /= prime;
+            }
+        }
+        n == 1
+    };
+    (least.max(2)..).find(|&n| n.is_multiple_of(2) && is_smooth(n)).unwrap_or(least)
+}
