@@ -176,7 +176,7 @@ impl WheelOnRail<'_> {
     /// The nodes of the rail's grid that are near the wheel with the displacements of a state: as near as the contact of its
     /// load may reach, times `part`; with 0, those where the surfaces overlap.
     fn region(&self, state: &Pressed, part: f64) -> Vec<bool> {
-        let points = self.points_at(&state.hub, PAIRING_GAP);
+        let points = self.nodes_near(&state.hub, PAIRING_GAP);
         let forces = &state.solution.forces[..state.points.len()];
         let area: f64 =
             state.points.iter().zip(forces).filter(|(_, force)| **force > 0.0).map(|(p, _)| p.area).sum();

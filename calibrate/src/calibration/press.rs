@@ -2,7 +2,7 @@
 
 use super::candidates::{Candidates, FinePlan};
 use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reached};
-use crate::contact::{ContactPoint, FreeDirection, Problem, Side, gaps, solve};
+use crate::contact::{ContactPoint, Factors, FreeDirection, Problem, Side, gaps, solve_with};
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
 use nalgebra::Vector2;
@@ -89,6 +89,7 @@ impl WheelOnRail<'_> {
         let (mut share, mut moved, mut active) = (1.0, 0.0_f64, 0);
         let mut previous: Option<Pressed> = None;
         let mut plan = FinePlan::default();
+        let mut factors = Factors::default();
         let tolerance = match self.field {
             ContactField::Elements => HUB_TOLERANCE,
             ContactField::Hybrid | ContactField::HybridHalved => FINE_HUB_TOLERANCE,
@@ -118,7 +119,7 @@ impl WheelOnRail<'_> {
                 friction: self.friction,
                 hub: &wanted,
             };
-            let solution = solve(&problem, &start).map_err(|e| at_load(e, load))?;
+            let solution = solve_with(&problem, &start, &mut factors).map_err(|e| at_load(e, load))?;
             let way = solution.hub[0];
             if moved != 0.0 && way != moved {
                 // of the last two ways and the part of the first that was gone: where the next one would be zero

@@ -3,7 +3,7 @@
 use super::fine::FineContact;
 use crate::contact::{
     BodyCompliance, ComplianceOperator, ContactPoint, PairingLimits, PenaltySprings, Problem, Side, Solution,
-    Subsurface, Surface, nodal_forces, pair, resultant, subsurface, total,
+    Subsurface, Surface, nodal_forces, nodes_near, pair, resultant, subsurface, total,
 };
 use crate::error::{InputError, Result, StopReason};
 use crate::field::InputField;
@@ -172,6 +172,11 @@ impl WheelOnRail<'_> {
     /// Contact points with the hub displaced by `hub` from just touching.
     pub fn points_at(&self, hub: &Vector2<f64>, largest_gap: f64) -> Vec<ContactPoint> {
         pair(&self.rail_surface, &self.wheel_surface.moved(hub), PairingLimits { largest_gap })
+    }
+
+    /// As [`Self::points_at`], with the gaps at the nodes themselves.
+    pub(super) fn nodes_near(&self, hub: &Vector2<f64>, largest_gap: f64) -> Vec<ContactPoint> {
+        nodes_near(&self.rail_surface, &self.wheel_surface.moved(hub), PairingLimits { largest_gap })
     }
 }
 

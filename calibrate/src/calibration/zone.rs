@@ -8,7 +8,7 @@
 //! The calibration pairs where the hub is, as the reference solvers do: there the hub is held across the load, and its laws change by less
 //! than their error bands.
 
-use crate::contact::{ContactPoint, PairingLimits, RigidMotion, Side, Surface, pair};
+use crate::contact::{ContactPoint, PairingLimits, RigidMotion, Side, Surface, nodes_near, pair};
 use nalgebra::{Point2, Vector2};
 
 /// Half length along profile and track of the zone around every loaded point whose motion counts, m: some half widths of a patch, so
@@ -154,6 +154,11 @@ impl<'s> Placed<'s> {
     /// The nodes of the rail within `largest_gap` (m) of the wheel in these places.
     pub fn pair(&self, largest_gap: f64) -> Vec<ContactPoint> {
         pair(&self.surfaces[0], &self.surfaces[1], PairingLimits { largest_gap })
+    }
+
+    /// As [`Self::pair`], with the gaps at the nodes themselves.
+    pub fn nodes_near(&self, largest_gap: f64) -> Vec<ContactPoint> {
+        nodes_near(&self.surfaces[0], &self.surfaces[1], PairingLimits { largest_gap })
     }
 
     /// Normal gaps of nodes with the displacements, m.

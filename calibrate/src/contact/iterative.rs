@@ -171,22 +171,25 @@ impl<'a> Products<'a> {
     }
 }
 
-/// Dense factors by direction, which serve while nearly the same points carry load.
+/// Dense factors by direction, which serve while nearly the same points of a grid carry load: from step to step of an iteration, and from
+/// one problem to the next that is little different.
 #[derive(Default)]
-pub(super) struct Factors {
+pub(crate) struct Factors {
+    /// Spacings of the grid, m.
+    cell: Vector2<f64>,
     by_direction: [Option<Factored>; 3],
 }
 
 /// The factor of one direction's compliance between some points.
 struct Factored {
-    /// Ascending.
-    points: Vec<usize>,
+    /// Their places on the grid, ascending.
+    points: Vec<(usize, usize)>,
     factor: SymmetricFactor,
 }
 
 impl Factored {
     /// Whether the factor is nearly that of `points` (ascending).
-    fn serves(&self, points: &[usize]) -> bool {
+    fn serves(&self, points: &[(usize, usize)]) -> bool {
         let own = points.iter().filter(|point| self.points.binary_search(point).is_ok()).count();
         CHANGED * (self.points.len() + points.len() - 2 * own) <= points.len()
     }
@@ -215,17 +218,24 @@ impl<'a> Inverse<'a> {
         let a = active.len();
         let sticking: Vec<usize> = active.iter().copied().filter(|j| modes[*j] != PointMode::Slip).collect();
         let directions = if sticking.is_empty() { 1 } else { state.directions };
+        let cell = state.problem.points[active[0]].widths;
+        if factors.cell != cell {
+            *factors = Factors { cell, ..Factors::default() };
+        }
+        let place = |j: &usize| state.problem.points[*j].index;
+        let (active, sticking): (Vec<_>, Vec<_>) =
+            (active.iter().map(place).collect(), sticking.iter().map(place).collect());
         let mut blocks = Vec::new();
         for (direction, known) in factors.by_direction.iter_mut().enumerate().take(directions) {
-            let points: &[usize] = if direction == 0 { active } else { &sticking };
-            let row = |point: &usize| {
+            let points = if direction == 0 { &active } else { &sticking };
+            let row = |point: &(usize, usize)| {
                 points.binary_search(point).ok()?;
                 active.binary_search(point).ok().map(|local| direction * a + local)
             };
             if !known.as_ref().is_some_and(|known| known.serves(points)) {
                 let rows: Vec<usize> = points.iter().filter_map(row).collect();
                 let factor = SymmetricFactor::new(products.compliance.block(&rows));
-                *known = Some(Factored { points: points.to_vec(), factor });
+                *known = Some(Factored { points: points.clone(), factor });
             }
             let Some(Factored { points, factor }) = known else { continue };
             blocks.push(Block { factor, rows: points.iter().map(row).collect() });

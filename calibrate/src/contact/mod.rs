@@ -37,13 +37,15 @@ pub use compliance::{BodyCompliance, Compliance, NodalCompliance, PenaltySprings
 pub use half_space::HalfSpace;
 pub(crate) use half_space::{add_half_spaces, displacement_far_from};
 pub(crate) use hybrid::{Hybrid, Share, Shares};
+pub(crate) use iterative::Factors;
 pub(crate) use lattice::Lattice;
 pub use near_field::NearField;
 pub use operator::ComplianceOperator;
 pub use pairing::{PairingLimits, pair};
-pub(crate) use pairing::{locate, pair_nodes};
+pub(crate) use pairing::{locate, nodes_near, pair_nodes};
 pub use point::{ContactPoint, NodeWeight, Side, flat_grid, gaps, nodal_forces, resultant};
 pub use rigid_motion::RigidMotion;
+pub(crate) use solver::solve_with;
 pub use solver::{FreeDirection, HubResponse, PointMode, Problem, Solution, hub_response, solve};
 pub use subsurface::{PatchStress, Peak, Subsurface, stress_below, subsurface};
 pub(crate) use surface::corners;

@@ -34,14 +34,19 @@ const CLOSE: f64 = 1e-5;
 /// runs away would otherwise pass for rounding.
 const COARSEST: f64 = 1e-8;
 
-/// Iterates until the conditions of contact hold, `limit` steps at most, and adds the steps to `spent`.
+/// Iterates until the conditions of contact hold, `limit` steps at most, and adds the steps to `spent`. The `factors` are of problems before,
+/// and for those that follow.
 ///
 /// # Errors
 /// Why the iteration stopped without an answer.
-pub(super) fn newton(state: &mut State, limit: usize, spent: &mut usize) -> Result<(), StopReason> {
+pub(super) fn newton(
+    state: &mut State,
+    limit: usize,
+    spent: &mut usize,
+    factors: &mut Factors,
+) -> Result<(), StopReason> {
     let mut previous: Vec<PointMode> = Vec::new();
     let mut remembered = VecDeque::new();
-    let mut factors = Factors::default();
     state.update_separation();
     let mut residual = state.residual();
     for iteration in 0..=limit {
@@ -60,7 +65,7 @@ pub(super) fn newton(state: &mut State, limit: usize, spent: &mut usize) -> Resu
         // near the solution, or with the modes of the step before, the step may be the last
         let last = f64::min(PART, 0.1 * TOLERANCE / residual.relative);
         let tolerance = if residual.relative < CLOSE || modes == previous { last } else { PART };
-        let step = direction(state, &modes, tolerance, &mut factors).ok_or(StopReason::Singular)?;
+        let step = direction(state, &modes, tolerance, factors).ok_or(StopReason::Singular)?;
         remembered.push_back(residual.squared());
         if remembered.len() > MEMORY {
             remembered.pop_front();

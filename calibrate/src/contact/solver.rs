@@ -36,27 +36,34 @@ const SWEEPS: [(f64, f64); 3] = [(1e-5, 1.0), (1e-8, 1.0), (1e-12, 0.5)];
 /// [`crate::error::NumericsError`] with the residual (over the largest force) and the number of load-carrying
 /// points if no way leads to a solution, or if a wanted hub force cannot be carried.
 pub fn solve(problem: &Problem, start: &[f64]) -> Result<Solution> {
-    solve_within(problem, start, NEWTON_STEPS)
+    solve_with(problem, start, &mut Factors::default())
 }
 
-/// As [`solve`], with so many steps of a Newton iteration at most.
-fn solve_within(problem: &Problem, start: &[f64], steps: usize) -> Result<Solution> {
+/// As [`solve`], one of a sequence of problems of which each is little different from the one before: its `factors` serve the next.
+pub(crate) fn solve_with(problem: &Problem, start: &[f64], factors: &mut Factors) -> Result<Solution> {
+    solve_within(problem, start, NEWTON_STEPS, factors)
+}
+
+/// As [`solve_with`], with so many steps of a Newton iteration at most.
+fn solve_within(problem: &Problem, start: &[f64], steps: usize, factors: &mut Factors) -> Result<Solution> {
     let mut spent = 0;
     let mut state = State::new(problem, start);
     let by_products = suits(problem);
     if by_products {
         approach(&mut state, NEAR, &mut spent);
     }
-    let Err(mut stopped) = newton(&mut state, steps, &mut spent) else { return Ok(state.solution(spent)) };
+    let Err(mut stopped) = newton(&mut state, steps, &mut spent, factors) else {
+        return Ok(state.solution(spent));
+    };
     if by_products {
         let mut state = State::new(problem, start);
         approach(&mut state, ALL_THE_WAY, &mut spent);
-        match newton(&mut state, steps, &mut spent) {
+        match newton(&mut state, steps, &mut spent, factors) {
             Ok(()) => return Ok(state.solution(spent)),
             Err(reason) => stopped = reason,
         }
     }
-    if let Some(solution) = raise_friction(problem, start, steps, &mut spent) {
+    if let Some(solution) = raise_friction(problem, start, steps, &mut spent, factors) {
         return Ok(solution);
     }
     if by_products {
@@ -67,7 +74,7 @@ fn solve_within(problem: &Problem, start: &[f64], steps: usize) -> Result<Soluti
     for (tolerance, relaxation) in SWEEPS {
         spent += sweep(&mut swept, tolerance, relaxation);
         let mut state = swept.clone();
-        match newton(&mut state, steps, &mut spent) {
+        match newton(&mut state, steps, &mut spent, factors) {
             Ok(()) => return Ok(state.solution(spent)),
             Err(reason) => stopped = reason,
         }
@@ -83,7 +90,13 @@ fn unsolved(state: &State, residual: f64, iteration: usize, reason: StopReason) 
 
 /// The solution without friction as a start, and friction raised from there as far as Newton's iteration follows:
 /// a rise that fails is halved, the next one doubled. `None` if it does not arrive.
-fn raise_friction(problem: &Problem, start: &[f64], steps: usize, spent: &mut usize) -> Option<Solution> {
+fn raise_friction(
+    problem: &Problem,
+    start: &[f64],
+    steps: usize,
+    spent: &mut usize,
+    factors: &mut Factors,
+) -> Option<Solution> {
     if !(problem.friction > 0.0) || problem.free.len() == problem.points.len() {
         return None;
     }
@@ -92,14 +105,14 @@ fn raise_friction(problem: &Problem, start: &[f64], steps: usize, spent: &mut us
     normal[n..].fill(0.0);
     let smooth = Problem { friction: 0.0, ..*problem };
     let mut state = State::new(&smooth, &normal);
-    if newton(&mut state, steps, spent).is_err() {
+    if newton(&mut state, steps, spent, factors).is_err() {
         state = State::new(&smooth, &normal);
         if suits(&smooth) {
             approach(&mut state, ALL_THE_WAY, spent);
         } else {
             *spent += sweep(&mut state, SWEEPS[0].0, SWEEPS[0].1);
         }
-        newton(&mut state, steps, spent).ok()?;
+        newton(&mut state, steps, spent, factors).ok()?;
     }
     let (mut forces, mut hub) = (state.forces, state.hub);
     let (mut reached, mut rise) = (0.0, 1.0);
@@ -108,7 +121,7 @@ fn raise_friction(problem: &Problem, start: &[f64], steps: usize, spent: &mut us
         let level = Problem { friction: part * problem.friction, ..*problem };
         let mut state = State::new(&level, &forces);
         state.hub.copy_from_slice(&hub);
-        if newton(&mut state, steps, spent).is_ok() {
+        if newton(&mut state, steps, spent, factors).is_ok() {
             if part == 1.0 {
                 return Some(state.solution(*spent));
             }
@@ -227,7 +240,7 @@ mod tests {
         let problem =
             Problem { points: &points, compliance: &compliance, free: &free, friction: 0.0, hub: &hub };
         let mut exact = State::new(&problem, &vec![0.0; n]);
-        newton(&mut exact, NEWTON_STEPS, &mut 0).unwrap();
+        newton(&mut exact, NEWTON_STEPS, &mut 0, &mut Factors::default()).unwrap();
         let hertz = point_contact(LOAD, RADIUS, RADIUS, Material::STEEL.contact_modulus()).unwrap();
         assert!((exact.hub[0] / hertz.approach - 1.0).abs() < DISCRETISATION, "{:?} {hertz:?}", exact.hub);
         let mut corner = vec![0.0; n];
@@ -267,7 +280,7 @@ mod tests {
                 Problem { points: &points, compliance: &compliance, free: &free, friction, hub: &hub };
             let start = vec![0.0; directions * n];
             let exact = solve(&problem, &start).unwrap();
-            let found = solve_within(&problem, &start, 0).unwrap();
+            let found = solve_within(&problem, &start, 0, &mut Factors::default()).unwrap();
             let sliding = exact.modes.iter().filter(|mode| **mode == PointMode::Slip).count();
             println!("{directions} {friction} {slip}: {sliding} of {} slide", exact.active());
             let difference = largest_difference(&found.forces, &exact.forces);
@@ -277,7 +290,7 @@ mod tests {
             assert_eq!(found.modes, exact.modes);
             // nothing but the products leads there
             let mut alone = State::new(&problem, &start);
-            assert!(newton(&mut alone, 0, &mut 0).is_err());
+            assert!(newton(&mut alone, 0, &mut 0, &mut Factors::default()).is_err());
         }
     }
 }

@@ -191,8 +191,8 @@ fn shift_law(
     };
     let placed =
         |reference| WheelOnRail { along, ..bodies.wheel_on_rail(&pair, reference, settings.contact) };
-    let on_foot = Sequence::press(&placed(Reference::Foot), settings, going_on)?;
-    let on_section = Sequence::press(&placed(Reference::Beam), settings, going_on)?;
+    let on_foot = Sequence::press(&placed(Reference::Foot), settings, true, going_on)?;
+    let on_section = Sequence::press(&placed(Reference::Beam), settings, false, going_on)?;
     Ok(ShiftLaw { tape_y, touch: Some(touch), law: angle_law(on_foot, on_section, along) })
 }
 
@@ -261,20 +261,23 @@ struct Fixed {
 }
 
 impl Fixed {
-    fn new(wheel_on_rail: &WheelOnRail, state: &Pressed, point: LoadPoint) -> Result<Self> {
-        let subsurface = state.subsurface(wheel_on_rail.materials[0].poisson);
+    fn new(wheel_on_rail: &WheelOnRail, state: &Pressed, point: LoadPoint, stresses: bool) -> Result<Self> {
+        let poisson = wheel_on_rail.materials[0].poisson;
+        let subsurface = stresses.then(|| state.subsurface(poisson)).flatten();
         Ok(Self { point, flexibility: sticking_flexibility(wheel_on_rail, state)?, subsurface })
     }
 }
 
 impl Sequence {
-    /// Presses with every load in turn, and from the load before each fixed load with that; until one is not carried in one region.
+    /// Presses with every load in turn, and from the load before each fixed load with that, with the `stresses` below its patch or without; until
+    /// one is not carried in one region.
     ///
     /// # Errors
     /// An interruption.
     fn press(
         wheel_on_rail: &WheelOnRail,
         settings: &AngleSettings,
+        stresses: bool,
         going_on: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
         let mut sequence = Self { points: Vec::new(), fixed: Vec::new(), ended: None };
@@ -287,14 +290,14 @@ impl Sequence {
                 .try_for_each(|&fixed| {
                     let state = carried(wheel_on_rail, fixed, before.as_ref())?;
                     let point = load_point(wheel_on_rail, &state)?;
-                    sequence.fixed.push(Fixed::new(wheel_on_rail, &state, point)?);
+                    sequence.fixed.push(Fixed::new(wheel_on_rail, &state, point, stresses)?);
                     Ok(())
                 })
                 .and_then(|()| {
                     let state = carried(wheel_on_rail, load, before.as_ref())?;
                     let point = load_point(wheel_on_rail, &state)?;
                     if settings.fixed_loads.contains(&load) {
-                        sequence.fixed.push(Fixed::new(wheel_on_rail, &state, point)?);
+                        sequence.fixed.push(Fixed::new(wheel_on_rail, &state, point, stresses)?);
                     }
                     sequence.points.push(point);
                     Ok(state)

@@ -274,19 +274,21 @@ impl Flexible for ReducedBody<'_> {
                 forces.iter().map(|&(coordinate, force)| shape[coordinate] * force).sum()
             })
             .collect();
-        let moved = |&row: &usize| {
-            let with_shapes: f64 =
-                on_coordinates.iter().enumerate().map(|(k, force)| self.half[(row, k)] * force).sum();
+        let of_nodes = |&row: &usize| -> f64 {
             if row >= contact {
-                return with_shapes;
+                return 0.0;
             }
             // a column, which is as the row
             let compliance = self.body.compliance.col_as_slice(row);
-            let of_nodes = forces.iter().filter(|(coordinate, _)| *coordinate < contact);
-            let moved: f64 = of_nodes.map(|&(coordinate, force)| compliance[coordinate] * force).sum();
-            moved / stiffening + with_shapes
+            let on_nodes = forces.iter().filter(|(coordinate, _)| *coordinate < contact);
+            on_nodes.map(|&(coordinate, force)| compliance[coordinate] * force).sum::<f64>() / stiffening
         };
-        rows.iter().map(moved).collect()
+        let mut moved: Vec<f64> = rows.iter().map(of_nodes).collect();
+        for (k, force) in on_coordinates.iter().enumerate() {
+            let half = self.half.col_as_slice(k);
+            moved.iter_mut().zip(rows).for_each(|(moved, &row)| *moved += half[row] * force);
+        }
+        moved
     }
 }
 
