@@ -161,10 +161,10 @@ impl<'a> Pipeline<'a> {
         self.by_angle().map(drop)
     }
 
-    /// The calibration; says what its law is worth.
+    /// The calibration; says what its law is worth, and whether it has all loads.
     fn calibration(&mut self) -> Result<Calibration> {
         let calibration = self.get(&Calibrate)?;
-        for line in calibration.stiffness.worth() {
+        for line in calibration.stiffness.shortened().into_iter().chain(calibration.stiffness.worth()) {
             self.resources.monitor.notice(&line);
         }
         Ok(calibration)

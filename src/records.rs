@@ -50,6 +50,9 @@ pub struct StiffnessRecord {
     pub reference: String,
     /// The normal law in use.
     pub law: LawRecord,
+    /// Why the laws end before the largest load that the study wants, if they do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law_end: Option<LawEndRecord>,
     /// Horizontal stiffness, kN/m; none where its calibration did not converge.
     pub horizontal_kn_per_m: Option<f64>,
     /// How constant the horizontal stiffness is.
@@ -87,7 +90,27 @@ pub struct StiffnessRecord {
     pub version: String,
 }
 
+/// Why laws end before the largest load that a study wants.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LawEndRecord {
+    /// Loads of the study that the laws do not have.
+    pub loads_left_out: usize,
+    /// The largest load that the study wants, kN.
+    pub largest_wanted_kn: f64,
+    /// Why the first of these is not carried.
+    pub reason: String,
+}
+
 impl StiffnessRecord {
+    /// The end of the laws before the largest load that the study wants, as a sentence; `None` where they have all loads.
+    pub fn shortened(&self) -> Option<String> {
+        let LawEndRecord { loads_left_out, largest_wanted_kn, reason } = self.law_end.as_ref()?;
+        Some(format!(
+            "the laws end at {} kN instead of {largest_wanted_kn} kN, without {loads_left_out} of the loads: {reason}",
+            self.law.range_kn[1]
+        ))
+    }
+
     /// Mass of the solid wheel, kg.
     pub fn wheel_mass(&self) -> f64 {
         self.mesh.iter().find(|mesh| mesh.body == "wheel").map_or(f64::NAN, |mesh| mesh.mass_kg)

@@ -63,6 +63,15 @@ const RUNS_TO_END: Criterion = Criterion {
     limit: 0.0,
 };
 
+/// How many loads of the calibration the laws do not have.
+pub const LOADS_LEFT_OUT: Criterion = Criterion {
+    quantity: "loads_left_out",
+    meaning: "Loads of the calibration that the laws do not have",
+    kind: Kind::Consistency,
+    unit: "1",
+    limit: 0.0,
+};
+
 /// In how many of the runs nothing touches.
 const TOUCHES: Criterion = Criterion {
     quantity: "touches",
@@ -93,7 +102,7 @@ fn touches(history: &History) -> bool {
     history.rows.iter().skip(1).any(|row| !row.contacts.is_empty())
 }
 
-/// Compares the simple with the solid run. Where one of them left the profile, the steps before that are compared, and
+/// Compares the simple with the solid run. Where one of them ended early, the steps before that are compared, and
 /// the line `runs_to_end` fails.
 ///
 /// # Errors
@@ -145,13 +154,18 @@ fn common_steps(simple: &History, solid: &History) -> Both<History> {
 /// in [`run_lines`] already, as both have: the times only say whether the models derail alike.
 fn departure_check(simple: &History, solid: &History, limits: &Limits) -> Check {
     let criterion = limits.departure_s();
-    match (simple.ending.time(), solid.ending.time()) {
-        (Some(a), Some(b)) => {
-            let alike = simple.ending.name() == solid.ending.name();
+    match (simple.ending, solid.ending) {
+        (Ending::Departed { time: a, departure: to }, Ending::Departed { time: b, departure: other }) => {
+            let alike = to == other;
             let line = criterion.line(alike.then_some((a - b).abs()));
             Ok(if alike { line } else { line.noted("to different sides") })
         }
-        (None, None) => Err(criterion.not_applicable("neither model leaves the profile")),
+        (Ending::EndOfSurface { .. }, _) | (_, Ending::EndOfSurface { .. }) => {
+            Err(criterion.not_applicable("a run ended at the end of its model's surfaces"))
+        }
+        (Ending::Completed, Ending::Completed) => {
+            Err(criterion.not_applicable("neither model leaves the profile"))
+        }
         _ => Err(criterion.not_applicable("only one model leaves the profile")),
     }
 }

@@ -121,6 +121,9 @@ pub enum StopReason {
     /// The contact reached the end of the contact window along the track.
     #[error("the contact reached the end of the contact window along the track")]
     EndOfWindow,
+    /// The fine grid of the contact does not hold the patch, however often its reach was widened.
+    #[error("the fine grid of the contact does not hold the patch after all changes of its reach")]
+    GridUnsettled,
     /// The load is carried in two places of the profiles with different normals.
     #[error("a second region of the profiles, with another normal, carries load")]
     SecondRegion,

@@ -6,6 +6,7 @@ use std::fmt;
 use nalgebra::Point2;
 
 use crate::energy::EnergyBalance;
+use crate::error::StopReason;
 
 /// State of one contact between wheel and rail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,7 +95,31 @@ impl Departure {
     const ALL: [Self; 3] = [Self::FieldSide, Self::GaugeSide, Self::RailEnd];
 }
 
-/// How a run ended. A departure is a result: the history holds all states before it.
+/// Where the surfaces that a model has come to an end, with the wheel still on the rail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SurfaceEnd {
+    /// The end of the contact zone of the solid model across the rail: of the rail's mesh or of the wheel's.
+    ContactZone,
+    /// The end of the contact window of the solid model along the track.
+    ContactWindow,
+    /// The end of the rail's profile in the simple model.
+    RailProfile,
+}
+
+impl SurfaceEnd {
+    const ALL: [Self; 3] = [Self::ContactZone, Self::ContactWindow, Self::RailProfile];
+
+    /// The end that a contact has reached which stopped for this reason; `None` for other reasons.
+    pub fn of(reason: StopReason) -> Option<Self> {
+        match reason {
+            StopReason::EdgeOfCandidates => Some(Self::ContactZone),
+            StopReason::EndOfWindow => Some(Self::ContactWindow),
+            _ => None,
+        }
+    }
+}
+
+/// How a run ended. A run that ends early is a result: the history holds all states before the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ending {
     /// All time steps were done with the wheel on the rail.
@@ -106,62 +131,105 @@ pub enum Ending {
         /// Where it went.
         departure: Departure,
     },
+    /// The contact reached a place at which the model has no surface any more; the wheel is still on the rail.
+    EndOfSurface {
+        /// End of the first time step whose contact carries load there, s; the history ends a step before.
+        time: f64,
+        /// Which end it is.
+        end: SurfaceEnd,
+        /// The place in the rail's profile frame, m.
+        rail: Point2<f64>,
+    },
 }
 
 impl Ending {
-    /// Name used in files: `completed`, `field-side`, `gauge-side` or `rail-end`.
+    /// Name used in files: `completed`; of a departure `field-side`, `gauge-side` or `rail-end`; of an end of the surfaces
+    /// `contact-zone-end`, `contact-window-end` or `rail-profile-end`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Completed => "completed",
             Self::Departed { departure: Departure::FieldSide, .. } => "field-side",
             Self::Departed { departure: Departure::GaugeSide, .. } => "gauge-side",
             Self::Departed { departure: Departure::RailEnd, .. } => "rail-end",
+            Self::EndOfSurface { end: SurfaceEnd::ContactZone, .. } => "contact-zone-end",
+            Self::EndOfSurface { end: SurfaceEnd::ContactWindow, .. } => "contact-window-end",
+            Self::EndOfSurface { end: SurfaceEnd::RailProfile, .. } => "rail-profile-end",
         }
     }
 
-    /// When the wheel left the rail, s; `None` for a completed run.
+    /// When the run ended, s; `None` for a completed run.
     pub fn time(self) -> Option<f64> {
         match self {
             Self::Completed => None,
-            Self::Departed { time, .. } => Some(time),
+            Self::Departed { time, .. } | Self::EndOfSurface { time, .. } => Some(time),
         }
     }
 
-    /// The ending with this [`name`](Self::name) and [`time`](Self::time), if there is one.
+    /// Where the contact reached the end of the surfaces, profile frame of the rail, m; `None` for other endings.
+    pub fn rail(self) -> Option<Point2<f64>> {
+        match self {
+            Self::EndOfSurface { rail, .. } => Some(rail),
+            Self::Completed | Self::Departed { .. } => None,
+        }
+    }
+
+    /// The ending with this [`name`](Self::name), [`time`](Self::time) and [place](Self::rail), if there is one.
     ///
     /// ```
     /// use railspring_calibrate::history::{Departure, Ending};
     /// let ending = Ending::Departed { time: 0.0435, departure: Departure::FieldSide };
-    /// assert_eq!(Ending::from_parts(ending.name(), ending.time()), Some(ending));
-    /// assert_eq!(Ending::from_parts("completed", Some(0.0435)), None);
+    /// assert_eq!(Ending::from_parts(ending.name(), ending.time(), ending.rail()), Some(ending));
+    /// assert_eq!(Ending::from_parts("completed", Some(0.0435), None), None);
     /// ```
-    pub fn from_parts(name: &str, time: Option<f64>) -> Option<Self> {
-        let found = match time {
-            None => Some(Self::Completed),
-            Some(time) => Departure::ALL
-                .into_iter()
-                .map(|departure| Self::Departed { time, departure })
-                .find(|ending| ending.name() == name),
+    pub fn from_parts(name: &str, time: Option<f64>, rail: Option<Point2<f64>>) -> Option<Self> {
+        let endings: Vec<Self> = match (time, rail) {
+            (None, None) => vec![Self::Completed],
+            (Some(time), None) => Departure::ALL.map(|departure| Self::Departed { time, departure }).into(),
+            (Some(time), Some(rail)) => {
+                SurfaceEnd::ALL.map(|end| Self::EndOfSurface { time, end, rail }).into()
+            }
+            (None, Some(_)) => Vec::new(),
         };
-        found.filter(|ending| ending.name() == name)
+        endings.into_iter().find(|ending| ending.name() == name)
     }
 }
 
 impl fmt::Display for Ending {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self::Departed { time, departure } = *self else {
-            return f.write_str("ran to its end");
-        };
         // Microseconds are finer than the steps of any load case that derails a wheel.
-        let time = (time * 1e6).round() / 1e6;
-        match departure {
-            Departure::FieldSide => {
-                write!(f, "left the profile at {time} s (the flange over the rail, to the field side)")
+        let rounded = |time: f64| (time * 1e6).round() / 1e6;
+        match *self {
+            Self::Completed => f.write_str("ran to its end"),
+            Self::Departed { time, departure } => {
+                let time = rounded(time);
+                match departure {
+                    Departure::FieldSide => {
+                        write!(
+                            f,
+                            "left the profile at {time} s (the flange over the rail, to the field side)"
+                        )
+                    }
+                    Departure::GaugeSide => {
+                        write!(f, "left the profile at {time} s (the tread off the head, into the track)")
+                    }
+                    Departure::RailEnd => write!(f, "left the rail's end at {time} s"),
+                }
             }
-            Departure::GaugeSide => {
-                write!(f, "left the profile at {time} s (the tread off the head, into the track)")
+            Self::EndOfSurface { time, end, rail } => {
+                let what = match end {
+                    SurfaceEnd::ContactZone => "contact zone of the meshes",
+                    SurfaceEnd::ContactWindow => "contact window along the track",
+                    SurfaceEnd::RailProfile => "rail's profile",
+                };
+                write!(
+                    f,
+                    "the contact reached the end of the {what} at {} s (y = {:.1} mm, z = {:.1} mm of the rail's profile), \
+                     with the wheel still on the rail",
+                    rounded(time),
+                    rail.x * 1e3,
+                    rail.y * 1e3
+                )
             }
-            Departure::RailEnd => write!(f, "left the rail's end at {time} s"),
         }
     }
 }
@@ -181,17 +249,27 @@ pub struct History {
 mod tests {
     use super::*;
 
-    /// Goal: every ending survives its name and time, no two share a name, and the sentence has the time in seconds.
+    /// Goal: every ending survives its name, time and place, no two share a name, and the sentence has the time in seconds and the place
+    /// in millimetres.
     #[test]
     fn endings_have_names_and_sentences() {
-        let departed = Departure::ALL.map(|departure| Ending::Departed { time: 0.0435, departure });
-        for ending in departed {
-            assert_eq!(Ending::from_parts(ending.name(), ending.time()), Some(ending));
+        let time = 0.0435;
+        let rail = Point2::new(-0.0358, 0.0142);
+        let departed = Departure::ALL.map(|departure| Ending::Departed { time, departure });
+        let at_the_end = SurfaceEnd::ALL.map(|end| Ending::EndOfSurface { time, end, rail });
+        for ending in departed.into_iter().chain(at_the_end) {
+            assert_eq!(Ending::from_parts(ending.name(), ending.time(), ending.rail()), Some(ending));
             assert!(ending.to_string().contains("at 0.0435 s"), "{ending}");
-            assert_eq!(Ending::from_parts(ending.name(), None), None);
+            assert_eq!(Ending::from_parts(ending.name(), None, None), None);
+            assert_eq!(Ending::from_parts(ending.name(), None, Some(rail)), None);
+            let other = if ending.rail().is_some() { None } else { Some(rail) };
+            assert_eq!(Ending::from_parts(ending.name(), Some(time), other), None, "{ending}");
         }
-        assert_eq!(Ending::from_parts("completed", None), Some(Ending::Completed));
-        assert_eq!(Ending::from_parts("sideways", Some(1.0)), None);
+        for ending in at_the_end {
+            assert!(ending.to_string().contains("y = -35.8 mm, z = 14.2 mm"), "{ending}");
+        }
+        assert_eq!(Ending::from_parts("completed", None, None), Some(Ending::Completed));
+        assert_eq!(Ending::from_parts("sideways", Some(1.0), None), None);
         // 87 steps of half a millisecond, with their rounding.
         let time = (0..87).map(|_| 0.0005).sum();
         let sentence = Ending::Departed { time, departure: Departure::GaugeSide }.to_string();

@@ -21,6 +21,9 @@ use crate::quadrature::GAUSS_12;
 /// Force to which the power in the law refers, N.
 pub const REFERENCE_FORCE: f64 = 1e3;
 
+/// Fewer loads are no law: it has three constants, and their errors need one load more.
+pub(crate) const LEAST_LOADS: usize = 4;
+
 /// Search interval for the exponent. Hertz has 1/3 and conformal contact less;
 /// at c = 1 a law without a constant part has no finite displacement.
 const EXPONENT_RANGE: (f64, f64) = (0.0, LARGEST_EXPONENT);
@@ -280,7 +283,7 @@ fn check_points(forces: &[f64], stiffness: &[f64]) -> Result<()> {
         )
         .into());
     }
-    if forces.len() < 4 {
+    if forces.len() < LEAST_LOADS {
         return Err(InputError::new(
             "law.points",
             forces.len(),

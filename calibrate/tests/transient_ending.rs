@@ -4,7 +4,7 @@
 use nalgebra::Vector2;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::contact::Surface;
-use railspring_calibrate::history::{Departure, Ending, History, HistoryRow};
+use railspring_calibrate::history::{Departure, Ending, History, HistoryRow, SurfaceEnd};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
@@ -26,13 +26,19 @@ fn scenario(lateral: f64, vertical: f64, steps: usize, time_step: f64) -> Scenar
 
 /// Histories of 60E1 and S1002 on elements of 6 mm, and the mass of the meshed wheel, kg.
 fn run(scenarios: &[Scenario]) -> (Vec<History>, f64) {
+    run_in_zone(scenarios, MeshOptions::default().wheel_zone.field_y)
+}
+
+/// The same with a contact zone of the wheel that reaches so far to the field side, m.
+fn run_in_zone(scenarios: &[Scenario], field_y: f64) -> (Vec<History>, f64) {
     let track = TrackGeometry::standard();
     let rail = rail_section("60E1").unwrap();
     let wheel = wheel_section("S1002", 0.858).unwrap();
     let placed = place_rail(&rail, &track).unwrap();
     let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
-    let options =
+    let mut options =
         MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() };
+    options.wheel_zone.field_y = field_y;
     let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
     let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
     let tape = Vector2::new(track.tape_y(), touching.tape_z);
@@ -111,4 +117,31 @@ fn a_wheel_pulled_into_the_track_leaves_the_solid_rail() {
     let fall = |y: f64| (2.0 * y * mass / 500e3).sqrt();
     assert!(((1.0 - MODEL) * fall(85e-3)..(1.0 + MODEL) * fall(92.5e-3) + step).contains(&time), "{time}");
     assert!((runs[0].rows.last().unwrap().time - (time - step)).abs() < 1e-12);
+}
+
+/// Source: the same run with fewer steps. Goal: a wheel that is pressed down by 50 kN and pulled into the track by 200 kN goes on with its contact
+/// to the field side of its tread, to the end of the meshed contact zone there: the history ends before that, with time (s) and place (m)
+/// on the rail, instead of an error, and has the states of the shorter run to the bit. Accuracy: DISCRETISATION, the place within an element of
+/// the last contact, and that within two of the end of the zone.
+#[test]
+fn a_contact_at_the_end_of_the_zone_ends_the_history() {
+    const DISCRETISATION: f64 = 6e-3;
+    const ZONE: f64 = 24e-3;
+    let step = 5e-4;
+    let pulled = scenario(-200e3, 50e3, 40, step);
+    let (runs, _) = run_in_zone(&[pulled.clone()], ZONE);
+    let Ending::EndOfSurface { time, end, rail } = runs[0].ending else { panic!("{}", runs[0].ending) };
+    assert_eq!(end, SurfaceEnd::ContactZone);
+    let rows = &runs[0].rows;
+    let last = rows.last().unwrap();
+    assert!((5..40).contains(&rows.len()), "{}", rows.len());
+    assert!((last.time - (time - step)).abs() < 1e-12, "{time}");
+    let contact = last.contacts.last().unwrap();
+    assert!((contact.rail - rail).norm() < DISCRETISATION, "{rail} {contact:?}");
+    assert!((ZONE - 2.0 * DISCRETISATION..ZONE).contains(&contact.wheel.x), "{contact:?}");
+
+    let shorter = Scenario { steps: rows.len() - 1, ..pulled };
+    let (shorter, _) = run_in_zone(&[shorter], ZONE);
+    assert_eq!(shorter[0].ending, Ending::Completed);
+    assert_eq!(shorter[0].rows, *rows);
 }

@@ -2,6 +2,7 @@
 
 use railspring_calibrate::error::{Error, InputError, Result, StopReason};
 use railspring_calibrate::field::InputField;
+use railspring_calibrate::pair::{CondensedPair, Laws};
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::stage::{Made, REACH, Stage};
@@ -12,12 +13,15 @@ use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{PatchesRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Bodies, Calibration, Geometry, Meshes};
+use crate::stages::{self, Bodies, Calibration, FieldFile, Geometry, Meshes, Reached, Within};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::Study;
 
 /// The springs of the study, its load curve, patches and fields.
 pub(super) struct Calibrate;
+
+/// A calibration, the files of its fields, its laws and the bodies that they are of.
+type Pressed = (Calibration, Vec<FieldFile>, Laws, CondensedPair);
 
 /// What goes when springs or fields change: also the fields under other loads.
 const OF_THE_CALIBRATION: [&str; 4] = [VERIFICATION, REPORT, FIGURES, stages::FIELDS];
@@ -62,17 +66,18 @@ impl Stage for Calibrate {
             let solids = stages::solids(study, &geometry, coarser);
             source.condensed(&solids, " of coarser elements", 0)
         };
-        let (Calibration { stiffness, load_curve, patches, horizontal_failure }, fields, condensed) = loop {
-            let (mut calibration, fields, laws, condensed) = stages::within_zones(
-                study,
-                &geometry,
-                &mut meshes,
-                monitor,
-                accept,
-                press,
-                |(calibration, ..)| calibration.horizontal_failure.as_ref(),
-            )
-            .map_err(|error| uncarried(study, error))?;
+        let reached = |(calibration, ..): &Pressed| {
+            let Calibration { law_end, horizontal_failure, .. } = calibration;
+            match law_end.as_ref().or(horizontal_failure.as_ref()) {
+                Some(Error::Numerics(cause)) => Reached::by(cause),
+                _ => None,
+            }
+        };
+        let (calibration, fields, condensed, refused) = loop {
+            let Within { result, refused } =
+                stages::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
+                    .map_err(|error| uncarried(study, error))?;
+            let (mut calibration, fields, laws, condensed) = result;
             if study.wants_error_band() {
                 let mut band =
                     stages::error_band(study, &geometry, &meshes, &condensed, &laws, condense, monitor)?;
@@ -84,8 +89,9 @@ impl Stage for Calibrate {
                 }
                 calibration.stiffness.error_band = Some(band);
             }
-            break (calibration, fields, condensed);
+            break (calibration, fields, condensed, refused);
         };
+        let Calibration { stiffness, load_curve, patches, horizontal_failure, law_end: _ } = calibration;
         let reach = at.go_on_with(meshes);
         at.condensed = (study.wants_by_angle() || modes > 0).then_some(condensed);
         let mut artefact = Artefact::default()
@@ -96,7 +102,7 @@ impl Stage for Calibrate {
         for (name, text) in fields {
             artefact = artefact.with(name, text);
         }
-        let complete = horizontal_failure.is_none();
+        let complete = horizontal_failure.is_none() && !refused;
         // what the calibration has finished is written; a study with a stiffness goes on with it
         let failure = horizontal_failure.filter(|_| study.simulation.horizontal.is_none());
         Ok(Made { artefact, complete, failure })
@@ -110,7 +116,7 @@ impl Stage for Calibrate {
         patches.study.clone_from(&at.study.name);
         patches.input_hash = self.key(at);
         at.go_on_with_reach(artefact)?;
-        Ok(Calibration { stiffness, load_curve, patches, horizontal_failure: None })
+        Ok(Calibration { stiffness, load_curve, patches, horizontal_failure: None, law_end: None })
     }
 
     fn files(&self, artefact: &Artefact, value: &Calibration, at: &Pipeline<'_>) -> Vec<NewFile> {
@@ -140,8 +146,8 @@ fn label(stiffness: &mut StiffnessRecord, study: &Study, geometry: &Geometry) {
     }
 }
 
-/// A contact at the end of a contact zone that cannot be made larger means a load too large for the study; on a
-/// profile under the smallest load, a place at which the two profiles have no room for a contact.
+/// A contact at the end of a contact zone that cannot be made larger, under so small a load that there is no law, means loads too large
+/// for the study; on a profile under the smallest load, a place at which the two profiles have no room for a contact.
 fn uncarried(study: &Study, error: Error) -> Error {
     let Error::Numerics(cause) = &error else { return error };
     let given = study.rail.mesh.is_some() || study.wheel.mesh.is_some();

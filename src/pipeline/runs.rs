@@ -7,6 +7,7 @@ use std::sync::Arc;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::history::{Ending, History};
 use railspring_calibrate::pair::PairBody;
+use railspring_calibrate::transient::TransientRun;
 
 use super::stage::{Made, REACH, Stage};
 use super::{Moving, OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};
@@ -15,7 +16,7 @@ use crate::output::to_json;
 use crate::records::{RunRecord, SpringsRecord, history_csv};
 use crate::results::NewFile;
 use crate::springs;
-use crate::stages::{self, Meshes};
+use crate::stages::{self, Meshes, OtherSteps, Reached, Within};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::StudyScenario;
 
@@ -125,14 +126,15 @@ impl Stage for SimulateSolid<'_> {
             };
             stages::simulate_solid(study, &geometry, meshes, &bodies, self.scenario, monitor)
         };
-        let (run, other_steps) =
-            stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, |_| None)
+        let reached = |(run, _): &(TransientRun, OtherSteps)| Reached::in_time(run.history.ending);
+        let Within { result: (run, other_steps), refused } =
+            stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, reached)
                 .map_err(|error| study.in_scenario(self.name, error))?;
         at.moving = moving.into_inner();
         let reach = at.go_on_with(meshes);
         let record = RunRecord::of_solid(&run.history, run.reduction.as_ref(), other_steps);
         let artefact = artefact(&run.history, &record);
-        Ok(Made::whole(artefact.with(REACH, to_json(&reach))))
+        Ok(Made { complete: !refused, ..Made::whole(artefact.with(REACH, to_json(&reach))) })
     }
 
     fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Run> {

@@ -167,7 +167,8 @@ impl Pipeline<'_> {
             (Some(stiffness), Some(load_curve), Some(patches), Some(by_angle), Some(verdict))
                 if faults.is_empty() =>
             {
-                let calibration = Calibration { stiffness, load_curve, patches, horizontal_failure: None };
+                let calibration =
+                    Calibration { stiffness, load_curve, patches, horizontal_failure: None, law_end: None };
                 Ok(Stored { calibration, by_angle, runs, verdict })
             }
             _ => Err(faults.error(self.study)),
@@ -224,7 +225,7 @@ impl Faults {
     }
 }
 
-/// A complete run has all steps of the scenario, one that left the profile fewer; each at its time.
+/// A complete run has all steps of the scenario, one that ended early fewer; each at its time.
 fn check_times(path: &str, history: &History, scenario: &StudyScenario, made_by: &str) -> Result<()> {
     let scenario = &scenario.scenario;
     let (rows, all) = (history.rows.len(), scenario.steps + 1);

@@ -1,7 +1,9 @@
 //! What belongs to a history besides its rows: the model's size, how the run ended, and the springs that it ran with.
 
+use nalgebra::Point2;
 use railspring_calibrate::history::{Ending, History};
 use railspring_calibrate::transient::Reduction;
+use railspring_calibrate::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 
 use super::{BeamFactors, LawConstants};
@@ -12,11 +14,14 @@ use crate::verify::StepChange;
 pub struct RunRecord {
     /// Degrees of freedom of the model.
     pub degrees_of_freedom: usize,
-    /// How the run ended: `completed`, or where the wheel went when it left the rail.
+    /// How the run ended: `completed`, where the wheel went when it left the rail, or which end of the surfaces the contact reached.
     pub ending: String,
-    /// When the wheel left the rail, s.
+    /// When the run ended, if not with its last step, s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub left_at_s: Option<f64>,
+    pub ended_at_s: Option<f64>,
+    /// Where the contact reached the end of the surfaces, if it did: y and z in the rail's profile frame, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ended_at_rail_mm: Option<[f64; 2]>,
     /// The springs of the simple model; none in a run of the solid model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub springs: Option<SpringsRecord>,
@@ -47,7 +52,8 @@ impl RunRecord {
         Self {
             degrees_of_freedom: history.degrees_of_freedom,
             ending: history.ending.name().into(),
-            left_at_s: history.ending.time(),
+            ended_at_s: history.ending.time(),
+            ended_at_rail_mm: history.ending.rail().map(|place| [place.x, place.y].map(|at| at / MILLIMETRE)),
             springs: springs.cloned(),
             reduction: None,
             step_change: step_change.ok(),
@@ -62,6 +68,9 @@ impl RunRecord {
         step_change: Result<StepChange, String>,
     ) -> Self {
         let record = reduction.map(ReductionRecord::from);
+        let unknown = reduction.filter(|reduction| reduction.time == 0.0).map(|_| {
+            "solid model: what other modes change is not known: a run with them ended in its first time step".into()
+        });
         let notes = reduction.filter(|reduction| !reduction.suffices()).map(|reduction| {
             let [vertical, lateral] = reduction.change.map(|change| 100.0 * change);
             format!(
@@ -70,12 +79,16 @@ impl RunRecord {
                 reduction.modes[0].max(reduction.modes[1])
             )
         });
-        Self { reduction: record, ..Self::new(history, None, step_change, notes.into_iter().collect()) }
+        Self {
+            reduction: record,
+            ..Self::new(history, None, step_change, notes.into_iter().chain(unknown).collect())
+        }
     }
 
     /// How the run ended; `None` if the record names no known ending.
     pub fn ending(&self) -> Option<Ending> {
-        Ending::from_parts(&self.ending, self.left_at_s)
+        let rail = self.ended_at_rail_mm.map(|[y, z]| Point2::new(y * MILLIMETRE, z * MILLIMETRE));
+        Ending::from_parts(&self.ending, self.ended_at_s, rail)
     }
 }
 

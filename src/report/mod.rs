@@ -149,6 +149,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "inputs": tables::grouped(data.inputs),
             "stiffness": stiffness,
             "springs": springs,
+            "shortened": stiffness.shortened(),
             "worth": tables::worth(&stiffness),
             "worth_by_angle": data.by_angle.and_then(by_angle::worth),
             "scenarios": scenarios,

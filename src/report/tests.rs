@@ -159,6 +159,23 @@ fn short_histories_are_drawn() {
     }
 }
 
+/// Goal: laws that end before the largest load of the study have a sentence with both loads, the number of those left out and the reason; laws with
+/// all loads have none.
+#[test]
+fn laws_without_all_loads_say_so() {
+    let whole = samples::stiffness();
+    assert_eq!(whole.shortened(), None);
+    let reason = "contact at 180.000 kN: the contact reached the end of the contact window along the track";
+    let law_end =
+        crate::records::LawEndRecord { loads_left_out: 2, largest_wanted_kn: 220.0, reason: reason.into() };
+    let short = crate::records::StiffnessRecord { law_end: Some(law_end), ..whole };
+    let sentence = short.shortened().unwrap();
+    assert_eq!(
+        sentence,
+        format!("the laws end at 150 kN instead of 220 kN, without 2 of the loads: {reason}")
+    );
+}
+
 /// Goal: the page has the error band of the law in use as sentence, table and bars; without a band it has none of them.
 #[test]
 fn the_page_says_what_the_law_is_worth() {

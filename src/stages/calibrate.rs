@@ -23,7 +23,7 @@ use super::patches::{below_record, chosen, patch_record};
 use super::{FieldFile, Geometry, Interiors, Meshes, contact_field, enforcement};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
-    HorizontalRecord, LawRecord, LoadCurveRow, PatchesRecord, PenaltyRecord, ReferenceRecord,
+    HorizontalRecord, LawEndRecord, LawRecord, LoadCurveRow, PatchesRecord, PenaltyRecord, ReferenceRecord,
     StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord, TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, Study};
@@ -41,6 +41,8 @@ pub struct Calibration {
     pub patches: PatchesRecord,
     /// Why the horizontal stiffness is missing, if it is.
     pub horizontal_failure: Option<Error>,
+    /// Why the laws end before the largest load, if they do.
+    pub law_end: Option<Error>,
 }
 
 /// Refuses a calibration without friction.
@@ -71,7 +73,8 @@ pub fn contact_conditions(study: &Study) -> ContactConditions {
 
 /// The load curve, the laws and the horizontal stiffness, the files of the fields, and the laws as they are.
 ///
-/// A horizontal stiffness without an answer is no error here: the normal laws are finished and worth keeping.
+/// Laws that end before the largest load, and a horizontal stiffness without an answer, are no error here: what is finished is worth
+/// keeping.
 ///
 /// # Errors
 /// A load that cannot be carried, a rail too short to be a beam, and numerics without an answer.
@@ -119,10 +122,16 @@ pub fn calibrate(
     let poisson = study.material.poisson;
     let below: Vec<Option<Subsurface>> =
         states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
+    let law_end = pressed.ended().cloned();
     let record = StiffnessRecord {
         study: study.name.clone(),
         reference: reference.name().into(),
         law: law_record(&in_use.fit),
+        law_end: law_end.as_ref().map(|reason| LawEndRecord {
+            loads_left_out: study.calibration.loads.len() - states.len(),
+            largest_wanted_kn: study.calibration.loads.last().map_or(f64::NAN, |load| load / KILONEWTON),
+            reason: reason.to_string(),
+        }),
         horizontal_kn_per_m: stiffness.map(|k| k / KILONEWTON_PER_METRE),
         horizontal: horizontal.as_ref().map(horizontal_record),
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
@@ -179,7 +188,7 @@ pub fn calibrate(
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure }, fields, laws))
+    Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure, law_end }, fields, laws))
 }
 
 /// `horizontal` is the stiffness in series with the beam, N/m.

@@ -24,8 +24,8 @@ pub use error_band::{
 };
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use sections::repairs;
-pub use simulate::{MovingBodies, Springs, simulate, simulate_solid};
-pub use zones::{check_loads, mesh_options, within_zones};
+pub use simulate::{MovingBodies, OtherSteps, Springs, simulate, simulate_solid};
+pub use zones::{Reached, Within, check_loads, mesh_options, within_zones};
 
 use std::path::Path;
 
@@ -56,6 +56,7 @@ pub struct Geometry {
 }
 
 /// The meshes of both bodies.
+#[derive(Clone)]
 pub struct Meshes {
     /// The rail, in the world frame.
     pub rail: HexMesh,

@@ -69,7 +69,7 @@ pub fn simulate(
     let change = match with(other) {
         Ok(changed) => {
             let steps = [steps, other].map(InnerSteps::Equal);
-            Ok(StepChange::between([&history, &changed], steps, scenario.scenario.time_step))
+            StepChange::between([&history, &changed], steps, scenario.scenario.time_step)
         }
         Err(Error::Interrupted) => return Err(Error::Interrupted),
         Err(error) => Err(error.to_string()),
@@ -133,7 +133,7 @@ fn change(scenario: &Scenario, run: &TransientRun) -> OtherSteps {
     match &run.longer {
         Some(Ok(longer)) => {
             let steps = [scenario.inner_steps, scenario.inner_steps.doubled()];
-            Ok(StepChange::between([&run.history, longer], steps, scenario.time_step))
+            StepChange::between([&run.history, longer], steps, scenario.time_step)
         }
         Some(Err(reason)) => Err(reason.clone()),
         // half the length would take twice as long as the run

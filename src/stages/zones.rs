@@ -5,8 +5,9 @@
 //! made larger, the bodies are meshed again, and the run starts again.
 
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::error::{Error, InputError, NumericsError, Result, StopReason};
+use railspring_calibrate::error::{Error, InputError, NumericsError, Result};
 use railspring_calibrate::field::InputField;
+use railspring_calibrate::history::{Ending, SurfaceEnd};
 use railspring_calibrate::mesh::{MeshOptions, SectionOutline, rail_outline, wheel_outline};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::profile::ProfileCurve;
@@ -168,12 +169,43 @@ fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64,
     Some((field, load, patch.semi_axis_x))
 }
 
+/// The end of a contact zone that a contact has reached.
+pub struct Reached {
+    end: SurfaceEnd,
+    /// When or under which load, in words.
+    cause: String,
+}
+
+impl Reached {
+    /// The end that numerics have stopped at, if it is that.
+    pub fn by(cause: &NumericsError) -> Option<Self> {
+        Some(Self { end: SurfaceEnd::of(cause.reason)?, cause: cause.to_string() })
+    }
+
+    /// The end that a run has ended at, if it has.
+    pub fn in_time(ending: Ending) -> Option<Self> {
+        match ending {
+            Ending::EndOfSurface { end, .. } => Some(Self { end, cause: ending.to_string() }),
+            Ending::Completed | Ending::Departed { .. } => None,
+        }
+    }
+}
+
+/// What work within the contact zones has come to.
+pub struct Within<T> {
+    /// Its result.
+    pub result: T,
+    /// Whether there would be more of it, had larger meshes not been refused: then it does not follow from the study alone.
+    pub refused: bool,
+}
+
 /// Runs `work` on the meshes. Where the contact reaches the end of the contact zone, makes the zone larger, meshes again,
-/// says so, and runs `work` again; `meshes` are then the larger ones, which `accept` has seen before. `missing` is why
-/// a part of a result is missing; the rest of it is kept where no larger zone can be had.
+/// says so, and runs `work` again; `meshes` are then the larger ones, which `accept` has seen before. `reached` is the end of the zone
+/// that keeps a result from being whole; where no larger zone can be had, the result is what there is.
 ///
 /// # Errors
-/// Those of `work` and of `accept`, and that of a contact at the end of a zone that cannot be made larger.
+/// Those of `work`, with a contact at the end of a zone that cannot be made larger where there is no result without it; those of
+/// `accept`, unless there is a result.
 pub fn within_zones<T>(
     study: &Study,
     geometry: &Geometry,
@@ -181,70 +213,56 @@ pub fn within_zones<T>(
     monitor: &dyn Monitor,
     accept: impl Fn(&Meshes) -> Result<()>,
     work: impl Fn(&Meshes) -> Result<T>,
-    missing: impl Fn(&T) -> Option<&Error>,
-) -> Result<T> {
+    reached: impl Fn(&T) -> Option<Reached>,
+) -> Result<Within<T>> {
+    let whole = |result| Within { result, refused: false };
     for _ in 0..EXTENSIONS {
         let done = work(meshes);
-        let failure = match &done {
-            Ok(result) => missing(result),
-            Err(failure) => Some(failure),
+        let at_the_end = match &done {
+            Ok(result) => reached(result),
+            Err(Error::Numerics(cause)) => Reached::by(cause),
+            Err(_) => None,
         };
-        let Some(Error::Numerics(cause)) = failure else { return done };
-        if !at_the_end(cause.reason) {
-            return done;
+        let Some(Reached { end, cause }) = at_the_end else { return done.map(whole) };
+        let Some(next) = enlarged(study, geometry, meshes, end) else { return done.map(whole) };
+        match (accept(&next), done) {
+            (Ok(()), _) => {}
+            (Err(refusal @ Error::Input(_)), Ok(result)) => {
+                monitor.notice(&format!("{cause}; a larger contact zone is refused: {refusal}"));
+                return Ok(Within { result, refused: true });
+            }
+            (Err(refusal), _) => return Err(refusal),
         }
-        let Some(next) = enlarged(study, geometry, meshes, cause, monitor) else { return done };
-        accept(&next)?;
+        monitor.notice(&format!(
+            "{cause}; meshed again with a contact zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
+            next.options.rail_zone.face_depth / MILLIMETRE,
+            next.options.wheel_zone.face_depth / MILLIMETRE,
+            next.options.window_half_length / MILLIMETRE
+        ));
         *meshes = next;
     }
-    work(meshes)
+    work(meshes).map(whole)
 }
 
-/// Meshes with a larger zone, where the contact of `cause` has reached the end of that of `meshes`; says so. `None` where no larger zone
-/// can be had.
-fn enlarged(
-    study: &Study,
-    geometry: &Geometry,
-    meshes: &Meshes,
-    cause: &NumericsError,
-    monitor: &dyn Monitor,
-) -> Option<Meshes> {
-    let options = larger(study, geometry, &meshes.options, cause.reason)?;
+/// Meshes with a larger zone, where the contact has reached the `end` of that of `meshes`; `None` where no larger zone can be had.
+fn enlarged(study: &Study, geometry: &Geometry, meshes: &Meshes, end: SurfaceEnd) -> Option<Meshes> {
+    let options = larger(study, geometry, &meshes.options, end)?;
     // a zone that the sections have no room for leaves the contact where it ended
-    let next = remeshed_with(study, geometry, meshes, options).ok()?;
-    monitor.notice(&format!(
-        "{cause}; meshed again with a contact zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
-        next.options.rail_zone.face_depth / MILLIMETRE,
-        next.options.wheel_zone.face_depth / MILLIMETRE,
-        next.options.window_half_length / MILLIMETRE
-    ));
-    Some(next)
-}
-
-fn at_the_end(reason: StopReason) -> bool {
-    matches!(reason, StopReason::EdgeOfCandidates | StopReason::EndOfWindow)
+    remeshed_with(study, geometry, meshes, options).ok()
 }
 
 /// Options of a mesh with a larger zone; `None` if there is none.
-fn larger(
-    study: &Study,
-    geometry: &Geometry,
-    options: &MeshOptions,
-    reason: StopReason,
-) -> Option<MeshOptions> {
+fn larger(study: &Study, geometry: &Geometry, options: &MeshOptions, end: SurfaceEnd) -> Option<MeshOptions> {
     let mut next = options.clone();
-    if reason == StopReason::EndOfWindow {
-        if !window_is_ours(study) {
-            return None;
+    match end {
+        SurfaceEnd::ContactWindow if window_is_ours(study) => {
+            let longer = 1.5 * next.window_half_length;
+            next.window_half_length =
+                longer.min(longest_window(study, geometry)).max(next.window_half_length);
+            next.contact_half_length = contact_half_length(study, geometry, next.window_half_length);
         }
-        let longer = 1.5 * next.window_half_length;
-        next.window_half_length = longer.min(longest_window(study, geometry)).max(next.window_half_length);
-        next.contact_half_length = contact_half_length(study, geometry, next.window_half_length);
-    } else {
-        if !meshes_are_ours(study) {
-            return None;
-        }
-        extend_zones(geometry, &mut next, LONGER);
+        SurfaceEnd::ContactZone if meshes_are_ours(study) => extend_zones(geometry, &mut next, LONGER),
+        SurfaceEnd::ContactWindow | SurfaceEnd::ContactZone | SurfaceEnd::RailProfile => return None,
     }
     (next != *options).then_some(next)
 }
@@ -320,11 +338,75 @@ mod tests {
             stages::calibrate(&study, &geometry, meshes, &condensed, interiors, &notes)
         };
         let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
-        assert_eq!(cause.reason, StopReason::EdgeOfCandidates);
+        assert_eq!(SurfaceEnd::of(cause.reason), Some(SurfaceEnd::ContactZone));
         within_zones(&study, &geometry, &mut meshes, &notes, |_| Ok(()), press, |_| None).unwrap();
         assert!(meshes.options.wheel_zone.face_depth > 17e-3, "{:?}", meshes.options.wheel_zone);
         let notes = notes.0.into_inner().unwrap();
         assert!(!notes.is_empty() && notes.iter().all(|n| n.contains("meshed again")), "{notes:?}");
+    }
+
+    /// Goal: a run that has ended at the end of a zone is kept where larger meshes are refused, with the reason, and is not whole then; where no larger
+    /// zone can be had (the end of a profile; a window that the study gives) it is kept as it is. Otherwise the zone is made longer as often
+    /// as may be. An error without a result stays the refusal.
+    #[test]
+    fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
+        use nalgebra::Point2;
+        use railspring_calibrate::error::StopReason;
+        let study = flange_contact(
+            "window_half_length_mm = 12
+",
+        );
+        let geometry = stages::geometry(&study).unwrap();
+        let options = mesh_options(&study, &geometry);
+        let meshes = stages::meshes(&study, &geometry, options, None, &Notes::default()).unwrap();
+        let ended = |end| Ending::EndOfSurface { time: 0.0435, end, rail: Point2::new(-0.03, 0.01) };
+        let refuse = |_: &Meshes| {
+            Err(InputError::new("--memory", "1 GiB", "2 GiB for the larger meshes", "raise it").into())
+        };
+        let within = |end, accept: &dyn Fn(&Meshes) -> Result<()>| {
+            let (mut used, notes, runs) = (meshes.clone(), Notes::default(), Mutex::new(0));
+            let work = |_: &Meshes| {
+                *runs.lock().unwrap() += 1;
+                Ok(ended(end))
+            };
+            let reached = |ending: &Ending| Reached::in_time(*ending);
+            let done = within_zones(&study, &geometry, &mut used, &notes, accept, work, reached).unwrap();
+            assert_eq!(done.result, ended(end));
+            let longer = used.options != meshes.options;
+            (done.refused, longer, runs.into_inner().unwrap(), notes.0.into_inner().unwrap())
+        };
+        let (refused, longer, runs, notes) = within(SurfaceEnd::ContactZone, &refuse);
+        assert_eq!((refused, longer, runs, notes.len()), (true, false, 1, 1));
+        assert!(notes[0].contains("at 0.0435 s") && notes[0].contains("is refused: --memory"), "{notes:?}");
+        for end in [SurfaceEnd::ContactWindow, SurfaceEnd::RailProfile] {
+            assert_eq!(within(end, &refuse), (false, false, 1, Vec::new()));
+        }
+        let (refused, longer, runs, notes) = within(SurfaceEnd::ContactZone, &|_| Ok(()));
+        assert_eq!((refused, longer, runs, notes.len()), (false, true, EXTENSIONS + 1, EXTENSIONS));
+
+        let stop = NumericsError {
+            stage: "contact".into(),
+            step: None,
+            iteration: 0,
+            residual: 0.0,
+            active: 1,
+            reason: StopReason::EdgeOfCandidates,
+        };
+        let fail = |_: &Meshes| -> Result<Ending> { Err(stop.clone().into()) };
+        let notes = Notes::default();
+        let failed =
+            within_zones(&study, &geometry, &mut meshes.clone(), &notes, refuse, fail, |_| None).map(|_| ());
+        assert!(failed.unwrap_err().to_string().starts_with("--memory = 1 GiB"));
+
+        // a fine grid that does not settle is not a matter of the zone: nothing is meshed again for it
+        let unsettled = |_: &Meshes| -> Result<Ending> {
+            Err(NumericsError { reason: StopReason::GridUnsettled, ..stop.clone() }.into())
+        };
+        let failed =
+            within_zones(&study, &geometry, &mut meshes.clone(), &notes, |_| Ok(()), unsettled, |_| None);
+        let failed = failed.map(|_| ()).unwrap_err().to_string();
+        assert!(failed.contains("does not hold the patch"), "{failed}");
+        assert!(notes.0.into_inner().unwrap().is_empty());
     }
 
     /// Goal: the window that the program chooses is as long as the patch on the flange asks for, which the normal force,

@@ -33,8 +33,18 @@ pub struct StepChange {
 
 impl StepChange {
     /// From a run to the same with other steps within its time steps (s); where one of them ends early, over the times of both.
-    pub fn between([run, other]: [&History; 2], steps: [InnerSteps; 2], time_step: f64) -> Self {
+    ///
+    /// # Errors
+    /// How a run ended that has no time step.
+    pub fn between(
+        [run, other]: [&History; 2],
+        steps: [InnerSteps; 2],
+        time_step: f64,
+    ) -> Result<Self, String> {
         let common = run.rows.len().min(other.rows.len());
+        if let Some(ended) = [run, other].into_iter().find(|run| run.rows.len() < 2) {
+            return Err(format!("one of the two runs has no time step: {}", ended.ending));
+        }
         let of = |history: &History| History { rows: history.rows[..common].to_vec(), ..history.clone() };
         let (run, other) = (of(run), of(other));
         let changes = |value: fn(&HistoryRow) -> f64| -> Vec<f64> {
@@ -50,7 +60,7 @@ impl StepChange {
         let ratio: Vec<f64> =
             ratios[0].iter().zip(&ratios[1]).filter_map(|(a, b)| Some((*b)? - (*a)?)).collect();
         let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));
-        Self {
+        Ok(Self {
             steps_s: steps[0].lengths(time_step),
             other_steps_s: steps[1].lengths(time_step),
             until_s: run.rows.last().map_or(0.0, |row| row.time),
@@ -60,7 +70,7 @@ impl StepChange {
             q_max: peak(&q),
             ratio_rms: of_ratio(rms),
             ratio_max: of_ratio(peak),
-        }
+        })
     }
 }
 
@@ -120,11 +130,11 @@ mod tests {
     #[test]
     fn changes_are_over_the_runs_own_largest() {
         let near = |a: f64, b: f64| (a - b).abs() < ROUNDOFF;
-        let change = StepChange::between([&run(9, 0.5, 0.0), &run(9, 0.5, 12e3)], TWO_AND_ONE, 1e-3);
+        let change = StepChange::between([&run(9, 0.5, 0.0), &run(9, 0.5, 12e3)], TWO_AND_ONE, 1e-3).unwrap();
         assert!(near(change.p_max, 0.1) && near(change.p_rms, 0.1 / 3.0), "{change:?}");
         assert!(near(change.q_max, 0.1) && near(change.q_rms, 0.1 / 3.0), "{change:?}");
         assert!(near(change.ratio_max.unwrap(), 0.0) && near(change.until_s, 8e-3), "{change:?}");
-        let change = StepChange::between([&run(9, 0.5, 0.0), &run(7, 0.6, 0.0)], TWO_AND_ONE, 1e-3);
+        let change = StepChange::between([&run(9, 0.5, 0.0), &run(7, 0.6, 0.0)], TWO_AND_ONE, 1e-3).unwrap();
         assert!(
             near(change.p_max, 0.0) && near(change.q_max, 0.2) && near(change.until_s, 6e-3),
             "{change:?}"
@@ -135,7 +145,10 @@ mod tests {
             "{change}"
         );
         let still = run(5, 0.0, 0.0);
-        let change = StepChange::between([&still, &still], [InnerSteps::Equal(1); 2], 1e-3);
+        let change = StepChange::between([&still, &still], [InnerSteps::Equal(1); 2], 1e-3).unwrap();
         assert_eq!((change.q_rms, change.q_max, change.ratio_max), (0.0, 0.0, Some(0.0)));
+        // without a time step there is nothing to compare, and no change of zero
+        let unknown = StepChange::between([&still, &run(1, 0.5, 0.0)], TWO_AND_ONE, 1e-3).unwrap_err();
+        assert!(unknown.starts_with("one of the two runs has no time step: ran to"), "{unknown}");
     }
 }

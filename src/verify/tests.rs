@@ -206,6 +206,31 @@ fn a_load_case_without_contact_fails() {
     assert!(!run_lines(&first_only, None)[1].holds, "the initial state does not count");
 }
 
+/// Goal: a run whose contact reached the end of the surfaces counts among those that end before the last step, with the reason, time (s) and
+/// place (mm); the steps before that are compared, and no time of a departure is.
+#[test]
+fn a_run_at_the_end_of_its_surfaces_fails() {
+    use nalgebra::Point2;
+    use railspring_calibrate::history::{Departure, SurfaceEnd};
+    let whole = history(551, |t| (1e5 * (1.0 + t), 2e4), SLIP);
+    let mut cut = history(100, |t| (1e5 * (1.0 + t), 2e4), SLIP);
+    let (time, rail) = (100.0 * STEP, Point2::new(-0.0358, 0.0142));
+    cut.ending = Ending::EndOfSurface { time, end: SurfaceEnd::ContactZone, rail };
+    let mut left = whole.clone();
+    left.ending = Ending::Departed { time: 0.3, departure: Departure::FieldSide };
+    for other in [&whole, &left] {
+        let found = compare(other, &cut, &Limits::default()).unwrap();
+        let ends = line(&found, "Models whose run ends before");
+        let ended = 1.0 + f64::from(u8::from(other.ending != Ending::Completed));
+        assert_eq!((ends.value, ends.holds), (Some(ended), false));
+        let note = ends.note.as_ref().unwrap();
+        assert!(note.contains("solid model: the contact reached the end of the contact zone"), "{note}");
+        assert!(note.contains("at 0.05 s (y = -35.8 mm, z = 14.2 mm"), "{note}");
+        assert_eq!(reason(&found, "departure_s"), Some("a run ended at the end of its model's surfaces"));
+        assert_eq!(value(&found, "P, largest"), Some(0.0), "equal until then");
+    }
+}
+
 /// Goal: a run that left the profile fails, with its time said; the steps before that are compared, and the times where
 /// both leave to the same side, s.
 #[test]

@@ -19,8 +19,9 @@ pub(crate) use zone::{Change, Placed, Places, Zone, distance};
 use crate::contact::{
     BodyCompliance, Compliance, ContactPoint, HalfSpace, PointMode, Side, hub_response, total,
 };
-use crate::error::{InputError, NumericsError, Result, StopReason};
+use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
+use crate::history::SurfaceEnd;
 use crate::law::{LawFit, NormalLaw, TableLaw, fit_law};
 use crate::monitor::Monitor;
 use faer::Mat;
@@ -160,6 +161,20 @@ pub fn press_loads(
     stage: &str,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Pressed>> {
+    let (states, ended) = press_carried(wheel_on_rail, loads, stage, monitor)?;
+    ended.map_or(Ok(states), Err)
+}
+
+/// The same up to the first load whose contact reaches the end of the contact zone, and that error, if there is such a load.
+///
+/// # Errors
+/// Those of [`press_loads`] for other reasons.
+pub(crate) fn press_carried(
+    wheel_on_rail: &WheelOnRail,
+    loads: &[f64],
+    stage: &str,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Pressed>, Option<Error>)> {
     if loads.windows(2).any(|w| !(w[1] > w[0])) {
         return Err(InputError::new(
             InputField::Loads,
@@ -172,11 +187,16 @@ pub fn press_loads(
     let mut states: Vec<Pressed> = Vec::new();
     for (i, &load) in loads.iter().enumerate() {
         monitor.progress(stage, i, loads.len())?;
-        let state = wheel_on_rail.press(load, states.last()).map_err(|error| error.at_step(i + 1))?;
-        states.push(state);
+        match wheel_on_rail.press(load, states.last()).map_err(|error| error.at_step(i + 1)) {
+            Ok(state) => states.push(state),
+            Err(Error::Numerics(end)) if SurfaceEnd::of(end.reason).is_some() => {
+                return Ok((states, Some(end.into())));
+            }
+            Err(error) => return Err(error),
+        }
     }
     monitor.progress(stage, loads.len(), loads.len())?;
-    Ok(states)
+    Ok((states, None))
 }
 
 /// Displacement, tangent stiffness and patch of the states of [`press_loads`]. With the reference `beam` the rail's

@@ -1,6 +1,7 @@
 //! The wheel pressed on the rail: static equilibrium under a wanted load.
 
 use super::candidates::{Candidates, FinePlan};
+use super::grid::touches_border;
 use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reached};
 use crate::contact::{ContactPoint, Factors, FreeDirection, Problem, Side, gaps, solve_with};
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
@@ -146,7 +147,9 @@ impl WheelOnRail<'_> {
                 let grid = self.rail_surface.grid;
                 let reached = match &state.elasticity {
                     Elasticity::Elements(_) => edge_reached(points, forces, grid.along_track.len()),
-                    Elasticity::Hybrid(fine) => fine.edge_reached(points, forces, grid),
+                    Elasticity::Hybrid(fine) => fine
+                        .edge_reached(points, forces, grid)
+                        .or_else(|| touches_border(points, forces).then_some(StopReason::GridUnsettled)),
                 };
                 return match reached {
                     Some(reason) => Err(failure(iteration, 0.0, active, reason)),
@@ -201,8 +204,8 @@ fn add_motion(points: &[ContactPoint], way: &Vector2<f64>, free: &mut [f64]) {
 
 /// Whether an iteration did not settle, which another start may cure.
 fn unsettled(error: &Error) -> bool {
-    use StopReason::{IterationLimit, NotFinite, Singular};
-    matches!(error, Error::Numerics(e) if matches!(e.reason, IterationLimit | NotFinite | Singular))
+    use StopReason::{GridUnsettled, IterationLimit, NotFinite, Singular};
+    matches!(error, Error::Numerics(e) if matches!(e.reason, GridUnsettled | IterationLimit | NotFinite | Singular))
 }
 
 fn at_load(error: Error, load: f64) -> Error {

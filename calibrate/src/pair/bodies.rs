@@ -4,9 +4,10 @@ use super::geometry::{Pair, PairMeshes};
 use super::solids::{PairBody, PairSolids};
 use crate::calibration::{
     ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference,
-    WheelOnRail, calibrate_horizontal, calibrate_normal, press_loads,
+    WheelOnRail, calibrate_horizontal, calibrate_normal, press_carried,
 };
-use crate::error::{InputError, Result};
+use crate::error::{Error, InputError, Result};
+use crate::law::LEAST_LOADS;
 use crate::mesh::SurfaceGrid;
 use crate::monitor::Monitor;
 use crate::solid::{Formulation, Material};
@@ -158,10 +159,11 @@ impl CondensedPair {
     }
 
     /// Presses the wheel on the rail with every load (N, ascending) in turn, the rail's foot fixed, and again with its
-    /// section at the contact fixed.
+    /// section at the contact fixed. Where the contact of a load reaches the end of the contact zone, both end with the load before, as
+    /// long as these are enough for a law.
     ///
     /// # Errors
-    /// Those of [`press_loads`].
+    /// Those of [`press_loads`](crate::calibration::press_loads).
     pub fn press<'a>(
         &'a self,
         pair: &'a Pair,
@@ -169,19 +171,22 @@ impl CondensedPair {
         loads: &[f64],
         monitor: &dyn Monitor,
     ) -> Result<PressedPair<'a>> {
-        let on_foot = press_loads(
-            &self.wheel_on_rail(pair, Reference::Foot, contact),
-            loads,
-            "calibration, foot held",
-            monitor,
-        )?;
-        let on_section = press_loads(
-            &self.wheel_on_rail(pair, Reference::Beam, contact),
-            loads,
-            "calibration, section held",
-            monitor,
-        )?;
-        Ok(PressedPair { pair, bodies: self, contact, on_foot, on_section })
+        let press = |reference, loads: &[f64], stage| -> Result<(Vec<Pressed>, Option<Error>)> {
+            let (states, ended) =
+                press_carried(&self.wheel_on_rail(pair, reference, contact), loads, stage, monitor)?;
+            match ended {
+                Some(error) if states.len() < LEAST_LOADS => Err(error),
+                ended => Ok((states, ended)),
+            }
+        };
+        let (mut on_foot, mut ended) = press(Reference::Foot, loads, "calibration, foot held")?;
+        let carried = &loads[..on_foot.len()];
+        let (on_section, earlier) = press(Reference::Beam, carried, "calibration, section held")?;
+        if earlier.is_some() {
+            on_foot.truncate(on_section.len());
+            ended = earlier;
+        }
+        Ok(PressedPair { pair, bodies: self, contact, on_foot, on_section, ended })
     }
 
     /// The wheel in place on the rail, pressed downwards, with what the reference fixes of the rail.
@@ -205,6 +210,7 @@ pub struct PressedPair<'a> {
     contact: ContactConditions,
     on_foot: Vec<Pressed>,
     on_section: Vec<Pressed>,
+    ended: Option<Error>,
 }
 
 impl PressedPair<'_> {
@@ -214,6 +220,11 @@ impl PressedPair<'_> {
             Reference::Beam => &self.on_section,
             Reference::Foot | Reference::Local => &self.on_foot,
         }
+    }
+
+    /// Why there are states only up to the load before the largest wanted ones, if so.
+    pub fn ended(&self) -> Option<&Error> {
+        self.ended.as_ref()
     }
 
     /// Fits the normal law of a reference.

@@ -13,6 +13,7 @@ use crate::calibration::{
 use crate::contact::Subsurface;
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
+use crate::law::LEAST_LOADS;
 use crate::monitor::Monitor;
 use crate::placement::Touch;
 use nalgebra::{Matrix2, Point2, Unit, Vector2};
@@ -240,9 +241,6 @@ fn angle_law(mut on_foot: Sequence, mut on_section: Sequence, along: Unit<Vector
     ];
     Ok(AngleLaw { laws, fixed, ended })
 }
-
-/// Fewer loads are no law.
-const LEAST_LOADS: usize = 4;
 
 /// What the loads in turn have come to, the rail held in one way.
 struct Sequence {

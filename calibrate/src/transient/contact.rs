@@ -55,8 +55,12 @@ const TOO_FINE: f64 = 1.3;
 /// Points that the free motion of a step makes overlap, of which half carry load in Hertz' contact; with more of them the grid is
 /// made coarser by √2.
 const MOST_OVERLAPPING: usize = 1000;
-/// Changes of the fine grid and its reach at most, in a step.
-const GRID_CHANGES: usize = 6;
+/// Times that the reach of the fine grid is widened at most, in a step; each time by twice as many lines of the mesh as before, so that
+/// meshes with cells smaller than those of the grid hold the patch as well. The cells themselves only become finer, down to
+/// [`FINEST_CELL`], or coarser.
+const WIDENINGS: usize = 6;
+/// Solutions that changes of the grid and of its reach may take in a step, beside those that pair again.
+const GRID_CHANGES: usize = 2 * WIDENINGS;
 
 /// What the contact of every step of a run has in common.
 pub(super) struct StepContact<'m> {
@@ -214,9 +218,9 @@ impl<'m> StepContact<'m> {
         let mut previous: Option<LastContact> = None;
         let mut lattice = self.lattice_after(last);
         let mut region: Option<(Places, Vec<bool>)> = None;
-        let mut changes = 0;
+        let mut widenings = 0;
         let mut coarsened = false;
-        for pairing in 1..=PAIRING_LIMIT + 2 * GRID_CHANGES {
+        for pairing in 1..=PAIRING_LIMIT + GRID_CHANGES {
             let start = previous.as_ref().unwrap_or(last);
             let placed = self.placed(places, bodies);
             let (sought_at, near) = match region.take() {
@@ -234,13 +238,22 @@ impl<'m> StepContact<'m> {
             let (points, forces) = (&solved.points, &solved.solution.forces);
             let spreads = touches_border(points, forces);
             let finer = if coarsened { None } else { self.finer(&lattice, &solved) };
-            if spreads || finer.is_some() {
-                if changes == GRID_CHANGES {
-                    return Err(failure(moved, solved.solution.active(), StopReason::EdgeOfCandidates));
+            if spreads && widenings == WIDENINGS {
+                if solved.edge_reached(grid).is_none() {
+                    return Err(failure(moved, solved.solution.active(), StopReason::GridUnsettled));
                 }
-                changes += 1;
+                // where the surfaces end no reach holds the patch, and the run ends there
+                let end = self.end_under(bodies, &solved);
+                return Ok((solved, end));
+            }
+            if spreads || finer.is_some() {
                 lattice = finer.unwrap_or(lattice);
-                let near = if spreads { widened(&near, grid.along_track.len(), 1) } else { near };
+                let near = if spreads {
+                    widenings += 1;
+                    widened(&near, grid.along_track.len(), 1 << (widenings - 1))
+                } else {
+                    near
+                };
                 region = Some((sought_at, near));
                 previous = Some(solved);
                 continue;

@@ -23,7 +23,7 @@ use crate::calibration::{ContactField, Enforcement};
 use crate::contact::Surface;
 use crate::error::{Error, InputError, Result};
 use crate::field::InputField;
-use crate::history::History;
+use crate::history::{History, SurfaceEnd};
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::monitor::Monitor;
 use crate::newmark::Newmark;
@@ -38,7 +38,7 @@ use body::ElasticBody;
 use full::FullBody;
 use nalgebra::{Point3, Vector2};
 use reduced::ReducedBody;
-use run::{Run, ShorterSteps, Step};
+use run::{Observer, Run, ShorterSteps, Step};
 
 /// Everything the transient solid model is made of.
 pub struct TransientModel<'a> {
@@ -162,8 +162,9 @@ impl TransientModel<'_> {
     ///
     /// # Errors
     /// [`InputError`] for a scenario only the moving solver can run, for penalty springs on a fine grid, and for reduced bodies
-    /// without modes; [`crate::error::NumericsError`] with the step if the contact does not settle or leaves the meshed contact
-    /// zone, and with [`crate::error::StopReason::TooFewModes`] if all modes that the bodies have are not enough.
+    /// without modes; [`crate::error::NumericsError`] with the step if the contact does not settle, and with
+    /// [`crate::error::StopReason::TooFewModes`] if all modes that the bodies have are not enough. A contact that reaches the end of
+    /// the meshed contact zone ends the history ([`crate::history::Ending::EndOfSurface`]).
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         refuse_moving(scenario)?;
         scenario.check()?;
@@ -171,33 +172,34 @@ impl TransientModel<'_> {
         if let (SolidBodies::Full { .. }, InnerSteps::Adaptive(_)) = (self.bodies, scenario.inner_steps) {
             return Err(no_shorter_steps());
         }
-        let observe = &mut |step: &Step| match step.contact.edge_reached(self.rail_surface.grid) {
-            Some(reason) => Err(contact::failure(0.0, step.contact.solution.active(), reason)),
-            None => Ok(()),
-        };
         match self.bodies {
             SolidBodies::Full { .. } => {
-                let from_rest = |scenario: &Scenario, observe: &mut dyn FnMut(&Step) -> Result<()>| {
-                    self.run_from(&Vector2::zeros(), scenario, monitor, observe)
+                let from_rest = |scenario: &Scenario| {
+                    self.run_from(&Vector2::zeros(), scenario, monitor, &mut |step| Ok(self.zone_end(step)))
                 };
-                let run = from_rest(scenario, observe)?;
+                let run = from_rest(scenario)?;
                 let longer = reduction::longer_steps(&reduction::first_of(scenario), |longer| {
-                    Ok(from_rest(longer, &mut |_| Ok(()))?.history)
+                    Ok(from_rest(longer)?.history)
                 })?;
                 Ok(TransientRun { longer, ..run })
             }
-            SolidBodies::Reduced { modes, .. } => reduction::run(self, modes, scenario, monitor, observe),
+            SolidBodies::Reduced { modes, .. } => reduction::run(self, modes, scenario, monitor),
         }
     }
 
+    /// The end of the meshed contact zone at which the contact of a step carries load, if it does.
+    fn zone_end(&self, step: &Step) -> Option<SurfaceEnd> {
+        step.contact.edge_reached(self.rail_surface.grid).and_then(SurfaceEnd::of)
+    }
+
     /// Runs `scenario` from just touching, the wheel with a velocity (y, z; m/s), and the suspended mass with that of the wheel;
-    /// `observe` sees every finished step and can end the run. Reduced bodies have all their modes.
+    /// `observe` sees every finished step and ends the run where it names an end of the surfaces. Reduced bodies have all their modes.
     fn run_from(
         &self,
         velocity: &Vector2<f64>,
         scenario: &Scenario,
         monitor: &dyn Monitor,
-        observe: &mut dyn FnMut(&Step) -> Result<()>,
+        observe: &mut Observer,
     ) -> Result<TransientRun> {
         match self.bodies {
             SolidBodies::Full { .. } => {
@@ -220,7 +222,7 @@ impl TransientModel<'_> {
         velocity: &Vector2<f64>,
         scenario: &Scenario,
         monitor: &dyn Monitor,
-        observe: &mut dyn FnMut(&Step) -> Result<()>,
+        observe: &mut Observer,
     ) -> Result<TransientRun> {
         let mut run = Run::new(self, scenario, velocity, bodies.each_ref(), shorter);
         run.finish(("transient solid model", monitor), observe)?;

@@ -1,10 +1,10 @@
 //! How many modes a reduced run has, and what they are worth.
 
 use super::reduced::ReducedBody;
-use super::run::{Run, Step};
+use super::run::Run;
 use super::{LongerSteps, TransientModel, TransientRun, longest};
 use crate::error::{Error, NumericsError, Result, StopReason};
-use crate::history::{History, HistoryRow};
+use crate::history::{Ending, History, HistoryRow};
 use crate::monitor::Monitor;
 use crate::newmark::Newmark;
 use crate::scenario::Scenario;
@@ -60,7 +60,6 @@ pub(super) fn run(
     count: ModeCount,
     scenario: &Scenario,
     monitor: &dyn Monitor,
-    observe: &mut dyn FnMut(&Step) -> Result<()>,
 ) -> Result<TransientRun> {
     let first = match count {
         ModeCount::Given(count) => count,
@@ -71,19 +70,19 @@ pub(super) fn run(
         let mut beside = None;
         let run = rayon::in_place_scope(|scope| {
             scope.spawn(|_| beside = Some(first_steps(model, wanted, scenario, monitor)));
-            some_modes(model, wanted, scenario, ("transient solid model", monitor), observe)
+            some_modes(model, wanted, scenario, ("transient solid model", monitor))
         });
         let ((run, modes), beside) = (run?, beside.expect("the scope has ended")?);
-        let first = first_of(scenario).steps;
         let all = match (&beside.all, &beside.longer) {
-            (Some(all), _) | (None, Some(Ok(all))) => &all.rows[..],
-            _ => &run.history.rows[..run.history.rows.len().min(first + 1)],
+            (Some(all), _) | (None, Some(Ok(all))) => all,
+            _ => &run.history,
         };
+        let steps = compared_steps([&beside.fewer, all], first_of(scenario).steps);
         let reduction = Reduction {
             modes,
             fewer: beside.modes,
-            time: first as f64 * scenario.time_step,
-            change: change(&beside.fewer.rows, all),
+            time: steps as f64 * scenario.time_step,
+            change: change([&beside.fewer, all].map(|run| &run.rows[..run.rows.len().min(steps + 1)])),
         };
         if count != ModeCount::Estimated || reduction.suffices() {
             return Ok(TransientRun { reduction: Some(reduction), longer: beside.longer, ..run });
@@ -126,7 +125,7 @@ fn first_steps(
 ) -> Result<FirstSteps> {
     let of = |count: usize, scenario: &Scenario| -> Result<(History, [usize; 2])> {
         let stage = "first time steps of the transient solid model";
-        let (run, modes) = some_modes(model, count, scenario, (stage, monitor), &mut |_| Ok(()))?;
+        let (run, modes) = some_modes(model, count, scenario, (stage, monitor))?;
         Ok((run.history, modes))
     };
     let fewer = (FEWER * count as f64) as usize;
@@ -178,18 +177,24 @@ fn some_modes(
     count: usize,
     scenario: &Scenario,
     (stage, monitor): (&str, &dyn Monitor),
-    observe: &mut dyn FnMut(&Step) -> Result<()>,
 ) -> Result<(TransientRun, [usize; 2])> {
     let with = |scheme: &Newmark| model.reduced_bodies(scenario, count, scheme);
     let bodies = with(&longest(scenario))?;
     let modes = bodies.each_ref().map(ReducedBody::modes);
     let mut run = Run::new(model, scenario, &Vector2::zeros(), bodies.each_ref(), &with);
-    run.finish((stage, monitor), observe)?;
+    run.finish((stage, monitor), &mut |step| Ok(model.zone_end(step)))?;
     Ok((run.ended(), modes))
 }
 
+/// The time steps over which runs are compared of which the first `most` were wanted: those before the contact of one of them has
+/// reached the end of the surfaces, beyond which nothing is known of its forces.
+fn compared_steps(runs: [&History; 2], most: usize) -> usize {
+    let at_the_end = |run: &&History| matches!(run.ending, Ending::EndOfSurface { .. });
+    runs.into_iter().filter(at_the_end).map(|run| run.rows.len() - 1).fold(most, usize::min)
+}
+
 /// Largest difference of P and of Q over the peaks of the second.
-fn change(a: &[HistoryRow], b: &[HistoryRow]) -> [f64; 2] {
+fn change([a, b]: [&[HistoryRow]; 2]) -> [f64; 2] {
     let of = [|row: &HistoryRow| row.vertical_force, |row: &HistoryRow| row.lateral_force];
     let peak = |force: fn(&HistoryRow) -> f64| b.iter().map(|row| force(row).abs()).fold(0.0, f64::max);
     let peaks = of.map(peak);

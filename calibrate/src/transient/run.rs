@@ -7,7 +7,7 @@ use super::{StepCounts, TransientModel, TransientRun, longest};
 use crate::contact::{ContactPoint, PointMode, Side, Solution, resultant};
 use crate::energy::{EnergyLedger, PartEnergy};
 use crate::error::{Error, Result, StopReason};
-use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
+use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow, SurfaceEnd};
 use crate::monitor::Monitor;
 use crate::newmark::{Motion, Newmark};
 use crate::placement::{departure, lateral_extent};
@@ -106,6 +106,9 @@ pub(super) struct Step<'s> {
     pub sums: [super::body::Sums; 2],
 }
 
+/// Sees every finished step; the run ends before a step at which it names an end of the surfaces.
+pub(super) type Observer<'o> = dyn FnMut(&Step) -> Result<Option<SurfaceEnd>> + 'o;
+
 impl<'m, B: ElasticBody> Run<'m, B> {
     /// Just touching, the wheel and the suspended mass with a velocity (y, z), m/s.
     pub fn new(
@@ -154,12 +157,8 @@ impl<'m, B: ElasticBody> Run<'m, B> {
         }
     }
 
-    /// All time steps, unless the wheel leaves the rail before.
-    pub fn finish(
-        &mut self,
-        (stage, monitor): (&str, &dyn Monitor),
-        observe: &mut dyn FnMut(&Step) -> Result<()>,
-    ) -> Result<()> {
+    /// All time steps, unless the wheel leaves the rail or the contact the surfaces before.
+    pub fn finish(&mut self, (stage, monitor): (&str, &dyn Monitor), observe: &mut Observer) -> Result<()> {
         let most = self.scenario.inner_steps.most();
         while self.rows.len() <= self.scenario.steps && self.ending == Ending::Completed {
             let step = self.rows.len();
@@ -177,8 +176,9 @@ impl<'m, B: ElasticBody> Run<'m, B> {
         monitor.progress(stage, self.rows.len() - 1, self.scenario.steps)
     }
 
-    /// The next step of the integration, as short as it has to be, and the state at its end; none where the wheel has left the rail.
-    fn step(&mut self, observe: &mut dyn FnMut(&Step) -> Result<()>) -> Result<Option<HistoryRow>> {
+    /// The next step of the integration, as short as it has to be, and the state at its end; none where the wheel has left the rail, or
+    /// the contact the surfaces.
+    fn step(&mut self, observe: &mut Observer) -> Result<Option<HistoryRow>> {
         loop {
             let level = self.sequence.level();
             self.prepare(level)?;
@@ -202,7 +202,7 @@ impl<'m, B: ElasticBody> Run<'m, B> {
                 return Ok(None);
             }
             self.most_active = self.most_active.max(end.contact.solution.active());
-            observe(&Step {
+            let surface_end = observe(&Step {
                 displacements: [
                     rail.contact_displacement(&end.states[0]),
                     wheel.contact_displacement(&end.states[1]),
@@ -215,6 +215,11 @@ impl<'m, B: ElasticBody> Run<'m, B> {
                 #[cfg(test)]
                 sums: [rail.sums(&end.states[0]), wheel.sums(&end.states[1])],
             })?;
+            if let Some(reached) = surface_end {
+                let rail = model.loaded_edge(&end.contact);
+                self.ending = Ending::EndOfSurface { time, end: reached, rail };
+                return Ok(None);
+            }
             let before = time - self.lengths[level].scheme.step();
             self.ledger = self.entered([rail, wheel], &end, [before, time]);
             let row = HistoryRow { energy: self.ledger.map(|ledger| ledger.balance()), ..end.row };
@@ -310,6 +315,14 @@ impl TransientModel<'_> {
     fn wheel_extent(&self) -> [f64; 2] {
         let surface = &self.wheel_surface;
         lateral_extent(surface.curve.knot_points()).map(|y| y + surface.origin.x)
+    }
+
+    /// The most loaded point at the edge of the surfaces, in the rail's profile frame, m.
+    fn loaded_edge(&self, contact: &LastContact) -> Point2<f64> {
+        let at_edge = contact.points.iter().zip(&contact.solution.forces).filter(|(point, _)| point.at_edge);
+        let most = at_edge.max_by(|a, b| a.1.total_cmp(b.1));
+        let s = most.map_or(f64::NAN, |(point, _)| point.position.x);
+        self.placed_rail.to_profile(&self.rail_surface.world(s))
     }
 
     /// The patches that carry load: runs of load-carrying grid lines with at least two free lines between them.

@@ -167,7 +167,7 @@ fn collide(
         let mut ledger = Ledger::default();
         let mut enter = |step: &Step| {
             records.push(ledger.enter(scenario, step));
-            Ok(())
+            Ok(None)
         };
         let run = model.run_from(&Vector2::new(0.0, SPEED), scenario, &Silent, &mut enter).unwrap();
         if records.len() == scenario.steps {

@@ -74,8 +74,8 @@ struct Run<'a> {
 enum Advanced {
     /// Balance at its end.
     OnRail(Box<Solution>),
-    /// The wheel left the rail.
-    Departed { time: f64, departure: Departure },
+    /// The run ends before it.
+    Ended(Ending),
 }
 
 impl MovingModel {
@@ -113,8 +113,8 @@ fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Resul
         statistics.evaluations += left - run.evaluations_left.get();
         let solution = match advanced {
             Advanced::OnRail(solution) => solution,
-            Advanced::Departed { time, departure } => {
-                ending = Ending::Departed { time, departure };
+            Advanced::Ended(reason) => {
+                ending = reason;
                 break;
             }
         };
@@ -147,7 +147,7 @@ impl<'a> Run<'a> {
             .map(|i| length * i as f64 / intervals)
             .map(|s| (s, model.rail.to_profile(&model.rail.curve.point(s))))
             .collect();
-        let outline = Outline::new(model, master(model), nodes.len());
+        let outline = Outline::new(model, master(model), &nodes);
         Ok(Self {
             model,
             scenario,
@@ -256,12 +256,13 @@ impl<'a> Run<'a> {
         // A step's worth of rounding at the far end does not lead off the rail.
         let x = self.wheel_x(time + step);
         if self.ends.is_some_and(|[from, to]| x < from - 1e-9 || x > to + 1e-9) {
-            return Ok(Advanced::Departed { time: time + step, departure: Departure::RailEnd });
+            let departed = Ending::Departed { time: time + step, departure: Departure::RailEnd };
+            return Ok(Advanced::Ended(departed));
         }
         match self.step(surface, state, time + step, step) {
             Ok((next, solution)) => {
-                if let Some(departure) = self.outline.departure(&solution)? {
-                    return Ok(Advanced::Departed { time: time + step, departure });
+                if let Some(ending) = self.outline.ending(&solution, time + step) {
+                    return Ok(Advanced::Ended(ending));
                 }
                 surface.commit(&solution.pose, &solution.active);
                 *state = next;
@@ -281,7 +282,7 @@ impl<'a> Run<'a> {
                     Advanced::OnRail(_) => {
                         self.advance(surface, state, time + half, half, halvings + 1, statistics)
                     }
-                    departed => Ok(departed),
+                    ended => Ok(ended),
                 }
             }
             Err(error) => Err(error),

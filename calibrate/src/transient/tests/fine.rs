@@ -99,7 +99,7 @@ impl Crowned {
             };
             let mut all = |step: &Step| {
                 see(step);
-                Ok(())
+                Ok(None)
             };
             model.run_from(&Vector2::new(0.0, speed), scenario, &Silent, &mut all).unwrap();
         });

@@ -202,7 +202,7 @@ impl Sprung {
         let mut found = None;
         let mut see = |step: &Step| {
             found = Some(self.found(step, sign));
-            Ok(())
+            Ok(None)
         };
         model.run_from(&velocity, &scenario, &Silent, &mut see).unwrap();
         found.unwrap()

@@ -1,10 +1,11 @@
 //! Runs that end before their last step, and load cases without a suspended mass.
 
-use super::tests::{bridge, flat, published, published_scenario, quiet, relative};
+use super::tests::{bridge, flat, profile, published, published_scenario, quiet, relative, rigid};
 use super::*;
-use railspring_calibrate::history::{Departure, Ending};
+use railspring_calibrate::history::{Departure, Ending, SurfaceEnd};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
 
 /// How far the wheel of `history` got to the side at its last state, m.
@@ -84,6 +85,39 @@ fn a_wheel_slides_off_the_profile() {
         // After 20 steps of 2 mm the last point of the profile carries the load.
         assert_eq!(run.history.ending, Ending::Departed { time: 0.002, departure });
         assert!((last_y(&run).abs() - 0.038).abs() < 1e-6, "{}", last_y(&run));
+    }
+}
+
+/// Source: two parabolas that touch, the wheel's hollow of the larger radius: moved aside by d, the contact goes to d/(1 - Rw/Rr), to the other
+/// side. Goal: a wheel that is hollow by 1/375 mm on a rail crowned by 1/300 mm slides 10 mm to the field side while its contact goes four
+/// times as far to the gauge side, to the end of the rail's profile at -40 mm: the run keeps the 4 steps before that and says where the
+/// profile is too short, instead of an error or a wheel off the rail. Mirrored it ends at the other end. Accuracy: a step of 2 mm (0.1 ms).
+#[test]
+fn a_profile_that_is_too_short_ends_the_history() {
+    const CROWN: f64 = 0.3;
+    const HOLLOW: f64 = 0.375;
+    for side in [1.0, -1.0] {
+        let hollow: Vec<_> =
+            (-60..=60).map(|i| 1e-3 * f64::from(i)).map(|y| Point2::new(y, y * y / (2.0 * HOLLOW))).collect();
+        let hollow = ProfileCurve::from_points(&hollow, &[]).unwrap();
+        let mut model =
+            rigid(profile(|y| y * y / (2.0 * CROWN), &[]), hollow, 0.0, StiffnessLaw::published(), 283.0);
+        model.initial.velocity = [side * 20.0, 0.01];
+        let mut scenario = quiet(100, 1e-4);
+        (scenario.gravity, scenario.friction) = (9.81, 0.0);
+        let run = model.run(&scenario, &Silent).unwrap();
+        let Ending::EndOfSurface { time, end, rail } = run.history.ending else {
+            panic!("{}", run.history.ending)
+        };
+        assert_eq!(end, SurfaceEnd::RailProfile);
+        assert!((time - 5e-4).abs() < 1.01e-4, "{time}");
+        assert!(
+            (rail.x + side * 0.04).abs() < 1e-9 && (rail.y - 0.04_f64.powi(2) / (2.0 * CROWN)).abs() < 1e-6
+        );
+        let rows = &run.history.rows;
+        assert_eq!((rows.len(), run.rail.len()), ((time / 1e-4).round() as usize, rows.len()));
+        assert!((rows.last().unwrap().time - (time - 1e-4)).abs() < 1e-12);
+        assert!(side * last_y(&run) > 5e-3, "the wheel has moved to the other side: {}", last_y(&run));
     }
 }
 
