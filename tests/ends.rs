@@ -70,7 +70,7 @@ fn what_was_done_before_the_end_is_kept() {
     assert!(y.abs() < 20.0 && (0.0..1.0).contains(&z), "{y} {z}");
     let rows = text(folder, "beyond/solid_history.csv");
     let steps = rows.lines().count() - 2;
-    assert!((3..12).contains(&steps), "{rows}");
+    assert!((2..12).contains(&steps), "{rows}");
     assert!(
         2.5e-4 * steps as f64 <= ended && ended <= 2.5e-4 * (steps + 1) as f64 + 1e-12,
         "{ended} {steps}"
