@@ -59,18 +59,14 @@ pub fn simulate(
         SlidingMatrixKey::Symmetric => SlidingMatrix::Symmetric,
     };
     let with = |inner_steps| -> Result<History> {
-        let scenario = Scenario { inner_steps: InnerSteps::Equal(inner_steps), ..scenario.scenario.clone() };
-        Ok(model.run(&scenario, monitor)?.history)
+        Ok(model.run(&Scenario { inner_steps, ..scenario.scenario.clone() }, monitor)?.history)
     };
-    let steps = study.simulation.inner_steps;
+    let steps = InnerSteps::Equal(study.simulation.inner_steps);
     let history = with(steps)?;
     // steps of twice the length; where the history has no longer ones, of half the length
-    let other = if steps > 1 { steps.div_ceil(2) } else { 2 };
+    let other = if steps.doubled() == steps { InnerSteps::Equal(2) } else { steps.doubled() };
     let change = match with(other) {
-        Ok(changed) => {
-            let steps = [steps, other].map(InnerSteps::Equal);
-            StepChange::between([&history, &changed], steps, scenario.scenario.time_step)
-        }
+        Ok(changed) => StepChange::between([&history, &changed], [steps, other], scenario.scenario.time_step),
         Err(Error::Interrupted) => return Err(Error::Interrupted),
         Err(error) => Err(error.to_string()),
     };
