@@ -198,8 +198,7 @@ fn first_look(size: &MeshSize, work: &Work) -> f64 {
     }
     let values = FILL * (3.0 * size.nodes as f64).powf(4.0 / 3.0);
     let dense = (3.0 * size.contact as f64).powi(2);
-    let factors = if work.calibrate { 1.5 } else { 1.0 };
-    let own = VALUE * (factors * values + (factors + 1.0) * dense);
+    let own = VALUE * (values + 2.0 * dense);
     let factored = work.reference.map_or(own, |purpose| own.max(reference_memory(purpose, values)));
     factored + NODE * size.nodes as f64
 }

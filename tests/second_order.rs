@@ -45,7 +45,7 @@ fn the_fine_grid_agrees_with_elements_of_second_order() {
     let options = stages::mesh_options(&study, &geometry);
     let meshes = stages::meshes(&study, &geometry, options, None, &Silent).unwrap();
     let solids = stages::solids(&study, &geometry, &meshes);
-    let condense = |body| solids.condense(body, solids.key(body)).unwrap().0;
+    let condense = |body| solids.condense(body, solids.key(body)).unwrap();
     let (rail, wheel) = rayon::join(|| condense(PairBody::RailOnEnds), || condense(PairBody::Wheel));
     let contact =
         ContactConditions { friction: 0.0, enforcement: Enforcement::Exact, field: ContactField::Hybrid };

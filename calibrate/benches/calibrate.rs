@@ -40,11 +40,11 @@ fn body(criterion: &mut Criterion) {
     let rail = System::new(&meshes.rail, Material::STEEL, ELEMENT, &supports).unwrap();
     let interior = rail.numbering.interior;
     let matrix = rail.matrix(1.0, 0.0, &[]).unwrap();
-    let factor = Factor::new(&matrix, interior).unwrap();
+    let factor = Factor::new(matrix.as_ref(), interior).unwrap();
     let mut group = criterion.benchmark_group(format!("rail of {} equations", rail.numbering.equations));
     group.sample_size(10);
     group.bench_function("assembly", |b| b.iter(|| rail.matrix(1.0, 0.0, &[]).unwrap()));
-    group.bench_function("factor", |b| b.iter(|| Factor::new(black_box(&matrix), interior).unwrap()));
+    group.bench_function("factor", |b| b.iter(|| Factor::new(black_box(matrix.as_ref()), interior).unwrap()));
     group.bench_function("condensation", |b| b.iter(|| black_box(&factor).retained_compliance()));
     group.finish();
 }

@@ -4,7 +4,7 @@ use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, PairSolids};
+use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
@@ -25,9 +25,10 @@ fn ratios(shifts: &[f64], options: &MeshOptions) -> Vec<f64> {
     let pair = at(0.0);
     let meshes = pair.mesh(0.555, options).unwrap();
     let (material, element) = (Material::STEEL, Formulation::IncompatibleModes);
-    let solids = PairSolids { pair: &pair, rail: &meshes.rail, wheel: &meshes.wheel, material, element };
-    let [rail, wheel] = [PairBody::RailOnFoot, PairBody::Wheel]
-        .map(|body| solids.condense(body, solids.key(body)).unwrap().0);
+    let (rail, wheel, orders) = (&meshes.rail, &meshes.wheel, &Orders::default());
+    let solids = PairSolids { pair: &pair, rail, wheel, material, element, orders };
+    let [rail, wheel] =
+        [PairBody::RailOnFoot, PairBody::Wheel].map(|body| solids.condense(body, solids.key(body)).unwrap());
     let published = StiffnessLaw::published();
     let ratio = |shift: &f64| {
         let pair = at(*shift);

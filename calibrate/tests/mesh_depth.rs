@@ -3,7 +3,7 @@
 use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::mesh::{ContactZone, MeshOptions};
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, PairSolids};
+use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
@@ -28,9 +28,10 @@ fn hub_displacement(contact_element: f64) -> [f64; 2] {
     let pair = Pair::new(rail.unwrap(), wheel.unwrap(), &TrackGeometry::standard()).unwrap();
     let meshes = pair.mesh(0.3, &options).unwrap();
     let (material, element) = (Material::STEEL, Formulation::IncompatibleModes);
-    let solids = PairSolids { pair: &pair, rail: &meshes.rail, wheel: &meshes.wheel, material, element };
-    let [rail, wheel] = [PairBody::RailOnFoot, PairBody::Wheel]
-        .map(|body| solids.condense(body, solids.key(body)).unwrap().0);
+    let (rail, wheel, orders) = (&meshes.rail, &meshes.wheel, &Orders::default());
+    let solids = PairSolids { pair: &pair, rail, wheel, material, element, orders };
+    let [rail, wheel] =
+        [PairBody::RailOnFoot, PairBody::Wheel].map(|body| solids.condense(body, solids.key(body)).unwrap());
     let contact =
         ContactConditions { friction: 0.0, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
     let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, material, contact);

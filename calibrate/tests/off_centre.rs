@@ -3,7 +3,7 @@
 use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, PairMeshes, PairSolids};
+use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairMeshes, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
@@ -39,9 +39,10 @@ fn tread_corner_and_flange_reach_their_answer() {
             wheel: &wheel,
             material: Material::STEEL,
             element: Formulation::FullIntegration,
+            orders: &Orders::default(),
         };
         let [on_hub, on_foot] = [PairBody::Wheel, PairBody::RailOnFoot]
-            .map(|body| solids.condense(body, solids.key(body)).unwrap().0);
+            .map(|body| solids.condense(body, solids.key(body)).unwrap());
         for lateral_shift in shifts {
             let track = TrackGeometry { lateral_shift, ..TrackGeometry::standard() };
             let shifted = Pair::new(centred.rail.clone(), centred.wheel.clone(), &track).unwrap();

@@ -29,9 +29,9 @@ pub fn condensing(system: &System<'_>, modes: usize) -> Result<(FactorSize, f64)
     Ok((size, largest(system.mesh.nodes.len(), &size, modes as f64)))
 }
 
-/// Bytes of a factor, with the indices and the work space of its factorisation.
-pub(super) fn factor(size: &FactorSize) -> f64 {
-    FACTORISATION * VALUE * size.values as f64
+/// Bytes of a factor of so many values, with the indices and the work space of its factorisation.
+pub(super) fn factor(values: usize) -> f64 {
+    FACTORISATION * VALUE * values as f64
 }
 
 /// The largest of the stages of a body with so many nodes: factorisation, condensation, modes.
@@ -43,7 +43,7 @@ pub(super) fn largest(nodes: usize, size: &FactorSize, modes: f64) -> f64 {
         0.0
     };
     let beside = [ENTRY * size.entries as f64, 2.0 * dense, dense + vectors];
-    factor(size) + beside.into_iter().fold(0.0, f64::max)
+    factor(size.values) + beside.into_iter().fold(0.0, f64::max)
 }
 
 /// Bytes that meshes with so many degrees of freedom and one of their factors take at least, before there is a mesh.

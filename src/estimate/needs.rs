@@ -2,9 +2,8 @@
 //! from them with the constants below, which were measured on whole runs.
 
 use railspring_calibrate::error::Result;
-use railspring_calibrate::mesh::{HexMesh, MeshOptions, MeshSize, rail_size, wheel_size};
-use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED};
-use railspring_calibrate::solid::{Formulation, Material, Supports, System};
+use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
+use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::FactorSize;
 
@@ -105,15 +104,12 @@ impl Estimate {
     /// # Errors
     /// Those of counting the equations and the sizes of other meshes.
     pub(super) fn of(study: &Study, geometry: &Geometry, meshes: &Meshes, work: &Work) -> Result<Self> {
-        let count = |mesh: &HexMesh, supports: Supports| -> Result<FactorSize> {
-            // neither material nor element changes a number
-            let system = System::new(mesh, Material::STEEL, Formulation::IncompatibleModes, &supports)?;
-            FactorSize::of(mesh, &system.numbering)
+        let solids = stages::solids(study, geometry, meshes);
+        let count = |body: PairBody| -> Result<FactorSize> {
+            let system = solids.system(body)?;
+            FactorSize::of(system.mesh, &system.numbering)
         };
-        let (rail, wheel) = rayon::join(
-            || count(&meshes.rail, Supports { held: meshes.rail.ends.clone(), ..Supports::default() }),
-            || count(&meshes.wheel, Supports { followers: meshes.wheel.bore.clone(), ..Supports::default() }),
-        );
+        let (rail, wheel) = rayon::join(|| count(PairBody::RailOnEnds), || count(PairBody::Wheel));
         let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail? };
         let wheel = Body { mesh: MeshSize::of(&meshes.wheel), size: wheel? };
         let base = PROGRAM + NODE * (rail.mesh.nodes + wheel.mesh.nodes) as f64;
@@ -160,8 +156,8 @@ impl Estimate {
                 ),
                 TransientKey::Reduced => {
                     let modes = study.modes() as f64;
-                    let [condensing, stepping] = [Body::making, Body::reduced]
-                        .map(|of| both.map(|body| of(body, modes)).iter().sum::<f64>());
+                    let condensing = condensing(&wheel, &rail, 0.0, modes);
+                    let stepping = both.map(|body| body.reduced(modes)).iter().sum::<f64>();
                     // the first steps are done with fewer modes as well; with longer steps, beside the run, both ways
                     let contact = (steps + compared / (1.0 + other)) * SECONDS_STEP;
                     // the calibration, and the load case before, leave their bodies
@@ -205,11 +201,6 @@ struct Body {
 }
 
 impl Body {
-    /// Bytes of a body that is condensed, with its inside.
-    fn kept(&self) -> f64 {
-        factor(&self.size) + self.dense()
-    }
-
     /// Bytes of the matrix of the contact nodes.
     fn dense(&self) -> f64 {
         VALUE * (self.size.retained as f64).powi(2)
@@ -218,6 +209,16 @@ impl Body {
     /// Largest memory on the way there, with so many modes, bytes.
     fn making(&self, modes: f64) -> f64 {
         largest(self.mesh.nodes, &self.size, modes)
+    }
+
+    /// Bytes of the inside of the body: the factor and the matrix.
+    fn inside(&self) -> f64 {
+        factor(self.size.inside) + ENTRY * self.size.entries as f64
+    }
+
+    /// Time to make it, s: half of the multiplications.
+    fn seconds_inside(&self) -> f64 {
+        SECONDS_ASSEMBLY * self.mesh.hexes as f64 + 0.5 * self.size.multiplications / SPEED
     }
 
     /// The same for a body at full order in time, which has its mass and its damping besides.
@@ -241,6 +242,7 @@ impl Body {
             retained: 3 * mesh.contact,
             entries: times(self.size.entries, 1.0),
             values: times(self.size.values, 4.0 / 3.0),
+            inside: times(self.size.inside, 4.0 / 3.0),
             multiplications: self.size.multiplications * ratio.powi(2),
         };
         Self { mesh, size }
@@ -301,18 +303,27 @@ fn pressing(study: &Study, candidates: Candidates) -> f64 {
 fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates, base: f64) -> StageEstimate {
     let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
     let states = 2.0 * shares(&study.calibration.loads).iter().map(of_states).sum::<f64>();
-    // the wheel beside one rail after the other, of which one is kept with its inside
     let modes = study.modes() as f64;
+    // the third of the rail is against its section; beside the pressed bodies the inside of one of them at a time
+    let pressed = wheel.dense() + 3.0 * rail.dense() + states;
     let memory = [
-        wheel.making(modes) + rail.making(0.0),
-        wheel.kept() + rail.dense() + rail.making(modes),
-        wheel.kept() + rail.kept() + rail.dense() + states + 2.0 * Candidates::dense(candidates.first),
+        condensing(wheel, rail, rail.dense(), modes),
+        pressed + 2.0 * Candidates::dense(candidates.first) + wheel.inside().max(rail.inside()),
     ];
     StageEstimate {
         stage: "calibration".into(),
         memory: base + memory.into_iter().fold(0.0, f64::max),
-        seconds: wheel.seconds() + 2.0 * rail.seconds() + 2.0 * pressing(study, candidates),
+        seconds: wheel.seconds()
+            + wheel.seconds_inside()
+            + 2.0 * rail.seconds()
+            + rail.seconds_inside()
+            + 2.0 * pressing(study, candidates),
     }
+}
+
+/// Bytes of the bodies with `modes` modes: the wheel, which is condensed first, or the rail after it and after another of so many bytes.
+fn condensing(wheel: &Body, rail: &Body, other: f64, modes: f64) -> f64 {
+    wheel.making(modes).max(wheel.dense() + other + rail.making(modes))
 }
 
 /// The laws by contact angle with their error bands.
@@ -389,7 +400,7 @@ fn error_band(
     if meshes_are_ours(study) {
         let options = stages::coarser_options(geometry, meshes.options());
         let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
-        estimate.memory += wheel.dense() + rail.dense() + wheel.making(0.0) + rail.making(0.0);
+        estimate.memory += condensing(&wheel, &rail, rail.dense(), 0.0);
         estimate.seconds +=
             wheel.seconds() + 2.0 * rail.seconds() + 4.0 * loads.min(LOADS_COARSER as f64) * of_a_load;
     }

@@ -3,11 +3,11 @@
 use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids, condense_all};
-use railspring_calibrate::superelement::{CondensedBody, Interior};
+use railspring_calibrate::superelement::CondensedBody;
 use std::sync::Mutex;
 
 use super::Pipeline;
-use crate::stages::{Bodies, MovingBodies};
+use crate::stages::MovingBodies;
 use crate::store::{Artefact, Kind, Store};
 
 /// Part of an artefact: the body's file.
@@ -32,32 +32,13 @@ impl<'a> Pipeline<'a> {
 }
 
 impl BodySource<'_> {
-    /// The bodies of `solids`, those that move with `modes` modes, and the insides of the `wanted` ones.
+    /// The bodies of `solids`, those that move with `modes` modes; `which` goes with their names in messages.
     ///
     /// # Errors
     /// Those of condensing them, and an interruption.
-    pub fn bodies<'m>(
-        &self,
-        solids: PairSolids<'m>,
-        modes: usize,
-        wanted: &[PairBody],
-    ) -> Result<Bodies<'m>> {
-        self.said("", |say| {
-            let get = |body| {
-                let (condensed, interior) = self.body(&solids, body, modes, &|text| say(body, text))?;
-                Ok((condensed, interior.filter(|_| wanted.contains(&body))))
-            };
-            Bodies::new(solids, get, self.monitor)
-        })
-    }
-
-    /// The bodies of `solids` without their insides, those that move with `modes` modes; `which` goes with their names in messages.
-    ///
-    /// # Errors
-    /// As [`Self::bodies`].
     pub fn condensed(&self, solids: &PairSolids<'_>, which: &str, modes: usize) -> Result<CondensedPair> {
         self.said(which, |say| {
-            let get = |body| self.body(solids, body, modes, &|text| say(body, text)).map(|(body, _)| body);
+            let get = |body| self.body(solids, body, modes, &|text| say(body, text));
             condense_all(self.monitor, get).and_then(|bodies| CondensedPair::new(solids.material, bodies))
         })
     }
@@ -65,13 +46,14 @@ impl BodySource<'_> {
     /// The bodies of `solids` that move in runs in time, with `modes` modes.
     ///
     /// # Errors
-    /// As [`Self::bodies`].
+    /// As [`Self::condensed`].
     pub fn moving(&self, solids: &PairSolids<'_>, modes: usize) -> Result<MovingBodies> {
         self.monitor.progress("superelements", 0, 2)?;
         let bodies = self.said("", |say| {
-            let get = |body| self.body(solids, body, modes, &|text| say(body, text)).map(|(body, _)| body);
-            let (rail, wheel) = rayon::join(|| get(PairBody::RailOnEnds), || get(PairBody::Wheel));
-            Ok([rail?, wheel?])
+            let get = |body| self.body(solids, body, modes, &|text| say(body, text));
+            // one after the other, so that there is one factor at a time
+            let wheel = get(PairBody::Wheel)?;
+            Ok([get(PairBody::RailOnEnds)?, wheel])
         })?;
         self.monitor.progress("superelements", 2, 2)?;
         Ok(bodies)
@@ -96,29 +78,29 @@ impl BodySource<'_> {
         Ok(made)
     }
 
-    fn body<'m>(
+    fn body(
         &self,
-        solids: &PairSolids<'m>,
+        solids: &PairSolids<'_>,
         body: PairBody,
         modes: usize,
         say: &dyn Fn(String),
-    ) -> Result<(CondensedBody, Option<Interior<'m>>)> {
+    ) -> Result<CondensedBody> {
         let key = solids.key(body);
         let modes = if body.is_in_time() { modes } else { 0 };
         let condense = |key| solids.condense_in_time(body, key, modes);
         let Some(store) = self.store else {
-            return condense(key).map(|(condensed, interior)| (condensed, Some(interior)));
+            return condense(key);
         };
         let address = store.address(Kind::Body, &(&key, modes));
         let read = |artefact: Artefact| CondensedBody::read(artefact.part(BODY).unwrap_or_default());
         if let Some(condensed) = (!self.fresh).then(|| store.take_as(&address, read, say)).flatten() {
             say("taken from the store".into());
-            return Ok((condensed, None));
+            return Ok(condensed);
         }
-        let (condensed, interior) = condense(key)?;
+        let condensed = condense(key)?;
         let artefact = Artefact::default().with(BODY, condensed.write());
         store.keep(&address, body.name(), self.study, &artefact, say);
         say("made".into());
-        Ok((condensed, Some(interior)))
+        Ok(condensed)
     }
 }

@@ -13,7 +13,7 @@ use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{PatchesRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Bodies, Calibration, FieldFile, Geometry, Meshes, Reached, Within};
+use crate::stages::{self, Calibration, FieldFile, Geometry, Meshes, Reached, Within};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::Study;
 
@@ -56,10 +56,9 @@ impl Stage for Calibrate {
         };
         let press = |meshes: &Meshes| {
             let solids = stages::solids(study, &geometry, meshes);
-            let Bodies { condensed, interiors } =
-                source.bodies(solids, modes, &stages::bodies_of_fields(study))?;
+            let condensed = source.condensed(&solids, "", modes)?;
             let (calibration, fields, laws) =
-                stages::calibrate(study, &geometry, meshes, &condensed, interiors, monitor)?;
+                stages::calibrate(study, &geometry, meshes, &condensed, monitor)?;
             Ok((calibration, fields, laws, condensed))
         };
         let condense = |coarser: &Meshes| {

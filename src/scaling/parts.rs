@@ -77,7 +77,7 @@ impl<'a> Ordered<'a> {
         let (matrix, assembly) = timed("assembly", || system.matrix(1.0, 0.0, &[]))?;
         progress(2)?;
         let (factor, factorisation) =
-            timed("factorisation", || Factor::new(&matrix, system.numbering.interior))?;
+            timed("factorisation", || Factor::new(matrix.as_ref(), system.numbering.interior))?;
         drop(matrix);
         progress(3)?;
         let (compliance, condensation) = timed("condensation", || Ok(factor.retained_compliance()))?;
@@ -98,8 +98,7 @@ impl<'a> Ordered<'a> {
             stages: vec![ordering, assembly, factorisation, condensation, of_modes],
         };
         // nothing is kept of it, so that it needs no key
-        let (condensed, _) = element.split(String::new());
-        Ok((CondensedBody { modes: Some(modes), ..condensed }, record))
+        Ok((CondensedBody { modes: Some(modes), ..element.condensed(String::new()) }, record))
     }
 }
 

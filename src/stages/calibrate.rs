@@ -10,17 +10,17 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, SeriesBeam};
+use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 use rayon::prelude::*;
 
-use super::bodies::bodies_of_fields;
+use super::bodies::rail_in_use;
 use super::fields::{PressedSolids, field_files};
 use super::patches::{below_record, chosen, patch_record};
-use super::{FieldFile, Geometry, Interiors, Meshes, contact_field, enforcement};
+use super::{FieldFile, Geometry, Meshes, contact_field, enforcement, solids};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
     HorizontalRecord, LawEndRecord, LawRecord, LoadCurveRow, PatchesRecord, PenaltyRecord, ReferenceRecord,
@@ -83,18 +83,12 @@ pub fn calibrate(
     geometry: &Geometry,
     meshes: &Meshes,
     bodies: &CondensedPair,
-    interiors: Interiors<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(Calibration, Vec<FieldFile>, Laws)> {
     let pair = &geometry.pair;
     let beam = SeriesBeam::new(pair, bodies, &geometry.beam)?;
     let contact = contact_conditions(study);
-    // the insides of bodies from the store are factored beside the contact
-    let (pressed, interiors) = rayon::join(
-        || bodies.press(pair, contact, &study.calibration.loads, monitor),
-        || interiors.of(bodies_of_fields(study)),
-    );
-    let (pressed, [rail, wheel]) = (pressed?, interiors?);
+    let pressed = bodies.press(pair, contact, &study.calibration.loads, monitor)?;
     let laws = pressed.laws()?;
     let [foot, beam_law, local] = &laws;
     let reference = Reference::from(study.calibration.reference);
@@ -105,19 +99,23 @@ pub fn calibrate(
     };
     let in_series = (reference == Reference::Beam).then_some(&beam);
     let states = pressed.states(reference);
-    let solids = PressedSolids {
+    let pressed_solids = PressedSolids {
         states,
-        bodies: [(bodies.rail(reference), &rail), (&bodies.wheel, &wheel)],
+        bodies: [(rail_in_use(study), bodies.rail(reference)), (PairBody::Wheel, &bodies.wheel)],
+        solids: solids(study, geometry, meshes),
         carried: in_series.map_or_else(Matrix2::zeros, |beam| beam.solid),
     };
-    let fields = field_files(&solids, geometry, meshes, &study.output)?;
-
-    let (horizontal, horizontal_failure) =
-        match pressed.horizontal(reference, &study.calibration.horizontal_preloads, monitor) {
-            Ok(horizontal) => (Some(horizontal), None),
-            Err(Error::Interrupted) => return Err(Error::Interrupted),
-            Err(failure) => (None, Some(failure)),
-        };
+    // the insides are factored beside the contact
+    let (horizontal, fields) = rayon::join(
+        || pressed.horizontal(reference, &study.calibration.horizontal_preloads, monitor),
+        || field_files(&pressed_solids, geometry, meshes, &study.output),
+    );
+    let fields = fields?;
+    let (horizontal, horizontal_failure) = match horizontal {
+        Ok(horizontal) => (Some(horizontal), None),
+        Err(Error::Interrupted) => return Err(Error::Interrupted),
+        Err(failure) => (None, Some(failure)),
+    };
     let stiffness = horizontal.as_ref().map(|h| h.stiffness);
     let poisson = study.material.poisson;
     let below: Vec<Option<Subsurface>> =

@@ -107,8 +107,9 @@ pub fn answers(
         (None, smooth_states)
     };
     let largest = states.last().expect("there are loads");
-    let rail = answer(&meshes.rail, &full.rail, largest, Side::Base);
-    let wheel = answer(&meshes.wheel, &full.wheel, largest, Side::Opposing);
+    let inside = |body| full.solids.interior(body);
+    let rail = answer(&meshes.rail, (&full.rail, inside(rail_in_use(study))?), largest, Side::Base);
+    let wheel = answer(&meshes.wheel, (&full.wheel, inside(PairBody::Wheel)?), largest, Side::Opposing);
     let element = formulation(study);
     let (own_element, faceted) = if element == Formulation::FullIntegration {
         (frictionless.clone(), asked.faceted(&full)?)
@@ -157,10 +158,11 @@ struct Asked<'a> {
     loads: Vec<f64>,
 }
 
-/// Both bodies condensed, with their insides, and the time that took, s.
+/// Both bodies condensed, and the time that took, s.
 struct Condensed<'a> {
-    wheel: (CondensedBody, Interior<'a>),
-    rail: (CondensedBody, Interior<'a>),
+    solids: PairSolids<'a>,
+    wheel: CondensedBody,
+    rail: CondensedBody,
     seconds: f64,
 }
 
@@ -193,9 +195,10 @@ impl<'a> Asked<'a> {
         self.monitor.progress(stage, 0, 1)?;
         let clock = Instant::now();
         let solids = PairSolids { element, ..solids(self.study, self.geometry, self.meshes) };
+        // one after the other, so that there is one factor at a time
         let condense = |body| solids.condense(body, solids.key(body));
-        let (wheel, rail) = rayon::join(|| condense(PairBody::Wheel), || condense(rail_in_use(self.study)));
-        Ok(Condensed { wheel: wheel?, rail: rail?, seconds: clock.elapsed().as_secs_f64() })
+        let (wheel, rail) = (condense(PairBody::Wheel)?, condense(rail_in_use(self.study))?);
+        Ok(Condensed { solids, wheel, rail, seconds: clock.elapsed().as_secs_f64() })
     }
 
     /// All loads; the curve has their time without the factorisation.
@@ -208,8 +211,8 @@ impl<'a> Asked<'a> {
         let clock = Instant::now();
         let contact =
             ContactConditions { friction, enforcement: Enforcement::Exact, field: ContactField::Elements };
-        let (rail, wheel) = (&bodies.rail.0, &bodies.wheel.0);
-        let mut pair = self.geometry.pair.wheel_on_rail(rail, wheel, self.study.material, contact);
+        let mut pair =
+            self.geometry.pair.wheel_on_rail(&bodies.rail, &bodies.wheel, self.study.material, contact);
         for surface in [&mut pair.rail_surface, &mut pair.wheel_surface] {
             surface.between_nodes = between_nodes;
         }
@@ -230,7 +233,7 @@ impl<'a> Asked<'a> {
 /// Displacements under the contact forces of a state, and compliance columns under its most loaded nodes.
 fn answer(
     mesh: &HexMesh,
-    (body, interior): &(CondensedBody, Interior<'_>),
+    (body, interior): (&CondensedBody, Interior<'_>),
     state: &Pressed,
     side: Side,
 ) -> AnsweredBody {

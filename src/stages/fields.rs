@@ -7,6 +7,7 @@ use railspring_calibrate::calibration::Pressed;
 use railspring_calibrate::contact::{PointMode, Side, Surface};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, pvd, vtu};
+use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::solid::{largest_shear, nodal_stress, von_mises};
 use railspring_calibrate::superelement::{CondensedBody, Interior};
 use railspring_calibrate::units::KILONEWTON;
@@ -19,8 +20,10 @@ use crate::study::{OutputKeys, SolidLoadsKey, VerticalKey};
 pub(super) struct PressedSolids<'a> {
     /// The states under the loads, ascending.
     pub states: &'a [Pressed],
-    /// Rail and wheel.
-    pub bodies: [(&'a CondensedBody, &'a Interior<'a>); 2],
+    /// The rail under the law, and the wheel.
+    pub bodies: [(PairBody, &'a CondensedBody); 2],
+    /// What they are made from.
+    pub solids: PairSolids<'a>,
     /// What the wheel moves along with the rail's section (y, z; m) under a force on the wheel, beside the hub's motion against it.
     pub carried: Matrix2<f64>,
 }
@@ -36,8 +39,8 @@ pub const FIELDS: &str = "fields/";
 ///
 /// # Errors
 /// None that a finished calibration can cause.
-pub(super) fn field_files(
-    pressed: &PressedSolids,
+pub(super) fn field_files<'a>(
+    pressed: &PressedSolids<'a>,
     geometry: &Geometry,
     meshes: &Meshes,
     output: &OutputKeys,
@@ -51,28 +54,33 @@ pub(super) fn field_files(
     let surface = geometry.pair.rail_surface(&meshes.rail.contact);
     let axle =
         Vector3::new(0.0, geometry.pair.tape_y, geometry.pair.touch.tape_z - geometry.pair.wheel.radius);
-    let text = |kind: Fields, state: &Pressed| match kind {
+    let [rail, wheel] = pressed.bodies;
+    let text = |fields: &Fields, state: &Pressed| match fields {
         Fields::Contact => ContactFields::new(state, &surface).vtu(output.vertical),
-        Fields::Rail => {
+        Fields::Rail(inside) => {
             let (origin, rigid) = (Vector3::zeros(), Vector3::zeros());
-            let rail = pressed.bodies[0];
-            BodyFields::new(&meshes.rail, rail, state, Side::Base, origin, rigid).vtu(output.vertical)
+            BodyFields::new((rail.1, inside), state, Side::Base, origin, rigid).vtu(output.vertical)
         }
-        Fields::Wheel => {
+        Fields::Wheel(inside) => {
             let moved = state.hub - pressed.carried * state.force_on_wheel().yz();
             let rigid = Vector3::new(0.0, moved.x, moved.y);
-            let wheel = pressed.bodies[1];
-            BodyFields::new(&meshes.wheel, wheel, state, Side::Opposing, axle, rigid).vtu(output.vertical)
+            BodyFields::new((wheel.1, inside), state, Side::Opposing, axle, rigid).vtu(output.vertical)
         }
     };
+    // the inside of one body at a time
+    let of_the_rail = || pressed.solids.interior(rail.0).map(Fields::Rail);
+    let of_the_wheel = || pressed.solids.interior(wheel.0).map(Fields::Wheel);
+    let of_the_contact = || Ok(Fields::Contact);
     let mut files = Vec::new();
     let digits = states.len().to_string().len().max(2);
     let every: Vec<usize> = (0..states.len()).collect();
-    for (kind, stem, loads) in [
-        (Fields::Rail, "rail", &solid),
-        (Fields::Wheel, "wheel", &solid),
-        (Fields::Contact, "contact", &every),
-    ] {
+    let of_each: [(&dyn Fn() -> Result<Fields<'a>>, _, _); 3] = [
+        (&of_the_rail, "rail", &solid),
+        (&of_the_wheel, "wheel", &solid),
+        (&of_the_contact, "contact", &every),
+    ];
+    for (fields, stem, loads) in of_each {
+        let fields = fields()?;
         let name = |load: usize| match load + 1 == states.len() {
             true => format!("{stem}.vtu"),
             false => format!("{FIELDS}{stem}-{:0digits$}.vtu", load + 1),
@@ -81,19 +89,18 @@ pub(super) fn field_files(
             loads.iter().map(|&load| (states[load].load / KILONEWTON, name(load))).collect();
         files.push((format!("{stem}.pvd"), pvd(&entries)));
         for &load in loads {
-            files.push((name(load), text(kind, &states[load])?));
+            files.push((name(load), text(&fields, &states[load])?));
         }
     }
     Ok(files)
 }
 
 /// What a file of fields is about.
-#[derive(Debug, Clone, Copy)]
-enum Fields {
+enum Fields<'a> {
     /// The rail with displacement and stress.
-    Rail,
+    Rail(Interior<'a>),
     /// The wheel with displacement and stress, in the world frame.
-    Wheel,
+    Wheel(Interior<'a>),
     /// The contact patch and its surroundings on the rail.
     Contact,
 }
@@ -148,7 +155,6 @@ struct ContactFields {
 
 impl BodyFields {
     fn new(
-        mesh: &HexMesh,
         (body, interior): (&CondensedBody, &Interior),
         state: &Pressed,
         side: Side,
@@ -157,6 +163,7 @@ impl BodyFields {
     ) -> Self {
         let forces = state.body_forces(side, body.compliance.nrows());
         let displacement = interior.displacement(body, &forces);
+        let mesh = interior.system.mesh;
         Self {
             points: mesh.nodes.iter().map(|p| p + origin).collect(),
             hexes: mesh.hexes.clone(),

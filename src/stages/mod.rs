@@ -15,7 +15,7 @@ mod mesh_files;
 mod sections;
 mod simulate;
 
-pub use bodies::{Bodies, Interiors, bodies_of_fields, solids};
+pub use bodies::solids;
 pub use by_angle::{by_angle, shifts};
 pub use calibrate::{Calibration, calibrate, check_friction, contact_conditions};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
@@ -36,7 +36,7 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::Pair;
+use railspring_calibrate::pair::{Orders, Pair};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::solid::Formulation;
 use railspring_calibrate::units::MILLIMETRE;
@@ -67,6 +67,8 @@ pub struct Meshes {
     pub contact_elements: [f64; 2],
     /// Sizes and contact zones of the tool's own meshes.
     options: MeshOptions,
+    /// Orders of the equations on them.
+    orders: Orders,
 }
 
 /// Sections, placement and first touch.
@@ -157,6 +159,7 @@ impl Meshes {
             wheel: wheel.map_or_else(own_wheel, Ok)?,
             contact_elements,
             options,
+            orders: Orders::default(),
         })
     }
 

@@ -292,6 +292,8 @@ mod tests {
     use std::path::Path;
     use std::sync::Mutex;
 
+    use railspring_calibrate::pair::{CondensedPair, condense_all};
+
     use super::*;
     use crate::stages;
 
@@ -332,10 +334,9 @@ mod tests {
         let mut meshes = stages::meshes(&study, &geometry, options, None, &notes).unwrap();
         let press = |meshes: &Meshes| {
             let solids = stages::solids(&study, &geometry, meshes);
-            let condense =
-                |body| solids.condense(body, solids.key(body)).map(|(body, inside)| (body, Some(inside)));
-            let stages::Bodies { condensed, interiors } = stages::Bodies::new(solids, condense, &notes)?;
-            stages::calibrate(&study, &geometry, meshes, &condensed, interiors, &notes)
+            let bodies = condense_all(&notes, |body| solids.condense(body, solids.key(body)))?;
+            let condensed = CondensedPair::new(study.material, bodies)?;
+            stages::calibrate(&study, &geometry, meshes, &condensed, &notes)
         };
         let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
         assert_eq!(SurfaceEnd::of(cause.reason), Some(SurfaceEnd::ContactZone));

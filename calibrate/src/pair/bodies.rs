@@ -1,7 +1,7 @@
 //! The bodies reduced to their contact nodes, and pressed together.
 
 use super::geometry::{Pair, PairMeshes};
-use super::solids::{PairBody, PairSolids};
+use super::solids::{Orders, PairBody, PairSolids};
 use crate::calibration::{
     ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference,
     WheelOnRail, calibrate_horizontal, calibrate_normal, press_carried,
@@ -107,28 +107,27 @@ impl PairMeshes {
         modes: usize,
         monitor: &dyn Monitor,
     ) -> Result<CondensedPair> {
-        let solids = PairSolids { pair, rail: &self.rail, wheel: &self.wheel, material, element };
+        let (rail, wheel, orders) = (&self.rail, &self.wheel, &Orders::default());
+        let solids = PairSolids { pair, rail, wheel, material, element, orders };
         let condense = |body| solids.condense_in_time(body, solids.key(body), modes);
-        condense_all(monitor, |body| condense(body).map(|(condensed, _)| condensed))
-            .and_then(|bodies| CondensedPair::new(material, bodies))
+        condense_all(monitor, condense).and_then(|bodies| CondensedPair::new(material, bodies))
     }
 }
 
-/// The bodies in the order of [`PairBody::ALL`], each as `get` has it; the wheel beside both rails.
+/// The bodies in the order of [`PairBody::ALL`], each as `get` has it, one after the other, so that there is one factor at a time; the wheel,
+/// whose factor is the largest, comes first, while nothing else takes memory.
 ///
 /// # Errors
 /// Those of `get`, and an interruption.
-pub fn condense_all<T: Send>(
-    monitor: &dyn Monitor,
-    get: impl Fn(PairBody) -> Result<T> + Sync,
-) -> Result<[T; 3]> {
+pub fn condense_all<T>(monitor: &dyn Monitor, get: impl Fn(PairBody) -> Result<T>) -> Result<[T; 3]> {
     monitor.progress("superelements", 0, 3)?;
-    let (wheel, rails) =
-        rayon::join(|| get(PairBody::Wheel), || [PairBody::RailOnFoot, PairBody::RailOnEnds].map(&get));
-    let [on_foot, on_ends] = rails;
-    let bodies = [wheel?, on_foot?, on_ends?];
+    let wheel = get(PairBody::Wheel)?;
+    monitor.progress("superelements", 1, 3)?;
+    let on_foot = get(PairBody::RailOnFoot)?;
+    monitor.progress("superelements", 2, 3)?;
+    let on_ends = get(PairBody::RailOnEnds)?;
     monitor.progress("superelements", 3, 3)?;
-    Ok(bodies)
+    Ok([wheel, on_foot, on_ends])
 }
 
 impl CondensedPair {

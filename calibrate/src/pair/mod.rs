@@ -24,4 +24,4 @@ pub use error_band::{
 };
 pub use geometry::{Pair, PairMeshes};
 pub use series_beam::SeriesBeam;
-pub use solids::{PairBody, PairSolids};
+pub use solids::{Orders, PairBody, PairSolids};

@@ -4,9 +4,10 @@ use super::geometry::Pair;
 use crate::error::Result;
 use crate::mesh::HexMesh;
 use crate::section_analysis::StressSample;
-use crate::solid::{Formulation, Material, Supports, System};
+use crate::solid::{Formulation, Material, Numbering, Supports, System};
 use crate::superelement::{CondensedBody, Interior, SectionMotion, Superelement, body_key};
 use nalgebra::Point2;
+use std::sync::OnceLock;
 
 /// A body of a pair, by how it is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +39,11 @@ impl PairBody {
     }
 }
 
+/// The orders of the bodies' equations, each found once: it takes as long as the assembly of a body, and the prediction of its memory, the
+/// condensed body and its inside ask for it in turn. They belong to the meshes, whatever material and element.
+#[derive(Debug, Clone, Default)]
+pub struct Orders([OnceLock<Numbering>; 3]);
+
 /// Wheel and rail of a pair as solids.
 #[derive(Clone, Copy)]
 pub struct PairSolids<'a> {
@@ -51,6 +57,8 @@ pub struct PairSolids<'a> {
     pub material: Material,
     /// Element of both.
     pub element: Formulation,
+    /// Orders of the equations on these meshes, as far as they are known.
+    pub orders: &'a Orders,
 }
 
 impl<'a> PairSolids<'a> {
@@ -81,7 +89,7 @@ impl<'a> PairSolids<'a> {
     ///
     /// # Errors
     /// An inverted element, and a rail without an element at the contact.
-    pub fn condense(&self, body: PairBody, key: String) -> Result<(CondensedBody, Interior<'a>)> {
+    pub fn condense(&self, body: PairBody, key: String) -> Result<CondensedBody> {
         self.condense_in_time(body, key, 0)
     }
 
@@ -89,12 +97,7 @@ impl<'a> PairSolids<'a> {
     ///
     /// # Errors
     /// As [`Self::condense`].
-    pub fn condense_in_time(
-        &self,
-        body: PairBody,
-        key: String,
-        modes: usize,
-    ) -> Result<(CondensedBody, Interior<'a>)> {
+    pub fn condense_in_time(&self, body: PairBody, key: String, modes: usize) -> Result<CondensedBody> {
         let element = Superelement::new(self.system(body)?)?;
         let modes = (modes > 0 && body.is_in_time()).then(|| element.modes(modes)).transpose()?;
         let section = match body {
@@ -104,11 +107,10 @@ impl<'a> PairSolids<'a> {
                 Some(SectionMotion::new(&element, shear_stresses, placed, self.pair.node_line(), 0.0)?)
             }
         };
-        let (condensed, interior) = element.split(key);
-        Ok((CondensedBody { section, modes, ..condensed }, interior))
+        Ok(CondensedBody { section, modes, ..element.condensed(key) })
     }
 
-    /// Assembles and factors a body that was condensed before.
+    /// Assembles and factors the inside of a body.
     ///
     /// # Errors
     /// An inverted element.
@@ -122,7 +124,16 @@ impl<'a> PairSolids<'a> {
     /// An impossible material, and a mesh that cannot be ordered.
     pub fn system(&self, body: PairBody) -> Result<System<'a>> {
         let (mesh, supports) = self.held(body);
-        System::new(mesh, self.material, self.element, &supports)
+        let Orders(known) = self.orders;
+        let known = &known[body as usize];
+        let numbering = match known.get() {
+            Some(numbering) => numbering.clone(),
+            None => {
+                let numbering = Numbering::new(mesh, &supports)?;
+                known.get_or_init(|| numbering).clone()
+            }
+        };
+        System::with_numbering(mesh, self.material, self.element, numbering)
     }
 
     fn held(&self, body: PairBody) -> (&'a HexMesh, Supports) {

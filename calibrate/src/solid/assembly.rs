@@ -43,8 +43,20 @@ impl<'a> System<'a> {
         formulation: Formulation,
         supports: &Supports,
     ) -> Result<Self> {
+        Self::with_numbering(mesh, material, formulation, Numbering::new(mesh, supports)?)
+    }
+
+    /// The body with the `numbering` that [`Numbering::new`] has for `mesh` and its supports.
+    ///
+    /// # Errors
+    /// [`InputError`] if the material is impossible.
+    pub fn with_numbering(
+        mesh: &'a HexMesh,
+        material: Material,
+        formulation: Formulation,
+        numbering: Numbering,
+    ) -> Result<Self> {
         material.check()?;
-        let numbering = Numbering::new(mesh, supports)?;
         Ok(Self { mesh, material, formulation, numbering, massless: Vec::new() })
     }
 

@@ -6,7 +6,7 @@ use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
-use faer::sparse::SparseColMat;
+use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use faer::sparse::linalg::cholesky::{
@@ -30,7 +30,7 @@ impl Factor {
     ///
     /// # Errors
     /// [`NumericsError`] if the matrix is not positive definite.
-    pub fn new(upper: &SparseColMat<usize, f64>, interior: usize) -> Result<Self> {
+    pub fn new(upper: SparseColMatRef<'_, usize, f64>, interior: usize) -> Result<Self> {
         let failed = |iteration| NumericsError {
             stage: "factorisation".into(),
             step: None,
@@ -52,7 +52,7 @@ impl Factor {
         symbolic
             .factorize_numeric_llt(
                 &mut values,
-                upper.as_ref(),
+                upper,
                 Side::Upper,
                 LltRegularization::default(),
                 Par::Seq,
@@ -249,7 +249,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::sparse::Triplet;
+    use faer::sparse::{SparseColMat, Triplet};
 
     /// Relative rounding of a well-conditioned 60-equation solve.
     const ROUNDOFF: f64 = 1e-12;
@@ -273,7 +273,7 @@ mod tests {
             }
         }
         let matrix = SparseColMat::try_new_from_triplets(n, n, &triplets).unwrap();
-        let factor = Factor::new(&matrix, interior).unwrap();
+        let factor = Factor::new(matrix.as_ref(), interior).unwrap();
         let inverse = dense.clone().try_inverse().unwrap();
         let compliance = factor.retained_compliance();
         for i in 0..n - interior {
@@ -314,6 +314,6 @@ mod tests {
             &[Triplet::new(0, 0, 1.0), Triplet::new(0, 1, -1.0), Triplet::new(1, 1, -2.0)],
         )
         .unwrap();
-        assert!(Factor::new(&matrix, 1).is_err());
+        assert!(Factor::new(matrix.as_ref(), 1).is_err());
     }
 }

@@ -54,7 +54,7 @@ impl<'a> Superelement<'a> {
         diagonal: &[(usize, f64)],
     ) -> Result<Self> {
         let matrix = system.matrix(stiffness_factor, mass_factor, diagonal)?;
-        let factor = Factor::new(&matrix, system.numbering.interior)?;
+        let factor = Factor::new(matrix.as_ref(), system.numbering.interior)?;
         let compliance = factor.retained_compliance();
         Ok(Self { system, factor, compliance })
     }
@@ -69,20 +69,6 @@ impl<'a> Superelement<'a> {
         self.factor.backward_interior(&mut x);
         numbering.expand(mesh, &x)
     }
-
-    /// Displacements of all nodes (`3·node + direction`, m) under forces on the retained equations (N).
-    pub fn displacement(&self, retained_forces: &[f64]) -> Vec<f64> {
-        interior_displacement(&self.system, &self.factor, &times(&self.compliance, retained_forces))
-    }
-}
-
-/// Displacements of all nodes (`3·node + direction`, m) from those of the retained equations (m).
-fn interior_displacement(system: &System, factor: &Factor, retained: &[f64]) -> Vec<f64> {
-    let numbering = &system.numbering;
-    let mut x = vec![0.0; numbering.equations];
-    x[numbering.interior..].copy_from_slice(retained);
-    factor.backward_interior(&mut x);
-    numbering.expand(system.mesh, &x)
 }
 
 /// Dense matrix times vector.

@@ -277,7 +277,7 @@ impl Surface {
         let size = equations - interior;
         let own =
             SparseColMat::try_new_from_triplets(size, size, &own).expect("rows and columns within the block");
-        Ok(Self { columns, factor: Factor::new(&own, size)?, interior })
+        Ok(Self { columns, factor: Factor::new(own.as_ref(), size)?, interior })
     }
 
     /// Puts the contact nodes where no force is on them.

@@ -21,6 +21,8 @@ pub struct FactorSize {
     pub entries: usize,
     /// Values stored in the factor.
     pub values: usize,
+    /// Values stored in the factor of the equations that are not retained.
+    pub inside: usize,
     /// Multiplications of the factorisation.
     pub multiplications: f64,
 }
@@ -64,12 +66,20 @@ impl FactorSize {
                 (height - columns..height).map(|rest| 0.5 * (rest * rest) as f64).sum::<f64>()
             })
             .sum();
+        let inside = numbering.interior / 3;
+        let values_inside = |s: usize| {
+            let (begin, end) = (nodes.supernode_begin()[s], nodes.supernode_end()[s].min(inside));
+            let rows = &nodes.row_idx()[below[s]..below[s + 1]];
+            end.saturating_sub(begin)
+                * (end.saturating_sub(begin) + rows.partition_point(|row| *row < inside))
+        };
         Ok(Self {
             equations: 3 * count,
             retained: numbering.contact,
             // of the nine products of two nodes all, of those of a node with itself the upper six
             entries: 9 * rows.len() - 3 * count,
             values: 9 * symbolic.len_val(),
+            inside: 9 * (0..nodes.n_supernodes()).map(values_inside).sum::<usize>(),
             multiplications,
         })
     }
@@ -80,20 +90,23 @@ mod tests {
     use super::*;
     use crate::mesh::{BlockOptions, mesh_block};
     use crate::solid::{Formulation, Material, Supports, System};
-    use crate::superelement::Superelement;
+    use crate::superelement::{Interior, Superelement};
 
     /// Source: the factor itself. Goal: equations and entries exactly; stored values within what merging columns in
-    /// threes instead of one by one changes.
+    /// threes instead of one by one changes; the same for the factor of the inside.
     #[test]
     fn the_size_is_that_of_the_factor() {
         const MERGING: f64 = 0.05;
         for divisions in [[6, 5, 4], [14, 10, 12]] {
             let mesh = mesh_block(&BlockOptions::uniform([0.05, 0.04, 0.03], divisions)).unwrap();
             let supports = Supports { held: mesh.foot.clone(), ..Default::default() };
-            let system =
-                System::new(&mesh, Material::STEEL, Formulation::IncompatibleModes, &supports).unwrap();
+            let solid =
+                || System::new(&mesh, Material::STEEL, Formulation::IncompatibleModes, &supports).unwrap();
+            let system = solid();
             let size = FactorSize::of(&mesh, &system.numbering).unwrap();
             let matrix = system.matrix(1.0, 0.0, &[]).unwrap();
+            let inside = Interior::new(solid()).unwrap().stored_values() as f64;
+            assert!((size.inside as f64 / inside - 1.0).abs() < MERGING, "{} {inside}", size.inside);
             assert_eq!((size.equations, size.entries), (matrix.ncols(), matrix.compute_nnz()));
             let element = Superelement::new(system).unwrap();
             assert_eq!(size.retained, element.compliance.nrows());

@@ -517,7 +517,7 @@ mod tests {
         let system = System::new(mesh, Material::STEEL, Formulation::IncompatibleModes, &supports).unwrap();
         let element = Superelement::new(system).unwrap();
         let modes = Some(element.modes(modes).unwrap());
-        CondensedBody { modes, ..element.split("block".into()).0 }
+        CondensedBody { modes, ..element.condensed("block".into()) }
     }
 
     /// Free motions of a hub: none, those of a run without rotations, and all of a run with them.

@@ -114,7 +114,7 @@ fn condensed([rail, wheel]: [&HexMesh; 2], material: Material, modes: usize) -> 
         let system = System::new(mesh, material, Formulation::IncompatibleModes, &supports).unwrap();
         let element = Superelement::new(system).unwrap();
         let modes = Some(element.modes(modes).unwrap());
-        CondensedBody { modes, ..element.split("test".into()).0 }
+        CondensedBody { modes, ..element.condensed("test".into()) }
     })
 }
 
