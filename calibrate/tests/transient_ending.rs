@@ -129,7 +129,7 @@ fn a_contact_at_the_end_of_the_zone_ends_the_history() {
     const ZONE: f64 = 24e-3;
     let step = 5e-4;
     let pulled = scenario(-200e3, 50e3, 40, step);
-    let (runs, _) = run_in_zone(&[pulled.clone()], ZONE);
+    let (runs, _) = run_in_zone(std::slice::from_ref(&pulled), ZONE);
     let Ending::EndOfSurface { time, end, rail } = runs[0].ending else { panic!("{}", runs[0].ending) };
     assert_eq!(end, SurfaceEnd::ContactZone);
     let rows = &runs[0].rows;
