@@ -151,14 +151,15 @@ impl<'a> Pipeline<'a> {
         Ok(verdict)
     }
 
-    /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files.
+    /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files; whether its laws have all loads.
     ///
     /// # Errors
     /// Those of the stages.
-    pub fn calibrate(mut self) -> Result<()> {
+    pub fn calibrate(mut self) -> Result<bool> {
         self.check_calibration()?;
-        self.calibration()?;
-        self.by_angle().map(drop)
+        let has_all_loads = self.calibration()?.stiffness.law_end.is_none();
+        self.by_angle()?;
+        Ok(has_all_loads)
     }
 
     /// The calibration; says what its law is worth, and whether it has all loads.

@@ -107,7 +107,7 @@ impl StiffnessRecord {
         let LawEndRecord { loads_left_out, largest_wanted_kn, reason } = self.law_end.as_ref()?;
         Some(format!(
             "the laws end at {} kN instead of {largest_wanted_kn} kN, without {loads_left_out} of the loads: {reason}",
-            self.law.range_kn[1]
+            (10.0 * self.law.range_kn[1]).round() / 10.0
         ))
     }
 

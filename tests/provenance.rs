@@ -326,7 +326,7 @@ fn a_wheel_that_leaves_the_rail_is_a_result() {
     assert!(printed(&output).contains(line), "{}", printed(&output));
     let run = &place.json("results.json")["files"]["history.csv"]["run"];
     assert_eq!(run["ending"], "gauge-side");
-    let left = run["left_at_s"].as_f64().unwrap();
+    let left = run["ended_at_s"].as_f64().unwrap();
     // within the time step after the last row
     let steps = left / 0.0005;
     assert!(steps > rows as f64 - 1.0 && steps < rows as f64 + 1e-6, "{left} s after {rows} rows");

@@ -318,7 +318,7 @@ fn staged(
     let mut verdict = None;
     let holds = match command {
         Command::Run(_) => verdict.insert(pipeline.run()?).holds,
-        Command::Calibrate(_) => pipeline.calibrate().map(|()| true)?,
+        Command::Calibrate(_) => pipeline.calibrate()?,
         Command::Simulate { .. } => {
             let runs = pipeline.simulate(law)?;
             progress.finish();
