@@ -292,7 +292,6 @@ impl<'m, B: ElasticBody> Run<'m, B> {
 
     /// The run as far as it has come.
     pub fn ended(self) -> TransientRun {
-        eprintln!("DBG ended {:?} rows {}", self.steps, self.rows.len());
         let [rail, wheel] = self.lengths[0].bodies();
         TransientRun {
             history: History {
