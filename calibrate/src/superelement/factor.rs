@@ -47,15 +47,17 @@ impl Factor {
             factorize_symbolic_cholesky(upper.symbolic(), Side::Upper, SymmetricOrdering::Identity, params)
                 .map_err(|_| failed(0))?;
         let mut values = vec![0.0; symbolic.len_val()];
-        let mut memory =
-            MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()));
+        // the threads of the pool, whose number changes no byte of the factor
+        let threads = Par::rayon(0);
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(threads, Default::default());
+        let mut memory = MemBuffer::new(scratch);
         symbolic
             .factorize_numeric_llt(
                 &mut values,
                 upper,
                 Side::Upper,
                 LltRegularization::default(),
-                Par::Seq,
+                threads,
                 MemStack::new(&mut memory),
                 Default::default(),
             )
