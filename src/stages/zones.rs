@@ -353,10 +353,7 @@ mod tests {
     fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
         use nalgebra::Point2;
         use railspring_calibrate::error::StopReason;
-        let study = flange_contact(
-            "window_half_length_mm = 12
-",
-        );
+        let study = flange_contact("window_half_length_mm = 12\n");
         let geometry = stages::geometry(&study).unwrap();
         let options = mesh_options(&study, &geometry);
         let meshes = stages::meshes(&study, &geometry, options, None, &Notes::default()).unwrap();

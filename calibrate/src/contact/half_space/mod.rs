@@ -8,7 +8,7 @@
 mod potentials;
 mod means;
 
-pub(crate) use means::HatTable;
+pub(super) use means::HatTable;
 
 use super::Compliance;
 use super::point::{ContactPoint, Side};
