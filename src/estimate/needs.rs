@@ -288,9 +288,8 @@ fn shares(loads: &[f64]) -> Vec<f64> {
     loads.iter().map(|load| (load / largest).powf(2.0 / 3.0)).collect()
 }
 
-/// Time of the loads of the calibration, the rail held in one way, s.
-fn pressing(study: &Study, candidates: Candidates) -> f64 {
-    let loads = &study.calibration.loads;
+/// Time of `loads`, the rail held in one way, s.
+fn pressing(study: &Study, loads: &[f64], candidates: Candidates) -> f64 {
     match study.contact.field {
         FieldKey::Elements => {
             shares(loads).iter().map(|share| SECONDS_PAIR * (share * candidates.first).powi(2)).sum()
@@ -317,7 +316,7 @@ fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates,
             + wheel.seconds_inside()
             + 2.0 * rail.seconds()
             + rail.seconds_inside()
-            + 2.0 * pressing(study, candidates),
+            + 2.0 * pressing(study, &study.calibration.loads, candidates),
     }
 }
 
@@ -340,7 +339,7 @@ fn by_angle(
     let threads = (rayon::current_num_threads() as f64).min(shifts);
     // the third of the rail is against its section
     let mut kept = wheel.dense() + 3.0 * rail.dense();
-    let mut of_a_shift = 2.0 * pressing(study, candidates);
+    let mut of_a_shift = 2.0 * pressing(study, &stages::loads_by_angle(study), candidates);
     if study.wants_error_band() {
         let loads = FIXED_LOADS_CHANGED as f64;
         let (on_grids, of_a_load) = changed(study);

@@ -6,7 +6,7 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, FixedLoad, Pair, PressDirection, ShiftLaw, TouchPoint,
-    changed_by_shift, law_by_shift,
+    changed_by_shift, law_by_shift, loads_in_turn, spread,
 };
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
@@ -26,6 +26,17 @@ use crate::study::Study;
 /// Loads along the contact normal at which displacement and stiffness are given, N.
 const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
 
+/// Loads of the calibration that are put on beside these, at most: with all 24 of them laws, displacements and tangents are the same but
+/// for a small part of their error bands (docs/laws.md).
+const LOADS_BESIDE: usize = 6;
+
+/// Loads of the laws of a study, N, ascending: some of its calibration, and the fixed ones within their range.
+pub fn loads_by_angle(study: &Study) -> Vec<f64> {
+    let of_calibration = &study.calibration.loads;
+    let some = spread(of_calibration.len(), LOADS_BESIDE).into_iter().map(|load| of_calibration[load]);
+    loads_in_turn(&some.collect::<Vec<f64>>(), &FIXED_LOADS)
+}
+
 /// The laws of the pair at the shifts of the study on the condensed bodies of its calibration, with their error bands where the study wants
 /// them: `coarser` has the edge of the contact elements of those bodies, m, and the bodies of coarser meshes beside them, or why there are
 /// none.
@@ -42,10 +53,11 @@ pub fn by_angle(
 ) -> Result<StiffnessByAngleRecord> {
     let pair = &geometry.pair;
     let shifts = shifts(study, pair);
+    let loads = loads_by_angle(study);
     let settings = AngleSettings {
         contact: contact_conditions(study),
         direction: PressDirection::Normal,
-        loads: &study.calibration.loads,
+        loads: &loads,
         fixed_loads: &FIXED_LOADS,
     };
     let places: Vec<f64> = shifts.iter().map(|shift| tape_y(study, pair, *shift)).collect();

@@ -16,7 +16,7 @@ mod sections;
 mod simulate;
 
 pub use bodies::solids;
-pub use by_angle::{by_angle, shifts};
+pub use by_angle::{by_angle, loads_by_angle, shifts};
 pub use calibrate::{Calibration, calibrate, check_friction, contact_conditions};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use error_band::{

@@ -1,7 +1,7 @@
 //! Where contact is sought while a load settles: the nodes of the rail's mesh, or the points of a fine grid.
 
 use super::far_field::Solids;
-use super::fine::{FineContact, widened};
+use super::fine::{Displaced, FineContact, points_around, widened};
 use super::grid::{cell_for, first_forces, rim_gap, too_coarse, touches_border, widths};
 use super::pressed::{Elasticity, Pressed, WheelOnRail, carry_over};
 use crate::contact::{ContactPoint, HalfSpace, Lattice, Side};
@@ -17,7 +17,9 @@ const CANDIDATE_MARGIN: f64 = 20e-6;
 /// Changes of the fine grid and its reach at most, while a load settles.
 const GRID_CHANGES: usize = 8;
 /// Of the gap at the rim of a patch, what its neighbourhood must have at most to be in reach.
-const REACH: f64 = 6.0;
+const REACH: f64 = 2.0;
+/// The same of the gaps of rigid bodies, which are half a wheel's way down wider at the rim.
+const FIRST_REACH: f64 = 4.0;
 
 /// Points between which contact is sought, their compliance, and forces to start from.
 pub(super) struct Candidates {
@@ -98,21 +100,37 @@ impl WheelOnRail<'_> {
         let solids = self.solids(hub);
         let directions = self.directions();
         let known = last.and_then(|last| Some((last, last.fine()?)));
-        let (lattice, region) = plan.chosen.get_or_insert_with(|| match known {
+        // what the bodies give way by, and how near points must then be
+        let bodies = [self.rail, self.wheel];
+        let (moved, margin) = match known {
             Some((last, fine)) => {
-                // patch and approach grow as on Hertz' ellipses
+                // patch and approach grow as on Hertz' ellipses, and the bodies give way as the hub does
                 let growth = (load / last.load).cbrt();
-                let across = widths(&fine.lattice, &last.points, &last.solution.forces).map(|w| w * growth);
-                (self.lattice(across), self.region(last, growth.max(1.0).powi(2)))
+                let higher = growth.max(1.0).powi(2);
+                if plan.chosen.is_none() {
+                    let across = widths(&fine.lattice, &last.points, &last.solution.forces);
+                    plan.chosen = Some((self.lattice(across.map(|w| w * growth)), self.region(last, higher)));
+                }
+                let [way, before] = [hub, &last.hub].map(|hub| hub.dot(&self.along));
+                let share = if before == 0.0 { 1.0 } else { way / before };
+                let moved = last.displacement(self).each_ref();
+                (
+                    moved.map(|body| body.iter().map(|u| share * u).collect::<Vec<_>>()),
+                    higher * self.reach(last),
+                )
             }
             None => {
-                let points = self.first_points(hub);
-                let nodes = points.iter().map(|point| point.index);
-                (self.lattice([f64::INFINITY; 2]), self.marked(nodes))
+                let (lattice, region, margin) = self.first_plan(hub, load, &solids);
+                plan.chosen = Some((lattice, region));
+                (bodies.map(|body| vec![0.0; body.nrows()]), margin)
             }
-        });
+        };
+        let [rail, wheel] = &moved;
+        let displaced = Displaced { rail, wheel, margin };
+        let (lattice, region) = plan.chosen.as_ref().expect("chosen above");
+        let known_fine = known.map(|(_, fine)| fine);
         let (points, fine) =
-            FineContact::new(&solids, *lattice, region, known.map(|(_, fine)| fine), None, directions);
+            FineContact::new(&solids, *lattice, region, known_fine, Some(&displaced), directions);
         let start = match known {
             Some((last, of)) => {
                 let growth = (load / last.load).cbrt();
@@ -125,6 +143,23 @@ impl WheelOnRail<'_> {
             }
         };
         Candidates { points, elasticity: Elasticity::Hybrid(Box::new(fine)), start }
+    }
+
+    /// Grid and reach, and the gap within which points are sought, m, where nothing is known but the gaps with the hub displaced by
+    /// `hub`: those of the forces to start from on the coarsest grid.
+    fn first_plan(&self, hub: &Vector2<f64>, load: f64, solids: &Solids) -> (Lattice, Vec<bool>, f64) {
+        let nodes = self.first_points(hub);
+        let all = self.marked(nodes.iter().map(|point| point.index));
+        let coarsest = self.lattice([f64::INFINITY; 2]);
+        let points = points_around(&all, &coarsest, solids);
+        let forces = first_forces(&solids.half_spaces, &points, load);
+        let carrying = points.iter().zip(&forces).filter(|(_, force)| **force > 0.0);
+        let rim = carrying.map(|(point, _)| point.gap).fold(0.0, f64::max);
+        let margin = FIRST_REACH * rim;
+        let near = nodes.iter().filter(|point| point.gap < margin).map(|point| point.index);
+        let mut region = self.marked(near);
+        self.mark_patch(&points, &forces, &mut region);
+        (self.lattice(widths(&coarsest, &points, &forces)), region, margin)
     }
 
     /// Changes the `plan` of a fine contact where the `state` shows that grid or reach do not suit it; whether it did.
@@ -173,33 +208,40 @@ impl WheelOnRail<'_> {
         marks
     }
 
+    /// Points farther apart than this with the displacements of a state are out of the reach of its contact, m.
+    fn reach(&self, state: &Pressed) -> f64 {
+        let carrying = state.points.iter().zip(&state.solution.forces).filter(|(_, force)| **force > 0.0);
+        let area: f64 = carrying.map(|(point, _)| point.area).sum();
+        (REACH * rim_gap(&self.solids(&state.hub).half_spaces, state.load, area)).min(CANDIDATE_MARGIN)
+    }
+
     /// The nodes of the rail's grid that are near the wheel with the displacements of a state: as near as the contact of its
     /// load may reach, times `part`; with 0, those where the surfaces overlap.
     fn region(&self, state: &Pressed, part: f64) -> Vec<bool> {
         let points = self.nodes_near(&state.hub, PAIRING_GAP);
         let forces = &state.solution.forces[..state.points.len()];
-        let area: f64 =
-            state.points.iter().zip(forces).filter(|(_, force)| **force > 0.0).map(|(p, _)| p.area).sum();
-        let rim = rim_gap(&self.solids(&state.hub).half_spaces, state.load, area);
-        let margin = part * (REACH * rim).min(CANDIDATE_MARGIN);
+        let margin = part * self.reach(state);
         let gaps = state.gaps_at(self, &points);
         let near = points.iter().zip(gaps).filter(|(_, gap)| *gap < margin).map(|(point, _)| point.index);
         let mut marks = self.marked(near);
         if part > 0.0 {
-            // the patch itself, which may lie between nodes
-            let grid = self.rail_surface.grid;
-            let columns = grid.along_track.len();
-            for (point, _) in state.points.iter().zip(forces).filter(|(_, force)| **force > 0.0) {
-                let line =
-                    |axis: &[f64], at: f64| axis.partition_point(|a| *a <= at).clamp(1, axis.len() - 1) - 1;
-                let (i, k) =
-                    (line(&grid.along_profile, point.position.x), line(&grid.along_track, point.position.y));
-                for node in [i * columns + k, (i + 1) * columns + k] {
-                    marks[node] = true;
-                    marks[node + 1] = true;
-                }
-            }
+            self.mark_patch(&state.points, forces, &mut marks);
         }
         marks
+    }
+
+    /// Marks the nodes around points that carry load, which may lie between nodes.
+    fn mark_patch(&self, points: &[ContactPoint], forces: &[f64], marks: &mut [bool]) {
+        let grid = self.rail_surface.grid;
+        let columns = grid.along_track.len();
+        let line = |axis: &[f64], at: f64| axis.partition_point(|a| *a <= at).clamp(1, axis.len() - 1) - 1;
+        for (point, _) in points.iter().zip(forces).filter(|(_, force)| **force > 0.0) {
+            let (i, k) =
+                (line(&grid.along_profile, point.position.x), line(&grid.along_track, point.position.y));
+            for node in [i * columns + k, (i + 1) * columns + k] {
+                marks[node] = true;
+                marks[node + 1] = true;
+            }
+        }
     }
 }

@@ -47,16 +47,8 @@ impl FineContact {
             Some(known) if known.far.serves(&needed, directions, rail) => known.far.clone(),
             _ => Arc::new(FarField::new(solids, widened(&needed, columns, SPARE_NODES), directions)),
         };
-        let mut nodes = Vec::new();
-        for (i, k) in cells {
-            let (s, x) = (&rail.grid.along_profile, &rail.grid.along_track);
-            for a in lattice.lines_within(0, s[i], s[i + 1]) {
-                nodes.extend(lattice.lines_within(1, x[k], x[k + 1]).map(|b| (a, b)));
-            }
-        }
-        nodes.sort_unstable();
         let mut shares = Vec::new();
-        let mut points = lattice.points(rail, &solids.wheel_surface, &nodes);
+        let mut points = points_in(&cells, &lattice, solids);
         points.retain_mut(|point| {
             let Some((share, cut)) = far.shares(rail, &point.position) else { return false };
             point.at_edge = cut || at_end(rail.grid, &lattice, &point.position);
@@ -73,7 +65,7 @@ impl FineContact {
             shares.retain(|_| *keep.next().unwrap_or(&false));
         }
         let near = NearField::on_grid(lattice.cell, &solids.half_spaces, &points, directions);
-        let hybrid = Hybrid::new(near, far.sum.clone(), shares);
+        let hybrid = Hybrid::new(near, &far.sum, shares);
         (points, Self { lattice, far, hybrid, half_spaces: solids.half_spaces })
     }
 
@@ -334,6 +326,25 @@ fn around(
         }
     }
     Some(found)
+}
+
+/// Points of a `lattice` in the cells of the rail's grid around the nodes `region`.
+pub(super) fn points_around(region: &[bool], lattice: &Lattice, solids: &Solids) -> Vec<ContactPoint> {
+    points_in(&cells_at(solids.rail_surface.grid, region), lattice, solids)
+}
+
+/// Points of a `lattice` in cells of the rail's grid, by the first nodes of these.
+fn points_in(cells: &[(usize, usize)], lattice: &Lattice, solids: &Solids) -> Vec<ContactPoint> {
+    let grid = solids.rail_surface.grid;
+    let (s, x) = (&grid.along_profile, &grid.along_track);
+    let mut nodes = Vec::new();
+    for &(i, k) in cells {
+        for a in lattice.lines_within(0, s[i], s[i + 1]) {
+            nodes.extend(lattice.lines_within(1, x[k], x[k + 1]).map(|b| (a, b)));
+        }
+    }
+    nodes.sort_unstable();
+    lattice.points(&solids.rail_surface, &solids.wheel_surface, &nodes)
 }
 
 /// First nodes of the cells with a corner in `region`.

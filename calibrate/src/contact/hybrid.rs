@@ -33,19 +33,34 @@ pub(crate) type Shares = [Share; 4];
 /// turns them with the profile, so that the forces keep their resultant; with the normal one alone it cannot.
 pub(crate) struct Hybrid {
     near: NearField,
-    /// D, `direction·coarse points + coarse point`, m/N: with the normal direction, with that and the lateral one, or with all.
+    /// D between the coarse points in which there are shares, `direction·(number of these) + place among these`, m/N: with the normal
+    /// direction, or with all.
     far: Arc<Mat<f64>>,
+    /// Directions of D that count: the first, with the lateral one, or all.
+    far_directions: usize,
+    /// Numbers of these points among all coarse ones, and how many of those there are.
+    used: Arc<Vec<usize>>,
     coarse_points: usize,
-    shares: Vec<Shares>,
+    /// With the places among the coarse points in use.
+    shares: Arc<Vec<Shares>>,
     diagonal: Vec<f64>,
 }
 
 impl Hybrid {
-    /// The far field has the directions of the half-spaces.
-    pub fn new(near: NearField, far: Arc<Mat<f64>>, shares: Vec<Shares>) -> Self {
+    /// The `far` field has the directions of the half-spaces.
+    pub fn new(near: NearField, far: &Mat<f64>, mut shares: Vec<Shares>) -> Self {
         let directions = near.rows().checked_div(shares.len()).unwrap_or(1);
         let coarse_points = far.nrows() / directions;
-        let mut hybrid = Self { near, far, coarse_points, shares, diagonal: Vec::new() };
+        let used = numbered(&mut shares, coarse_points);
+        let mut hybrid = Self {
+            near,
+            far: Arc::new(between(far, coarse_points, &used, directions)),
+            far_directions: directions,
+            used: Arc::new(used),
+            coarse_points,
+            shares: Arc::new(shares),
+            diagonal: Vec::new(),
+        };
         hybrid.diagonal =
             (0..hybrid.rows()).map(|row| hybrid.near.value(row, row) + hybrid.far_value(row, row)).collect();
         hybrid
@@ -68,38 +83,47 @@ impl Hybrid {
 
     /// Whether the far field has lateral directions.
     fn turns(&self) -> bool {
-        self.far.nrows() > self.coarse_points
+        self.far_directions > 1
     }
 
-    /// The compliance between some of the `points` in their first `directions`, with the coarse points alone in which these have a
-    /// share.
-    fn part(&self, points: &[usize], directions: usize) -> Self {
-        let n = self.points();
-        let mut place = vec![None; self.coarse_points];
-        let mut used = Vec::new();
+    /// The compliance between some of the `points`.
+    fn part(&self, points: &[usize]) -> Self {
+        let (n, directions) = (self.points(), self.directions());
         let mut shares: Vec<Shares> = points.iter().map(|&j| self.shares[j]).collect();
-        for share in shares.iter_mut().flatten() {
-            share.point = *place[share.point].get_or_insert_with(|| {
-                used.push(share.point);
-                used.len() - 1
-            });
+        let used = numbered(&mut shares, self.used.len());
+        Self {
+            near: self.near.between(points),
+            far: Arc::new(between(&self.far, self.used.len(), &used, self.far_directions)),
+            far_directions: self.far_directions,
+            used: Arc::new(used.iter().map(|&place| self.used[place]).collect()),
+            coarse_points: self.coarse_points,
+            shares: Arc::new(shares),
+            diagonal: (0..directions)
+                .flat_map(|d| points.iter().map(move |&j| self.diagonal[d * n + j]))
+                .collect(),
         }
-        let m = used.len();
-        let row = |r: usize| r / m * self.coarse_points + used[r % m];
-        let coarse_directions = if self.turns() { directions.max(2) } else { 1 };
-        let far =
-            Mat::from_fn(coarse_directions * m, coarse_directions * m, |r, c| self.far[(row(r), row(c))]);
-        let diagonal =
-            (0..directions).flat_map(|d| points.iter().map(move |&j| self.diagonal[d * n + j])).collect();
-        let near = self.near.between(points, directions);
-        Self { near, far: Arc::new(far), coarse_points: m, shares, diagonal }
     }
 
-    /// Fine forces carried to the coarse points.
+    /// Fine forces carried to all coarse points.
     pub fn carried(&self, forces: &[f64]) -> Vec<f64> {
-        let (n, m) = (self.points(), self.coarse_points);
+        let mut coarse = vec![0.0; self.far_directions * self.coarse_points];
+        for (row, force) in self.carried_to_used(forces).into_iter().enumerate() {
+            coarse[self.whole_row(row)] = force;
+        }
+        coarse
+    }
+
+    /// Row of all coarse points of one of those in use.
+    fn whole_row(&self, row: usize) -> usize {
+        let m = self.used.len();
+        row / m * self.coarse_points + self.used[row % m]
+    }
+
+    /// Fine forces carried to the coarse points in use.
+    fn carried_to_used(&self, forces: &[f64]) -> Vec<f64> {
+        let (n, m) = (self.points(), self.used.len());
         let (three, turns) = (self.directions() == 3, self.turns());
-        let mut coarse = vec![0.0; self.far.nrows()];
+        let mut coarse = vec![0.0; self.far_directions * m];
         for (j, shares) in self.shares.iter().enumerate() {
             let normal = forces[j];
             let [lateral, along] = if three { [forces[n + j], forces[2 * n + j]] } else { [0.0; 2] };
@@ -124,7 +148,7 @@ impl Hybrid {
     /// Rows of the far field with the weights of a row of the fine grid.
     fn coarse(&self, row: usize) -> impl Iterator<Item = (usize, f64)> {
         let n = self.shares.len();
-        let (direction, points) = (row / n, self.coarse_points);
+        let (direction, points) = (row / n, self.used.len());
         let turns = self.turns() && direction < 2;
         let mut found = [(0, 0.0); 8];
         for (k, Share { point, weight, turn }) in self.shares[row % n].iter().enumerate() {
@@ -148,18 +172,25 @@ impl Hybrid {
         sum
     }
 
-    /// Far displacements of the coarse points under forces on them.
+    /// Far displacements of the coarse points in use under forces on them.
     fn far_motion(&self, coarse: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
-        let mut motion = vec![0.0; self.far.nrows()];
+        let mut motion = vec![0.0; self.far_directions * self.used.len()];
         for (c, force) in coarse.filter(|(_, force)| *force != 0.0) {
             motion.iter_mut().zip(self.far.col_as_slice(c)).for_each(|(m, d)| *m += d * force);
         }
         motion
     }
 
-    /// Adds what the points move by with the coarse ones, both by direction and point.
+    /// Adds what the points move by with all coarse ones, both by direction and point.
     pub fn interpolate(&self, coarse: &[f64], motion: &mut [f64]) {
-        let (n, m) = (self.points(), self.coarse_points);
+        let rows = self.far_directions * self.used.len();
+        let of_used: Vec<f64> = (0..rows).map(|row| coarse[self.whole_row(row)]).collect();
+        self.interpolate_used(&of_used, motion);
+    }
+
+    /// The same with the coarse points in use.
+    fn interpolate_used(&self, coarse: &[f64], motion: &mut [f64]) {
+        let (n, m) = (self.points(), self.used.len());
         let (three, turns) = (self.directions() == 3, self.turns());
         for (j, shares) in self.shares.iter().enumerate() {
             for Share { point, weight, turn } in shares {
@@ -178,18 +209,51 @@ impl Hybrid {
     }
 }
 
+/// Numbers the coarse points of `shares`, some of so many, in the order in which they come; returns what these numbers stand for.
+fn numbered(shares: &mut [Shares], coarse_points: usize) -> Vec<usize> {
+    let mut place = vec![None; coarse_points];
+    let mut used = Vec::new();
+    for share in shares.iter_mut().flatten() {
+        share.point = *place[share.point].get_or_insert_with(|| {
+            used.push(share.point);
+            used.len() - 1
+        });
+    }
+    used
+}
+
+/// A far field of so many coarse points between some of them, in its first `directions`.
+fn between(far: &Mat<f64>, coarse_points: usize, some: &[usize], directions: usize) -> Mat<f64> {
+    let rows: Vec<usize> =
+        (0..directions).flat_map(|d| some.iter().map(move |point| d * coarse_points + point)).collect();
+    let mut part = Mat::zeros(rows.len(), rows.len());
+    for (c, &column) in rows.iter().enumerate() {
+        let from = far.col_as_slice(column);
+        part.col_as_slice_mut(c).iter_mut().zip(&rows).for_each(|(value, &row)| *value = from[row]);
+    }
+    part
+}
+
 impl ComplianceOperator for Hybrid {
     fn rows(&self) -> usize {
         self.near.rows()
     }
 
     fn among(&self, points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
-        Some(Box::new(self.part(points, self.directions())))
+        Some(Box::new(self.part(points)))
     }
 
     fn normal(&self) -> Option<Box<dyn ComplianceOperator + '_>> {
-        let all: Vec<usize> = (0..self.points()).collect();
-        Some(Box::new(self.part(&all, 1)))
+        Some(Box::new(Self {
+            near: self.near.in_normal_direction(),
+            far: self.far.clone(),
+            // the normal forces have shares in the lateral direction of the coarse points
+            far_directions: self.far_directions.min(2),
+            used: self.used.clone(),
+            coarse_points: self.coarse_points,
+            shares: self.shares.clone(),
+            diagonal: self.diagonal[..self.points()].to_vec(),
+        }))
     }
 
     fn diagonal(&self, row: usize) -> f64 {
@@ -198,14 +262,14 @@ impl ComplianceOperator for Hybrid {
 
     fn add_product(&self, forces: &[f64], motion: &mut [f64]) {
         self.near.add_product(forces, motion);
-        let coarse = self.far_motion(self.carried(forces).into_iter().enumerate());
-        self.interpolate(&coarse, motion);
+        let coarse = self.far_motion(self.carried_to_used(forces).into_iter().enumerate());
+        self.interpolate_used(&coarse, motion);
     }
 
     fn add_column(&self, row: usize, force: f64, motion: &mut [f64]) {
         self.near.add_column(row, force, motion);
         let coarse = self.far_motion(self.coarse(row).map(|(c, weight)| (c, weight * force)));
-        self.interpolate(&coarse, motion);
+        self.interpolate_used(&coarse, motion);
     }
 
     fn block(&self, rows: &[usize]) -> Mat<f64> {
@@ -213,7 +277,7 @@ impl ComplianceOperator for Hybrid {
         let values = self.near.values(rows);
         let shares: Vec<Vec<(usize, f64)>> = rows.iter().map(|&row| self.coarse(row).collect()).collect();
         // P·D, of the coarse rows that are used
-        let mut spread: Vec<Option<Vec<f64>>> = vec![None; self.far.nrows()];
+        let mut spread: Vec<Option<Vec<f64>>> = vec![None; self.far_directions * self.used.len()];
         for &(k, _) in shares.iter().flatten() {
             spread[k].get_or_insert_with(|| {
                 let far = self.far.col_as_slice(k);
@@ -285,7 +349,7 @@ mod tests {
             }
             let far_part = &spread * &far * spread.transpose();
             let matrix = Mat::from_fn(rows, rows, |r, c| near.value(r, c) + far_part[(r, c)]);
-            let hybrid = Hybrid::new(near, Arc::new(far), shares);
+            let hybrid = Hybrid::new(near, &far, shares);
             let tolerance = ROUNDOFF * matrix[(0, 0)] * rows as f64;
             let forces: Vec<f64> = (0..rows).map(|j| (j % 5) as f64 - 2.0).collect();
             let (mut product, mut columns) = (vec![0.0; rows], vec![0.0; rows]);

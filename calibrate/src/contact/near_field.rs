@@ -51,10 +51,16 @@ impl NearField {
         self.convolution.table.cell
     }
 
-    /// The half-spaces between some of the points, by their places in the list, in their first `directions`.
-    pub(crate) fn between(&self, points: &[usize], directions: usize) -> Self {
+    /// The half-spaces between some of the points, by their places in the list.
+    pub(crate) fn between(&self, points: &[usize]) -> Self {
         let places = points.iter().map(|&j| self.places[j]).collect();
-        Self::at(self.cell(), self.factors, places, directions)
+        Self::at(self.cell(), self.factors, places, self.directions)
+    }
+
+    /// The half-spaces in the normal direction alone.
+    pub(crate) fn in_normal_direction(&self) -> Self {
+        let Self { factors, ref places, extent, ref convolution, .. } = *self;
+        Self { factors, directions: 1, places: places.clone(), extent, convolution: convolution.clone() }
     }
 
     /// Compliance of `bodies` under `forces` on the points: fᵀ·N·f, m·N.
@@ -141,11 +147,11 @@ impl ComplianceOperator for NearField {
     }
 
     fn among(&self, points: &[usize]) -> Option<Box<dyn ComplianceOperator + '_>> {
-        Some(Box::new(self.between(points, self.directions)))
+        Some(Box::new(self.between(points)))
     }
 
     fn normal(&self) -> Option<Box<dyn ComplianceOperator + '_>> {
-        Some(Box::new(Self::at(self.cell(), self.factors, self.places.clone(), 1)))
+        Some(Box::new(self.in_normal_direction()))
     }
 
     fn diagonal(&self, row: usize) -> f64 {

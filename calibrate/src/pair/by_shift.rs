@@ -47,11 +47,22 @@ pub struct AngleSettings<'a> {
     pub contact: ContactConditions,
     /// Along what the wheel is pressed.
     pub direction: PressDirection,
-    /// Loads along that direction to which the laws are fitted, N, ascending.
+    /// Loads along that direction, N, ascending. They and the fixed loads within their range are put on in turn, and the laws are
+    /// fitted to all of them.
     pub loads: &'a [f64],
     /// Loads at which displacement and stiffness are given, N, ascending: the constants of a law do not interpolate from shift to
     /// shift. Those beyond the range of `loads` are left out.
     pub fixed_loads: &'a [f64],
+}
+
+/// The loads that are put on in turn, N, ascending: `loads`, and the `fixed` ones within their range.
+pub fn loads_in_turn(loads: &[f64], fixed: &[f64]) -> Vec<f64> {
+    let (Some(first), Some(last)) = (loads.first(), loads.last()) else { return Vec::new() };
+    let within = fixed.iter().filter(|load| (first..=last).contains(load));
+    let mut all: Vec<f64> = loads.iter().chain(within).copied().collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
 }
 
 /// What a wheel in one place of the track has come to.
@@ -211,29 +222,24 @@ fn angle_law(mut on_foot: Sequence, mut on_section: Sequence, along: Unit<Vector
     }
     on_foot.points.truncate(carried);
     on_section.points.truncate(carried);
-    let largest = on_foot.points.last().map_or(0.0, |point| point.force);
+    let mut local = on_foot.points.clone();
+    subtract_bodies(&mut local);
     let across = Vector2::new(along.y, -along.x);
     let fixed = on_foot
         .fixed
         .iter()
         .zip(&on_section.fixed)
-        .filter(|(foot, _)| foot.point.force <= largest)
+        .filter(|(foot, _)| foot.load < carried)
         .map(|(foot, section)| {
-            // the way of the bodies is integrated over the loads before
-            let smaller = on_foot.points.iter().filter(|point| point.force < foot.point.force);
-            let mut local: Vec<LoadPoint> = smaller.chain([&foot.point]).copied().collect();
-            subtract_bodies(&mut local);
             let flexibility = section.flexibility;
             FixedLoad {
-                points: [foot.point, section.point, local[local.len() - 1]],
+                points: [&on_foot.points, &on_section.points, &local].map(|points| points[foot.load]),
                 horizontal_stiffness: 1.0 / flexibility[(0, 0)],
                 tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
                 subsurface: foot.subsurface,
             }
         })
         .collect();
-    let mut local = on_foot.points.clone();
-    subtract_bodies(&mut local);
     let laws = [
         NormalCalibration::new(Reference::Foot, on_foot.points)?,
         NormalCalibration::new(Reference::Beam, on_section.points)?,
@@ -252,23 +258,16 @@ struct Sequence {
 
 /// What a fixed load has come to, the rail held in one way.
 struct Fixed {
-    point: LoadPoint,
+    /// Its number among all loads.
+    load: usize,
     /// Flexibility of the hub, all points sticking, m/N.
     flexibility: Matrix2<f64>,
     subsurface: Option<Subsurface>,
 }
 
-impl Fixed {
-    fn new(wheel_on_rail: &WheelOnRail, state: &Pressed, point: LoadPoint, stresses: bool) -> Result<Self> {
-        let poisson = wheel_on_rail.materials[0].poisson;
-        let subsurface = stresses.then(|| state.subsurface(poisson)).flatten();
-        Ok(Self { point, flexibility: sticking_flexibility(wheel_on_rail, state)?, subsurface })
-    }
-}
-
 impl Sequence {
-    /// Presses with every load in turn, and from the load before each fixed load with that, with the `stresses` below its patch or without; until
-    /// one is not carried in one region.
+    /// Presses with every load in turn, at fixed ones with the `stresses` below the patch or without; until one is not carried in one
+    /// region.
     ///
     /// # Errors
     /// An interruption.
@@ -278,28 +277,22 @@ impl Sequence {
         stresses: bool,
         going_on: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
+        let poisson = wheel_on_rail.materials[0].poisson;
         let mut sequence = Self { points: Vec::new(), fixed: Vec::new(), ended: None };
         let mut before: Option<Pressed> = None;
-        for (i, &load) in settings.loads.iter().enumerate() {
+        let loads = loads_in_turn(settings.loads, settings.fixed_loads);
+        for (i, load) in loads.into_iter().enumerate() {
             going_on()?;
-            let last = before.as_ref().map_or(f64::INFINITY, |b| b.load);
-            let mut between = settings.fixed_loads.iter().filter(|fixed| last < **fixed && **fixed < load);
-            let pressed = between
-                .try_for_each(|&fixed| {
-                    let state = carried(wheel_on_rail, fixed, before.as_ref())?;
-                    let point = load_point(wheel_on_rail, &state)?;
-                    sequence.fixed.push(Fixed::new(wheel_on_rail, &state, point, stresses)?);
-                    Ok(())
-                })
-                .and_then(|()| {
-                    let state = carried(wheel_on_rail, load, before.as_ref())?;
-                    let point = load_point(wheel_on_rail, &state)?;
-                    if settings.fixed_loads.contains(&load) {
-                        sequence.fixed.push(Fixed::new(wheel_on_rail, &state, point, stresses)?);
-                    }
-                    sequence.points.push(point);
-                    Ok(state)
-                });
+            let pressed = carried(wheel_on_rail, load, before.as_ref()).and_then(|state| {
+                let point = load_point(wheel_on_rail, &state)?;
+                if settings.fixed_loads.contains(&load) {
+                    let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
+                    let subsurface = stresses.then(|| state.subsurface(poisson)).flatten();
+                    sequence.fixed.push(Fixed { load: i, flexibility, subsurface });
+                }
+                sequence.points.push(point);
+                Ok(state)
+            });
             match pressed {
                 Ok(state) => before = Some(state),
                 Err(Error::Interrupted) => return Err(Error::Interrupted),

@@ -10,7 +10,8 @@ use super::bodies::{CondensedPair, ContactConditions, PressedPair};
 use super::by_shift::{AngleLaw, AngleSettings, ShiftLaw};
 use super::geometry::Pair;
 use crate::calibration::{
-    ContactField, DOWNWARDS, LoadPoint, NormalCalibration, Reference, WheelOnRail, load_points, press_loads,
+    ContactField, DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, WheelOnRail, load_points,
+    press_loads,
 };
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
@@ -41,7 +42,7 @@ pub const LOADS_COARSER: usize = 6;
 pub const FIXED_LOADS_CHANGED: usize = 2;
 
 /// Numbers of at most `most` of `count` loads, evenly from the first to the last.
-fn spread(count: usize, most: usize) -> Vec<usize> {
+pub fn spread(count: usize, most: usize) -> Vec<usize> {
     let most = count.min(most);
     (0..most).map(|n| n * (count - 1) / (most - 1).max(1)).collect()
 }
@@ -245,14 +246,21 @@ impl<'a> Solid<'a> {
         if self.contact.field == ContactField::Elements {
             return Ok(None);
         }
-        let loads = self.forces(&self.halved);
-        let on_grid = |field| -> Result<SolidPoints> {
+        let (loads, stage) = (self.forces(&self.halved), "error of the grid");
+        let [on_grid, on_halved] = [ContactField::Hybrid, ContactField::HybridHalved].map(|field| {
             let contact = ContactConditions { field, friction: 0.0, ..self.contact };
-            let [foot, local] = self.on_foot(self.bodies, contact, &loads, "error of the grid", monitor)?;
-            Ok([foot.clone(), foot, local])
-        };
-        let (from, to) = (on_grid(ContactField::Hybrid)?, on_grid(ContactField::HybridHalved)?);
-        Ok(Some(changes(&self.points, &self.halved, &from, &to)))
+            self.placed(self.bodies, Reference::Foot, contact)
+        });
+        let states = press_loads(&on_grid, &loads, stage, monitor)?;
+        let mut halved = Vec::new();
+        for (i, state) in states.iter().enumerate() {
+            monitor.progress(stage, i, loads.len())?;
+            // without friction there is no history: the same load on the wider grid is the nearest start
+            halved.push(on_halved.press(state.load, Some(state)).map_err(|error| error.at_step(i + 1))?);
+        }
+        let points = |[foot, local]: [Vec<LoadPoint>; 2]| [foot.clone(), foot, local];
+        let (from, to) = (foot_and_local(&on_grid, &states)?, foot_and_local(&on_halved, &halved)?);
+        Ok(Some(changes(&self.points, &self.halved, &points(from), &points(to))))
     }
 
     /// Changes to `coarser` meshes, with friction, which has the same history of loads on both.
@@ -263,7 +271,9 @@ impl<'a> Solid<'a> {
         let (among, loads) = (&self.coarser, self.forces(&self.coarser));
         let on = |bodies: &CondensedPair| -> Result<SolidPoints> {
             let stage = "error of the meshes";
-            let [foot, local] = self.on_foot(bodies, self.contact, &loads, stage, monitor)?;
+            let on_foot = self.placed(bodies, Reference::Foot, self.contact);
+            let states = press_loads(&on_foot, &loads, stage, monitor)?;
+            let [foot, local] = foot_and_local(&on_foot, &states)?;
             let on_section = self.placed(bodies, Reference::Beam, self.contact);
             let states = press_loads(&on_section, &loads, stage, monitor)?;
             Ok([foot, load_points(&on_section, &states, Reference::Beam)?, local])
@@ -280,21 +290,6 @@ impl<'a> Solid<'a> {
         numbers.iter().map(|&load| self.points[0][load].force).collect()
     }
 
-    /// The points against the foot, and of the approach alone.
-    fn on_foot(
-        &self,
-        bodies: &CondensedPair,
-        contact: ContactConditions,
-        loads: &[f64],
-        stage: &str,
-        monitor: &dyn Monitor,
-    ) -> Result<[Vec<LoadPoint>; 2]> {
-        let on_foot = self.placed(bodies, Reference::Foot, contact);
-        let states = press_loads(&on_foot, loads, stage, monitor)?;
-        let points = |reference| load_points(&on_foot, &states, reference);
-        Ok([points(Reference::Foot)?, points(Reference::Local)?])
-    }
-
     fn placed<'b>(
         &'b self,
         bodies: &'b CondensedPair,
@@ -303,6 +298,12 @@ impl<'a> Solid<'a> {
     ) -> WheelOnRail<'b> {
         WheelOnRail { along: self.along, ..bodies.wheel_on_rail(self.pair, reference, contact) }
     }
+}
+
+/// The points against the foot, and of the approach alone.
+fn foot_and_local(on_foot: &WheelOnRail, states: &[Pressed]) -> Result<[Vec<LoadPoint>; 2]> {
+    let points = |reference| load_points(on_foot, states, reference);
+    Ok([points(Reference::Foot)?, points(Reference::Local)?])
 }
 
 /// How far the solid of each of the `laws` by contact angle changes at its fixed loads, on the bodies of the laws and on `coarser` ones, with

@@ -17,10 +17,12 @@ mod error_band;
 mod series_beam;
 
 pub use bodies::{CondensedPair, ContactBody, ContactConditions, PressedPair, condense_all};
-pub use by_shift::{AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, TouchPoint, law_by_shift};
+pub use by_shift::{
+    AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, TouchPoint, law_by_shift, loads_in_turn,
+};
 pub use error_band::{
     BandPoint, COARSER, Change, Changed, Changes, ErrorBand, FIXED_LOADS_CHANGED, LOADS_COARSER,
-    LOADS_HALVED, Laws, Solid, SolidPoints, changed_by_shift, error_bands,
+    LOADS_HALVED, Laws, Solid, SolidPoints, changed_by_shift, error_bands, spread,
 };
 pub use geometry::{Pair, PairMeshes};
 pub use series_beam::SeriesBeam;
