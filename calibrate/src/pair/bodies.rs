@@ -178,13 +178,21 @@ impl CondensedPair {
                 ended => Ok((states, ended)),
             }
         };
-        let (mut on_foot, mut ended) = press(Reference::Foot, loads, "calibration, foot held")?;
-        let carried = &loads[..on_foot.len()];
-        let (on_section, earlier) = press(Reference::Beam, carried, "calibration, section held")?;
-        if earlier.is_some() {
-            on_foot.truncate(on_section.len());
+        let section_held = |loads: &[f64]| press(Reference::Beam, loads, "calibration, section held");
+        let (on_foot, on_section) =
+            rayon::join(|| press(Reference::Foot, loads, "calibration, foot held"), || section_held(loads));
+        let (mut on_foot, mut ended) = on_foot?;
+        let (mut on_section, earlier) = match on_section {
+            // under loads that the rail on its foot does not carry
+            Err(_) if ended.is_some() => section_held(&loads[..on_foot.len()])?,
+            pressed => pressed?,
+        };
+        if on_section.len() < on_foot.len() {
             ended = earlier;
         }
+        let carried = on_foot.len().min(on_section.len());
+        on_foot.truncate(carried);
+        on_section.truncate(carried);
         Ok(PressedPair { pair, bodies: self, contact, on_foot, on_section, ended })
     }
 

@@ -231,8 +231,11 @@ impl<'a> Solid<'a> {
             Err(Error::Interrupted) => Err(Error::Interrupted),
             part => Ok(part),
         };
-        let mesh = coarser.map(|coarser| self.mesh_changes(coarser, monitor)).transpose();
-        Ok(Changed { grid: unless_interrupted(self.grid_changes(monitor))?, mesh: unless_interrupted(mesh)? })
+        let (mesh, grid) = rayon::join(
+            || coarser.map(|coarser| self.mesh_changes(coarser, monitor)).transpose(),
+            || self.grid_changes(monitor),
+        );
+        Ok(Changed { grid: unless_interrupted(grid)?, mesh: unless_interrupted(mesh)? })
     }
 
     /// Changes to a grid of half the spacing; none for a contact on the nodes of the meshes.
@@ -270,19 +273,26 @@ impl<'a> Solid<'a> {
     pub fn mesh_changes(&self, coarser: &CondensedPair, monitor: &dyn Monitor) -> Result<Changes> {
         let (among, loads) = (&self.coarser, self.forces(&self.coarser));
         let on = |bodies: &CondensedPair| -> Result<SolidPoints> {
-            let stage = "error of the meshes";
-            let on_foot = self.placed(bodies, Reference::Foot, self.contact);
-            let states = press_loads(&on_foot, &loads, stage, monitor)?;
-            let [foot, local] = foot_and_local(&on_foot, &states)?;
-            let on_section = self.placed(bodies, Reference::Beam, self.contact);
-            let states = press_loads(&on_section, &loads, stage, monitor)?;
-            Ok([foot, load_points(&on_section, &states, Reference::Beam)?, local])
+            let pressed = |reference| {
+                let placed = self.placed(bodies, reference, self.contact);
+                let states = press_loads(&placed, &loads, "error of the meshes", monitor)?;
+                Ok((placed, states))
+            };
+            let (on_foot, on_section) = rayon::join(
+                || pressed(Reference::Foot).and_then(|(placed, states)| foot_and_local(&placed, &states)),
+                || {
+                    let (placed, states) = pressed(Reference::Beam)?;
+                    load_points(&placed, &states, Reference::Beam)
+                },
+            );
+            let [foot, local] = on_foot?;
+            Ok([foot, on_section?, local])
         };
-        let to = on(coarser)?;
-        Ok(match self.in_turn && among.len() == self.points[0].len() {
-            true => changes(&self.points, among, &self.points, &to),
-            false => changes(&self.points, among, &on(self.bodies)?, &to),
-        })
+        if self.in_turn && among.len() == self.points[0].len() {
+            return Ok(changes(&self.points, among, &self.points, &on(coarser)?));
+        }
+        let (from, to) = rayon::join(|| on(self.bodies), || on(coarser));
+        Ok(changes(&self.points, among, &from?, &to?))
     }
 
     /// The loads with some numbers, N.
