@@ -53,33 +53,36 @@ pub struct BodyCompliance<'a> {
 
 impl Compliance for BodyCompliance<'_> {
     fn add_to(&self, points: &[ContactPoint], matrix: &mut Mat<f64>) {
-        let count = points.len();
-        let rows: Vec<Vec<(usize, f64)>> = (0..matrix.nrows())
-            .map(|r| points[r % count].row(self.side, r / count).filter(|&(_, w)| w != 0.0).collect())
-            .collect();
-        // only the degrees of freedom that some point touches
+        let (count, size) = (points.len(), matrix.nrows());
+        // only the degrees of freedom that some point touches; the weights of a row are those from its start to the next one
         let mut local = vec![usize::MAX; self.compliance.coordinates()];
-        let mut used = Vec::new();
-        for &(dof, _) in rows.iter().flatten() {
-            if local[dof] == usize::MAX {
-                local[dof] = used.len();
-                used.push(dof);
+        let (mut used, mut starts, mut weights) = (Vec::new(), vec![0], Vec::new());
+        for r in 0..size {
+            for (dof, w) in points[r % count].row(self.side, r / count).filter(|&(_, w)| w != 0.0) {
+                if local[dof] == usize::MAX {
+                    local[dof] = used.len();
+                    used.push(dof);
+                }
+                weights.push((local[dof], w));
             }
+            starts.push(weights.len());
         }
+        let row = |r: usize| &weights[starts[r]..starts[r + 1]];
         let compliance = self.compliance.between(&used);
         let mut response = vec![0.0; used.len()];
-        for (column, row) in rows.iter().enumerate() {
+        for column in 0..size {
             response.fill(0.0);
-            for &(dof, w) in row {
-                let moved = compliance.col_as_slice(local[dof]);
+            for &(dof, w) in row(column) {
+                let moved = compliance.col_as_slice(dof);
                 response.iter_mut().zip(moved).for_each(|(r, u)| *r += w * u);
             }
-            for (other, weights) in rows.iter().enumerate().take(column + 1) {
-                let value: f64 = weights.iter().map(|&(dof, w)| w * response[local[dof]]).sum();
-                matrix[(other, column)] += value;
-                if other != column {
-                    matrix[(column, other)] += value;
-                }
+            let value = |r: usize| row(r).iter().map(|&(dof, w)| w * response[dof]).sum::<f64>();
+            let upper = &mut matrix.col_as_slice_mut(column)[..=column];
+            upper.iter_mut().enumerate().for_each(|(r, v)| *v += value(r));
+        }
+        for column in 1..size {
+            for r in 0..column {
+                matrix[(column, r)] = matrix[(r, column)];
             }
         }
     }
