@@ -151,18 +151,18 @@ impl<'a> Pipeline<'a> {
         Ok(verdict)
     }
 
-    /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files; whether its laws have all loads.
+    /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files; whether its springs have all loads.
     ///
     /// # Errors
     /// Those of the stages.
     pub fn calibrate(mut self) -> Result<bool> {
         self.check_calibration()?;
-        let has_all_loads = self.calibration()?.stiffness.law_end.is_none();
+        let has_all_loads = self.calibration()?.stiffness.loads_left_out() == 0;
         self.by_angle()?;
         Ok(has_all_loads)
     }
 
-    /// The calibration; says what its law is worth, and whether it has all loads.
+    /// The calibration; says what its law is worth, and which loads it does not have.
     fn calibration(&mut self) -> Result<Calibration> {
         let calibration = self.get(&Calibrate)?;
         for line in calibration.stiffness.shortened().into_iter().chain(calibration.stiffness.worth()) {

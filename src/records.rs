@@ -52,11 +52,14 @@ pub struct StiffnessRecord {
     pub law: LawRecord,
     /// Why the laws end before the largest load that the study wants, if they do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub law_end: Option<LawEndRecord>,
+    pub law_end: Option<LoadEndRecord>,
     /// Horizontal stiffness, kN/m; none where its calibration did not converge.
     pub horizontal_kn_per_m: Option<f64>,
     /// How constant the horizontal stiffness is.
     pub horizontal: Option<HorizontalRecord>,
+    /// Why the horizontal stiffness has not all preloads that the study wants, if so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub horizontal_end: Option<LoadEndRecord>,
     /// Why there is no horizontal stiffness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub horizontal_missing: Option<String>,
@@ -90,10 +93,10 @@ pub struct StiffnessRecord {
     pub version: String,
 }
 
-/// Why laws end before the largest load that a study wants.
+/// Why laws, or the horizontal stiffness, end before the largest load that a study wants.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LawEndRecord {
-    /// Loads of the study that the laws do not have.
+pub struct LoadEndRecord {
+    /// Loads of the study that they do not have.
     pub loads_left_out: usize,
     /// The largest load that the study wants, kN.
     pub largest_wanted_kn: f64,
@@ -102,13 +105,28 @@ pub struct LawEndRecord {
 }
 
 impl StiffnessRecord {
-    /// The end of the laws before the largest load that the study wants, as a sentence; `None` where they have all loads.
-    pub fn shortened(&self) -> Option<String> {
-        let LawEndRecord { loads_left_out, largest_wanted_kn, reason } = self.law_end.as_ref()?;
-        Some(format!(
-            "the laws end at {} kN instead of {largest_wanted_kn} kN, without {loads_left_out} of the loads: {reason}",
-            (10.0 * self.law.range_kn[1]).round() / 10.0
-        ))
+    /// The ends of the laws and of the horizontal stiffness before the largest load that the study wants, a sentence each.
+    pub fn shortened(&self) -> Vec<String> {
+        let sentence = |what: &str, last_kn: f64, left_out: &str, end: &LoadEndRecord| {
+            let LoadEndRecord { loads_left_out, largest_wanted_kn, reason } = end;
+            format!(
+                "{what} at {} kN instead of {largest_wanted_kn} kN, without {loads_left_out} of the {left_out}: {reason}",
+                (10.0 * last_kn).round() / 10.0
+            )
+        };
+        let laws = self.law_end.as_ref();
+        let laws = laws.map(|end| sentence("the laws end", self.law.range_kn[1], "loads", end));
+        let last = self.horizontal.as_ref().and_then(|horizontal| horizontal.points.last());
+        let last = last.map_or(f64::NAN, |point| point.preload_kn);
+        let horizontal = self.horizontal_end.as_ref();
+        let horizontal =
+            horizontal.map(|end| sentence("the horizontal stiffness ends", last, "preloads", end));
+        laws.into_iter().chain(horizontal).collect()
+    }
+
+    /// How many loads and preloads of the study the springs do not have.
+    pub fn loads_left_out(&self) -> usize {
+        [&self.law_end, &self.horizontal_end].into_iter().flatten().map(|end| end.loads_left_out).sum()
     }
 
     /// Mass of the solid wheel, kg.

@@ -63,10 +63,10 @@ const RUNS_TO_END: Criterion = Criterion {
     limit: 0.0,
 };
 
-/// How many loads of the calibration the laws do not have.
+/// How many loads and preloads of the calibration the springs do not have.
 pub const LOADS_LEFT_OUT: Criterion = Criterion {
     quantity: "loads_left_out",
-    meaning: "Loads of the calibration that the laws do not have",
+    meaning: "Loads and preloads of the calibration that the springs do not have",
     kind: Kind::Consistency,
     unit: "1",
     limit: 0.0,

@@ -1,7 +1,7 @@
-//! A horizontal stiffness without an answer: the normal laws, which are finished, are kept and written.
+//! Preloads of the horizontal stiffness that the contact window does not hold: what is finished is kept and written.
 //!
-//! Source: the same study with preloads that its contact window holds; its law, equal to the number. The preload of 600 kN
-//! needs a contact window of 15 mm; the longest Hertz patch that the study is checked for fits one of 12 mm.
+//! Source: the same study with preloads that its contact window holds; its law and its horizontal stiffness, equal to the number. The preload of
+//! 600 kN needs a contact window of 15 mm; the longest Hertz patch that the study is checked for fits one of 12 mm.
 
 use assert_cmd::Command;
 use serde_json::Value;
@@ -28,24 +28,39 @@ fn calibrate(mesh: &str, calibration: &str) -> (i32, String, Value) {
     (output.status.code().unwrap(), said, serde_json::from_str(&record).unwrap())
 }
 
-/// Goal: a preload at which the contact leaves the window that the study gives ends without an answer (exit code 3); the law is written, and with
-/// it why the horizontal stiffness is missing.
+/// Goal: a preload at which the contact leaves the window that the study gives is left out, with those after it: the horizontal stiffness is that of
+/// the others, record, verdict's line and terminal say why, and the exit code is 1.
 #[test]
-fn the_finished_law_is_kept() {
+fn a_preload_beyond_the_window_is_left_out() {
     let window = "window_half_length_mm = 12";
-    let (code, said, kept) = calibrate(window, PRELOAD);
+    let (code, said, kept) = calibrate(window, "horizontal_preloads_kn = [20, 60, 600, 700]");
+    assert_eq!(code, 1, "{said}");
+    let end = &kept["horizontal_end"];
+    assert_eq!((end["loads_left_out"].as_u64(), end["largest_wanted_kn"].as_f64()), (Some(2), Some(700.0)));
+    let reason = end["reason"].as_str().expect("a reason");
+    assert!(reason.contains("600.000 kN") && reason.contains("end of the contact window"), "{reason}");
+    let sentence = "the horizontal stiffness ends at 60 kN instead of 700 kN, without 2 of the preloads";
+    assert!(said.contains(sentence) && said.contains(reason), "{said}");
+
+    let (code, said, whole) = calibrate(window, "horizontal_preloads_kn = [20, 60]");
+    assert_eq!(code, 0, "{said}");
+    assert!(whole["horizontal_kn_per_m"].is_f64() && whole.get("horizontal_end").is_none());
+    for key in ["law", "references", "compliance_split", "horizontal", "horizontal_kn_per_m"] {
+        assert_eq!(kept[key], whole[key], "{key}");
+    }
+}
+
+/// Goal: without any preload that the window holds there is no horizontal stiffness, and the program ends without that answer (exit code 3); the
+/// law is written, and with it why the horizontal stiffness is missing.
+#[test]
+fn the_law_is_kept_without_a_preload() {
+    let (code, said, kept) = calibrate("window_half_length_mm = 12", "horizontal_preloads_kn = [600]");
     assert_eq!(code, 3, "{said}");
     let reason = kept["horizontal_missing"].as_str().expect("a reason");
     assert!(reason.contains("600.000 kN") && reason.contains("end of the contact window"), "{reason}");
     assert!(said.contains(reason), "{said}");
     assert!(kept["horizontal_kn_per_m"].is_null() && kept["horizontal"].is_null());
-
-    let (code, said, whole) = calibrate(window, "horizontal_preloads_kn = [20, 60]");
-    assert_eq!(code, 0, "{said}");
-    assert!(whole["horizontal_kn_per_m"].is_f64() && whole.get("horizontal_missing").is_none());
-    for key in ["law", "references", "compliance_split"] {
-        assert_eq!(kept[key], whole[key], "{key}");
-    }
+    assert!(kept["law"].is_object() && kept.get("horizontal_end").is_none());
 }
 
 /// Goal: where the study leaves the window to the program, the same preload has its answer on the same meshes: the contact goes on beyond the

@@ -66,8 +66,8 @@ impl Stage for Calibrate {
             source.condensed(&solids, " of coarser elements", 0)
         };
         let reached = |(calibration, ..): &Pressed| {
-            let Calibration { law_end, horizontal_failure, .. } = calibration;
-            match law_end.as_ref().or(horizontal_failure.as_ref()) {
+            let Calibration { law_end, horizontal_failure, horizontal_end, .. } = calibration;
+            match [law_end, horizontal_failure, horizontal_end].into_iter().flatten().next() {
                 Some(Error::Numerics(cause)) => Reached::by(cause),
                 _ => None,
             }
@@ -90,7 +90,7 @@ impl Stage for Calibrate {
             }
             break (calibration, fields, condensed, refused);
         };
-        let Calibration { stiffness, load_curve, patches, horizontal_failure, law_end: _ } = calibration;
+        let Calibration { stiffness, load_curve, patches, horizontal_failure, .. } = calibration;
         let reach = at.go_on_with(meshes);
         at.condensed = (study.wants_by_angle() || modes > 0).then_some(condensed);
         let mut artefact = Artefact::default()
@@ -115,7 +115,14 @@ impl Stage for Calibrate {
         patches.study.clone_from(&at.study.name);
         patches.input_hash = self.key(at);
         at.go_on_with_reach(artefact)?;
-        Ok(Calibration { stiffness, load_curve, patches, horizontal_failure: None, law_end: None })
+        Ok(Calibration {
+            stiffness,
+            load_curve,
+            patches,
+            horizontal_failure: None,
+            law_end: None,
+            horizontal_end: None,
+        })
     }
 
     fn files(&self, artefact: &Artefact, value: &Calibration, at: &Pipeline<'_>) -> Vec<NewFile> {

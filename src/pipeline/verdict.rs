@@ -137,10 +137,10 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
     let law_displacement =
         stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp);
     let spread = stiffness.horizontal.as_ref().map(|h| h.relative_spread);
-    let left_out = stiffness.law_end.as_ref().map_or(0, |end| end.loads_left_out);
-    let loads = verify::LOADS_LEFT_OUT.line(Some(left_out as f64));
+    let loads = verify::LOADS_LEFT_OUT.line(Some(stiffness.loads_left_out() as f64));
+    let left_out = stiffness.shortened();
     vec![
-        stiffness.shortened().map_or(loads.clone(), |reason| loads.noted(reason)),
+        if left_out.is_empty() { loads } else { loads.noted(left_out.join("; ")) },
         limits.law_max().line(Some(stiffness.law.max_rel_error)),
         limits.law_displacement().line(law_displacement),
         limits.beam_missing().line(Some(stiffness.beam.missing)),

@@ -159,21 +159,27 @@ fn short_histories_are_drawn() {
     }
 }
 
-/// Goal: laws that end before the largest load of the study have a sentence with both loads, the number of those left out and the reason; laws with
-/// all loads have none.
+/// Goal: laws and a horizontal stiffness that end before the largest load of the study have a sentence each with both loads, kN, the number of those
+/// left out and the reason; springs with all loads have none. All that are left out are counted.
 #[test]
 fn laws_without_all_loads_say_so() {
     let whole = samples::stiffness();
-    assert_eq!(whole.shortened(), None);
+    assert_eq!((whole.shortened(), whole.loads_left_out()), (Vec::new(), 0));
     let reason = "contact at 180.000 kN: the contact reached the end of the contact window along the track";
     let law_end =
-        crate::records::LawEndRecord { loads_left_out: 2, largest_wanted_kn: 220.0, reason: reason.into() };
-    let short = crate::records::StiffnessRecord { law_end: Some(law_end), ..whole };
-    let sentence = short.shortened().unwrap();
-    assert_eq!(
-        sentence,
-        format!("the laws end at 150 kN instead of 220 kN, without 2 of the loads: {reason}")
-    );
+        crate::records::LoadEndRecord { loads_left_out: 2, largest_wanted_kn: 220.0, reason: reason.into() };
+    let short = crate::records::StiffnessRecord { law_end: Some(law_end.clone()), ..whole };
+    let of_the_laws = format!("the laws end at 150 kN instead of 220 kN, without 2 of the loads: {reason}");
+    assert_eq!((short.shortened(), short.loads_left_out()), (vec![of_the_laws.clone()], 2));
+    let horizontal_end = crate::records::LoadEndRecord { loads_left_out: 1, ..law_end };
+    let short = crate::records::StiffnessRecord { horizontal_end: Some(horizontal_end), ..short };
+    let of_both = [
+        of_the_laws,
+        format!(
+            "the horizontal stiffness ends at 120 kN instead of 220 kN, without 1 of the preloads: {reason}"
+        ),
+    ];
+    assert_eq!((short.shortened(), short.loads_left_out()), (of_both.to_vec(), 3));
 }
 
 /// Goal: the page has the error band of the law in use as sentence, table and bars; without a band it has none of them.

@@ -23,7 +23,7 @@ use super::patches::{below_record, chosen, patch_record};
 use super::{FieldFile, Geometry, Meshes, contact_field, enforcement, solids};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
-    HorizontalRecord, LawEndRecord, LawRecord, LoadCurveRow, PatchesRecord, PenaltyRecord, ReferenceRecord,
+    HorizontalRecord, LawRecord, LoadCurveRow, LoadEndRecord, PatchesRecord, PenaltyRecord, ReferenceRecord,
     StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord, TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, Study};
@@ -43,6 +43,8 @@ pub struct Calibration {
     pub horizontal_failure: Option<Error>,
     /// Why the laws end before the largest load, if they do.
     pub law_end: Option<Error>,
+    /// Why the horizontal stiffness has not all preloads, if so.
+    pub horizontal_end: Option<Error>,
 }
 
 /// Refuses a calibration without friction.
@@ -73,8 +75,8 @@ pub fn contact_conditions(study: &Study) -> ContactConditions {
 
 /// The load curve, the laws and the horizontal stiffness, the files of the fields, and the laws as they are.
 ///
-/// Laws that end before the largest load, and a horizontal stiffness without an answer, are no error here: what is finished is worth
-/// keeping.
+/// Laws and a horizontal stiffness that end before the largest load, and a horizontal stiffness without an answer, are no error here: what
+/// is finished is worth keeping.
 ///
 /// # Errors
 /// A load that cannot be carried, a rail too short to be a beam, and numerics without an answer.
@@ -121,17 +123,18 @@ pub fn calibrate(
     let below: Vec<Option<Subsurface>> =
         states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
     let law_end = pressed.ended().cloned();
+    let horizontal_end = horizontal.as_ref().and_then(|horizontal| horizontal.ended.clone());
     let record = StiffnessRecord {
         study: study.name.clone(),
         reference: reference.name().into(),
         law: law_record(&in_use.fit),
-        law_end: law_end.as_ref().map(|reason| LawEndRecord {
-            loads_left_out: study.calibration.loads.len() - states.len(),
-            largest_wanted_kn: study.calibration.loads.last().map_or(f64::NAN, |load| load / KILONEWTON),
-            reason: reason.to_string(),
-        }),
+        law_end: law_end.as_ref().map(|reason| load_end(&study.calibration.loads, states.len(), reason)),
         horizontal_kn_per_m: stiffness.map(|k| k / KILONEWTON_PER_METRE),
         horizontal: horizontal.as_ref().map(horizontal_record),
+        horizontal_end: horizontal.as_ref().and_then(|horizontal| {
+            let preloads = &study.calibration.horizontal_preloads;
+            horizontal.ended.as_ref().map(|reason| load_end(preloads, horizontal.points.len(), reason))
+        }),
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
         beam: beam_record(&beam, geometry, beam_law, stiffness.filter(|_| in_series.is_some())),
         references: laws.iter().map(reference_record).collect::<Result<_>>()?,
@@ -186,7 +189,18 @@ pub fn calibrate(
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure, law_end }, fields, laws))
+    let calibration =
+        Calibration { stiffness: record, load_curve, patches, horizontal_failure, law_end, horizontal_end };
+    Ok((calibration, fields, laws))
+}
+
+/// The end of ascending `loads` (N) after the first `carried` ones.
+fn load_end(loads: &[f64], carried: usize, reason: &Error) -> LoadEndRecord {
+    LoadEndRecord {
+        loads_left_out: loads.len() - carried,
+        largest_wanted_kn: loads.last().map_or(f64::NAN, |load| load / KILONEWTON),
+        reason: reason.to_string(),
+    }
 }
 
 /// `horizontal` is the stiffness in series with the beam, N/m.

@@ -283,7 +283,7 @@ pub struct CalibrationKeys {
     /// Whether the calibration and the laws by contact angle say what they are worth: their change with half the spacing of the contact's
     /// grid and with coarser meshes. For the calibration it takes about as long as the laws.
     pub error_band: bool,
-    /// Vertical preloads at which the horizontal stiffness is measured, kN.
+    /// Vertical preloads at which the horizontal stiffness is measured, kN, ascending.
     #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1))]
     pub horizontal_preloads_kn: Vec<f64>,
     /// Lateral shifts of the wheelset at which the law by contact angle is made, mm, ascending, as `track.lateral_shift_mm`; an empty list

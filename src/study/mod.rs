@@ -188,7 +188,7 @@ pub struct CalibrationSettings {
     pub reference: ReferenceKey,
     /// Whether the laws, those by contact angle too, get their error bands.
     pub error_band: bool,
-    /// Preloads of the horizontal stiffness, N.
+    /// Preloads of the horizontal stiffness, N, ascending.
     pub horizontal_preloads: Vec<f64>,
     /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
     pub shifts: Option<Vec<f64>>,

@@ -273,12 +273,21 @@ fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
             "sort the list",
         ));
     }
+    let preloads = &keys.horizontal_preloads_kn;
+    if let Some(index) = preloads.windows(2).position(|pair| pair[1] <= pair[0]) {
+        return Err(InputError::new(
+            "calibration.horizontal_preloads_kn",
+            format!("{}, {}", preloads[index], preloads[index + 1]),
+            "ascending preloads without repetition",
+            "sort the list",
+        ));
+    }
     Ok(CalibrationSettings {
         shifts: keys.shifts_mm.as_ref().map(|list| list.iter().map(|shift| shift * MILLIMETRE).collect()),
         loads: loads.iter().map(|load| load * KILONEWTON).collect(),
         reference: keys.reference,
         error_band: keys.error_band,
-        horizontal_preloads: keys.horizontal_preloads_kn.iter().map(|load| load * KILONEWTON).collect(),
+        horizontal_preloads: preloads.iter().map(|load| load * KILONEWTON).collect(),
     })
 }
 

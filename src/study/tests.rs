@@ -214,6 +214,11 @@ fn values_that_contradict_each_other_are_refused() {
     assert!(fine.contains("material.poisson = 7") && !fine.contains("1000000"), "{fine}");
     let order = message("[calibration]\nloads_kn = [1, 3, 2, 4]\n");
     assert!(order.starts_with("x.toml:7: calibration.loads_kn = 3, 2: expected ascending loads"), "{order}");
+    let order = message("[calibration]\nhorizontal_preloads_kn = [20, 60, 50]\n");
+    assert!(
+        order.starts_with("x.toml:7: calibration.horizontal_preloads_kn = 60, 50: expected ascending"),
+        "{order}"
+    );
     let range = message("[calibration]\nload_max_kn = 0.5\n");
     assert!(range.starts_with("x.toml:7: calibration.load_max_kn = 0.5: expected more than"), "{range}");
     let ratio = parse(&SHORT.replace("\"60E1\"", "\"60E1\"\ninclination = \"40\"")).unwrap_err().to_string();

@@ -149,6 +149,8 @@ pub struct HorizontalCalibration {
     pub stiffness: f64,
     /// Largest deviation of a preload from the mean, relative.
     pub spread: f64,
+    /// Why the points end before the largest wanted preload, if they do: the contact reaches the end of the contact zone.
+    pub ended: Option<Error>,
 }
 
 /// Presses the wheel with every load in turn (ascending). `stage` names the work to `monitor`.
@@ -418,7 +420,8 @@ pub fn sticking_flexibility(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Res
 }
 
 /// Horizontal stiffness at every preload, all points sticking, and its mean, against what the rail's compliance
-/// is measured against.
+/// is measured against. Where the contact of a preload (N, ascending) reaches the end of the contact zone, the points end with the preload
+/// before, if there is one.
 ///
 /// # Errors
 /// Errors of [`WheelOnRail::press`].
@@ -429,9 +432,16 @@ pub fn calibrate_horizontal(
 ) -> Result<HorizontalCalibration> {
     let mut points = Vec::new();
     let mut before: Option<Pressed> = None;
+    let mut ended = None;
     for (i, &preload) in preloads.iter().enumerate() {
         monitor.progress("horizontal stiffness", i, preloads.len())?;
-        let state = wheel_on_rail.press(preload, before.as_ref())?;
+        let state = match wheel_on_rail.press(preload, before.as_ref()) {
+            Err(Error::Numerics(end)) if before.is_some() && SurfaceEnd::of(end.reason).is_some() => {
+                ended = Some(end.into());
+                break;
+            }
+            state => state?,
+        };
         let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
         let modes = &state.solution.modes;
         points.push(HorizontalPoint {
@@ -445,5 +455,5 @@ pub fn calibrate_horizontal(
     monitor.progress("horizontal stiffness", preloads.len(), preloads.len())?;
     let mean = DVector::from_iterator(points.len(), points.iter().map(|p| p.stiffness)).mean();
     let spread = points.iter().map(|p| (p.stiffness / mean - 1.0).abs()).fold(0.0, f64::max);
-    Ok(HorizontalCalibration { points, stiffness: mean, spread })
+    Ok(HorizontalCalibration { points, stiffness: mean, spread, ended })
 }

@@ -96,6 +96,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                 .to_vec(),
         }),
         law_end: None,
+        horizontal_end: None,
         horizontal_missing: None,
         beam: BeamRecord {
             length_m: 0.555,
