@@ -133,7 +133,7 @@ pub enum Ending {
     },
     /// The contact reached a place at which the model has no surface any more; the wheel is still on the rail.
     EndOfSurface {
-        /// End of the first time step whose contact carries load there, s; the history ends a step before.
+        /// End of the first time step whose contact carries load there, or begins beyond it, s; the history ends a step before.
         time: f64,
         /// Which end it is.
         end: SurfaceEnd,

@@ -18,7 +18,8 @@ use crate::study::{FieldKey, Study};
 
 /// Times that the zone is made larger, at most.
 const EXTENSIONS: usize = 4;
-/// Length that an extension adds at each end of the zone on a profile, m: two elements of the default mesh.
+/// Length that the first extension adds at each end of the zone on a profile, m: two elements of the default mesh. Each further one adds
+/// twice as much, as a wheel that comes down from the air may be anywhere on the profiles.
 const LONGER: f64 = 4e-3;
 /// Distance that a zone keeps from the end of a profile and from the top of a flange, m.
 const FROM_THE_END: f64 = 0.5e-3;
@@ -216,7 +217,7 @@ pub fn within_zones<T>(
     reached: impl Fn(&T) -> Option<Reached>,
 ) -> Result<Within<T>> {
     let whole = |result| Within { result, refused: false };
-    for _ in 0..EXTENSIONS {
+    for extension in 0..EXTENSIONS {
         let done = work(meshes);
         let at_the_end = match &done {
             Ok(result) => reached(result),
@@ -224,7 +225,7 @@ pub fn within_zones<T>(
             Err(_) => None,
         };
         let Some(Reached { end, cause }) = at_the_end else { return done.map(whole) };
-        let Some(next) = enlarged(study, geometry, meshes, end) else { return done.map(whole) };
+        let Some(next) = enlarged(study, geometry, meshes, (end, extension)) else { return done.map(whole) };
         match (accept(&next), done) {
             (Ok(()), _) => {}
             (Err(refusal @ Error::Input(_)), Ok(result)) => {
@@ -244,15 +245,26 @@ pub fn within_zones<T>(
     work(meshes).map(whole)
 }
 
-/// Meshes with a larger zone, where the contact has reached the `end` of that of `meshes`; `None` where no larger zone can be had.
-fn enlarged(study: &Study, geometry: &Geometry, meshes: &Meshes, end: SurfaceEnd) -> Option<Meshes> {
-    let options = larger(study, geometry, &meshes.options, end)?;
+/// Meshes with a larger zone, where the contact has `reached` the end of that of `meshes` after so many extensions; `None` where no larger
+/// zone can be had.
+fn enlarged(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    reached: (SurfaceEnd, usize),
+) -> Option<Meshes> {
+    let options = larger(study, geometry, &meshes.options, reached)?;
     // a zone that the sections have no room for leaves the contact where it ended
     remeshed_with(study, geometry, meshes, options).ok()
 }
 
 /// Options of a mesh with a larger zone; `None` if there is none.
-fn larger(study: &Study, geometry: &Geometry, options: &MeshOptions, end: SurfaceEnd) -> Option<MeshOptions> {
+fn larger(
+    study: &Study,
+    geometry: &Geometry,
+    options: &MeshOptions,
+    (end, extensions): (SurfaceEnd, usize),
+) -> Option<MeshOptions> {
     let mut next = options.clone();
     match end {
         SurfaceEnd::ContactWindow if window_is_ours(study) => {
@@ -261,7 +273,9 @@ fn larger(study: &Study, geometry: &Geometry, options: &MeshOptions, end: Surfac
                 longer.min(longest_window(study, geometry)).max(next.window_half_length);
             next.contact_half_length = contact_half_length(study, geometry, next.window_half_length);
         }
-        SurfaceEnd::ContactZone if meshes_are_ours(study) => extend_zones(geometry, &mut next, LONGER),
+        SurfaceEnd::ContactZone if meshes_are_ours(study) => {
+            extend_zones(geometry, &mut next, LONGER * f64::from(1 << extensions));
+        }
         SurfaceEnd::ContactWindow | SurfaceEnd::ContactZone | SurfaceEnd::RailProfile => return None,
     }
     (next != *options).then_some(next)
@@ -347,8 +361,8 @@ mod tests {
     }
 
     /// Goal: a run that has ended at the end of a zone is kept where larger meshes are refused, with the reason, and is not whole then; where no larger
-    /// zone can be had (the end of a profile; a window that the study gives) it is kept as it is. Otherwise the zone is made longer as often
-    /// as may be. An error without a result stays the refusal.
+    /// zone can be had (the end of a profile; a window that the study gives) it is kept as it is. Otherwise the zone is made longer, each time by
+    /// twice as much, until it holds the whole profiles. An error without a result stays the refusal.
     #[test]
     fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
         use nalgebra::Point2;
@@ -370,17 +384,23 @@ mod tests {
             let reached = |ending: &Ending| Reached::in_time(*ending);
             let done = within_zones(&study, &geometry, &mut used, &notes, accept, work, reached).unwrap();
             assert_eq!(done.result, ended(end));
-            let longer = used.options != meshes.options;
+            let longer = (used.options != meshes.options).then_some(used.options);
             (done.refused, longer, runs.into_inner().unwrap(), notes.0.into_inner().unwrap())
         };
         let (refused, longer, runs, notes) = within(SurfaceEnd::ContactZone, &refuse);
-        assert_eq!((refused, longer, runs, notes.len()), (true, false, 1, 1));
+        assert_eq!((refused, longer, runs, notes.len()), (true, None, 1, 1));
         assert!(notes[0].contains("at 0.0435 s") && notes[0].contains("is refused: --memory"), "{notes:?}");
         for end in [SurfaceEnd::ContactWindow, SurfaceEnd::RailProfile] {
-            assert_eq!(within(end, &refuse), (false, false, 1, Vec::new()));
+            assert_eq!(within(end, &refuse), (false, None, 1, Vec::new()));
         }
         let (refused, longer, runs, notes) = within(SurfaceEnd::ContactZone, &|_| Ok(()));
-        assert_eq!((refused, longer, runs, notes.len()), (false, true, EXTENSIONS + 1, EXTENSIONS));
+        // 4, 8 and 16 mm
+        let mut whole = meshes.options.clone();
+        extend_zones(&geometry, &mut whole, 28e-3);
+        let held = whole.clone();
+        extend_zones(&geometry, &mut whole, 1.0);
+        assert_eq!(held, whole);
+        assert_eq!((refused, longer, runs, notes.len()), (false, Some(whole), 4, 3));
 
         let stop = NumericsError {
             stage: "contact".into(),

@@ -49,6 +49,11 @@ impl Settled {
         Self { places: against_hub, change, missed: places.since(expected), step }
     }
 
+    /// Where they were, with the hub displaced by `hub` (m).
+    pub fn places(&self, hub: Vector2<f64>) -> Places {
+        self.places.with_wheel(hub)
+    }
+
     /// Where they are at the end of a `step` (s) in which the hub comes to `hub` (m), and their motion against it goes on.
     pub fn expected(&self, hub: Vector2<f64>, step: f64) -> Places {
         self.places.and(&times(&self.change, step / self.step)).with_wheel(hub)

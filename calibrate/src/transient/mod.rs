@@ -13,6 +13,7 @@ mod reduced;
 mod last_contact;
 mod contact;
 mod run;
+mod beyond;
 mod reduction;
 #[cfg(test)]
 mod tests;
@@ -23,7 +24,7 @@ use crate::calibration::{ContactField, Enforcement};
 use crate::contact::Surface;
 use crate::error::{Error, InputError, Result};
 use crate::field::InputField;
-use crate::history::{History, SurfaceEnd};
+use crate::history::History;
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::monitor::Monitor;
 use crate::newmark::Newmark;
@@ -34,11 +35,12 @@ use crate::solid::{Formulation, Material, Supports, System};
 use crate::step_control::InnerSteps;
 use crate::superelement::{CondensedBody, Modes};
 use crate::suspension::Suspension;
+use beyond::Beyond;
 use body::ElasticBody;
 use full::FullBody;
 use nalgebra::{Point3, Vector2};
 use reduced::ReducedBody;
-use run::{Observer, Run, ShorterSteps, Step};
+use run::{Observer, Run, ShorterSteps};
 
 /// Everything the transient solid model is made of.
 pub struct TransientModel<'a> {
@@ -164,7 +166,7 @@ impl TransientModel<'_> {
     /// [`InputError`] for a scenario only the moving solver can run, for penalty springs on a fine grid, and for reduced bodies
     /// without modes; [`crate::error::NumericsError`] with the step if the contact does not settle, and with
     /// [`crate::error::StopReason::TooFewModes`] if all modes that the bodies have are not enough. A contact that reaches the end of
-    /// the meshed contact zone ends the history ([`crate::history::Ending::EndOfSurface`]).
+    /// the meshed contact zone, and one that begins beyond it, ends the history ([`crate::history::Ending::EndOfSurface`]).
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         refuse_moving(scenario)?;
         scenario.check()?;
@@ -175,7 +177,8 @@ impl TransientModel<'_> {
         match self.bodies {
             SolidBodies::Full { .. } => {
                 let from_rest = |scenario: &Scenario| {
-                    self.run_from(&Vector2::zeros(), scenario, monitor, &mut |step| Ok(self.zone_end(step)))
+                    let mut beyond = Beyond::new(self, scenario);
+                    self.run_from(&Vector2::zeros(), scenario, monitor, &mut |step| Ok(beyond.reached(step)))
                 };
                 let run = from_rest(scenario)?;
                 let longer = reduction::longer_steps(&reduction::first_of(scenario), |longer| {
@@ -187,13 +190,8 @@ impl TransientModel<'_> {
         }
     }
 
-    /// The end of the meshed contact zone at which the contact of a step carries load, if it does.
-    fn zone_end(&self, step: &Step) -> Option<SurfaceEnd> {
-        step.contact.edge_reached(self.rail_surface.grid).and_then(SurfaceEnd::of)
-    }
-
     /// Runs `scenario` from just touching, the wheel with a velocity (y, z; m/s), and the suspended mass with that of the wheel;
-    /// `observe` sees every finished step and ends the run where it names an end of the surfaces. Reduced bodies have all their modes.
+    /// `observe` sees every finished step and ends the run where that has reached an end of the surfaces. Reduced bodies have all their modes.
     fn run_from(
         &self,
         velocity: &Vector2<f64>,

@@ -1,5 +1,6 @@
 //! How many modes a reduced run has, and what they are worth.
 
+use super::beyond::Beyond;
 use super::reduced::ReducedBody;
 use super::run::Run;
 use super::{LongerSteps, TransientModel, TransientRun, longest};
@@ -182,7 +183,8 @@ fn some_modes(
     let bodies = with(&longest(scenario))?;
     let modes = bodies.each_ref().map(ReducedBody::modes);
     let mut run = Run::new(model, scenario, &Vector2::zeros(), bodies.each_ref(), &with);
-    run.finish((stage, monitor), &mut |step| Ok(model.zone_end(step)))?;
+    let mut beyond = Beyond::new(model, scenario);
+    run.finish((stage, monitor), &mut |step| Ok(beyond.reached(step)))?;
     Ok((run.ended(), modes))
 }
 

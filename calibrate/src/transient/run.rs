@@ -106,8 +106,16 @@ pub(super) struct Step<'s> {
     pub sums: [super::body::Sums; 2],
 }
 
-/// Sees every finished step; the run ends before a step at which it names an end of the surfaces.
-pub(super) type Observer<'o> = dyn FnMut(&Step) -> Result<Option<SurfaceEnd>> + 'o;
+/// Where the wheel meets the rail, and the end of the meshed surfaces before it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reached {
+    pub end: SurfaceEnd,
+    /// The place in the rail's profile frame, m.
+    pub rail: Point2<f64>,
+}
+
+/// Sees every finished step; the run ends before a step that has reached an end of the surfaces.
+pub(super) type Observer<'o> = dyn FnMut(&Step) -> Result<Option<Reached>> + 'o;
 
 impl<'m, B: ElasticBody> Run<'m, B> {
     /// Just touching, the wheel and the suspended mass with a velocity (y, z), m/s.
@@ -202,7 +210,7 @@ impl<'m, B: ElasticBody> Run<'m, B> {
                 return Ok(None);
             }
             self.most_active = self.most_active.max(end.contact.solution.active());
-            let surface_end = observe(&Step {
+            let reached = observe(&Step {
                 displacements: [
                     rail.contact_displacement(&end.states[0]),
                     wheel.contact_displacement(&end.states[1]),
@@ -215,9 +223,8 @@ impl<'m, B: ElasticBody> Run<'m, B> {
                 #[cfg(test)]
                 sums: [rail.sums(&end.states[0]), wheel.sums(&end.states[1])],
             })?;
-            if let Some(reached) = surface_end {
-                let rail = model.loaded_edge(&end.contact);
-                self.ending = Ending::EndOfSurface { time, end: reached, rail };
+            if let Some(Reached { end, rail }) = reached {
+                self.ending = Ending::EndOfSurface { time, end, rail };
                 return Ok(None);
             }
             let before = time - self.lengths[level].scheme.step();
@@ -317,7 +324,7 @@ impl TransientModel<'_> {
     }
 
     /// The most loaded point at the edge of the surfaces, in the rail's profile frame, m.
-    fn loaded_edge(&self, contact: &LastContact) -> Point2<f64> {
+    pub(super) fn loaded_edge(&self, contact: &LastContact) -> Point2<f64> {
         let at_edge = contact.points.iter().zip(&contact.solution.forces).filter(|(point, _)| point.at_edge);
         let most = at_edge.max_by(|a, b| a.1.total_cmp(b.1));
         let s = most.map_or(f64::NAN, |(point, _)| point.position.x);
@@ -374,7 +381,7 @@ pub(super) struct HubMotion {
 
 impl HubMotion {
     /// With the accelerations of the rigid bodies under the forces of t = 0.
-    fn at_start(scenario: &Scenario, velocity: &Vector2<f64>, wheel_mass: f64) -> Self {
+    pub(super) fn at_start(scenario: &Scenario, velocity: &Vector2<f64>, wheel_mass: f64) -> Self {
         let mut hub = [velocity.x, velocity.y].map(|v| Motion { v, ..Motion::default() });
         let mut suspended = hub[1];
         let (force, acceleration) = Suspension::start(scenario, &hub[1], &suspended, load(scenario, 0.0));

@@ -4,8 +4,10 @@
 //! another bar or a thin plate as wall. Poisson's ratio is 0, so that the waves are those of one dimension:
 //! K.F. Graff, Wave Motion in Elastic Solids (1975), section 2.4; speed `c = √(E/ρ)`.
 
+mod beyond;
 mod fine;
 mod placed;
+mod widening;
 
 use super::run::Step;
 use super::*;
