@@ -28,8 +28,8 @@ pub struct StepControl {
 }
 
 impl StepControl {
-    /// In the published load case 4.1, with its impacts, P and Q are then off by a per cent of their peaks (RMS).
-    pub const DEFAULT: Self = Self { most: 16, tolerance: 0.06 };
+    /// In the published load case 4.1, with its impacts, P and Q are then off by less than a per cent of their peaks (RMS).
+    pub const DEFAULT: Self = Self { most: 16, tolerance: 0.03 };
 
     /// Steps twice as long: their errors are four times as large.
     pub fn doubled(self) -> Self {

@@ -193,14 +193,14 @@ fn rms(a: &History, b: &History) -> [f64; 2] {
 }
 
 /// Goal: the first 35 ms of load case 4.1, two-point contact, flange, flight and the next impact, with adapted steps: P and Q (N) are those of equal
-/// steps of 1/16 ms, RMS over their peaks; one step in each time step misses Q by twice the accuracy. A change of the amplitude in the 13th digit changes nothing that a
+/// steps of 1/64 ms, RMS over their peaks; one step in each time step misses one of them by twice the accuracy. A change of the amplitude in the 13th digit changes nothing that a
 /// thousandth of the tolerance shows; one thread gives the bytes of two. At full order, where every length would be a factor, adapted steps
 /// are refused. Accuracy: MODEL, the phase error of average acceleration, (ωh)²/12 a radian with (ωh)² the tolerance, over the half
-/// period that an impact lasts.
+/// periods that two impacts last, of the flange and of the wheel that comes down again.
 #[test]
 #[ignore = "a minute: cargo adapted-steps"]
 fn adapted_steps_follow_short_ones() {
-    const MODEL: f64 = StepControl::DEFAULT.tolerance * std::f64::consts::PI / 12.0;
+    const MODEL: f64 = 2.0 * StepControl::DEFAULT.tolerance * std::f64::consts::PI / 12.0;
     let pair = pair();
     // the patch on the flange is long
     let options = MeshOptions {
@@ -215,13 +215,13 @@ fn adapted_steps_follow_short_ones() {
     let given = |scenario: &Scenario| run_reduced(&pair, &bodies, ModeCount::Given(32), scenario).unwrap();
     let adapted = InnerSteps::Adaptive(StepControl::DEFAULT);
     let found = given(&published(adapted, steps));
-    let [short, long] = [8, 1].map(|count| given(&published(InnerSteps::Equal(count), steps)).history);
+    let [short, long] = [32, 1].map(|count| given(&published(InnerSteps::Equal(count), steps)).history);
     let (off, of_long) = (rms(&found.history, &short), rms(&long, &short));
     println!("{off:?} long {of_long:?} {:?}", found.steps);
     assert!(off.iter().all(|off| *off < MODEL), "{off:?}");
     assert!(of_long.iter().any(|off| *off > 2.0 * MODEL), "{of_long:?}");
     let counts = found.steps;
-    assert!(counts.taken < 8 * steps && counts.tried < 6 * counts.taken / 5, "{counts:?}");
+    assert!(counts.taken < 12 * steps && counts.tried < 6 * counts.taken / 5, "{counts:?}");
     assert_eq!(found.longer.unwrap().unwrap().rows.len(), steps + 1);
 
     let first = |threads, factor: f64| {

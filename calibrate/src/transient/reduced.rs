@@ -167,18 +167,23 @@ impl<'a> ReducedBody<'a> {
         times(&self.shapes, coordinates.as_slice())
     }
 
-    /// Forces on the coordinates of forces at the interface.
-    fn on_coordinates(&self, forces: &[f64]) -> DVector<f64> {
+    /// Forces on the coordinates of forces at the interface: (coordinate, N).
+    fn on_coordinates(&self, forces: &[(usize, f64)]) -> DVector<f64> {
         DVector::from_fn(self.shapes.ncols(), |k, _| {
-            self.shapes.col_as_slice(k).iter().zip(forces).map(|(s, f)| s * f).sum()
+            let shape = self.shapes.col_as_slice(k);
+            forces.iter().map(|&(row, force)| shape[row] * force).sum()
         })
     }
 
-    /// Displacements of the contact nodes beyond hub and modes under static `forces` on them, whose forces on the coordinates
+    /// Displacements of the contact nodes beyond hub and modes under static `forces` on them (row, N), whose forces on the coordinates
     /// are `on_coordinates`.
-    fn residual(&self, forces: &[f64], on_coordinates: &DVector<f64>) -> Vec<f64> {
+    fn residual(&self, forces: &[(usize, f64)], on_coordinates: &DVector<f64>) -> Vec<f64> {
         let contact = self.contact_rows();
-        let mut moved = times(&self.body.compliance, &forces[..contact]);
+        let mut moved = vec![0.0; contact];
+        for &(row, force) in forces.iter().filter(|(row, _)| *row < contact) {
+            let column = self.body.compliance.col_as_slice(row);
+            moved.iter_mut().zip(column).for_each(|(u, c)| *u += c * force);
+        }
         let held = self.hub.len();
         let modes = &self.static_inverse * on_coordinates.rows(held, self.modes());
         for (mode, amount) in modes.iter().enumerate() {
@@ -271,12 +276,7 @@ impl Flexible for ReducedBody<'_> {
 
     fn under(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64> {
         let (contact, stiffening) = (self.contact_rows(), self.stiffening());
-        let on_coordinates: Vec<f64> = (0..self.shapes.ncols())
-            .map(|k| {
-                let shape = self.shapes.col_as_slice(k);
-                forces.iter().map(|&(coordinate, force)| shape[coordinate] * force).sum()
-            })
-            .collect();
+        let on_coordinates = self.on_coordinates(forces);
         let of_nodes = |&row: &usize| -> f64 {
             if row >= contact {
                 return 0.0;
@@ -335,10 +335,13 @@ impl LinearStep for ReducedStep<'_, '_> {
     fn finish(self, forces: &[f64]) -> ReducedState {
         let Self { body, state, mut right, carried, .. } = self;
         let (scheme, contact) = (&body.scheme, body.contact_rows());
-        let on_coordinates = body.on_coordinates(forces);
+        // most nodes carry none
+        let loaded: Vec<(usize, f64)> =
+            forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
+        let on_coordinates = body.on_coordinates(&loaded);
         let stiffening = body.stiffening();
         let residual: Vec<f64> = body
-            .residual(forces, &on_coordinates)
+            .residual(&loaded, &on_coordinates)
             .iter()
             .zip(&carried)
             .map(|(u, carried)| u / stiffening + carried)

@@ -238,10 +238,12 @@ fn a_heavy_body_follows_hertz() {
 /// is kept to SOLVER, of the held one that of the wheel against the impulse of the force; the energy (J) of the bodies is the work of
 /// the nodal forces to SOLVER, and of free ones that work is back when they part, as the near
 /// field between them stores energy and takes none: but for F·v·Δt/2 at both ends, with the force of the first and last step, and
-/// for the trapezoidal rule on Hertz' law, (Δt/T)² of the energy.
+/// for the trapezoidal rule on Hertz' law, (Δt/T)² of the energy, and for the changes of the grid with the patch: DISCRETISATION, 0.1 % of the approach on
+/// some ten cells across it, of the energy of Hertz' contact under the largest force.
 #[test]
 fn a_fine_contact_keeps_momentum_and_energy() {
     const SOLVER: f64 = 1e-9;
+    const DISCRETISATION: f64 = 1e-3;
     let mass = Material::STEEL.density * (2.0 * HALF_WIDTH).powi(2) * HEIGHT;
     let (dt, whole, start) = (1e-6, mass * SPEED, 0.5 * mass * SPEED * SPEED);
     let free = Crowned::new(HALF_WIDTH, 0.0).free();
@@ -265,6 +267,9 @@ fn a_fine_contact_keeps_momentum_and_energy() {
         let left = records[records.len() - 1].contact_work.abs();
         let steps = (last - first + 1) as f64;
         let ends = (records[first].force + records[last].force) * SPEED * dt;
-        assert!(left < ends + start / (steps * steps), "{order:?} {left} of {start}");
+        let peak = largest(records.iter().map(|r| r.force));
+        let hertz = point_contact(peak, RADIUS, RADIUS, Material::STEEL.contact_modulus()).unwrap();
+        let of_grids = DISCRETISATION * 0.4 * peak * hertz.approach;
+        assert!(left < ends + start / (steps * steps) + of_grids, "{order:?} {left} of {start}");
     }
 }
