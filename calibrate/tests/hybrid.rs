@@ -217,6 +217,62 @@ fn the_tangents_change_smoothly_with_the_load() {
     }
 }
 
+/// Goal: a load has the same contact from whatever load before, from none at all too, where a second region closes at 4 kN and on the gauge
+/// corner: displacement (m), tangent (N/m) and semi-axes (m); and away from the points that carry it no nodes of the meshes
+/// overlap. Without friction, which would be another history. Accuracy: MODEL, a far field is made where the wheel stands under one load,
+/// and serves those that follow: 1e-5 in the middle, 4e-4 on the corner.
+#[test]
+fn a_load_has_one_contact_whatever_was_before() {
+    const MODEL: [f64; 4] = [1e-3, 1e-3, 1e-4, 1e-4];
+    const LOAD: f64 = 30e3;
+    /// Two elements of the meshes, and what is no overlap between their nodes, m.
+    const BESIDE: f64 = 4e-3;
+    const OVERLAP: f64 = 1e-6;
+    for lateral_shift in [0.0, 6e-3] {
+        let pair = pair(lateral_shift);
+        let wheel_on_rail = on(bodies(), &pair, 0.0, ContactField::Hybrid);
+        let mut first: Option<LoadPoint> = None;
+        for before in [&[][..], &[1e3], &[1e3, 3e3, 10e3], &[25e3]] {
+            let states = press_loads(&wheel_on_rail, &[before, &[LOAD]].concat(), "press", &Silent).unwrap();
+            let state = &states[before.len()];
+            let point = load_points(&wheel_on_rail, &states, Reference::Foot).unwrap()[before.len()];
+            let first = *first.get_or_insert(point);
+            let change = [
+                point.displacement / first.displacement - 1.0,
+                point.solid_tangent / first.solid_tangent - 1.0,
+                point.semi_axis_across / first.semi_axis_across - 1.0,
+                point.semi_axis_along / first.semi_axis_along - 1.0,
+            ];
+            println!("{lateral_shift} m after {before:?} N: {} points, {change:?}", state.points.len());
+            for (change, accuracy) in change.iter().zip(MODEL) {
+                assert!(change.abs() < accuracy, "{lateral_shift} m after {before:?} N: {change}");
+            }
+            let forces = &state.solution.forces;
+            let carrying: Vec<&Point2<f64>> = state
+                .points
+                .iter()
+                .zip(forces)
+                .filter(|(_, f)| **f > 0.0)
+                .map(|(p, _)| &p.position)
+                .collect();
+            let moved = [(Side::Base, wheel_on_rail.rail), (Side::Opposing, wheel_on_rail.wheel)].map(
+                |(side, body): (Side, &Mat<f64>)| -> Vec<f64> {
+                    let forces = state.body_forces(side, body.nrows());
+                    let loaded: Vec<usize> = (0..forces.len()).filter(|&j| forces[j] != 0.0).collect();
+                    let at = |row| loaded.iter().map(|&j| body[(row, j)] * forces[j]).sum();
+                    (0..body.nrows()).map(at).collect()
+                },
+            );
+            for node in wheel_on_rail.points_at(&state.hub, 1e-3) {
+                let gap = node.gap + node.displacement(Side::Opposing, 0, &moved[1])
+                    - node.displacement(Side::Base, 0, &moved[0]);
+                let beside = carrying.iter().any(|place| (*place - node.position).norm() < BESIDE);
+                assert!(beside || gap > -OVERLAP, "{gap} m at {} after {before:?} N", node.position);
+            }
+        }
+    }
+}
+
 /// Goal: with friction the states satisfy the laws of contact on the fine grid: the wanted load to 1e-8, forces inside the
 /// cone, no force across a gap; the nodal forces that the bodies get have the same resultant; the parts of the compliance are
 /// positive and sum to the whole but for the work of sliding; and the numbers are the same for one thread and for four. Centred and on
