@@ -35,7 +35,7 @@ pub(super) enum BenchCommand {
 /// The sizes, the study and where the results go.
 #[derive(Debug, Args)]
 pub(super) struct SolidArgs {
-    /// Degrees of freedom of the largest size; 1000000 takes a quarter of an hour and 12 GiB of memory
+    /// Degrees of freedom of the largest size; 1000000 takes six minutes and 8 GiB of memory
     #[arg(long, value_name = "DOF", default_value_t = 400_000, value_parser = degrees_of_freedom)]
     to: usize,
     /// Degrees of freedom of the smallest size; left out, 50000, or what the contact zone of the study takes at least

@@ -34,11 +34,11 @@ const BANDWIDTH: f64 = 10e9;
 /// Seconds of a load for every pair of candidates.
 const SECONDS_PAIR: f64 = 3e-7;
 /// Seconds of a load on a fine grid, with friction.
-const SECONDS_FINE: f64 = 0.1;
+const SECONDS_FINE: f64 = 0.06;
 /// Seconds of a load on a grid of half its spacing and on the grid itself, without friction.
-const SECONDS_HALVED: f64 = 0.8;
+const SECONDS_HALVED: f64 = 0.4;
 /// Seconds of contact in a time step.
-const SECONDS_STEP: f64 = 0.03;
+const SECONDS_STEP: f64 = 0.01;
 /// Steps that a reduced run does with fewer modes as well, at the usual time step.
 const STEPS_COMPARED: f64 = 120.0;
 /// Steps of the integration in a time step of a published load case in the mean, where they adapt themselves.
