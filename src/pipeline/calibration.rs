@@ -115,14 +115,7 @@ impl Stage for Calibrate {
         patches.study.clone_from(&at.study.name);
         patches.input_hash = self.key(at);
         at.go_on_with_reach(artefact)?;
-        Ok(Calibration {
-            stiffness,
-            load_curve,
-            patches,
-            horizontal_failure: None,
-            law_end: None,
-            horizontal_end: None,
-        })
+        Ok(Calibration::kept(stiffness, load_curve, patches))
     }
 
     fn files(&self, artefact: &Artefact, value: &Calibration, at: &Pipeline<'_>) -> Vec<NewFile> {

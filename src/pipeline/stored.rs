@@ -167,14 +167,7 @@ impl Pipeline<'_> {
             (Some(stiffness), Some(load_curve), Some(patches), Some(by_angle), Some(verdict))
                 if faults.is_empty() =>
             {
-                let calibration = Calibration {
-                    stiffness,
-                    load_curve,
-                    patches,
-                    horizontal_failure: None,
-                    law_end: None,
-                    horizontal_end: None,
-                };
+                let calibration = Calibration::kept(stiffness, load_curve, patches);
                 Ok(Stored { calibration, by_angle, runs, verdict })
             }
             _ => Err(faults.error(self.study)),

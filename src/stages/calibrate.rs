@@ -47,6 +47,13 @@ pub struct Calibration {
     pub horizontal_end: Option<Error>,
 }
 
+impl Calibration {
+    /// One that was kept: a store and an output folder keep what is finished, with the reasons of what is not in its record.
+    pub fn kept(stiffness: StiffnessRecord, load_curve: Vec<LoadCurveRow>, patches: PatchesRecord) -> Self {
+        Self { stiffness, load_curve, patches, horizontal_failure: None, law_end: None, horizontal_end: None }
+    }
+}
+
 /// Refuses a calibration without friction.
 ///
 /// # Errors

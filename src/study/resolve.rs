@@ -256,32 +256,10 @@ fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
             spaced(keys.load_min_kn, keys.load_max_kn, keys.load_count, keys.load_spacing)
         }
     };
-    if let Some(index) = loads.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(InputError::new(
-            "calibration.loads_kn",
-            format!("{}, {}", loads[index], loads[index + 1]),
-            "ascending loads without repetition",
-            "sort the list",
-        ));
-    }
-    let shifts = keys.shifts_mm.as_deref().unwrap_or_default();
-    if let Some(index) = shifts.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(InputError::new(
-            "calibration.shifts_mm",
-            format!("{}, {}", shifts[index], shifts[index + 1]),
-            "ascending shifts without repetition",
-            "sort the list",
-        ));
-    }
+    check_ascending("calibration.loads_kn", &loads, "loads")?;
+    check_ascending("calibration.shifts_mm", keys.shifts_mm.as_deref().unwrap_or_default(), "shifts")?;
     let preloads = &keys.horizontal_preloads_kn;
-    if let Some(index) = preloads.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(InputError::new(
-            "calibration.horizontal_preloads_kn",
-            format!("{}, {}", preloads[index], preloads[index + 1]),
-            "ascending preloads without repetition",
-            "sort the list",
-        ));
-    }
+    check_ascending("calibration.horizontal_preloads_kn", preloads, "preloads")?;
     Ok(CalibrationSettings {
         shifts: keys.shifts_mm.as_ref().map(|list| list.iter().map(|shift| shift * MILLIMETRE).collect()),
         loads: loads.iter().map(|load| load * KILONEWTON).collect(),
@@ -289,6 +267,19 @@ fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
         error_band: keys.error_band,
         horizontal_preloads: preloads.iter().map(|load| load * KILONEWTON).collect(),
     })
+}
+
+/// Refuses a list of `what` under a key that does not ascend.
+fn check_ascending(key: &str, list: &[f64], what: &str) -> Result<()> {
+    match list.windows(2).find(|pair| pair[1] <= pair[0]) {
+        Some(pair) => Err(InputError::new(
+            key,
+            format!("{}, {}", pair[0], pair[1]),
+            format!("ascending {what} without repetition"),
+            "sort the list",
+        )),
+        None => Ok(()),
+    }
 }
 
 /// `count` values from `low` to `high`, both ends exact.

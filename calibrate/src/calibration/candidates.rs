@@ -129,8 +129,7 @@ impl WheelOnRail<'_> {
         let displaced = Displaced { rail, wheel, margin };
         let (lattice, region) = plan.chosen.as_ref().expect("chosen above");
         let known_fine = known.map(|(_, fine)| fine);
-        let (points, fine) =
-            FineContact::new(&solids, *lattice, region, known_fine, Some(&displaced), directions);
+        let (points, fine) = FineContact::new(&solids, *lattice, region, known_fine, &displaced, directions);
         let start = match known {
             Some((last, of)) => {
                 let growth = (load / last.load).cbrt();

@@ -24,13 +24,13 @@ pub(crate) struct FineContact {
 
 impl FineContact {
     /// The grid `lattice` around the nodes `region` of the rail's grid, with its points; far field and table of `known` serve
-    /// again where they can. Of bodies that are `displaced` only the points in reach remain.
+    /// again where they can. Of the points only those in reach of the `displaced` bodies remain.
     pub fn new(
         solids: &Solids,
         lattice: Lattice,
         region: &[bool],
         known: Option<&Self>,
-        displaced: Option<&Displaced>,
+        displaced: &Displaced,
         directions: usize,
     ) -> (Vec<ContactPoint>, Self) {
         let rail = &solids.rail_surface;
@@ -57,13 +57,11 @@ impl FineContact {
             }));
             true
         });
-        if let Some(displaced) = displaced {
-            let near = displaced.near(&far, &points, &shares, directions);
-            let mut keep = near.iter();
-            points.retain(|_| *keep.next().unwrap_or(&false));
-            let mut keep = near.iter();
-            shares.retain(|_| *keep.next().unwrap_or(&false));
-        }
+        let near = displaced.near(&far, &points, &shares, directions);
+        let mut keep = near.iter();
+        points.retain(|_| *keep.next().unwrap_or(&false));
+        let mut keep = near.iter();
+        shares.retain(|_| *keep.next().unwrap_or(&false));
         let near = NearField::on_grid(lattice.cell, &solids.half_spaces, &points, directions);
         let hybrid = Hybrid::new(near, &far.sum, shares);
         (points, Self { lattice, far, hybrid, half_spaces: solids.half_spaces })

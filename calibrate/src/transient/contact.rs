@@ -304,7 +304,7 @@ impl<'m> StepContact<'m> {
             lattice,
             near,
             serving.as_ref().map(|(contact, _)| &**contact),
-            Some(&displaced),
+            &displaced,
             directions,
         );
         let made_at = match &serving {
