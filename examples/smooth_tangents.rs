@@ -9,7 +9,7 @@ use railspring_calibrate::calibration::{ContactField, Enforcement, LoadPoint, Re
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{ContactConditions, Pair};
+use railspring_calibrate::pair::{ContactConditions, Pair, PairBody};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
@@ -32,7 +32,13 @@ fn main() -> Result<()> {
     let centred =
         Pair::new(rail_section("UIC60")?, wheel_section("S1002", 0.92)?, &TrackGeometry::standard())?;
     let meshes = centred.mesh(0.555, &MeshOptions::default())?;
-    let bodies = meshes.condense(&centred, Material::STEEL, Formulation::IncompatibleModes, &Silent)?;
+    let bodies = meshes.condense(
+        &centred,
+        &PairBody::ALL,
+        Material::STEEL,
+        Formulation::IncompatibleModes,
+        &Silent,
+    )?;
     let mut panels = Vec::new();
     for (shift, place) in [(-3e-3, "away by 3 mm"), (0.0, "centred")] {
         let pair = centred.with_wheel_at(centred.tape_y + shift)?;

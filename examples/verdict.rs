@@ -6,7 +6,7 @@ use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{ContactConditions, Pair, SeriesBeam};
+use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, SeriesBeam};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
@@ -25,7 +25,8 @@ fn main() -> Result<()> {
     let options =
         MeshOptions { contact_element: 4e-3, contact_element_along: 4e-3, ..MeshOptions::default() };
     let meshes = pair.mesh(0.555, &options)?;
-    let bodies = meshes.condense_in_time(&pair, steel, element, START_MODES, &Silent)?;
+    let bodies =
+        meshes.condense_in_time(&pair, PairBody::of_pair(false), steel, element, START_MODES, &Silent)?;
     let pressed = bodies.press(&pair, contact, &[10e3, 25e3, 45e3, 65e3, 85e3], &Silent)?;
     let normal = pressed.fit(Reference::Beam)?.fit.law;
     let horizontal = pressed.horizontal(Reference::Beam, &[60e3], &Silent)?.stiffness;

@@ -334,7 +334,7 @@ pub struct ComplianceRecord {
     pub local_um_per_kn: f64,
     /// Wheel body.
     pub wheel_um_per_kn: f64,
-    /// Rail body: against its own section where the reference is `beam`, else against the held foot.
+    /// Rail body: against its own section where the reference is `beam` or `local`, else against the held foot.
     pub rail_um_per_kn: f64,
     /// Rail as the corrected beam; 0 with the foot held.
     pub beam_um_per_kn: f64,

@@ -51,7 +51,7 @@ fn the_calibration_says_what_its_law_is_worth() {
     let (record, band) = band(&out);
     assert!(band.missing.is_empty() && band.target.is_none(), "{band:?}");
     assert!(band.coarser_element_mm.unwrap() > 1.9 * band.contact_element_mm, "{band:?}");
-    assert_eq!(band.references.len(), 3);
+    assert_eq!(band.references.len(), 2);
     for (of, law) in band.references.iter().zip(&record.references) {
         assert_eq!((&of.reference, of.points.len()), (&law.reference, law.points.len()));
         for point in &of.points {

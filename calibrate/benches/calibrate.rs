@@ -14,7 +14,7 @@ use railspring_calibrate::calibration::{ContactField, Enforcement, Reference, lo
 use railspring_calibrate::contact::{ComplianceOperator, HalfSpace, NearField, flat_grid};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{ContactConditions, Pair, PairMeshes};
+use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, PairMeshes};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
@@ -51,10 +51,10 @@ fn body(criterion: &mut Criterion) {
 
 fn contact(criterion: &mut Criterion) {
     let (pair, meshes) = pair();
-    let bodies = meshes.condense(&pair, Material::STEEL, ELEMENT, &Silent).unwrap();
+    let bodies = meshes.condense(&pair, PairBody::of_pair(false), Material::STEEL, ELEMENT, &Silent).unwrap();
     let wheel_on_rail = |friction, field| {
         let contact = ContactConditions { friction, enforcement: Enforcement::Exact, field };
-        pair.wheel_on_rail(&bodies.rail_on_foot, &bodies.wheel, Material::STEEL, contact)
+        pair.wheel_on_rail(&bodies.rail_on_ends, &bodies.wheel, Material::STEEL, contact)
     };
     let (smooth, rough) =
         (wheel_on_rail(0.0, ContactField::Elements), wheel_on_rail(0.3, ContactField::Elements));

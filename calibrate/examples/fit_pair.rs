@@ -4,7 +4,7 @@ use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{ContactConditions, Pair};
+use railspring_calibrate::pair::{ContactConditions, Pair, PairBody};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
@@ -14,7 +14,8 @@ fn main() -> Result<()> {
     let options =
         MeshOptions { contact_element: 3e-3, contact_element_along: 2.5e-3, ..MeshOptions::default() };
     let meshes = pair.mesh(0.555, &options)?;
-    let bodies = meshes.condense(&pair, Material::STEEL, Formulation::IncompatibleModes, &Silent)?;
+    let bodies =
+        meshes.condense(&pair, &PairBody::ALL, Material::STEEL, Formulation::IncompatibleModes, &Silent)?;
     let contact =
         ContactConditions { friction: 0.5, enforcement: Enforcement::Exact, field: ContactField::Elements };
     let pressed = bodies.press(&pair, contact, &[10e3, 25e3, 45e3, 65e3, 85e3, 120e3], &Silent)?;

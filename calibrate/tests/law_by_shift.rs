@@ -6,7 +6,8 @@ use railspring_calibrate::error::{Error, StopReason};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{
-    AngleLaw, AngleSettings, CondensedPair, ContactConditions, Pair, PressDirection, ShiftLaw, law_by_shift,
+    AngleLaw, AngleSettings, ByReference, CondensedPair, ContactConditions, Laws, Pair, PairBody,
+    PressDirection, ShiftLaw, law_by_shift,
 };
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
@@ -28,7 +29,9 @@ fn condensed(window_half_length: f64) -> (Pair, CondensedPair) {
     let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.858).unwrap());
     let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
     let meshes = pair.mesh(0.4, &options).unwrap();
-    let bodies = meshes.condense(&pair, Material::STEEL, Formulation::FullIntegration, &Silent).unwrap();
+    let bodies = meshes
+        .condense(&pair, &PairBody::ALL, Material::STEEL, Formulation::FullIntegration, &Silent)
+        .unwrap();
     (pair, bodies)
 }
 
@@ -53,7 +56,8 @@ fn law(entry: &ShiftLaw) -> &AngleLaw {
 }
 
 /// Goal: where the wheel of the calibration stands, pressed down, the laws by angle are those of a calibration with the loads and the
-/// fixed loads within their range, one of which is both; these have its values; what lies beyond the range is left out; and a place has the
+/// fixed loads within their range, one of which is both; these have its values; without the rail on its foot the others are the same, and
+/// that against the foot is refused; what lies beyond the range is left out; and a place has the
 /// same law alone and among others. Source: `CondensedPair::press` on the same bodies. Units N, m. Accuracy: to the bit; the parts of the
 /// compliance make up the tangent to ROUNDOFF.
 #[test]
@@ -66,7 +70,8 @@ fn the_place_of_the_calibration_has_its_laws() {
     let entries = laws(&pair, &bodies, &settings, &[-4e-3, 0.0]);
     let entry = law(&entries[1]);
     assert!(entry.ended.is_none());
-    for (found, reference) in entry.laws.iter().zip(AngleLaw::REFERENCES) {
+    assert_eq!(entry.laws.iter().count(), 3);
+    for (reference, found) in entry.laws.iter() {
         let wanted = pressed.fit(reference).unwrap();
         assert_eq!(found.reference, reference);
         assert_eq!(found.points, wanted.points);
@@ -75,9 +80,9 @@ fn the_place_of_the_calibration_has_its_laws() {
     let touch = entries[1].touch.unwrap();
     assert_eq!(touch.touch, pair.touch);
     assert_eq!(touch.along.into_inner(), Vector2::new(0.0, 1.0));
-    assert_eq!(entry.fixed.iter().map(|f| f.points[0].force).collect::<Vec<_>>(), FIXED[..2]);
-    for (i, calibration) in entry.laws.iter().enumerate() {
-        let fixed = [0, 1].map(|k| entry.fixed[k].points[i]);
+    assert_eq!(entry.fixed.iter().map(|f| f.points.beam.force).collect::<Vec<_>>(), FIXED[..2]);
+    for (reference, calibration) in entry.laws.iter() {
+        let fixed = [0, 1].map(|k| *entry.fixed[k].points.get(reference).unwrap());
         assert_eq!(fixed, [calibration.points[3], calibration.points[5]], "{:?}", calibration.reference);
         for p in &calibration.points {
             let parts = p.local_compliance
@@ -96,6 +101,19 @@ fn the_place_of_the_calibration_has_its_laws() {
     let alone = laws(&pair, &bodies, &settings, &[-4e-3]);
     assert_eq!(law(&alone[0]).fixed, law(&entries[0]).fixed);
     assert_ne!(law(&alone[0]).fixed, entry.fixed);
+    // without the rail on its foot
+    let mut without = bodies;
+    without.rail_on_foot = None;
+    let found = laws(&pair, &without, &settings, &[0.0]);
+    let found = law(&found[0]);
+    assert!(found.laws.foot.is_none() && found.laws.beam.points == entry.laws.beam.points);
+    for (found, entry) in found.fixed.iter().zip(&entry.fixed) {
+        assert_eq!(found.points, ByReference { foot: None, ..entry.points });
+    }
+    let pressed = without.press(&pair, settings.contact, &in_turn, &Silent).unwrap();
+    assert_eq!(pressed.fit(Reference::Local).unwrap().points, entry.laws.local.points);
+    let refused = pressed.fit(Reference::Foot).map(|_| ()).unwrap_err().to_string();
+    assert!(refused.contains("rail on its foot") && refused.contains("of_pair(true)"), "{refused}");
 }
 
 /// Goal: the flange, pressed along its normal, has its laws for little and much friction, on the meshes' nodes and on the fine grid. The contact
@@ -123,7 +141,9 @@ fn the_flange_has_its_law_whatever_the_friction() {
                 assert!(found.ended.is_none(), "{case}: {:?}", found.ended);
                 assert!(angle > 0.4 && touch.on_wheel.x < -0.02 && touch.on_rail.x < -0.02, "{touch:?}");
                 assert!((touch.along.x.atan2(touch.along.y) - angle).abs() < 1e-12);
-                let [foot, beam, local] = &found.laws;
+                let Laws { foot: Some(foot), beam, local } = &found.laws else {
+                    panic!("{case}: three laws")
+                };
                 for ((f, b), l) in foot.points.iter().zip(&beam.points).zip(&local.points) {
                     assert!(f.displacement > b.displacement && b.displacement > l.displacement, "{case}");
                     for p in [f, b] {
@@ -135,7 +155,7 @@ fn the_flange_has_its_law_whatever_the_friction() {
                         assert!(error.abs() < SOLVER, "{case}: {error:e}");
                     }
                 }
-                for law in &found.laws {
+                for (_, law) in found.laws.iter() {
                     let (force, deviation) = law.displacement_deviation(&law.fit.law.into());
                     if field == ContactField::Hybrid {
                         assert!(
@@ -166,9 +186,9 @@ fn what_has_no_law_says_why() {
     assert_eq!(law(&laws(&pair, &bodies, &settings, &[-4e-3])[0]).fixed, law(&entries[1]).fixed);
     let reason = match &entries[2].law {
         Ok(law) => {
-            let largest = law.laws[0].points.last().unwrap().force;
-            assert!(law.laws.iter().all(|l| l.points.len() == law.laws[0].points.len()));
-            assert!(largest < LOADS[5] && law.fixed.iter().all(|f| f.points[0].force <= largest));
+            let largest = law.laws.beam.points.last().unwrap().force;
+            assert!(law.laws.iter().all(|(_, l)| l.points.len() == law.laws.beam.points.len()));
+            assert!(largest < LOADS[5] && law.fixed.iter().all(|f| f.points.beam.force <= largest));
             law.ended.clone().unwrap()
         }
         Err(reason) => reason.clone(),
@@ -194,7 +214,7 @@ fn a_law_ends_where_a_second_contact_begins() {
     let Some(Error::Numerics(reason)) = &corner.ended else { panic!("{:?}", corner.ended) };
     assert_eq!(reason.reason, StopReason::SecondRegion, "{reason}");
     assert!((0.01..0.9).contains(&reason.residual), "{reason}");
-    let carried = corner.laws[0].points.len();
+    let carried = corner.laws.beam.points.len();
     assert!(carried >= 4 && reason.step == Some(carried + 1), "{carried} {reason}");
 }
 

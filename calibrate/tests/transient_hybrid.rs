@@ -6,7 +6,7 @@ use railspring_calibrate::error::Error;
 use railspring_calibrate::history::{History, HistoryRow};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::pair::{Pair, PairMeshes};
+use railspring_calibrate::pair::{Pair, PairBody, PairMeshes};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
@@ -54,8 +54,16 @@ fn run(
 
 /// Rail and wheel with modes.
 fn condensed(pair: &Pair, meshes: &PairMeshes, modes: usize) -> [CondensedBody; 2] {
-    let bodies =
-        meshes.condense_in_time(pair, steel(), Formulation::FullIntegration, modes, &Silent).unwrap();
+    let bodies = meshes
+        .condense_in_time(
+            pair,
+            PairBody::of_pair(false),
+            steel(),
+            Formulation::FullIntegration,
+            modes,
+            &Silent,
+        )
+        .unwrap();
     [bodies.rail_on_ends, bodies.wheel]
 }
 

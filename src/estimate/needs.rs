@@ -300,24 +300,30 @@ fn pressing(study: &Study, loads: &[f64], candidates: Candidates) -> f64 {
 
 /// The calibration without its error bands; `base` are the bytes of program and meshes.
 fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates, base: f64) -> StageEstimate {
+    let ways = ways_held(study);
     let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
-    let states = 2.0 * shares(&study.calibration.loads).iter().map(of_states).sum::<f64>();
+    let states = ways * shares(&study.calibration.loads).iter().map(of_states).sum::<f64>();
     let modes = study.modes() as f64;
-    // the third of the rail is against its section; beside the pressed bodies the inside of one of them at a time
-    let pressed = wheel.dense() + 3.0 * rail.dense() + states;
+    // one more of the rail is against its section; beside the pressed bodies the inside of one of them at a time
+    let pressed = wheel.dense() + (ways + 1.0) * rail.dense() + states;
     let memory = [
-        condensing(wheel, rail, rail.dense(), modes),
-        pressed + 2.0 * Candidates::dense(candidates.first) + wheel.inside().max(rail.inside()),
+        condensing(wheel, rail, (ways - 1.0) * rail.dense(), modes),
+        pressed + ways * Candidates::dense(candidates.first) + wheel.inside().max(rail.inside()),
     ];
     StageEstimate {
         stage: "calibration".into(),
         memory: base + memory.into_iter().fold(0.0, f64::max),
         seconds: wheel.seconds()
             + wheel.seconds_inside()
-            + 2.0 * rail.seconds()
+            + ways * rail.seconds()
             + rail.seconds_inside()
-            + 2.0 * pressing(study, &study.calibration.loads, candidates),
+            + ways * pressing(study, &study.calibration.loads, candidates),
     }
+}
+
+/// In how many ways the rail is held: with its section, and with its foot where the study wants laws against that.
+fn ways_held(study: &Study) -> f64 {
+    if study.calibration.foot_held { 2.0 } else { 1.0 }
 }
 
 /// Bytes of the bodies with `modes` modes: the wheel, which is condensed first, or the rail after it and after another of so many bytes.
@@ -337,9 +343,10 @@ fn by_angle(
     // each thread presses the wheel in one place, and keeps no state but the last
     let shifts = stages::shifts(study, &geometry.pair).len() as f64;
     let threads = (rayon::current_num_threads() as f64).min(shifts);
-    // the third of the rail is against its section
-    let mut kept = wheel.dense() + 3.0 * rail.dense();
-    let mut of_a_shift = 2.0 * pressing(study, &stages::loads_by_angle(study), candidates);
+    // one more of the rail is against its section
+    let ways = ways_held(study);
+    let mut kept = wheel.dense() + (ways + 1.0) * rail.dense();
+    let mut of_a_shift = ways * pressing(study, &stages::loads_by_angle(study), candidates);
     if study.wants_error_band() {
         let loads = FIXED_LOADS_CHANGED as f64;
         let (on_grids, of_a_load) = changed(study);
@@ -347,9 +354,9 @@ fn by_angle(
         if meshes_are_ours(study) {
             let options = stages::coarser_options(geometry, meshes.options());
             let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
-            kept += wheel.dense() + 2.0 * rail.dense();
-            // with the foot and with the section held, on both meshes
-            of_a_shift += loads * 4.0 * of_a_load;
+            kept += wheel.dense() + (ways + 1.0) * rail.dense();
+            // on both meshes
+            of_a_shift += loads * 2.0 * ways * of_a_load;
         }
     }
     Ok(StageEstimate {
@@ -391,7 +398,8 @@ fn error_band(
     [rail, wheel]: [&Body; 2],
     base: f64,
 ) -> Result<StageEstimate> {
-    let kept = 3.0 * rail.dense() + wheel.dense();
+    let ways = ways_held(study);
+    let kept = (ways + 1.0) * rail.dense() + wheel.dense();
     let loads = study.calibration.loads.len() as f64;
     let (on_grids, of_a_load) = changed(study);
     let seconds = loads.min(LOADS_HALVED as f64) * on_grids;
@@ -399,9 +407,9 @@ fn error_band(
     if meshes_are_ours(study) {
         let options = stages::coarser_options(geometry, meshes.options());
         let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
-        estimate.memory += condensing(&wheel, &rail, rail.dense(), 0.0);
+        estimate.memory += condensing(&wheel, &rail, (ways - 1.0) * rail.dense(), 0.0);
         estimate.seconds +=
-            wheel.seconds() + 2.0 * rail.seconds() + 4.0 * loads.min(LOADS_COARSER as f64) * of_a_load;
+            wheel.seconds() + ways * (rail.seconds() + 2.0 * loads.min(LOADS_COARSER as f64) * of_a_load);
     }
     Ok(estimate)
 }

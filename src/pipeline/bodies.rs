@@ -18,6 +18,8 @@ pub(super) struct BodySource<'a> {
     store: Option<&'a Store>,
     /// Whether all are condensed anew.
     fresh: bool,
+    /// Whether the rail is pressed on its foot as well.
+    foot_held: bool,
     /// Name of the study, for lists.
     study: &'a str,
     monitor: &'a dyn Monitor,
@@ -27,19 +29,21 @@ impl<'a> Pipeline<'a> {
     /// Where the condensed bodies of the study come from.
     pub(super) fn body_source(&self) -> BodySource<'a> {
         let Self { store, fresh, study, resources, .. } = self;
-        BodySource { store: *store, fresh: *fresh, study: &study.name, monitor: resources.monitor }
+        let foot_held = study.calibration.foot_held;
+        BodySource { store: *store, fresh: *fresh, foot_held, study: &study.name, monitor: resources.monitor }
     }
 }
 
 impl BodySource<'_> {
-    /// The bodies of `solids`, those that move with `modes` modes; `which` goes with their names in messages.
+    /// The bodies of `solids` that the calibration presses, those that move with `modes` modes; `which` goes with their names in messages.
     ///
     /// # Errors
     /// Those of condensing them, and an interruption.
     pub fn condensed(&self, solids: &PairSolids<'_>, which: &str, modes: usize) -> Result<CondensedPair> {
         self.said(which, |say| {
             let get = |body| self.body(solids, body, modes, &|text| say(body, text));
-            condense_all(self.monitor, get).and_then(|bodies| CondensedPair::new(solids.material, bodies))
+            let bodies = condense_all(self.monitor, PairBody::of_pair(self.foot_held), get)?;
+            CondensedPair::new(solids.material, bodies)
         })
     }
 

@@ -133,20 +133,23 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
     let limits = &study.limits;
     let published = StiffnessLaw::published().tangent(COMPARED_AT_KN * 1e3) / KILONEWTON_PER_METRE;
     let foot = stiffness.references.iter().find(|reference| reference.reference == "foot");
-    let difference = foot.map(|foot| (foot.law.constants.tangent(COMPARED_AT_KN) / published - 1.0).abs());
+    let against_published = foot.map(|foot| {
+        let difference = (foot.law.constants.tangent(COMPARED_AT_KN) / published - 1.0).abs();
+        published_line(study, limits.published_stiffness().line(Some(difference)))
+    });
     let law_displacement =
         stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp);
     let spread = stiffness.horizontal.as_ref().map(|h| h.relative_spread);
     let loads = verify::LOADS_LEFT_OUT.line(Some(stiffness.loads_left_out() as f64));
     let left_out = stiffness.shortened();
-    vec![
+    let lines = [
         if left_out.is_empty() { loads } else { loads.noted(left_out.join("; ")) },
         limits.law_max().line(Some(stiffness.law.max_rel_error)),
         limits.law_displacement().line(law_displacement),
         limits.beam_missing().line(Some(stiffness.beam.missing)),
         limits.horizontal_spread().line(spread),
-        published_line(study, limits.published_stiffness().line(difference)),
-    ]
+    ];
+    lines.into_iter().chain(against_published).collect()
 }
 
 #[cfg(test)]

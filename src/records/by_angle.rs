@@ -29,11 +29,12 @@ pub struct ShiftRecord {
     pub shift_mm: f64,
     /// Where the wheel first touches; none where it misses the rail.
     pub touch: Option<ShiftTouchRecord>,
-    /// The laws, against `foot`, `beam` and `local`; none where there is no law.
+    /// The laws, against `foot` where the study wants it, `beam` and `local`; none where there is no law.
     pub laws: Vec<AngleLawRecord>,
     /// The solid at fixed loads within the range of the laws: the constants of a law do not interpolate between shifts, these values do.
     pub loads: Vec<FixedLoadRecord>,
-    /// Secant stiffness of the solid against the held foot from 20 to 120 kN over that of the published law; none where a load is missing.
+    /// Secant stiffness of the solid against the held foot from 20 to 120 kN over that of the published law; none without laws against the foot,
+    /// or where a load is missing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_secant_ratio: Option<f64>,
     /// What displacement and tangent at the fixed loads are worth; none where the study does not ask, or no fixed load lies in the range.

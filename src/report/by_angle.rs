@@ -10,12 +10,19 @@ use super::panel::{Panel, stacked_over_names};
 use super::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
 use super::tables::number;
 
-/// References and what their panels are called.
-const PANELS: [(&str, &str); 3] = [
-    ("local", "approach of the surfaces"),
-    ("beam", "against the rail's section"),
-    ("foot", "against the foot"),
+/// References, what their panels are called, and their columns.
+const PANELS: [(&str, &str, &str); 3] = [
+    ("local", "approach of the surfaces", "approach alone"),
+    ("beam", "against the rail's section", "against the section"),
+    ("foot", "against the foot", "against the foot"),
 ];
+
+/// All panels, but that of the foot only where there are laws against it.
+fn panels(laws: &StiffnessByAngleRecord) -> Vec<(&'static str, &'static str, &'static str)> {
+    let mut all = laws.shifts.iter().flat_map(|shift| &shift.laws);
+    let foot_held = all.any(|law| law.reference == "foot");
+    PANELS.into_iter().filter(|(reference, ..)| foot_held || *reference != "foot").collect()
+}
 
 /// How the curve of a load looks; colour, line and marker differ, so that it is read in grey.
 fn look(index: usize) -> (RGBColor, Dash, Marker) {
@@ -38,7 +45,7 @@ pub fn stiffness(laws: &StiffnessByAngleRecord) -> String {
         shifts.iter().flat_map(|(_, shift)| shift.loads.iter().map(|load| load.force_kn)).collect();
     loads.sort_by(f64::total_cmp);
     loads.dedup();
-    let panel = |(reference, name): (&str, &str)| Panel {
+    let panel = |(reference, name, _): (&str, &str, &str)| Panel {
         x_label: "contact angle at the first touch, and lateral shift of the wheelset".into(),
         y_label: format!("{name}, 10\u{2076} kN/m"),
         from_zero: true,
@@ -85,7 +92,8 @@ pub fn stiffness(laws: &StiffnessByAngleRecord) -> String {
         .iter()
         .map(|(angle, shift)| [degrees(*angle), format!("{} mm", number(shift.shift_mm))])
         .collect();
-    stacked_over_names(WIDTH, 255, &PANELS.map(panel), &notes, &names)
+    let drawn: Vec<Panel> = panels(laws).into_iter().map(panel).collect();
+    stacked_over_names(WIDTH, 255, &drawn, &notes, &names)
 }
 
 /// A contact angle with a decimal.
@@ -111,6 +119,8 @@ fn published_secants(laws: &StiffnessByAngleRecord) -> String {
 /// What the laws are worth, as the page shows it.
 #[derive(Debug, Serialize)]
 pub struct Worth {
+    /// What the laws are measured against, of each two columns after the third.
+    against: Vec<&'static str>,
     /// Shift, mm, contact angle and largest load of the law, kN; then the largest band of displacement and of tangent over the fixed
     /// loads in per cent, for every reference.
     rows: Vec<Vec<String>>,
@@ -130,7 +140,7 @@ pub fn worth(laws: &StiffnessByAngleRecord) -> Option<Worth> {
             shift.angle().map_or_else(none, degrees),
             shift.laws.first().map_or_else(none, |law| number(law.law.range_kn[1])),
         ];
-        for (reference, _) in PANELS {
+        for (reference, ..) in panels(laws) {
             let band = shift.error_band.as_ref().and_then(|band| band.of(reference));
             row.extend([band.and_then(|b| b.displacement), band.and_then(|b| b.tangent)].map(percent));
         }
@@ -141,7 +151,11 @@ pub fn worth(laws: &StiffnessByAngleRecord) -> Option<Worth> {
         (!parts.is_empty()).then(|| format!("Shift {at} mm: {parts}"))
     };
     let with_law = laws.shifts.iter().filter(|shift| !shift.laws.is_empty());
-    Some(Worth { rows: with_law.map(row).collect(), missing: banded().filter_map(missing).collect() })
+    Some(Worth {
+        against: panels(laws).into_iter().map(|(.., column)| column).collect(),
+        rows: with_law.map(row).collect(),
+        missing: banded().filter_map(missing).collect(),
+    })
 }
 
 /// What the figure shows.
@@ -154,9 +168,13 @@ pub fn caption(laws: &StiffnessByAngleRecord) -> String {
         true => " The bars are the error bands.",
         false => "",
     };
+    let foot = match panels(laws).iter().any(|(reference, ..)| *reference == "foot") {
+        true => ", and against its foot",
+        false => "",
+    };
     format!(
         "Tangent stiffness along the contact normal over the contact angle at fixed loads along that normal, friction {}: \
-         of the approach of the surfaces alone, against the rail's section, and against its foot. The shifts of the wheelset stand in the \
+         of the approach of the surfaces alone, against the rail's section{foot}. The shifts of the wheelset stand in the \
          order of their contact angles, at equal distances; a line is interrupted where one contact does not carry the load.{bars} \
          The laws are in `stiffness_by_angle.json`.{}",
         number(laws.friction),

@@ -15,7 +15,7 @@ pub fn solids<'a>(study: &Study, geometry: &'a Geometry, meshes: &'a Meshes) -> 
 /// The rail whose compliance the study's reference takes.
 pub fn rail_in_use(study: &Study) -> PairBody {
     match study.calibration.reference {
-        ReferenceKey::Beam => PairBody::RailOnEnds,
-        ReferenceKey::Foot | ReferenceKey::Local => PairBody::RailOnFoot,
+        ReferenceKey::Beam | ReferenceKey::Local => PairBody::RailOnEnds,
+        ReferenceKey::Foot => PairBody::RailOnFoot,
     }
 }

@@ -136,7 +136,7 @@ fn shift_record(
         Ok(AngleLaw { laws, fixed, ended }) => ShiftRecord {
             shift_mm,
             touch,
-            laws: laws.iter().map(law_entry).collect(),
+            laws: laws.iter().map(|(_, law)| law_entry(law)).collect(),
             published_secant_ratio: published_secant_ratio(&fixed),
             loads: fixed.iter().map(load_record).collect(),
             error_band,
@@ -187,8 +187,8 @@ fn reason(study: &Study, shift_mm: f64, error: Error) -> String {
 /// Secant stiffness against the foot between the ends of the range of the publication, over that of its law.
 fn published_secant_ratio(fixed: &[FixedLoad]) -> Option<f64> {
     let displacement = |load: f64| {
-        let found = fixed.iter().map(|fixed| &fixed.points[0]).find(|point| point.force == load);
-        found.map(|point| point.displacement)
+        let mut points = fixed.iter().filter_map(|fixed| fixed.points.foot.as_ref());
+        points.find(|point| point.force == load).map(|point| point.displacement)
     };
     let [from, to] = [FIXED_LOADS[0], FIXED_LOADS[FIXED_LOADS.len() - 1]];
     let published = StiffnessLaw::published();
@@ -217,7 +217,7 @@ fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
 }
 
 fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
-    let foot = &fixed.points[0];
+    let beam = &fixed.points.beam;
     let reference = |(reference, p): (Reference, &LoadPoint)| {
         let body = |part: f64| (reference != Reference::Local).then_some(part / MICROMETRE_PER_KILONEWTON);
         FixedReferenceRecord {
@@ -233,14 +233,14 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
     let [max_von_mises_mpa, von_mises_depth_mm, max_shear_mpa, shear_depth_mm] =
         subsurface_values(fixed.subsurface.as_ref());
     FixedLoadRecord {
-        force_kn: foot.force / KILONEWTON,
-        references: AngleLaw::REFERENCES.into_iter().zip(&fixed.points).map(reference).collect(),
+        force_kn: beam.force / KILONEWTON,
+        references: fixed.points.iter().map(reference).collect(),
         horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,
         tangential_kn_per_m: fixed.tangential_stiffness / KILONEWTON_PER_METRE,
-        contact_area_mm2: foot.contact_area / SQUARE_MILLIMETRE,
-        max_pressure_mpa: foot.max_pressure / MEGAPASCAL,
-        semi_axis_along_mm: foot.semi_axis_along / MILLIMETRE,
-        semi_axis_across_mm: foot.semi_axis_across / MILLIMETRE,
+        contact_area_mm2: beam.contact_area / SQUARE_MILLIMETRE,
+        max_pressure_mpa: beam.max_pressure / MEGAPASCAL,
+        semi_axis_along_mm: beam.semi_axis_along / MILLIMETRE,
+        semi_axis_across_mm: beam.semi_axis_across / MILLIMETRE,
         max_von_mises_mpa,
         von_mises_depth_mm,
         max_shear_mpa,

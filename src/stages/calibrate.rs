@@ -99,18 +99,13 @@ pub fn calibrate(
     let contact = contact_conditions(study);
     let pressed = bodies.press(pair, contact, &study.calibration.loads, monitor)?;
     let laws = pressed.laws()?;
-    let [foot, beam_law, local] = &laws;
     let reference = Reference::from(study.calibration.reference);
-    let in_use = match reference {
-        Reference::Beam => beam_law,
-        Reference::Foot => foot,
-        Reference::Local => local,
-    };
-    let in_series = (reference == Reference::Beam).then_some(&beam);
-    let states = pressed.states(reference);
+    let in_use = laws.get(reference).expect("the law in use is made");
+    let in_series = (reference != Reference::Foot).then_some(&beam);
+    let states = pressed.states(reference)?;
     let pressed_solids = PressedSolids {
         states,
-        bodies: [(rail_in_use(study), bodies.rail(reference)), (PairBody::Wheel, &bodies.wheel)],
+        bodies: [(rail_in_use(study), bodies.rail(reference)?), (PairBody::Wheel, &bodies.wheel)],
         solids: solids(study, geometry, meshes),
         carried: in_series.map_or_else(Matrix2::zeros, |beam| beam.solid),
     };
@@ -143,8 +138,8 @@ pub fn calibrate(
             horizontal.ended.as_ref().map(|reason| load_end(preloads, horizontal.points.len(), reason))
         }),
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
-        beam: beam_record(&beam, geometry, beam_law, stiffness.filter(|_| in_series.is_some())),
-        references: laws.iter().map(reference_record).collect::<Result<_>>()?,
+        beam: beam_record(&beam, geometry, &laws.beam, stiffness.filter(|_| in_series.is_some())),
+        references: laws.iter().map(|(_, law)| reference_record(law)).collect::<Result<_>>()?,
         error_band: None,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
         subsurface: in_use.points.iter().zip(&below).filter_map(subsurface_record).collect(),

@@ -75,8 +75,8 @@ pub struct Answers {
 /// Nodes of the rail that the study's reference holds.
 pub fn rail_held<'a>(study: &Study, rail: &'a HexMesh) -> &'a [usize] {
     match study.calibration.reference {
-        ReferenceKey::Beam => &rail.ends,
-        ReferenceKey::Foot | ReferenceKey::Local => &rail.foot,
+        ReferenceKey::Beam | ReferenceKey::Local => &rail.ends,
+        ReferenceKey::Foot => &rail.foot,
     }
 }
 

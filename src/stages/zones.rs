@@ -306,7 +306,7 @@ mod tests {
     use std::path::Path;
     use std::sync::Mutex;
 
-    use railspring_calibrate::pair::{CondensedPair, condense_all};
+    use railspring_calibrate::pair::{CondensedPair, PairBody, condense_all};
 
     use super::*;
     use crate::stages;
@@ -348,7 +348,9 @@ mod tests {
         let mut meshes = stages::meshes(&study, &geometry, options, None, &notes).unwrap();
         let press = |meshes: &Meshes| {
             let solids = stages::solids(&study, &geometry, meshes);
-            let bodies = condense_all(&notes, |body| solids.condense(body, solids.key(body)))?;
+            let bodies = condense_all(&notes, PairBody::of_pair(false), |body| {
+                solids.condense(body, solids.key(body))
+            })?;
             let condensed = CondensedPair::new(study.material, bodies)?;
             stages::calibrate(&study, &geometry, meshes, &condensed, &notes)
         };

@@ -280,6 +280,9 @@ pub struct CalibrationKeys {
     pub loads_kn: Option<Vec<f64>>,
     /// What the displacement of the law in use is measured against.
     pub reference: ReferenceKey,
+    /// Whether the laws against the rail's held foot are made beside the others, as for a comparison with laws that were published so. It takes
+    /// another body and as many loads again; with the reference `foot` they are made anyway.
+    pub foot_held: bool,
     /// Whether the calibration and the laws by contact angle say what they are worth: their change with half the spacing of the contact's
     /// grid and with coarser meshes. For the calibration it takes about as long as the laws.
     pub error_band: bool,
@@ -302,6 +305,7 @@ impl Default for CalibrationKeys {
             load_spacing: SpacingKey::Approach,
             loads_kn: None,
             reference: ReferenceKey::Beam,
+            foot_held: false,
             error_band: true,
             horizontal_preloads_kn: vec![20.0, 50.0, 85.0, 120.0],
             shifts_mm: None,

@@ -81,6 +81,7 @@ impl Keys {
         let mut crosscheck = without(&whole, &["solid"]);
         remove(&mut crosscheck, "contact", "field");
         remove(&mut crosscheck, "calibration", "error_band");
+        remove(&mut crosscheck, "calibration", "foot_held");
         remove(&mut crosscheck, "simulation", "inner_steps");
         // a cross-check has no run; the other limits, all at their defaults, are part of the kept hashes
         remove(&mut crosscheck, "verification", "energy_drift");

@@ -186,6 +186,8 @@ pub struct CalibrationSettings {
     pub loads: Vec<f64>,
     /// What the displacement of the law in use is measured against.
     pub reference: ReferenceKey,
+    /// Whether there are laws against the held foot as well: the study wants them, or its reference is that.
+    pub foot_held: bool,
     /// Whether the laws, those by contact angle too, get their error bands.
     pub error_band: bool,
     /// Preloads of the horizontal stiffness, N, ascending.

@@ -19,7 +19,7 @@ use super::check::{Finding, nearest};
 use super::collect::Collector;
 use super::document::{
     CalibrationKeys, ContactKeys, EnforcementKey, FieldKey, ForceKeys, Inclination, MeshKeys, RailKeys,
-    ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
+    ReferenceKey, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
 };
 use super::fields::translate;
 use super::keys::Keys;
@@ -64,6 +64,8 @@ pub(super) fn resolve(
         scenarios.insert(name.clone(), resolved);
     }
     let main_scenario = collector.take(&["simulation.scenario"], main_scenario(&document, &source));
+    collector
+        .take(&["verification.published_stiffness", "calibration.*"], published_limit(&document, &source));
     let mistakes = collector.into_mistakes();
     let (Some(rail), Some(wheel), Some(calibration), Some(main_scenario), true) =
         (rail, wheel, calibration, main_scenario, mistakes.is_empty())
@@ -120,6 +122,21 @@ pub(super) fn resolve(
         resolved,
         source,
     })
+}
+
+/// The published law is compared with that against the held foot.
+fn published_limit(document: &StudyDocument, source: &Source) -> Result<()> {
+    const LIMIT: &str = "verification.published_stiffness";
+    let keys = &document.calibration;
+    if keys.foot_held || keys.reference == ReferenceKey::Foot || !source.gives(LIMIT) {
+        return Ok(());
+    }
+    Err(InputError::new(
+        LIMIT,
+        document.verification.published_stiffness,
+        "a study with a law against the rail's held foot, which the published one is compared with",
+        "set `calibration.foot_held = true`, or leave the limit out",
+    ))
 }
 
 /// Penalty springs stand at the nodes of the meshes, where the fine grid has none.
@@ -264,6 +281,7 @@ fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
         shifts: keys.shifts_mm.as_ref().map(|list| list.iter().map(|shift| shift * MILLIMETRE).collect()),
         loads: loads.iter().map(|load| load * KILONEWTON).collect(),
         reference: keys.reference,
+        foot_held: keys.foot_held || keys.reference == ReferenceKey::Foot,
         error_band: keys.error_band,
         horizontal_preloads: preloads.iter().map(|load| load * KILONEWTON).collect(),
     })

@@ -120,6 +120,7 @@ fn every_result_has_a_key_of_its_own_inputs() {
         ("[verification]\nvertical_rms = 0.5\n", &["verdict"]),
         ("steps = 20\n|", &["simple one", "solid one"]),
         ("[calibration]\nload_max_kn = 140\n", &["calibration"]),
+        ("[calibration]\nfoot_held = true\n", &["calibration"]),
         ("[simulation]\nrail_elements = 10\n", &["calibration", "simple one", "simple two"]),
         ("[simulation]\nlaw = \"published\"\n", &["simple one", "simple two"]),
         ("[solid]\ntransient = \"full\"\n", &["solid one"]),
@@ -219,6 +220,14 @@ fn values_that_contradict_each_other_are_refused() {
         order.starts_with("x.toml:7: calibration.horizontal_preloads_kn = 60, 50: expected ascending"),
         "{order}"
     );
+    let published = "[verification]\npublished_stiffness = 0.25\n";
+    let unasked = message(published);
+    assert!(unasked.starts_with("x.toml:7: verification.published_stiffness = 0.25: expected"), "{unasked}");
+    assert!(unasked.contains("set `calibration.foot_held = true`"), "{unasked}");
+    for asked in ["reference = \"foot\"", "foot_held = true"] {
+        let study = parse(&format!("{SHORT}[calibration]\n{asked}\n{published}")).unwrap();
+        assert!(study.calibration.foot_held, "{asked}");
+    }
     let range = message("[calibration]\nload_max_kn = 0.5\n");
     assert!(range.starts_with("x.toml:7: calibration.load_max_kn = 0.5: expected more than"), "{range}");
     let ratio = parse(&SHORT.replace("\"60E1\"", "\"60E1\"\ninclination = \"40\"")).unwrap_err().to_string();

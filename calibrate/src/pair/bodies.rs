@@ -1,6 +1,7 @@
 //! The bodies reduced to their contact nodes, and pressed together.
 
 use super::geometry::{Pair, PairMeshes};
+use super::references::ByReference;
 use super::solids::{Orders, PairBody, PairSolids};
 use crate::calibration::{
     ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference,
@@ -68,10 +69,10 @@ impl Pair {
 pub struct CondensedPair {
     /// The wheel against its hub.
     pub wheel: CondensedBody,
-    /// The rail with its foot fixed.
-    pub rail_on_foot: CondensedBody,
     /// The rail with its ends fixed.
     pub rail_on_ends: CondensedBody,
+    /// The rail with its foot fixed, if laws against that are wanted.
+    pub rail_on_foot: Option<CondensedBody>,
     /// The motion of that rail's section at the contact.
     pub section: SectionMotion,
     /// The material of both.
@@ -81,18 +82,19 @@ pub struct CondensedPair {
 }
 
 impl PairMeshes {
-    /// Factors and condenses both bodies, and lets the factors go.
+    /// Factors and condenses `bodies` of the pair ([`PairBody::of_pair`]), one after the other, and lets the factors go.
     ///
     /// # Errors
-    /// An inverted element, and a rail without an element at the contact.
+    /// An inverted element, a rail without an element at the contact, and those of [`CondensedPair::new`].
     pub fn condense(
         &self,
         pair: &Pair,
+        bodies: &[PairBody],
         material: Material,
         element: Formulation,
         monitor: &dyn Monitor,
     ) -> Result<CondensedPair> {
-        self.condense_in_time(pair, material, element, 0, monitor)
+        self.condense_in_time(pair, bodies, material, element, 0, monitor)
     }
 
     /// The same with at most `modes` modes of the bodies that move in runs in time.
@@ -102,6 +104,7 @@ impl PairMeshes {
     pub fn condense_in_time(
         &self,
         pair: &Pair,
+        bodies: &[PairBody],
         material: Material,
         element: Formulation,
         modes: usize,
@@ -110,56 +113,74 @@ impl PairMeshes {
         let (rail, wheel, orders) = (&self.rail, &self.wheel, &Orders::default());
         let solids = PairSolids { pair, rail, wheel, material, element, orders };
         let condense = |body| solids.condense_in_time(body, solids.key(body), modes);
-        condense_all(monitor, condense).and_then(|bodies| CondensedPair::new(material, bodies))
+        CondensedPair::new(material, condense_all(monitor, bodies, condense)?)
     }
 }
 
-/// The bodies in the order of [`PairBody::ALL`], each as `get` has it, one after the other, so that there is one factor at a time; the wheel,
-/// whose factor is the largest, comes first, while nothing else takes memory.
+/// The `bodies`, each as `get` has it, one after the other, so that there is one factor at a time.
 ///
 /// # Errors
 /// Those of `get`, and an interruption.
-pub fn condense_all<T>(monitor: &dyn Monitor, get: impl Fn(PairBody) -> Result<T>) -> Result<[T; 3]> {
-    monitor.progress("superelements", 0, 3)?;
-    let wheel = get(PairBody::Wheel)?;
-    monitor.progress("superelements", 1, 3)?;
-    let on_foot = get(PairBody::RailOnFoot)?;
-    monitor.progress("superelements", 2, 3)?;
-    let on_ends = get(PairBody::RailOnEnds)?;
-    monitor.progress("superelements", 3, 3)?;
-    Ok([wheel, on_foot, on_ends])
+pub fn condense_all<T>(
+    monitor: &dyn Monitor,
+    bodies: &[PairBody],
+    get: impl Fn(PairBody) -> Result<T>,
+) -> Result<Vec<(PairBody, T)>> {
+    let report = |done| monitor.progress("superelements", done, bodies.len());
+    report(0)?;
+    let one = |(i, &body): (usize, &PairBody)| {
+        let condensed = get(body)?;
+        report(i + 1).map(|()| (body, condensed))
+    };
+    bodies.iter().enumerate().map(one).collect()
 }
 
 impl CondensedPair {
-    /// Puts condensed bodies together, in the order of [`PairBody::ALL`].
+    /// Puts condensed bodies together.
     ///
     /// # Errors
-    /// [`InputError`] for a rail on its ends without the motion of its section.
-    pub fn new(material: Material, bodies: [CondensedBody; 3]) -> Result<Self> {
-        let [wheel, rail_on_foot, rail_on_ends] = bodies;
-        let section = rail_on_ends.section.clone().ok_or_else(|| {
+    /// [`InputError`] without wheel or rail between its ends, and for such a rail without the motion of its section.
+    pub fn new(material: Material, bodies: Vec<(PairBody, CondensedBody)>) -> Result<Self> {
+        let missing = |body: PairBody, what: &str| {
             InputError::new(
-                "rail between its ends",
-                "no motion of its section",
-                "a body condensed as the solid of a rail beam",
-                "condense it again with `PairSolids::condense`",
+                body.name(),
+                what,
+                "the wheel, and the rail between its ends with the motion of its section",
+                "condense the bodies of `PairBody::of_pair` with `PairSolids::condense`",
             )
-        })?;
+        };
+        let (mut wheel, mut on_ends, mut rail_on_foot) = (None, None, None);
+        for (body, condensed) in bodies {
+            match body {
+                PairBody::Wheel => wheel = Some(condensed),
+                PairBody::RailOnEnds => on_ends = Some(condensed),
+                PairBody::RailOnFoot => rail_on_foot = Some(condensed),
+            }
+        }
+        let wheel = wheel.ok_or_else(|| missing(PairBody::Wheel, "no such body"))?;
+        let rail_on_ends = on_ends.ok_or_else(|| missing(PairBody::RailOnEnds, "no such body"))?;
+        let section = rail_on_ends
+            .section
+            .clone()
+            .ok_or_else(|| missing(PairBody::RailOnEnds, "no motion of its section"))?;
         let against_section = section.relative(&rail_on_ends.compliance);
-        Ok(Self { wheel, rail_on_foot, rail_on_ends, section, material, against_section })
+        Ok(Self { wheel, rail_on_ends, rail_on_foot, section, material, against_section })
     }
 
     /// The rail's body under the law of a reference.
-    pub fn rail(&self, reference: Reference) -> &CondensedBody {
+    ///
+    /// # Errors
+    /// [`InputError`] for the foot's without that body.
+    pub fn rail(&self, reference: Reference) -> Result<&CondensedBody> {
         match reference {
-            Reference::Beam => &self.rail_on_ends,
-            Reference::Foot | Reference::Local => &self.rail_on_foot,
+            Reference::Beam | Reference::Local => Ok(&self.rail_on_ends),
+            Reference::Foot => self.rail_on_foot.as_ref().ok_or_else(|| no_foot().into()),
         }
     }
 
-    /// Presses the wheel on the rail with every load (N, ascending) in turn, the rail's foot fixed, and again with its
-    /// section at the contact fixed. Where the contact of a load reaches the end of the contact zone, both end with the load before, as
-    /// long as these are enough for a law.
+    /// Presses the wheel on the rail with every load (N, ascending) in turn, the rail's section at the contact fixed, and again with its
+    /// foot fixed where there is that body. Where the contact of a load reaches the end of the contact zone, both end with the load
+    /// before, as long as these are enough for a law.
     ///
     /// # Errors
     /// Those of [`press_loads`](crate::calibration::press_loads).
@@ -171,61 +192,89 @@ impl CondensedPair {
         monitor: &dyn Monitor,
     ) -> Result<PressedPair<'a>> {
         let press = |reference, loads: &[f64], stage| -> Result<(Vec<Pressed>, Option<Error>)> {
-            let (states, ended) =
-                press_carried(&self.wheel_on_rail(pair, reference, contact), loads, stage, monitor)?;
+            let placed = self.wheel_on_rail(pair, reference, contact)?;
+            let (states, ended) = press_carried(&placed, loads, stage, monitor)?;
             match ended {
                 Some(error) if states.len() < LEAST_LOADS => Err(error),
                 ended => Ok((states, ended)),
             }
         };
-        let section_held = |loads: &[f64]| press(Reference::Beam, loads, "calibration, section held");
-        let (on_foot, on_section) =
-            rayon::join(|| press(Reference::Foot, loads, "calibration, foot held"), || section_held(loads));
-        let (mut on_foot, mut ended) = on_foot?;
-        let (mut on_section, earlier) = match on_section {
-            // under loads that the rail on its foot does not carry
-            Err(_) if ended.is_some() => section_held(&loads[..on_foot.len()])?,
+        let foot_held = |loads: &[f64]| {
+            let held = self.rail_on_foot.as_ref();
+            held.map(|_| press(Reference::Foot, loads, "calibration, foot held")).transpose()
+        };
+        let (on_section, on_foot) =
+            rayon::join(|| press(Reference::Beam, loads, "calibration, section held"), || foot_held(loads));
+        let (mut on_section, mut ended) = on_section?;
+        let on_foot = match on_foot {
+            // under loads that the rail with its section held does not carry
+            Err(_) if ended.is_some() => foot_held(&loads[..on_section.len()])?,
             pressed => pressed?,
         };
-        if on_section.len() < on_foot.len() {
-            ended = earlier;
-        }
-        let carried = on_foot.len().min(on_section.len());
-        on_foot.truncate(carried);
-        on_section.truncate(carried);
+        let on_foot = on_foot.map(|(mut on_foot, earlier)| {
+            if on_foot.len() < on_section.len() {
+                ended = earlier;
+            }
+            let carried = on_foot.len().min(on_section.len());
+            on_foot.truncate(carried);
+            on_section.truncate(carried);
+            on_foot
+        });
         Ok(PressedPair { pair, bodies: self, contact, on_foot, on_section, ended })
     }
 
     /// The wheel in place on the rail, pressed downwards, with what the reference fixes of the rail.
+    ///
+    /// # Errors
+    /// As [`Self::rail`].
     pub(super) fn wheel_on_rail<'a>(
         &'a self,
         pair: &'a Pair,
         reference: Reference,
         contact: ContactConditions,
-    ) -> WheelOnRail<'a> {
-        let body = self.rail(reference);
-        let compliance = if reference == Reference::Beam { &self.against_section } else { &body.compliance };
+    ) -> Result<WheelOnRail<'a>> {
+        let body = self.rail(reference)?;
+        let compliance = match reference {
+            Reference::Foot => &body.compliance,
+            Reference::Beam | Reference::Local => &self.against_section,
+        };
         let rail = ContactBody { compliance, grid: &body.grid };
-        pair.wheel_on_rail(rail, &self.wheel, self.material, contact)
+        Ok(pair.wheel_on_rail(rail, &self.wheel, self.material, contact))
     }
 }
+
+/// A law against the foot is asked of a pair whose rail was not condensed on it.
+fn no_foot() -> InputError {
+    InputError::new(
+        PairBody::RailOnFoot.name(),
+        "no such body",
+        "a pair condensed with its rail on the foot",
+        "condense all bodies of `PairBody::of_pair(true)`",
+    )
+}
+
+/// The laws of a pair.
+pub type Laws = ByReference<NormalCalibration>;
 
 /// The states of a pair under its loads.
 pub struct PressedPair<'a> {
     pair: &'a Pair,
     bodies: &'a CondensedPair,
     contact: ContactConditions,
-    on_foot: Vec<Pressed>,
+    on_foot: Option<Vec<Pressed>>,
     on_section: Vec<Pressed>,
     ended: Option<Error>,
 }
 
 impl PressedPair<'_> {
     /// The states under the loads, with what the reference fixes of the rail.
-    pub fn states(&self, reference: Reference) -> &[Pressed] {
+    ///
+    /// # Errors
+    /// As [`CondensedPair::rail`].
+    pub fn states(&self, reference: Reference) -> Result<&[Pressed]> {
         match reference {
-            Reference::Beam => &self.on_section,
-            Reference::Foot | Reference::Local => &self.on_foot,
+            Reference::Beam | Reference::Local => Ok(&self.on_section),
+            Reference::Foot => self.on_foot.as_deref().ok_or_else(|| no_foot().into()),
         }
     }
 
@@ -237,25 +286,34 @@ impl PressedPair<'_> {
     /// Fits the normal law of a reference.
     ///
     /// # Errors
-    /// Numerical errors of tangent and fit.
+    /// Numerical errors of tangent and fit, and as [`CondensedPair::rail`].
     pub fn fit(&self, reference: Reference) -> Result<NormalCalibration> {
-        calibrate_normal(&self.wheel_on_rail(reference), self.states(reference), reference)
+        calibrate_normal(&self.wheel_on_rail(reference)?, self.states(reference)?, reference)
+    }
+
+    /// The laws with every reference that there is.
+    ///
+    /// # Errors
+    /// Those of [`Self::fit`].
+    pub fn laws(&self) -> Result<Laws> {
+        let foot = self.on_foot.as_ref().map(|_| self.fit(Reference::Foot)).transpose()?;
+        Ok(Laws { foot, beam: self.fit(Reference::Beam)?, local: self.fit(Reference::Local)? })
     }
 
     /// The horizontal stiffness of a sticking wheel under the preloads (N, ascending).
     ///
     /// # Errors
-    /// Those of [`calibrate_horizontal`].
+    /// Those of [`calibrate_horizontal`], and as [`CondensedPair::rail`].
     pub fn horizontal(
         &self,
         reference: Reference,
         preloads: &[f64],
         monitor: &dyn Monitor,
     ) -> Result<HorizontalCalibration> {
-        calibrate_horizontal(&self.wheel_on_rail(reference), preloads, monitor)
+        calibrate_horizontal(&self.wheel_on_rail(reference)?, preloads, monitor)
     }
 
-    fn wheel_on_rail(&self, reference: Reference) -> WheelOnRail<'_> {
+    fn wheel_on_rail(&self, reference: Reference) -> Result<WheelOnRail<'_>> {
         self.bodies.wheel_on_rail(self.pair, reference, self.contact)
     }
 }

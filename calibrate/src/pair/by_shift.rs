@@ -4,8 +4,9 @@
 //! the flange is not pressed down with its hub held laterally but along the normal of the contact at the first touch, the hub held
 //! across it; so the force of the law is that of the contact.
 
-use super::bodies::{CondensedPair, ContactConditions};
+use super::bodies::{CondensedPair, ContactConditions, Laws};
 use super::geometry::Pair;
+use super::references::ByReference;
 use crate::calibration::{
     DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, WheelOnRail, load_point, regions,
     sticking_flexibility, subtract_bodies,
@@ -92,8 +93,8 @@ pub struct TouchPoint {
 /// The laws of a contact at one angle. All forces, displacements and tangents are along the direction in which the wheel is pressed.
 #[derive(Debug, Clone)]
 pub struct AngleLaw {
-    /// The laws against the foot, the section and of the approach alone, in the order of [`AngleLaw::REFERENCES`].
-    pub laws: [NormalCalibration; 3],
+    /// The laws with every reference.
+    pub laws: Laws,
     /// The solid at the fixed loads.
     pub fixed: Vec<FixedLoad>,
     /// Why the laws end before the largest load, if they do.
@@ -103,25 +104,15 @@ pub struct AngleLaw {
 /// The solid under a fixed load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FixedLoad {
-    /// Displacement, tangent and patch in the order of [`AngleLaw::REFERENCES`].
-    pub points: [LoadPoint; 3],
+    /// Displacement, tangent and patch with every reference.
+    pub points: ByReference<LoadPoint>,
     /// Slope of lateral force against lateral hub displacement (world y), all points sticking, the vertical force constant, N/m; against
     /// the section.
     pub horizontal_stiffness: f64,
     /// The same across the direction in which the wheel is pressed, N/m.
     pub tangential_stiffness: f64,
-    /// The largest stresses below the patch, the rail's foot held; none for a contact between elements.
+    /// The largest stresses below the patch, the rail's section held; none for a contact between elements.
     pub subsurface: Option<Subsurface>,
-}
-
-impl AngleLaw {
-    /// The references of the laws, in order.
-    pub const REFERENCES: [Reference; 3] = [Reference::Foot, Reference::Beam, Reference::Local];
-
-    /// The solid at the fixed loads, by reference.
-    pub(super) fn points_at_fixed_loads(&self) -> [Vec<LoadPoint>; 3] {
-        [0, 1, 2].map(|i| self.fixed.iter().map(|fixed| fixed.points[i]).collect())
-    }
 }
 
 /// The laws with the tape circle at every lateral world position `tape_ys` (m), on bodies that were condensed once. A place that has no law is
@@ -201,62 +192,67 @@ fn shift_law(
         on_wheel: pair.wheel.running.point(pair.touch.wheel_s),
         along,
     };
-    let placed =
-        |reference| WheelOnRail { along, ..bodies.wheel_on_rail(&pair, reference, settings.contact) };
-    let on_foot = Sequence::press(&placed(Reference::Foot), settings, true, going_on)?;
-    let on_section = Sequence::press(&placed(Reference::Beam), settings, false, going_on)?;
-    Ok(ShiftLaw { tape_y, touch: Some(touch), law: angle_law(on_foot, on_section, along) })
+    let press = |reference| {
+        let placed = WheelOnRail { along, ..bodies.wheel_on_rail(&pair, reference, settings.contact)? };
+        Sequence::press(&placed, settings, reference, going_on)
+    };
+    let on_section = press(Reference::Beam)?;
+    let on_foot = bodies.rail_on_foot.as_ref().map(|_| press(Reference::Foot)).transpose()?;
+    Ok(ShiftLaw { tape_y, touch: Some(touch), law: angle_law(on_section, on_foot, along) })
 }
 
-/// The laws of the loads that both ways of holding the rail have carried.
-fn angle_law(mut on_foot: Sequence, mut on_section: Sequence, along: Unit<Vector2<f64>>) -> Result<AngleLaw> {
-    let carried = on_foot.points.len().min(on_section.points.len());
+/// The laws of the loads that every way of holding the rail has carried.
+fn angle_law(
+    mut on_section: Sequence,
+    mut on_foot: Option<Sequence>,
+    along: Unit<Vector2<f64>>,
+) -> Result<AngleLaw> {
     // of two reasons, that of the smaller load
-    let ended = if on_foot.points.len() <= on_section.points.len() {
-        on_foot.ended.take().or(on_section.ended.take())
-    } else {
-        on_section.ended.take()
-    };
+    let mut ended = on_section.ended.take();
+    let mut carried = on_section.points.len();
+    if let Some(on_foot) = on_foot.as_mut().filter(|on_foot| on_foot.points.len() <= carried) {
+        ended = on_foot.ended.take().or(ended);
+        carried = on_foot.points.len();
+    }
     if let Some(reason) = ended.as_ref().filter(|_| carried < LEAST_LOADS) {
         return Err(reason.clone());
     }
-    on_foot.points.truncate(carried);
     on_section.points.truncate(carried);
-    let mut local = on_foot.points.clone();
+    let mut local = on_section.points.clone();
     subtract_bodies(&mut local);
+    let on_foot = on_foot.map(|sequence| {
+        let mut points = sequence.points;
+        points.truncate(carried);
+        points
+    });
+    let points = ByReference { foot: on_foot, beam: on_section.points, local };
     let across = Vector2::new(along.y, -along.x);
-    let fixed = on_foot
-        .fixed
-        .iter()
-        .zip(&on_section.fixed)
-        .filter(|(foot, _)| foot.load < carried)
-        .map(|(foot, section)| {
-            let flexibility = section.flexibility;
-            FixedLoad {
-                points: [&on_foot.points, &on_section.points, &local].map(|points| points[foot.load]),
-                horizontal_stiffness: 1.0 / flexibility[(0, 0)],
-                tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
-                subsurface: foot.subsurface,
-            }
-        })
-        .collect();
-    let laws = [
-        NormalCalibration::new(Reference::Foot, on_foot.points)?,
-        NormalCalibration::new(Reference::Beam, on_section.points)?,
-        NormalCalibration::new(Reference::Local, local)?,
-    ];
+    let fixed = on_section.fixed.iter().filter(|fixed| fixed.load < carried);
+    let fixed = fixed.map(|Fixed { load, flexibility, subsurface }| FixedLoad {
+        points: points.map(|points| points[*load]),
+        horizontal_stiffness: 1.0 / flexibility[(0, 0)],
+        tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
+        subsurface: *subsurface,
+    });
+    let fixed = fixed.collect();
+    let laws = Laws {
+        foot: points.foot.map(|points| NormalCalibration::new(Reference::Foot, points)).transpose()?,
+        beam: NormalCalibration::new(Reference::Beam, points.beam)?,
+        local: NormalCalibration::new(Reference::Local, points.local)?,
+    };
     Ok(AngleLaw { laws, fixed, ended })
 }
 
 /// What the loads in turn have come to, the rail held in one way.
 struct Sequence {
     points: Vec<LoadPoint>,
+    /// With the section held alone.
     fixed: Vec<Fixed>,
     /// Why it ended before the largest load.
     ended: Option<Error>,
 }
 
-/// What a fixed load has come to, the rail held in one way.
+/// What a fixed load has come to beside its point.
 struct Fixed {
     /// Its number among all loads.
     load: usize,
@@ -266,15 +262,14 @@ struct Fixed {
 }
 
 impl Sequence {
-    /// Presses with every load in turn, at fixed ones with the `stresses` below the patch or without; until one is not carried in one
-    /// region.
+    /// Presses with every load in turn, the rail held as for a `reference`, until one is not carried in one region.
     ///
     /// # Errors
     /// An interruption.
     fn press(
         wheel_on_rail: &WheelOnRail,
         settings: &AngleSettings,
-        stresses: bool,
+        reference: Reference,
         going_on: &dyn Fn() -> Result<()>,
     ) -> Result<Self> {
         let poisson = wheel_on_rail.materials[0].poisson;
@@ -285,9 +280,9 @@ impl Sequence {
             going_on()?;
             let pressed = carried(wheel_on_rail, load, before.as_ref()).and_then(|state| {
                 let point = load_point(wheel_on_rail, &state)?;
-                if settings.fixed_loads.contains(&load) {
+                if reference == Reference::Beam && settings.fixed_loads.contains(&load) {
                     let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
-                    let subsurface = stresses.then(|| state.subsurface(poisson)).flatten();
+                    let subsurface = state.subsurface(poisson);
                     sequence.fixed.push(Fixed { load: i, flexibility, subsurface });
                 }
                 sequence.points.push(point);

@@ -6,12 +6,12 @@
 //! the law by three quarters of it. Where the bodies are meshes alone there is no finer grid, and the coarser mesh has the steps from
 //! node to node in it as well.
 
-use super::bodies::{CondensedPair, ContactConditions, PressedPair};
+use super::bodies::{CondensedPair, ContactConditions, Laws};
 use super::by_shift::{AngleLaw, AngleSettings, ShiftLaw};
 use super::geometry::Pair;
+use super::references::ByReference;
 use crate::calibration::{
-    ContactField, DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, WheelOnRail, load_points,
-    press_loads,
+    ContactField, DOWNWARDS, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
 };
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
@@ -19,14 +19,11 @@ use nalgebra::{Unit, Vector2};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The laws of one pair against foot, section and of the approach alone, in the order of [`AngleLaw::REFERENCES`].
-pub type Laws = [NormalCalibration; 3];
-
-/// The solid under some loads with every reference, in the order of [`AngleLaw::REFERENCES`].
-pub type SolidPoints = [Vec<LoadPoint>; 3];
+/// The solid under some loads with every reference.
+pub type SolidPoints = ByReference<Vec<LoadPoint>>;
 
 /// Changes by reference and load.
-pub type Changes = [Vec<Change>; 3];
+pub type Changes = ByReference<Vec<Change>>;
 
 /// Ratio of the elements of the coarser mesh to those of the mesh whose error it shows: with it an error of first order changes by
 /// itself, and one of a higher order by more.
@@ -115,41 +112,54 @@ impl ErrorBand {
     }
 }
 
-/// The bands of the solid under its loads, from its changes with the grid and with the meshes.
-pub fn error_bands(points: &SolidPoints, grid: Option<&Changes>, mesh: Option<&Changes>) -> [ErrorBand; 3] {
-    [0, 1, 2].map(|i| {
-        let at = |changes: Option<&Changes>, load: usize| changes.and_then(|c| c[i].get(load).copied());
+/// The bands of the solid under its loads, reference by reference, from its changes with the grid and with the meshes.
+pub fn error_bands(points: &SolidPoints, grid: Option<&Changes>, mesh: Option<&Changes>) -> Vec<ErrorBand> {
+    let band = |(reference, points): (Reference, &Vec<LoadPoint>)| {
+        let at = |changes: Option<&Changes>, load: usize| changes?.get(reference)?.get(load).copied();
         let point = |(load, p): (usize, &LoadPoint)| BandPoint {
             force: p.force,
             grid: at(grid, load),
             mesh: at(mesh, load),
         };
-        ErrorBand {
-            reference: AngleLaw::REFERENCES[i],
-            points: points[i].iter().enumerate().map(point).collect(),
-        }
-    })
+        ErrorBand { reference, points: points.iter().enumerate().map(point).collect() }
+    };
+    points.iter().map(band).collect()
 }
 
 /// Changes of `points` by what displacement and compliance differ between two computations, `from` one `to` the other, of their loads
-/// with the numbers `among`. At a load between two of those the larger relative change of the two counts, beyond the last one its own.
+/// with the numbers `among`, with every reference that all have.
 fn changes(points: &SolidPoints, among: &[usize], from: &SolidPoints, to: &SolidPoints) -> Changes {
-    [0, 1, 2].map(|i| {
-        let pressed: Vec<Change> = among
-            .iter()
-            .enumerate()
-            .map(|(at, &load)| Change::added(&points[i][load], &from[i][at], &to[i][at]))
-            .collect();
-        let at_load = |load: usize| {
-            let upper = among.partition_point(|&pressed| pressed < load);
-            match (among.get(upper), upper.checked_sub(1)) {
-                (Some(&at), Some(lower)) if at > load => pressed[lower].larger(pressed[upper]),
-                (Some(_), _) => pressed[upper],
-                (None, _) => pressed[upper - 1],
-            }
-        };
-        (0..points[i].len()).map(at_load).collect()
-    })
+    let with = |of: fn(&SolidPoints) -> Option<&Vec<LoadPoint>>| {
+        Some(changes_between(of(points)?, among, of(from)?, of(to)?))
+    };
+    Changes {
+        foot: with(|points| points.foot.as_ref()),
+        beam: changes_between(&points.beam, among, &from.beam, &to.beam),
+        local: changes_between(&points.local, among, &from.local, &to.local),
+    }
+}
+
+/// The same with one reference. At a load between two of those the larger relative change of the two counts, beyond the last one its own.
+fn changes_between(
+    points: &[LoadPoint],
+    among: &[usize],
+    from: &[LoadPoint],
+    to: &[LoadPoint],
+) -> Vec<Change> {
+    let pressed: Vec<Change> = among
+        .iter()
+        .enumerate()
+        .map(|(at, &load)| Change::added(&points[load], &from[at], &to[at]))
+        .collect();
+    let at_load = |load: usize| {
+        let upper = among.partition_point(|&pressed| pressed < load);
+        match (among.get(upper), upper.checked_sub(1)) {
+            (Some(&at), Some(lower)) if at > load => pressed[lower].larger(pressed[upper]),
+            (Some(_), _) => pressed[upper],
+            (None, _) => pressed[upper - 1],
+        }
+    };
+    (0..points.len()).map(at_load).collect()
 }
 
 /// The solid under loads, as its error band needs it.
@@ -190,8 +200,8 @@ impl<'a> Solid<'a> {
         contact: ContactConditions,
         laws: &Laws,
     ) -> Self {
-        let points = [0, 1, 2].map(|i| laws[i].points.clone());
-        let count = points[0].len();
+        let points = laws.map(|law| law.points.clone());
+        let count = points.beam.len();
         Self {
             pair,
             bodies,
@@ -214,10 +224,14 @@ impl<'a> Solid<'a> {
         along: Unit<Vector2<f64>>,
         law: &AngleLaw,
     ) -> Self {
-        let points = law.points_at_fixed_loads();
-        let half = 0.5 * points[0].last().map_or(0.0, |largest| largest.force);
-        let smaller = points[0].iter().filter(|point| point.force <= half).count().max(1);
-        let coarser = spread(points[0].len(), FIXED_LOADS_CHANGED);
+        let points: SolidPoints = law.laws.map(|of| {
+            let forces = law.fixed.iter().map(|fixed| fixed.points.beam.force);
+            forces.filter_map(|force| of.points.iter().find(|p| p.force == force).copied()).collect()
+        });
+        let loads = &points.beam;
+        let half = 0.5 * loads.last().map_or(0.0, |largest: &LoadPoint| largest.force);
+        let smaller = loads.iter().filter(|point| point.force <= half).count().max(1);
+        let coarser = spread(loads.len(), FIXED_LOADS_CHANGED);
         let halved = spread(smaller, FIXED_LOADS_CHANGED);
         Self { pair, bodies, contact, along, points, in_turn: false, halved, coarser }
     }
@@ -241,7 +255,7 @@ impl<'a> Solid<'a> {
     /// Changes to a grid of half the spacing; none for a contact on the nodes of the meshes.
     ///
     /// The grid concerns the normal contact, which is the same whatever holds the rail. So the wheel is pressed on both grids without
-    /// friction and with the foot held, and what displacement and compliance change by there, they change by in every law.
+    /// friction and with the section held, and what displacement and compliance change by there, they change by in every law.
     ///
     /// # Errors
     /// Those of [`press_loads`] and of the tangents.
@@ -250,10 +264,11 @@ impl<'a> Solid<'a> {
             return Ok(None);
         }
         let (loads, stage) = (self.forces(&self.halved), "error of the grid");
-        let [on_grid, on_halved] = [ContactField::Hybrid, ContactField::HybridHalved].map(|field| {
+        let on = |field| {
             let contact = ContactConditions { field, friction: 0.0, ..self.contact };
-            self.placed(self.bodies, Reference::Foot, contact)
-        });
+            self.placed(self.bodies, Reference::Beam, contact)
+        };
+        let (on_grid, on_halved) = (on(ContactField::Hybrid)?, on(ContactField::HybridHalved)?);
         let states = press_loads(&on_grid, &loads, stage, monitor)?;
         let mut halved = Vec::new();
         for (i, state) in states.iter().enumerate() {
@@ -261,34 +276,43 @@ impl<'a> Solid<'a> {
             // without friction there is no history: the same load on the wider grid is the nearest start
             halved.push(on_halved.press(state.load, Some(state)).map_err(|error| error.at_step(i + 1))?);
         }
-        let points = |[foot, local]: [Vec<LoadPoint>; 2]| [foot.clone(), foot, local];
-        let (from, to) = (foot_and_local(&on_grid, &states)?, foot_and_local(&on_halved, &halved)?);
-        Ok(Some(changes(&self.points, &self.halved, &points(from), &points(to))))
+        let points = |placed: &WheelOnRail, states: &[Pressed]| -> Result<SolidPoints> {
+            let beam = load_points(placed, states, Reference::Beam)?;
+            let local = load_points(placed, states, Reference::Local)?;
+            Ok(SolidPoints { foot: self.points.foot.as_ref().map(|_| beam.clone()), beam, local })
+        };
+        let (from, to) = (points(&on_grid, &states)?, points(&on_halved, &halved)?);
+        Ok(Some(changes(&self.points, &self.halved, &from, &to)))
     }
 
     /// Changes to `coarser` meshes, with friction, which has the same history of loads on both.
     ///
     /// # Errors
-    /// Those of [`press_loads`] and of the tangents.
+    /// Those of [`press_loads`] and of the tangents; coarser bodies without the rail on its foot, where there is a law against that.
     pub fn mesh_changes(&self, coarser: &CondensedPair, monitor: &dyn Monitor) -> Result<Changes> {
         let (among, loads) = (&self.coarser, self.forces(&self.coarser));
         let on = |bodies: &CondensedPair| -> Result<SolidPoints> {
-            let pressed = |reference| {
-                let placed = self.placed(bodies, reference, self.contact);
+            let pressed = |reference| -> Result<(WheelOnRail, Vec<Pressed>)> {
+                let placed = self.placed(bodies, reference, self.contact)?;
                 let states = press_loads(&placed, &loads, "error of the meshes", monitor)?;
                 Ok((placed, states))
             };
-            let (on_foot, on_section) = rayon::join(
-                || pressed(Reference::Foot).and_then(|(placed, states)| foot_and_local(&placed, &states)),
+            let on_foot = || {
+                let (placed, states) = pressed(Reference::Foot)?;
+                load_points(&placed, &states, Reference::Foot)
+            };
+            let (on_section, on_foot) = rayon::join(
                 || {
                     let (placed, states) = pressed(Reference::Beam)?;
-                    load_points(&placed, &states, Reference::Beam)
+                    let points = |reference| load_points(&placed, &states, reference);
+                    Ok::<_, Error>((points(Reference::Beam)?, points(Reference::Local)?))
                 },
+                || self.points.foot.as_ref().map(|_| on_foot()).transpose(),
             );
-            let [foot, local] = on_foot?;
-            Ok([foot, on_section?, local])
+            let (beam, local) = on_section?;
+            Ok(SolidPoints { foot: on_foot?, beam, local })
         };
-        if self.in_turn && among.len() == self.points[0].len() {
+        if self.in_turn && among.len() == self.points.beam.len() {
             return Ok(changes(&self.points, among, &self.points, &on(coarser)?));
         }
         let (from, to) = rayon::join(|| on(self.bodies), || on(coarser));
@@ -297,7 +321,7 @@ impl<'a> Solid<'a> {
 
     /// The loads with some numbers, N.
     fn forces(&self, numbers: &[usize]) -> Vec<f64> {
-        numbers.iter().map(|&load| self.points[0][load].force).collect()
+        numbers.iter().map(|&load| self.points.beam[load].force).collect()
     }
 
     fn placed<'b>(
@@ -305,15 +329,9 @@ impl<'a> Solid<'a> {
         bodies: &'b CondensedPair,
         reference: Reference,
         contact: ContactConditions,
-    ) -> WheelOnRail<'b> {
-        WheelOnRail { along: self.along, ..bodies.wheel_on_rail(self.pair, reference, contact) }
+    ) -> Result<WheelOnRail<'b>> {
+        Ok(WheelOnRail { along: self.along, ..bodies.wheel_on_rail(self.pair, reference, contact)? })
     }
-}
-
-/// The points against the foot, and of the approach alone.
-fn foot_and_local(on_foot: &WheelOnRail, states: &[Pressed]) -> Result<[Vec<LoadPoint>; 2]> {
-    let points = |reference| load_points(on_foot, states, reference);
-    Ok([points(Reference::Foot)?, points(Reference::Local)?])
 }
 
 /// How far the solid of each of the `laws` by contact angle changes at its fixed loads, on the bodies of the laws and on `coarser` ones, with
@@ -360,17 +378,6 @@ impl Monitor for GoingOn<'_> {
     }
 }
 
-impl PressedPair<'_> {
-    /// The laws with every reference.
-    ///
-    /// # Errors
-    /// Those of [`PressedPair::fit`].
-    pub fn laws(&self) -> Result<Laws> {
-        let [foot, beam, local] = AngleLaw::REFERENCES.map(|reference| self.fit(reference));
-        Ok([foot?, beam?, local?])
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -381,7 +388,7 @@ mod tests {
 
     /// A made-up solid at four loads, displacement and tangent times the given factors at the last load.
     fn points(displacement: f64, tangent: f64) -> SolidPoints {
-        AngleLaw::REFERENCES.map(|_| {
+        let of_a_reference = {
             let law = StiffnessLaw::published();
             let point = |force: f64| LoadPoint {
                 force,
@@ -399,7 +406,12 @@ mod tests {
                 active_points: 0,
             };
             [10e3, 40e3, 70e3, 100e3].map(point).to_vec()
-        })
+        };
+        ByReference {
+            foot: Some(of_a_reference.clone()),
+            beam: of_a_reference.clone(),
+            local: of_a_reference,
+        }
     }
 
     /// Goal: the first and the last load are among those of the halved grid, none twice, and all where they are few.
@@ -444,9 +456,9 @@ mod tests {
     fn between_two_loads_the_larger_change_counts() {
         let (base, other) = (points(1.0, 1.0), points(1.01, 0.97));
         let among = [0, 2, 3];
-        let of = |all: &SolidPoints| [0, 1, 2].map(|i| among.map(|load| all[i][load]).to_vec());
+        let of = |all: &SolidPoints| all.map(|all| among.map(|load| all[load]).to_vec());
         let wanted = [[0.0; 2], [0.0; 2], [0.0; 2], [0.01, -0.03]];
-        for change in changes(&base, &among, &of(&base), &of(&other)) {
+        for (_, change) in changes(&base, &among, &of(&base), &of(&other)).iter() {
             for (found, [displacement, tangent]) in change.iter().zip(wanted) {
                 assert!((found.displacement - displacement).abs() < ROUNDOFF, "{change:?}");
                 assert!((found.tangent - tangent).abs() < ROUNDOFF, "{change:?}");
@@ -454,8 +466,8 @@ mod tests {
         }
         // all but the first are between the first and the last, or beyond an only one, which is the last
         for (among, first) in [(vec![0, 3], 1), (vec![3], 0)] {
-            let of = |all: &SolidPoints| [0, 1, 2].map(|i| among.iter().map(|&load| all[i][load]).collect());
-            for change in changes(&base, &among, &of(&base), &of(&other)) {
+            let of = |all: &SolidPoints| all.map(|all| among.iter().map(|&load| all[load]).collect());
+            for (_, change) in changes(&base, &among, &of(&base), &of(&other)).iter() {
                 for found in &change[first..] {
                     assert!((found.displacement - 0.01).abs() < ROUNDOFF, "{change:?}");
                     assert!((found.tangent + 0.03).abs() < ROUNDOFF, "{change:?}");
@@ -463,6 +475,7 @@ mod tests {
             }
         }
         let beyond = changes(&other, &[0], &of(&base), &of(&base));
-        assert!(beyond.iter().flatten().all(|change| change.displacement.abs() < ROUNDOFF), "{beyond:?}");
+        let all: Vec<&Change> = beyond.iter().flat_map(|(_, changes)| changes).collect();
+        assert!(all.len() == 12 && all.iter().all(|c| c.displacement.abs() < ROUNDOFF), "{beyond:?}");
     }
 }

@@ -3,6 +3,7 @@
 //! * [`Pair`]: the two sections in place, and where they first touch; it meshes them;
 //! * [`PairSolids`]: the bodies of a pair as solids, each condensed by itself;
 //! * [`CondensedPair`]: the bodies reduced to their contact nodes, which are pressed together;
+//! * [`ByReference`]: the laws against the section, of the approach alone and, where the rail was condensed on its foot, against that;
 //! * [`PressedPair`]: the states under the loads, to which the laws are fitted;
 //! * [`law_by_shift`]: the same bodies with the wheel in other places across the track, pressed along the contact normal: the law
 //!   by contact angle ([`AngleLaw`]);
@@ -10,20 +11,22 @@
 //! * [`SeriesBeam`]: the rail beam that stands in series with the law.
 
 mod geometry;
+mod references;
 mod solids;
 mod bodies;
 mod by_shift;
 mod error_band;
 mod series_beam;
 
-pub use bodies::{CondensedPair, ContactBody, ContactConditions, PressedPair, condense_all};
+pub use bodies::{CondensedPair, ContactBody, ContactConditions, Laws, PressedPair, condense_all};
 pub use by_shift::{
     AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, TouchPoint, law_by_shift, loads_in_turn,
 };
 pub use error_band::{
     BandPoint, COARSER, Change, Changed, Changes, ErrorBand, FIXED_LOADS_CHANGED, LOADS_COARSER,
-    LOADS_HALVED, Laws, Solid, SolidPoints, changed_by_shift, error_bands, spread,
+    LOADS_HALVED, Solid, SolidPoints, changed_by_shift, error_bands, spread,
 };
 pub use geometry::{Pair, PairMeshes};
+pub use references::ByReference;
 pub use series_beam::SeriesBeam;
 pub use solids::{Orders, PairBody, PairSolids};

@@ -21,8 +21,16 @@ pub enum PairBody {
 }
 
 impl PairBody {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Wheel, Self::RailOnFoot, Self::RailOnEnds];
+    /// All of them; the wheel, whose factor is the largest, comes first.
+    pub const ALL: [Self; 3] = [Self::Wheel, Self::RailOnEnds, Self::RailOnFoot];
+
+    /// What a pair is condensed to: wheel and rail between its ends, and the rail on its foot where laws against that are wanted.
+    pub fn of_pair(foot_held: bool) -> &'static [Self] {
+        match foot_held {
+            true => &Self::ALL,
+            false => &[Self::Wheel, Self::RailOnEnds],
+        }
+    }
 
     /// Whether it moves in runs in time, which take its modes.
     pub fn is_in_time(self) -> bool {
