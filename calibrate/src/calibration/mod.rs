@@ -258,9 +258,7 @@ fn singular(stage: &str, state: &Pressed) -> NumericsError {
 
 /// The point of a load by the displacement of the hub.
 pub(crate) fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint> {
-    let problem = state.problem(wheel_on_rail.friction);
-    let response = hub_response(&problem, &state.solution, &[wheel_on_rail.world_direction()], false)
-        .ok_or_else(|| singular("tangent", state))?;
+    let response = state.response.as_ref().ok_or_else(|| singular("tangent", state))?;
     let tangent = response.stiffness[(0, 0)];
     // change of the contact forces for one newton of load
     let change: Vec<f64> = response.forces.col_as_slice(0).iter().map(|f| f / tangent).collect();

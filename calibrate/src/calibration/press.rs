@@ -3,7 +3,9 @@
 use super::candidates::{Candidates, FinePlan};
 use super::grid::touches_border;
 use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reached};
-use crate::contact::{ContactPoint, Factors, FreeDirection, Problem, Side, gaps, solve_with};
+use crate::contact::{
+    ContactPoint, Factors, FreeDirection, Problem, Side, gaps, hub_response_with, solve_with,
+};
 use crate::error::{Error, InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
 use nalgebra::Vector2;
@@ -136,8 +138,8 @@ impl WheelOnRail<'_> {
             } else {
                 hub += along * share * way;
             }
-            let state =
-                Pressed { load, hub, points, free, solution, elasticity, displacement: OnceLock::new() };
+            let (response, displacement) = (None, OnceLock::new());
+            let mut state = Pressed { load, hub, points, free, solution, response, elasticity, displacement };
             if self.revise(&mut plan, &state, settled) {
                 previous = Some(state);
                 continue;
@@ -151,10 +153,13 @@ impl WheelOnRail<'_> {
                         .edge_reached(points, forces, grid)
                         .or_else(|| touches_border(points, forces).then_some(StopReason::GridUnsettled)),
                 };
-                return match reached {
-                    Some(reason) => Err(failure(iteration, 0.0, active, reason)),
-                    None => Ok(state),
-                };
+                if let Some(reason) = reached {
+                    return Err(failure(iteration, 0.0, active, reason));
+                }
+                let (problem, directions) = (state.problem(self.friction), [self.world_direction()]);
+                state.response =
+                    hub_response_with(&problem, &state.solution, &directions, false, &mut factors);
+                return Ok(state);
             }
             previous = Some(state);
         }

@@ -2,8 +2,8 @@
 
 use super::fine::FineContact;
 use crate::contact::{
-    BodyCompliance, ComplianceOperator, ContactPoint, PairingLimits, PenaltySprings, Problem, Side, Solution,
-    Subsurface, Surface, nodal_forces, nodes_near, pair, resultant, subsurface, total,
+    BodyCompliance, ComplianceOperator, ContactPoint, HubResponse, PairingLimits, PenaltySprings, Problem,
+    Side, Solution, Subsurface, Surface, nodal_forces, nodes_near, pair, resultant, subsurface, total,
 };
 use crate::error::{InputError, Result, StopReason};
 use crate::field::InputField;
@@ -118,6 +118,8 @@ pub struct Pressed {
     pub free: Vec<f64>,
     /// Forces and modes.
     pub solution: Solution,
+    /// Answer of the linearised contact to a motion of the hub along the direction in which the wheel is pressed; none where it has none.
+    pub(super) response: Option<HubResponse>,
     pub(super) elasticity: Elasticity,
     /// Displacements of the contact nodes of rail and wheel relative to the bodies' supports, m, once they are asked for.
     pub(super) displacement: OnceLock<[Vec<f64>; 2]>,

@@ -158,6 +158,17 @@ pub fn hub_response(
     directions: &[Unit<Vector3<f64>>],
     sticking: bool,
 ) -> Option<HubResponse> {
+    hub_response_with(problem, solution, directions, sticking, &mut Factors::default())
+}
+
+/// As [`hub_response`], with the `factors` of the solution.
+pub(crate) fn hub_response_with(
+    problem: &Problem,
+    solution: &Solution,
+    directions: &[Unit<Vector3<f64>>],
+    sticking: bool,
+    factors: &mut Factors,
+) -> Option<HubResponse> {
     let held = Problem { hub: &[], ..*problem };
     let mut state = State::new(&held, &solution.forces);
     state.separation.copy_from_slice(&solution.separation);
@@ -174,7 +185,7 @@ pub fn hub_response(
     let along: Vec<Vector3<f64>> = directions.iter().map(|d| d.into_inner()).collect();
     let linearised =
         Linearised { state: &state, modes: &modes, active: &active, rows: &rows, along: &[], hub_unit: 0.0 };
-    let response = linearised.solve(&linearised.motions(&along), LINEAR, LINEAR, &mut Factors::default());
+    let response = linearised.solve(&linearised.motions(&along), LINEAR, LINEAR, factors);
     let response = response.or_else(|| {
         let mut system = state.linearised(&rows, &[], 0);
         if state.directions == 3 {
