@@ -63,7 +63,8 @@ impl FineContact {
         let mut keep = near.iter();
         shares.retain(|_| *keep.next().unwrap_or(&false));
         let near = NearField::on_grid(lattice.cell, &solids.half_spaces, &points, directions);
-        let hybrid = Hybrid::new(near, &far.sum, shares);
+        let same_far = known.filter(|known| Arc::ptr_eq(&known.far, &far));
+        let hybrid = Hybrid::new(near, &far.sum, shares, same_far.map(|known| &known.hybrid));
         (points, Self { lattice, far, hybrid, half_spaces: solids.half_spaces })
     }
 
@@ -85,17 +86,12 @@ impl FineContact {
     /// Displacements of the opposing surface against the base at the points, m, by direction and point: those of the contact
     /// nodes of the bodies (`3·node + axis`, m), as the forces of the points reach these nodes.
     pub fn motion_of_nodes(&self, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
-        let rows = self.hybrid.rows();
-        let directions = rows.checked_div(self.hybrid.points()).unwrap_or(0);
-        let coarse: Vec<f64> = (0..directions)
-            .flat_map(|d| {
-                self.far.points.iter().map(move |point| {
-                    point.displacement(Side::Opposing, d, wheel) - point.displacement(Side::Base, d, rail)
-                })
-            })
-            .collect();
-        let mut motion = vec![0.0; rows];
-        self.hybrid.interpolate(&coarse, &mut motion);
+        let coarse = |d: usize, point: usize| {
+            let point = &self.far.points[point];
+            point.displacement(Side::Opposing, d, wheel) - point.displacement(Side::Base, d, rail)
+        };
+        let mut motion = vec![0.0; self.hybrid.rows()];
+        self.hybrid.interpolate(coarse, &mut motion);
         motion
     }
 
@@ -274,17 +270,18 @@ impl Displaced<'_> {
         shares: &[Shares],
         directions: usize,
     ) -> Vec<bool> {
-        let motion = |d: usize| -> Vec<f64> {
-            let of = |point: &ContactPoint| {
-                point.displacement(Side::Opposing, d, self.wheel)
-                    - point.displacement(Side::Base, d, self.rail)
-            };
-            far.points.iter().map(of).collect()
+        let of = |point: &ContactPoint, d: usize| {
+            point.displacement(Side::Opposing, d, self.wheel) - point.displacement(Side::Base, d, self.rail)
         };
-        let (normal, tangential) = (motion(0), motion(1));
-        let moved = |share: &Share| match directions {
-            1 => share.weight * normal[share.point],
-            _ => share.weight * share.turn.dot(&Vector2::new(normal[share.point], tangential[share.point])),
+        // normal and lateral ones of the points of the far field that there are shares in
+        let mut motions = vec![None; far.points.len()];
+        for share in shares.iter().flatten() {
+            let point = &far.points[share.point];
+            motions[share.point].get_or_insert_with(|| Vector2::new(of(point, 0), of(point, 1)));
+        }
+        let moved = |share: &Share| {
+            let motion = motions[share.point].unwrap_or_default();
+            share.weight * if directions == 1 { motion.x } else { share.turn.dot(&motion) }
         };
         let closed: Vec<bool> = points
             .iter()

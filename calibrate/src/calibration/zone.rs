@@ -36,9 +36,16 @@ impl Zone {
     pub fn around([rail, wheel]: [&Surface; 2], points: &[ContactPoint], forces: &[f64]) -> Option<Self> {
         let loaded = || points.iter().zip(forces).filter(|(_, force)| **force > 0.0);
         let on_rail: Vec<_> = loaded().map(|(point, force)| (point.position, *force)).collect();
+        let mut before: Option<(usize, f64)> = None;
         let on_wheel: Vec<_> = loaded()
             .map(|(point, force)| {
-                let s = wheel.curve.closest(&point.opposing_position).0;
+                let (line, at) = (point.index.0, &point.opposing_position);
+                let s = match before {
+                    // beside the one before
+                    Some((last, guess)) if line <= last + 1 => wheel.curve.closest_near(at, guess).0,
+                    _ => wheel.curve.closest(at).0,
+                };
+                before = Some((line, s));
                 (Point2::new(s, point.position.y), *force)
             })
             .collect();
@@ -60,10 +67,11 @@ fn nodes_around(surface: &Surface, loads: &[(Point2<f64>, f64)]) -> Vec<ZoneNode
     let grid = surface.grid;
     let columns = grid.along_track.len();
     let mut weights = vec![0.0; grid.along_profile.len() * columns];
+    let half = half_length(&grid.along_profile);
     for (at, force) in loads {
-        let track: Vec<f64> = grid.along_track.iter().map(|&t| surface.x(at.x, t)).collect();
-        let (across, along) = (hats(&grid.along_profile, at.x), hats(&track, at.y));
-        for &(i, u) in &across {
+        let track = surface.lines_at(at.x);
+        let along: Vec<(usize, f64)> = hats(&track, at.y, half_length(&track)).collect();
+        for (i, u) in hats(&grid.along_profile, at.x, half) {
             for &(k, v) in &along {
                 weights[i * columns + k] += force * u * v;
             }
@@ -73,13 +81,17 @@ fn nodes_around(surface: &Surface, loads: &[(Point2<f64>, f64)]) -> Vec<ZoneNode
     inside.map(|(node, weight)| ZoneNode { node, place: surface.node(node), weight }).collect()
 }
 
-/// Lines of a grid near a place, with weights that fall in proportion to the distance.
-fn hats(lines: &[f64], at: f64) -> Vec<(usize, f64)> {
+/// Half length of a zone on the lines of a grid, m.
+fn half_length(lines: &[f64]) -> f64 {
     let widest = lines.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    let half = f64::max(ZONE, ZONE_LINES * widest);
-    let weight = |line: f64| 1.0 - (line - at).abs() / half;
-    let all = lines.iter().map(|line| weight(*line)).enumerate();
-    all.filter(|(_, weight)| *weight > 0.0).collect()
+    f64::max(ZONE, ZONE_LINES * widest)
+}
+
+/// Lines of a grid nearer to a place than `half` (m), with weights that fall in proportion to the distance.
+fn hats(lines: &[f64], at: f64, half: f64) -> impl Iterator<Item = (usize, f64)> {
+    let [first, end] = [at - half, at + half].map(|end| lines.partition_point(|line| *line < end));
+    let weights = (first..end).map(move |n| (n, 1.0 - (lines[n] - at).abs() / half));
+    weights.filter(|(_, weight)| *weight > 0.0)
 }
 
 /// Rigid motions of rail and wheel by which their profiles are placed for pairing.

@@ -11,7 +11,7 @@ use super::state::State;
 const LIMIT: usize = 2000;
 
 /// Normal forces and hub of a `state` with one direction a point and at most one free direction of the hub, until a step of each point
-/// alone changes no force by more than `tolerance` of the largest. Returns the number of steps.
+/// alone changes no force by more than `tolerance` of the largest. Returns the number of steps; the separation is that of the start.
 pub(super) fn conjugate_gradients(state: &mut State, tolerance: f64) -> usize {
     let n = state.problem.points.len();
     let wanted = state.problem.hub.first().map(|free| {
@@ -24,7 +24,8 @@ pub(super) fn conjugate_gradients(state: &mut State, tolerance: f64) -> usize {
         forces.iter_mut().zip(weights).for_each(|(f, weight)| *f = (weight * force / square).max(0.0));
     }
     scale_to(&wanted, &mut forces);
-    let mut gaps = gaps_under(state, &forces);
+    let known = wanted.is_none() && forces == state.forces;
+    let mut gaps = if known { state.separation.clone() } else { gaps_under(state, &forces) };
     let mut direction = vec![0.0; n];
     let (mut before, mut restart) = (0.0, true);
     let mut count = 0;
@@ -85,7 +86,6 @@ pub(super) fn conjugate_gradients(state: &mut State, tolerance: f64) -> usize {
     if wanted.is_some() {
         state.hub[0] = hub;
     }
-    state.update_separation();
     count
 }
 

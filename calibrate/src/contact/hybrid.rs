@@ -47,22 +47,27 @@ pub(crate) struct Hybrid {
 }
 
 impl Hybrid {
-    /// The `far` field has the directions of the half-spaces.
-    pub fn new(near: NearField, far: &Mat<f64>, mut shares: Vec<Shares>) -> Self {
+    /// The `far` field has the directions of the half-spaces. One that was `known` with it serves again between the same points.
+    pub fn new(near: NearField, far: &Mat<f64>, mut shares: Vec<Shares>, known: Option<&Self>) -> Self {
         let directions = near.rows().checked_div(shares.len()).unwrap_or(1);
         let coarse_points = far.nrows() / directions;
         let used = numbered(&mut shares, coarse_points);
+        let known = known.filter(|known| *known.used == used && known.far_directions == directions);
+        let (far, used) = match known {
+            Some(known) => (known.far.clone(), known.used.clone()),
+            None => (Arc::new(between(far, coarse_points, &used, directions)), Arc::new(used)),
+        };
         let mut hybrid = Self {
             near,
-            far: Arc::new(between(far, coarse_points, &used, directions)),
+            far,
             far_directions: directions,
-            used: Arc::new(used),
+            used,
             coarse_points,
             shares: Arc::new(shares),
             diagonal: Vec::new(),
         };
         hybrid.diagonal =
-            (0..hybrid.rows()).map(|row| hybrid.near.value(row, row) + hybrid.far_value(row, row)).collect();
+            (0..hybrid.rows()).map(|row| hybrid.near.value(row, row) + hybrid.far_diagonal(row)).collect();
         hybrid
     }
 
@@ -162,12 +167,20 @@ impl Hybrid {
         found.into_iter().take(if turns { 8 } else { 4 })
     }
 
-    fn far_value(&self, row: usize, column: usize) -> f64 {
+    /// The far field's value of a row alone; it is symmetric.
+    fn far_diagonal(&self, row: usize) -> f64 {
+        let mut found = [(0, 0.0); 8];
+        let mut count = 0;
+        for share in self.coarse(row).filter(|(_, weight)| *weight != 0.0) {
+            found[count] = share;
+            count += 1;
+        }
+        let weights = &found[..count];
         let mut sum = 0.0;
-        for (c, weight) in self.coarse(column) {
-            for (r, other) in self.coarse(row) {
-                sum += weight * other * self.far[(r, c)];
-            }
+        for (n, &(c, weight)) in weights.iter().enumerate() {
+            let column = self.far.col_as_slice(c);
+            let before: f64 = weights[..n].iter().map(|&(r, other)| other * column[r]).sum();
+            sum += weight * (2.0 * before + weight * column[c]);
         }
         sum
     }
@@ -181,10 +194,12 @@ impl Hybrid {
         motion
     }
 
-    /// Adds what the points move by with all coarse ones, both by direction and point.
-    pub fn interpolate(&self, coarse: &[f64], motion: &mut [f64]) {
-        let rows = self.far_directions * self.used.len();
-        let of_used: Vec<f64> = (0..rows).map(|row| coarse[self.whole_row(row)]).collect();
+    /// Adds what the points move by with the coarse ones, by direction and point; `of` is asked for those in use, by direction
+    /// and number.
+    pub fn interpolate(&self, of: impl Fn(usize, usize) -> f64, motion: &mut [f64]) {
+        let m = self.used.len();
+        let of_used: Vec<f64> =
+            (0..self.far_directions * m).map(|row| of(row / m, self.used[row % m])).collect();
         self.interpolate_used(&of_used, motion);
     }
 
@@ -209,16 +224,14 @@ impl Hybrid {
     }
 }
 
-/// Numbers the coarse points of `shares`, some of so many, in the order in which they come; returns what these numbers stand for.
+/// Numbers the coarse points of `shares`, some of so many, in their order; returns what these numbers stand for.
 fn numbered(shares: &mut [Shares], coarse_points: usize) -> Vec<usize> {
-    let mut place = vec![None; coarse_points];
-    let mut used = Vec::new();
-    for share in shares.iter_mut().flatten() {
-        share.point = *place[share.point].get_or_insert_with(|| {
-            used.push(share.point);
-            used.len() - 1
-        });
-    }
+    let mut there = vec![false; coarse_points];
+    shares.iter().flatten().for_each(|share| there[share.point] = true);
+    let used: Vec<usize> = (0..coarse_points).filter(|&point| there[point]).collect();
+    let mut place = vec![0; coarse_points];
+    used.iter().enumerate().for_each(|(number, &point)| place[point] = number);
+    shares.iter_mut().flatten().for_each(|share| share.point = place[share.point]);
     used
 }
 
@@ -349,7 +362,7 @@ mod tests {
             }
             let far_part = &spread * &far * spread.transpose();
             let matrix = Mat::from_fn(rows, rows, |r, c| near.value(r, c) + far_part[(r, c)]);
-            let hybrid = Hybrid::new(near, &far, shares);
+            let hybrid = Hybrid::new(near, &far, shares, None);
             let tolerance = ROUNDOFF * matrix[(0, 0)] * rows as f64;
             let forces: Vec<f64> = (0..rows).map(|j| (j % 5) as f64 - 2.0).collect();
             let (mut product, mut columns) = (vec![0.0; rows], vec![0.0; rows]);

@@ -78,6 +78,8 @@ impl Lattice {
         let lines: Vec<_> = (first..=last).map(line).collect();
         let none = 0..0;
         let line = |i: usize| lines.get(i.wrapping_sub(first)).unwrap_or(&none).clone();
+        // where the last end of a cell faces the opposing surface, with its number
+        let mut faced_before: Option<(usize, f64)> = None;
         // the cell e lies between the lines e - 1 and e
         for e in first..=last + 1 {
             let below = if e == 0 { 0..0 } else { line(e - 1) };
@@ -92,11 +94,16 @@ impl Lattice {
             }
             let columns = || below.clone().chain(above.clone()).map(|j| points[j].index.1);
             let columns = columns().min().unwrap_or(0).saturating_sub(1)..=columns().max().unwrap_or(0) + 1;
-            let facing = [ends.0, ends.1].map(|s| opposing.nearest(&base.world(s)));
-            for part in profile_intervals(base, opposing, ends.0, ends.1, facing.into()) {
+            let facing = match faced_before {
+                Some((before, at)) if before + 1 == e => at,
+                _ => opposing.nearest(&base.world(ends.0)),
+            };
+            let facing = (facing, opposing.nearest_from(&base.world(ends.1), facing));
+            faced_before = Some((e, facing.1));
+            for part in profile_intervals(base, opposing, ends.0, ends.1, facing) {
                 let (arcs, half) = gauss_2_on(part.0, part.1);
                 for s in arcs {
-                    let along = self.gaps_along(base, opposing, s, columns.clone(), facing[0]);
+                    let along = self.gaps_along(base, opposing, s, columns.clone(), facing.0);
                     let normal = base.normal(s);
                     let u = (s - ends.0) / self.cell.x;
                     for (line, weight) in [(below.clone(), 1.0 - u), (above.clone(), u)] {

@@ -34,8 +34,8 @@ const CLOSE: f64 = 1e-5;
 /// runs away would otherwise pass for rounding.
 const COARSEST: f64 = 1e-8;
 
-/// Iterates until the conditions of contact hold, `limit` steps at most, and adds the steps to `spent`. The `factors` are of problems before,
-/// and for those that follow.
+/// Iterates until the conditions of contact hold, `limit` steps at most, and adds the steps to `spent`. The separation of the `state` is that
+/// of its forces. The `factors` are of problems before, and for those that follow.
 ///
 /// # Errors
 /// Why the iteration stopped without an answer.
@@ -47,7 +47,6 @@ pub(super) fn newton(
 ) -> Result<(), StopReason> {
     let mut previous: Vec<PointMode> = Vec::new();
     let mut remembered = VecDeque::new();
-    state.update_separation();
     let mut residual = state.residual();
     for iteration in 0..=limit {
         if residual.relative <= TOLERANCE.max(residual.roundoff.min(COARSEST)) {

@@ -121,6 +121,7 @@ fn raise_friction(
         let level = Problem { friction: part * problem.friction, ..*problem };
         let mut state = State::new(&level, &forces);
         state.hub.copy_from_slice(&hub);
+        state.update_separation();
         if newton(&mut state, steps, spent, factors).is_ok() {
             if part == 1.0 {
                 return Some(state.solution(*spent));

@@ -34,7 +34,6 @@ pub(super) fn suits(problem: &Problem) -> bool {
 /// Gives a `state` the normal forces that its tangential ones ask for, these the friction that goes with them, and so on until it
 /// is near the solution. Adds the steps to `spent`.
 pub(super) fn approach(state: &mut State, effort: Effort, spent: &mut usize) {
-    state.update_separation();
     for _ in 0..effort.rounds {
         if !(state.residual().relative > effort.tolerance) {
             return;
@@ -55,13 +54,15 @@ fn press(state: &mut State, effort: Effort) -> usize {
     let problem = state.problem;
     let n = problem.points.len();
     let Some(compliance) = problem.compliance.normal() else { return 0 };
-    let mut tangential = state.forces.clone();
-    tangential[..n].fill(0.0);
-    let mut free = state.motion(&tangential, &vec![0.0; problem.hub.len()]);
-    free.truncate(n);
-    free.iter_mut().zip(problem.free).for_each(|(gap, free)| *gap += free);
+    // the gaps less what the normal forces and the hub move
+    let mut moved = vec![0.0; n];
+    compliance.add_product(&state.forces[..n], &mut moved);
+    for (free, way) in problem.hub.iter().zip(&state.hub) {
+        moved.iter_mut().enumerate().for_each(|(row, m)| *m += state.hub_weight(row, &free.along) * way);
+    }
+    let free: Vec<f64> = state.separation[..n].iter().zip(moved).map(|(gap, moved)| gap - moved).collect();
     let rest = |free: &FreeDirection| {
-        let carried: f64 = (n..3 * n).map(|row| state.hub_weight(row, &free.along) * tangential[row]).sum();
+        let carried: f64 = (n..3 * n).map(|row| state.hub_weight(row, &free.along) * state.forces[row]).sum();
         FreeDirection { force: free.force - carried, ..*free }
     };
     let hub: Vec<FreeDirection> = problem.hub.iter().map(rest).collect();
@@ -100,9 +101,16 @@ fn rub(state: &mut State, effort: Effort) {
     let row = |r: usize| (1 + r / a) * n + active[r % a];
     let mut forces: Vec<f64> = (0..2 * a).map(|r| state.forces[row(r)]).collect();
     within(&mut forces);
-    (0..2 * a).for_each(|r| state.forces[row(r)] = forces[r]);
-    state.update_separation();
-    let mut slip: Vec<f64> = (0..2 * a).map(|r| state.separation[row(r)]).collect();
+    // of the points that carry load, which are all that do
+    let carried: Vec<f64> = active.iter().map(|&j| state.forces[j]).chain(forces.iter().copied()).collect();
+    let mut moved = vec![0.0; 3 * a];
+    compliance.add_product(&carried, &mut moved);
+    let of_hub = |row: usize| {
+        let ways = state.problem.hub.iter().zip(&state.hub);
+        ways.map(|(free, way)| state.hub_weight(row, &free.along) * way).sum::<f64>()
+    };
+    let mut slip: Vec<f64> =
+        (0..2 * a).map(|r| moved[a + r] + of_hub(row(r)) + state.problem.free[row(r)]).collect();
     let scale: Vec<f64> = (0..2 * a).map(|r| state.scale[row(r)]).collect();
     let largest = bounds.iter().fold(0.0_f64, |m, b| m.max(*b));
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();

@@ -107,11 +107,10 @@ impl<'a> State<'a> {
             separation: vec![0.0; rows],
             scale: scales(problem.compliance, count, directions),
         };
-        if !problem.hub.is_empty() {
+        state.update_separation();
+        if !problem.hub.is_empty() && (0..count).all(|j| state.mode(j) == PointMode::Open) {
+            state.touch_down();
             state.update_separation();
-            if (0..count).all(|j| state.mode(j) == PointMode::Open) {
-                state.touch_down();
-            }
         }
         state
     }

@@ -136,6 +136,18 @@ impl<'a> Surface<'a> {
         }
     }
 
+    /// As [`Self::x`], of all lines of the grid along the track.
+    pub(crate) fn lines_at(&self, s: f64) -> Vec<f64> {
+        let lines = &self.grid.along_track;
+        match self.shape {
+            Shape::Extruded => lines.clone(),
+            Shape::Revolved { radius } => {
+                let radius = radius + self.curve.point(s).y;
+                lines.iter().map(|t| radius * t.sin()).collect()
+            }
+        }
+    }
+
     /// Depth of the surface below the smooth one, m, at the local coordinates (0 to 1: along the profile, along the
     /// track) of the cell whose first node is `(i, k)`; 0 for a smooth surface.
     pub fn recession(&self, (i, k): (usize, usize), (u, v): (f64, f64)) -> f64 {
@@ -172,6 +184,11 @@ impl<'a> Surface<'a> {
     /// A first guess for [`Self::project`]: the arc length nearest to a world point (y, z) at x = 0.
     pub fn nearest(&self, point: &Point2<f64>) -> f64 {
         self.curve.closest(&self.turn.inverse_transform_point(&(point - self.origin))).0
+    }
+
+    /// As [`Self::nearest`] for a point near the surface, from a `guess` nearby.
+    pub(super) fn nearest_from(&self, point: &Point2<f64>, guess: f64) -> f64 {
+        self.curve.closest_near(&self.turn.inverse_transform_point(&(point - self.origin)), guess).0
     }
 
     /// Follows the ray from (x, `point`) along `normal` to this surface, starting the search at

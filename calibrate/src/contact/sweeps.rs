@@ -12,6 +12,13 @@ const LIMIT: usize = 2000;
 /// Sweeps until forces and hub forces change by less than `tolerance` of the largest force, or [`LIMIT`] is
 /// reached; a `relaxation` below 1 shortens every correction. Returns the number of sweeps.
 pub(super) fn sweep(state: &mut State, tolerance: f64, relaxation: f64) -> usize {
+    let count = sweeps(state, tolerance, relaxation);
+    // anew from the forces, without the rounding that has added up
+    state.update_separation();
+    count
+}
+
+fn sweeps(state: &mut State, tolerance: f64, relaxation: f64) -> usize {
     let n = state.problem.points.len();
     let (compliance, friction) = (state.problem.compliance, state.problem.friction);
     let hub = state.problem.hub;
@@ -24,7 +31,6 @@ pub(super) fn sweep(state: &mut State, tolerance: f64, relaxation: f64) -> usize
     let diagonal: Vec<f64> = (0..state.forces.len())
         .map(|row| compliance.diagonal(row) + give * weights.iter().map(|w| w[row] * w[row]).sum::<f64>())
         .collect();
-    state.update_separation();
     for count in 1..=LIMIT {
         let mut change = 0.0_f64;
         for j in 0..n {

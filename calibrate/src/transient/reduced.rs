@@ -14,10 +14,11 @@ use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
 use crate::solid::Material;
-use crate::superelement::{CondensedBody, Modes, times};
+use crate::superelement::{CondensedBody, Modes};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Motions of a hub: translations y and z.
@@ -164,34 +165,64 @@ impl<'a> ReducedBody<'a> {
 
     /// Displacements of the interface under `coordinates`.
     fn at_interface(&self, coordinates: &DVector<f64>) -> Vec<f64> {
-        times(&self.shapes, coordinates.as_slice())
+        let mut moved = vec![0.0; self.shapes.nrows()];
+        add_product(self.shapes.as_ref(), coordinates.as_slice(), 1.0, &mut moved);
+        moved
     }
 
-    /// Forces on the coordinates of forces at the interface: (coordinate, N).
-    fn on_coordinates(&self, forces: &[(usize, f64)]) -> DVector<f64> {
-        DVector::from_fn(self.shapes.ncols(), |k, _| {
-            let shape = self.shapes.col_as_slice(k);
-            forces.iter().map(|&(row, force)| shape[row] * force).sum()
-        })
-    }
-
-    /// Displacements of the contact nodes beyond hub and modes under static `forces` on them (row, N), whose forces on the coordinates
-    /// are `on_coordinates`.
-    fn residual(&self, forces: &[(usize, f64)], on_coordinates: &DVector<f64>) -> Vec<f64> {
-        let contact = self.contact_rows();
-        let mut moved = vec![0.0; contact];
-        for &(row, force) in forces.iter().filter(|(row, _)| *row < contact) {
-            let column = self.body.compliance.col_as_slice(row);
-            moved.iter_mut().zip(column).for_each(|(u, c)| *u += c * force);
+    /// Forces on the coordinates of forces at the interface.
+    fn on_coordinates(&self, loads: &[Load]) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.shapes.ncols());
+        for Load { rows, forces } in loads {
+            let shapes = self.shapes.subrows(rows.start, rows.len());
+            add_product(shapes.transpose(), forces, 1.0, sum.as_mut_slice());
         }
-        let held = self.hub.len();
-        let modes = &self.static_inverse * on_coordinates.rows(held, self.modes());
-        for (mode, amount) in modes.iter().enumerate() {
-            let shape = &self.shapes.col_as_slice(held + mode)[..contact];
-            moved.iter_mut().zip(shape).for_each(|(u, s)| *u -= amount * s);
+        sum
+    }
+
+    /// Displacements of the contact nodes of the held body under static forces on them.
+    fn statics(&self, loads: &[Load]) -> Vec<f64> {
+        let mut moved = vec![0.0; self.contact_rows()];
+        for Load { rows, forces } in loads {
+            let columns = self.body.compliance.subcols(rows.start, rows.len());
+            add_product(columns.subrows(0, moved.len()), forces, 1.0, &mut moved);
         }
         moved
     }
+}
+
+/// Forces on neighbouring rows of the interface, N.
+struct Load {
+    rows: Range<usize>,
+    forces: Vec<f64>,
+}
+
+/// The nodes with forces lie in lines along the track, so that the rows come in runs: their part of a product is that of a matrix. Forces
+/// are (row, N), ascending.
+fn in_runs(forces: impl IntoIterator<Item = (usize, f64)>) -> Vec<Load> {
+    let mut runs: Vec<Load> = Vec::new();
+    for (row, force) in forces {
+        match runs.last_mut() {
+            Some(run) if row >= run.rows.end && row <= run.rows.end + GAP => {
+                run.forces.resize(row - run.rows.start, 0.0);
+                run.forces.push(force);
+                run.rows.end = row + 1;
+            }
+            _ => runs.push(Load { rows: row..row + 1, forces: vec![force] }),
+        }
+    }
+    runs
+}
+
+/// Rows without forces that a run may have between others: those of a node.
+const GAP: usize = 3;
+
+/// Adds `factor` times matrix times vector to a `sum`; on one thread, so that their number changes nothing.
+fn add_product(matrix: MatRef<'_, f64>, vector: &[f64], factor: f64, sum: &mut [f64]) {
+    let (rows, columns) = (matrix.nrows(), matrix.ncols());
+    let vector = MatRef::from_column_major_slice(vector, columns, 1);
+    let sum = MatMut::from_column_major_slice_mut(sum, rows, 1);
+    matmul(sum, Accum::Add, matrix, vector, factor, Par::Seq);
 }
 
 /// Motions of the interface under unit motions of the hub and unit modes.
@@ -276,20 +307,23 @@ impl Flexible for ReducedBody<'_> {
 
     fn under(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64> {
         let (contact, stiffening) = (self.contact_rows(), self.stiffening());
-        let on_coordinates = self.on_coordinates(forces);
-        let of_nodes = |&row: &usize| -> f64 {
-            if row >= contact {
-                return 0.0;
+        let loads = in_runs(forces.iter().copied());
+        let on_coordinates = self.on_coordinates(&loads);
+        let on_nodes = in_runs(forces.iter().copied().filter(|(row, _)| *row < contact));
+        let mut moved = Vec::with_capacity(rows.len());
+        // rows of neighbouring nodes at once, with those between them
+        for run in in_runs(rows.iter().map(|&row| (row, 0.0))) {
+            let Range { start, end } = run.rows;
+            let mut all = run.forces;
+            add_product(self.half.subrows(start, end - start), on_coordinates.as_slice(), 1.0, &mut all);
+            let of_nodes = start..end.min(contact);
+            for Load { rows, forces } in on_nodes.iter().filter(|_| !of_nodes.is_empty()) {
+                let part = self.body.compliance.submatrix(start, rows.start, of_nodes.len(), rows.len());
+                add_product(part, forces, 1.0 / stiffening, &mut all[..of_nodes.len()]);
             }
-            // a column, which is as the row
-            let compliance = self.body.compliance.col_as_slice(row);
-            let on_nodes = forces.iter().filter(|(coordinate, _)| *coordinate < contact);
-            on_nodes.map(|&(coordinate, force)| compliance[coordinate] * force).sum::<f64>() / stiffening
-        };
-        let mut moved: Vec<f64> = rows.iter().map(of_nodes).collect();
-        for (k, force) in on_coordinates.iter().enumerate() {
-            let half = self.half.col_as_slice(k);
-            moved.iter_mut().zip(rows).for_each(|(moved, &row)| *moved += half[row] * force);
+            let wanted = rows[moved.len()..].iter().take_while(|row| run.rows.contains(row));
+            let wanted: Vec<f64> = wanted.map(|row| all[row - start]).collect();
+            moved.extend(wanted);
         }
         moved
     }
@@ -336,28 +370,35 @@ impl LinearStep for ReducedStep<'_, '_> {
         let Self { body, state, mut right, carried, .. } = self;
         let (scheme, contact) = (&body.scheme, body.contact_rows());
         // most nodes carry none
-        let loaded: Vec<(usize, f64)> =
-            forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0).collect();
-        let on_coordinates = body.on_coordinates(&loaded);
-        let stiffening = body.stiffening();
-        let residual: Vec<f64> = body
-            .residual(&loaded, &on_coordinates)
-            .iter()
-            .zip(&carried)
-            .map(|(u, carried)| u / stiffening + carried)
-            .collect();
-        right += on_coordinates;
-        let coordinates = &body.effective_inverse * right;
-        let mut moved = body.at_interface(&coordinates);
-        moved.truncate(contact);
-        moved.iter_mut().zip(&residual).for_each(|(u, r)| *u += r);
+        let loaded =
+            |forces: &[f64]| in_runs(forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0));
+        let on_coordinates = body.on_coordinates(&loaded(forces));
+        let statics = body.statics(&loaded(&forces[..contact]));
+        let (held, stiffening) = (body.hub.len(), body.stiffening());
+        right += &on_coordinates;
+        let ends = &body.effective_inverse * right;
+        let advanced = ends.iter().zip(&state.coordinates);
+        let coordinates: Vec<Motion> = advanced.map(|(u, m)| scheme.advance(m, *u)).collect();
+        // displacements and velocities of the interface with hub and modes, and what of the statics is that of the modes
+        let of_modes = &body.static_inverse * on_coordinates.rows(held, body.modes());
+        let shares = Mat::from_fn(ends.len(), 3, |k, of| match of {
+            0 => ends[k],
+            1 => coordinates[k].v,
+            _ if k < held => 0.0,
+            _ => of_modes[k - held],
+        });
+        let mut motions = Mat::zeros(contact, 3);
+        let shapes = body.shapes.subrows(0, contact);
+        matmul(motions.as_mut(), Accum::Replace, shapes, shares.as_ref(), 1.0, Par::Seq);
+        let [with, theirs, of_modes] = [0, 1, 2].map(|of| motions.col_as_slice(of));
+        let beyond_modes = statics.iter().zip(of_modes).map(|(all, modes)| all - modes);
+        let residual: Vec<f64> =
+            beyond_modes.zip(&carried).map(|(u, carried)| u / stiffening + carried).collect();
+        let moved: Vec<f64> = with.iter().zip(&residual).map(|(u, r)| u + r).collect();
         let contact_step: Vec<f64> =
             moved.iter().zip(&state.contact).map(|(now, before)| now - before).collect();
-        let advanced = coordinates.iter().zip(&state.coordinates);
-        let coordinates: Vec<Motion> = advanced.map(|(u, m)| scheme.advance(m, *u)).collect();
         // nothing carries the velocity of a node without mass on: it is that of its last two steps, of second order whatever their
         // lengths; what hub and modes have of it is theirs
-        let theirs = body.at_interface(&part(&coordinates, |m| m.v));
         let step = scheme.step();
         let beyond = step / (step + state.step);
         let velocity = |i: usize| {

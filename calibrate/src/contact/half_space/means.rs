@@ -106,14 +106,12 @@ impl HatTable {
     /// A table with that reach or more. Grids of one spacing share it: their spacings are few, and a value does not depend on the reach.
     pub fn shared(cell: Vector2<f64>, reach: (usize, usize)) -> Arc<Self> {
         let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut wanted = reach;
-        for table in made().iter().filter(|table| table.cell == cell) {
-            if reach.0 <= table.reach.0 && reach.1 <= table.reach.1 {
-                return table.clone();
-            }
-            wanted = (wanted.0.max(table.reach.0), wanted.1.max(table.reach.1));
-        }
-        let table = Arc::new(Self::new(cell, wanted));
+        let known = made().iter().find(|table| table.cell == cell).cloned();
+        let table = match known {
+            Some(known) if reach.0 <= known.reach.0 && reach.1 <= known.reach.1 => return known,
+            Some(known) => Arc::new(known.extended(reach)),
+            None => Arc::new(Self::new(cell, reach)),
+        };
         let mut tables = made();
         tables.retain(|other| other.cell != cell);
         if tables.len() == KEPT {
@@ -124,8 +122,19 @@ impl HatTable {
     }
 
     pub fn new(cell: Vector2<f64>, reach: (usize, usize)) -> Self {
+        Self { cell, reach: (0, 0), means: Vec::new() }.extended(reach)
+    }
+
+    /// The table with at least that reach.
+    fn extended(&self, reach: (usize, usize)) -> Self {
+        let Self { cell, reach: known, .. } = *self;
+        let reach = (reach.0.max(known.0), reach.1.max(known.1));
         let at = |n: usize| {
-            means(&Vector2::new((n / reach.1) as f64 * cell.x, (n % reach.1) as f64 * cell.y), &cell, &cell)
+            let (i, k) = (n / reach.1, n % reach.1);
+            if i < known.0 && k < known.1 {
+                return self.means[i * known.1 + k];
+            }
+            means(&Vector2::new(i as f64 * cell.x, k as f64 * cell.y), &cell, &cell)
         };
         Self { cell, reach, means: (0..reach.0 * reach.1).map(at).collect() }
     }
