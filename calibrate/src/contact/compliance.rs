@@ -72,10 +72,7 @@ impl Compliance for BodyCompliance<'_> {
         let mut response = vec![0.0; used.len()];
         for column in 0..size {
             response.fill(0.0);
-            for &(dof, w) in row(column) {
-                let moved = compliance.col_as_slice(dof);
-                response.iter_mut().zip(moved).for_each(|(r, u)| *r += w * u);
-            }
+            add_columns(&compliance, row(column), &mut response);
             let value = |r: usize| row(r).iter().map(|&(dof, w)| w * response[dof]).sum::<f64>();
             let upper = &mut matrix.col_as_slice_mut(column)[..=column];
             upper.iter_mut().enumerate().for_each(|(r, v)| *v += value(r));
@@ -85,6 +82,21 @@ impl Compliance for BodyCompliance<'_> {
                 matrix[(column, r)] = matrix[(r, column)];
             }
         }
+    }
+}
+
+/// Adds columns of a matrix with their weights to a sum, several at a time.
+fn add_columns(matrix: &Mat<f64>, weights: &[(usize, f64)], sum: &mut [f64]) {
+    let (fours, rest) = weights.as_chunks::<4>();
+    for four in fours {
+        let [a, b, c, d] = four.map(|(column, _)| &matrix.col_as_slice(column)[..sum.len()]);
+        let [wa, wb, wc, wd] = four.map(|(_, weight)| weight);
+        for (r, value) in sum.iter_mut().enumerate() {
+            *value += (wa * a[r] + wb * b[r]) + (wc * c[r] + wd * d[r]);
+        }
+    }
+    for &(column, weight) in rest {
+        sum.iter_mut().zip(matrix.col_as_slice(column)).for_each(|(value, c)| *value += weight * c);
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::near_field::NearField;
 use super::operator::ComplianceOperator;
+use crate::superelement::add_times;
 use faer::Mat;
 use nalgebra::Vector2;
 use std::sync::Arc;
@@ -185,12 +186,12 @@ impl Hybrid {
         sum
     }
 
-    /// Far displacements of the coarse points in use under forces on them.
-    fn far_motion(&self, coarse: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
-        let mut motion = vec![0.0; self.far_directions * self.used.len()];
-        for (c, force) in coarse.filter(|(_, force)| *force != 0.0) {
-            motion.iter_mut().zip(self.far.col_as_slice(c)).for_each(|(m, d)| *m += d * force);
-        }
+    /// Far displacements of the coarse points in use under `forces` on them.
+    fn far_motion(&self, forces: &[f64]) -> Vec<f64> {
+        let m = forces.len();
+        let mut motion = vec![0.0; m];
+        // with the directions that count
+        add_times(self.far.submatrix(0, 0, m, m), forces, &mut motion);
         motion
     }
 
@@ -242,7 +243,13 @@ fn between(far: &Mat<f64>, coarse_points: usize, some: &[usize], directions: usi
     let mut part = Mat::zeros(rows.len(), rows.len());
     for (c, &column) in rows.iter().enumerate() {
         let from = far.col_as_slice(column);
-        part.col_as_slice_mut(c).iter_mut().zip(&rows).for_each(|(value, &row)| *value = from[row]);
+        let mut to = part.col_as_slice_mut(c);
+        // neighbours at once
+        for run in rows.chunk_by(|a, b| *b == a + 1) {
+            let (values, rest) = to.split_at_mut(run.len());
+            values.copy_from_slice(&from[run[0]..][..run.len()]);
+            to = rest;
+        }
     }
     part
 }
@@ -275,14 +282,14 @@ impl ComplianceOperator for Hybrid {
 
     fn add_product(&self, forces: &[f64], motion: &mut [f64]) {
         self.near.add_product(forces, motion);
-        let coarse = self.far_motion(self.carried_to_used(forces).into_iter().enumerate());
-        self.interpolate_used(&coarse, motion);
+        self.interpolate_used(&self.far_motion(&self.carried_to_used(forces)), motion);
     }
 
     fn add_column(&self, row: usize, force: f64, motion: &mut [f64]) {
         self.near.add_column(row, force, motion);
-        let coarse = self.far_motion(self.coarse(row).map(|(c, weight)| (c, weight * force)));
-        self.interpolate_used(&coarse, motion);
+        let mut coarse = vec![0.0; self.far_directions * self.used.len()];
+        self.coarse(row).for_each(|(c, weight)| coarse[c] += weight * force);
+        self.interpolate_used(&self.far_motion(&coarse), motion);
     }
 
     fn block(&self, rows: &[usize]) -> Mat<f64> {

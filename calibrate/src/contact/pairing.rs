@@ -42,8 +42,23 @@ pub(crate) fn nodes_near(base: &Surface, opposing: &Surface, limits: PairingLimi
         let hit = pairing.hit(line, base.grid.along_track[k], pairing.facing[i]);
         hit.filter(|hit| hit.projection.gap < limits.largest_gap)
     };
+    // no ray is shorter than the way to the nearest point, which at x = 0 is that of the line
+    let mut far: Option<(usize, bool)> = None;
+    let mut beyond = |pairing: &Pairing, line: &Line, i: usize| match far {
+        Some((known, beyond)) if known == i => beyond,
+        _ => {
+            let facing = pairing.facing[i];
+            let beyond =
+                opposing.normal(facing).dot(&(opposing.world(facing) - line.point)) > limits.largest_gap;
+            far = Some((i, beyond));
+            beyond
+        }
+    };
     let mut found = Vec::new();
     let pairing = Pairing::candidates(base, opposing, |pairing, line, node| {
+        if beyond(pairing, line, node.0) {
+            return false;
+        }
         let hit = hit(pairing, line, node);
         let near = hit.is_some();
         found.extend(hit.map(|hit| (hit, line.normal)));

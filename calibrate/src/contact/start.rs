@@ -68,7 +68,12 @@ fn press(state: &mut State, effort: Effort) -> usize {
     let hub: Vec<FreeDirection> = problem.hub.iter().map(rest).collect();
     let normal =
         Problem { points: problem.points, compliance: &*compliance, free: &free, friction: 0.0, hub: &hub };
-    let mut pressed = State::new(&normal, &state.forces[..n]);
+    let start = &state.forces[..n];
+    let mut pressed = if normal.hub.is_empty() {
+        State::with_separation(&normal, start, state.separation[..n].to_vec())
+    } else {
+        State::new(&normal, start)
+    };
     let steps = conjugate_gradients(&mut pressed, effort.tolerance);
     state.forces[..n].copy_from_slice(&pressed.forces);
     state.hub.copy_from_slice(&pressed.hub);

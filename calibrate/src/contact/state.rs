@@ -94,25 +94,31 @@ impl Residual {
 
 impl<'a> State<'a> {
     pub fn new(problem: &'a Problem, start: &[f64]) -> Self {
-        let rows = problem.free.len();
         let count = problem.points.len();
-        assert_eq!(problem.compliance.rows(), rows);
-        assert_eq!(start.len(), rows);
-        let directions = rows.checked_div(count).unwrap_or(1);
-        let mut state = Self {
-            problem,
-            directions,
-            forces: start.to_vec(),
-            hub: vec![0.0; problem.hub.len()],
-            separation: vec![0.0; rows],
-            scale: scales(problem.compliance, count, directions),
-        };
+        let mut state = Self::with_separation(problem, start, vec![0.0; problem.free.len()]);
         state.update_separation();
         if !problem.hub.is_empty() && (0..count).all(|j| state.mode(j) == PointMode::Open) {
             state.touch_down();
             state.update_separation();
         }
         state
+    }
+
+    /// As [`Self::new`], with the `separation` under the forces of the `start` and the hub at rest.
+    pub fn with_separation(problem: &'a Problem, start: &[f64], separation: Vec<f64>) -> Self {
+        let (rows, count) = (problem.free.len(), problem.points.len());
+        assert_eq!(problem.compliance.rows(), rows);
+        assert_eq!(start.len(), rows);
+        assert_eq!(separation.len(), rows);
+        let directions = rows.checked_div(count).unwrap_or(1);
+        Self {
+            problem,
+            directions,
+            forces: start.to_vec(),
+            hub: vec![0.0; problem.hub.len()],
+            separation,
+            scale: scales(problem.compliance, count, directions),
+        }
     }
 
     /// Where the start presses no point, moves the hub along its first free direction until the nearest one overlaps a little.

@@ -218,26 +218,28 @@ impl<'a> Surface<'a> {
             Shape::Revolved { radius } => radius,
         };
         // height below the axle (revolved) or below the frame's origin (extruded), and its slope
+        let below = |g: f64| start.y + radius + g * normal.y;
         let height = |g: f64| {
-            let z = start.y + radius + g * normal.y;
+            let z = below(g);
             if radius > 0.0 {
-                let rho = x.hypot(z);
-                (rho, normal.y * z / rho, x.atan2(z))
+                let rho = (x * x + z * z).sqrt();
+                (rho, normal.y * z / rho)
             } else {
-                (z, normal.y, x)
+                (z, normal.y)
             }
         };
+        let along_track = |g: f64| if radius > 0.0 { x.atan2(below(g)) } else { x };
         let length = self.curve.length();
         let (mut s, mut g) = (guess.clamp(0.0, length), gap);
         for _ in 0..40 {
-            let (rho, slope, along_track) = height(g);
+            let (rho, slope) = height(g);
             let (p, t) = self.curve.evaluate(s);
             let residual = Vector2::new(start.x + g * normal.x - p.x, rho - radius - p.y);
             if residual.norm() < 1e-14 {
                 let inside = (-1e-12..=length + 1e-12).contains(&s);
                 return inside.then_some(Projection {
                     along_profile: s.clamp(0.0, length),
-                    along_track,
+                    along_track: along_track(g),
                     gap: g,
                 });
             }
@@ -248,7 +250,7 @@ impl<'a> Surface<'a> {
             if (next - s).abs() < 1e-16 && (scale * step.y).abs() < 1e-16 {
                 return (residual.norm() < 1e-11).then_some(Projection {
                     along_profile: s,
-                    along_track,
+                    along_track: along_track(g),
                     gap: g,
                 });
             }

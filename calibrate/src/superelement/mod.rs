@@ -21,7 +21,8 @@ pub use size::FactorSize;
 
 use crate::error::Result;
 use crate::solid::System;
-use faer::Mat;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 /// A factored body with its compliance at the retained equations.
 pub struct Superelement<'a> {
@@ -74,11 +75,22 @@ impl<'a> Superelement<'a> {
 /// Dense matrix times vector.
 pub(crate) fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; matrix.nrows()];
-    for (j, &v) in vector.iter().enumerate() {
-        if v != 0.0 {
-            let column = matrix.col_as_slice(j);
-            product.iter_mut().zip(column).for_each(|(p, c)| *p += c * v);
-        }
-    }
+    add_times(matrix.as_ref(), vector, &mut product);
     product
+}
+
+/// Adds dense matrix times vector to a `sum`, without the columns of zeros. Most forces on nodes are zero, and those that are not come in
+/// runs.
+pub(crate) fn add_times(matrix: MatRef<'_, f64>, vector: &[f64], sum: &mut [f64]) {
+    let rows = sum.len();
+    let mut start = 0;
+    for run in vector.chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
+        if run[0] != 0.0 {
+            let sum = MatMut::from_column_major_slice_mut(sum, rows, 1);
+            let run_of = MatRef::from_column_major_slice(run, run.len(), 1);
+            // on one thread, so that their number changes nothing
+            matmul(sum, Accum::Add, matrix.subcols(start, run.len()), run_of, 1.0, Par::Seq);
+        }
+        start += run.len();
+    }
 }

@@ -117,7 +117,7 @@ impl<'m> StepContact<'m> {
             ContactField::Hybrid | ContactField::HybridHalved => self.on_fine_grid(bodies, first, last),
         }?;
         let settled = Settled::new(&end.places, &expected, &end.hub, step, settled);
-        Ok(LastContact { settled: Some(settled), ..solved })
+        Ok(LastContact { settled: Some(settled), earlier: last.carried(), ..solved })
     }
 
     /// Spacing of the fine grid over the one that a patch at rest asks for.
@@ -283,6 +283,8 @@ impl<'m> StepContact<'m> {
         before: Option<&BeyondNodes>,
     ) -> Result<Option<LastContact>> {
         let known = start.fine.as_ref();
+        // a start from the last step, not from the pairing before
+        let going_on = start.settled.map(|_| self.time_step);
         if !near.contains(&true) {
             return Ok(Some(LastContact::open(known)));
         }
@@ -352,14 +354,14 @@ impl<'m> StepContact<'m> {
         };
         let solution = solve_with(
             &problem,
-            &first_forces(start, &lattice, &points, directions),
+            &start.first_forces(going_on, &lattice, &points, directions),
             &mut self.factors.borrow_mut(),
         )?;
         let displacement = (0..directions * n)
             .map(|row| of_nodes[row] + kept[row] + solution.separation[row] - free[row])
             .collect();
         let fine = Some(Fine { contact, step: self.time_step, displacement, beyond_before });
-        Ok(Some(LastContact { points, solution, fine, zone: None, settled: None }))
+        Ok(Some(LastContact { points, solution, fine, ..LastContact::default() }))
     }
 
     /// The nodes of the rail's grid near which the surfaces may touch in this step.
@@ -441,21 +443,6 @@ struct End {
     places: Places,
     /// Displacement of the hub, m.
     hub: Vector2<f64>,
-}
-
-/// Forces of a contact on the `points` of a lattice.
-fn first_forces(
-    start: &LastContact,
-    lattice: &Lattice,
-    points: &[ContactPoint],
-    directions: usize,
-) -> Vec<f64> {
-    match &start.fine {
-        Some(fine) if start.solution.active() > 0 => {
-            fine.contact.carry_over(&start.points, &start.solution.forces, lattice, points, 1.0)
-        }
-        _ => vec![0.0; directions * points.len()],
-    }
 }
 
 fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! The contact at the end of a step, from which the next one starts.
 
 use crate::calibration::{Change, FineContact, Places, Zone, edge_reached};
-use crate::contact::{ContactPoint, PointMode, Side, Solution, nodal_forces};
+use crate::contact::{ContactPoint, Lattice, PointMode, Side, Solution, nodal_forces};
 use crate::energy::PartEnergy;
 use crate::error::StopReason;
 use crate::mesh::SurfaceGrid;
@@ -19,6 +19,23 @@ pub(super) struct LastContact {
     pub zone: Option<Zone>,
     /// Where the bodies were, once there was a step.
     pub settled: Option<Settled>,
+    /// The forces a step earlier, on a fine grid.
+    pub earlier: Option<Carried>,
+}
+
+/// Forces on a fine grid.
+#[derive(Clone)]
+pub(super) struct Carried {
+    contact: Arc<FineContact>,
+    points: Vec<ContactPoint>,
+    forces: Vec<f64>,
+}
+
+impl Carried {
+    /// Those at the places of other `points` of a `lattice`.
+    fn at(&self, lattice: &Lattice, points: &[ContactPoint]) -> Vec<f64> {
+        self.contact.carry_over(&self.points, &self.forces, lattice, points, 1.0)
+    }
 }
 
 /// Where the bodies were at the end of a step.
@@ -108,7 +125,37 @@ impl LastContact {
         };
         let fine =
             fine.map(|fine| Fine { displacement: Vec::new(), beyond_before: Vec::new(), ..fine.clone() });
-        Self { points: Vec::new(), solution, fine, zone: None, settled: None }
+        Self { points: Vec::new(), solution, fine, zone: None, settled: None, earlier: None }
+    }
+
+    /// Its forces on a fine grid, if there are any.
+    pub fn carried(&self) -> Option<Carried> {
+        let Fine { contact, .. } = self.fine.as_ref().filter(|_| self.solution.active() > 0)?;
+        let (points, forces) = (self.points.clone(), self.solution.forces.clone());
+        Some(Carried { contact: contact.clone(), points, forces })
+    }
+
+    /// Forces from which the contact of a `step` (s) starts on the `points` of a `lattice`: those of a contact in which they go on as they
+    /// went in its own step, or as they are.
+    pub fn first_forces(
+        &self,
+        step: Option<f64>,
+        lattice: &Lattice,
+        points: &[ContactPoint],
+        directions: usize,
+    ) -> Vec<f64> {
+        let Some(fine) = self.fine.as_ref().filter(|_| self.solution.active() > 0) else {
+            return vec![0.0; directions * points.len()];
+        };
+        let mut forces = fine.contact.carry_over(&self.points, &self.solution.forces, lattice, points, 1.0);
+        if let (Some(step), Some(earlier)) = (step, &self.earlier) {
+            let ratio = step / fine.step;
+            let earlier = earlier.at(lattice, points);
+            forces.iter_mut().zip(earlier).for_each(|(now, before)| *now += ratio * (*now - before));
+            // none pulls
+            forces.iter_mut().take(points.len()).for_each(|force| *force = force.max(0.0));
+        }
+        forces
     }
 
     /// Forces on the retained `equations` of one body, N.

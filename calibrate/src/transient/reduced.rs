@@ -14,7 +14,7 @@ use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
 use crate::solid::Material;
-use crate::superelement::{CondensedBody, Modes};
+use crate::superelement::{CondensedBody, Modes, add_times, times};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
@@ -165,9 +165,7 @@ impl<'a> ReducedBody<'a> {
 
     /// Displacements of the interface under `coordinates`.
     fn at_interface(&self, coordinates: &DVector<f64>) -> Vec<f64> {
-        let mut moved = vec![0.0; self.shapes.nrows()];
-        add_product(self.shapes.as_ref(), coordinates.as_slice(), 1.0, &mut moved);
-        moved
+        times(&self.shapes, coordinates.as_slice())
     }
 
     /// Forces on the coordinates of forces at the interface.
@@ -178,16 +176,6 @@ impl<'a> ReducedBody<'a> {
             add_product(shapes.transpose(), forces, 1.0, sum.as_mut_slice());
         }
         sum
-    }
-
-    /// Displacements of the contact nodes of the held body under static forces on them.
-    fn statics(&self, loads: &[Load]) -> Vec<f64> {
-        let mut moved = vec![0.0; self.contact_rows()];
-        for Load { rows, forces } in loads {
-            let columns = self.body.compliance.subcols(rows.start, rows.len());
-            add_product(columns.subrows(0, moved.len()), forces, 1.0, &mut moved);
-        }
-        moved
     }
 }
 
@@ -370,10 +358,11 @@ impl LinearStep for ReducedStep<'_, '_> {
         let Self { body, state, mut right, carried, .. } = self;
         let (scheme, contact) = (&body.scheme, body.contact_rows());
         // most nodes carry none
-        let loaded =
-            |forces: &[f64]| in_runs(forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0));
-        let on_coordinates = body.on_coordinates(&loaded(forces));
-        let statics = body.statics(&loaded(&forces[..contact]));
+        let loaded = forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0);
+        let on_coordinates = body.on_coordinates(&in_runs(loaded));
+        let mut statics = vec![0.0; contact];
+        let compliance = body.body.compliance.submatrix(0, 0, contact, contact);
+        add_times(compliance, &forces[..contact], &mut statics);
         let (held, stiffening) = (body.hub.len(), body.stiffening());
         right += &on_coordinates;
         let ends = &body.effective_inverse * right;
