@@ -8,7 +8,6 @@ use crate::contact::{
 use crate::error::StopReason;
 use crate::mesh::SurfaceGrid;
 use nalgebra::{Point2, Vector2, Vector3};
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Coarse nodes around those in reach for which a far field is made as well, so that it lasts for some loads.
@@ -100,8 +99,7 @@ impl FineContact {
     pub fn values_at(&self, own: &[ContactPoint], values: &[f64], points: &[ContactPoint]) -> Vec<f64> {
         let n = own.len();
         let directions = values.len().checked_div(n).unwrap_or(0);
-        let place: HashMap<(usize, usize), usize> =
-            own.iter().enumerate().map(|(j, point)| (point.index, j)).collect();
+        let place = Numbers::of(own);
         let mut found = vec![0.0; directions * points.len()];
         for (j, point) in points.iter().enumerate() {
             for (from, weight) in around(&self.lattice, &place, &point.position).into_iter().flatten() {
@@ -146,8 +144,7 @@ impl FineContact {
         let n = own.len();
         let mut motion = vec![0.0; forces.len()];
         self.hybrid.add_product(forces, &mut motion);
-        let place: HashMap<(usize, usize), usize> =
-            own.iter().enumerate().map(|(j, point)| (point.index, j)).collect();
+        let place = Numbers::of(own);
         // beyond the grid: point forces on the half-spaces, and the far field of the other grid
         let loads: Vec<(usize, Vector3<f64>)> = (0..n)
             .map(|j| (j, Vector3::from_fn(|d, _| forces[d * n + j])))
@@ -204,8 +201,7 @@ impl FineContact {
     ) -> Vec<f64> {
         let n = own.len();
         let directions = forces.len().checked_div(n).unwrap_or(1);
-        let place: HashMap<(usize, usize), usize> =
-            own.iter().enumerate().map(|(j, point)| (point.index, j)).collect();
+        let place = Numbers::of(own);
         let area = lattice.cell.x * lattice.cell.y / (self.lattice.cell.x * self.lattice.cell.y);
         let sum: f64 = forces[..n].iter().sum();
         let centre: Vector2<f64> =
@@ -301,12 +297,35 @@ impl Displaced<'_> {
     }
 }
 
+/// The numbers of the points of a list by their places on the grid, of the rectangle of its lines that holds all.
+struct Numbers {
+    corner: (usize, usize),
+    columns: usize,
+    numbers: Vec<Option<usize>>,
+}
+
+impl Numbers {
+    fn of(points: &[ContactPoint]) -> Self {
+        let range = |line: fn(&ContactPoint) -> usize| {
+            let first = points.iter().map(line).min().unwrap_or(0);
+            (first, points.iter().map(line).max().map_or(0, |last| last + 1 - first))
+        };
+        let ((first, rows), (column, columns)) = (range(|point| point.index.0), range(|point| point.index.1));
+        let mut numbers = vec![None; rows * columns];
+        for (j, point) in points.iter().enumerate() {
+            numbers[(point.index.0 - first) * columns + point.index.1 - column] = Some(j);
+        }
+        Self { corner: (first, column), columns, numbers }
+    }
+
+    fn at(&self, (i, k): (usize, usize)) -> Option<usize> {
+        let (i, k) = (i.checked_sub(self.corner.0)?, k.checked_sub(self.corner.1)?);
+        if k < self.columns { *self.numbers.get(i * self.columns + k)? } else { None }
+    }
+}
+
 /// The four points around a place with their bilinear weights; `None` where one is not there.
-fn around(
-    lattice: &Lattice,
-    place: &HashMap<(usize, usize), usize>,
-    position: &Point2<f64>,
-) -> Option<[(usize, f64); 4]> {
+fn around(lattice: &Lattice, place: &Numbers, position: &Point2<f64>) -> Option<[(usize, f64); 4]> {
     let split = |axis: usize| {
         let line = lattice.coordinate(axis, position[axis]);
         // on a line, but for rounding, its neighbour is not needed
@@ -317,7 +336,7 @@ fn around(
     let mut found = [(0, 0.0); 4];
     for (corner, (a, b, weight)) in found.iter_mut().zip(corners(u, v)) {
         if weight > 1e-6 {
-            *corner = (*place.get(&(i + a, k + b))?, weight);
+            *corner = (place.at((i + a, k + b))?, weight);
         }
     }
     Some(found)

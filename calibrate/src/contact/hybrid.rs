@@ -29,6 +29,9 @@ impl Share {
 /// Shares of a fine point in the coarse points around it.
 pub(crate) type Shares = [Share; 4];
 
+/// A far field between points in use serves for some of them, if it has at most so many times as many.
+const MORE: usize = 2;
+
 /// Compliance `N + P·D·Pᵀ` of the points of a fine grid: half-spaces N between them, and the far field D of the bodies
 /// between coarse points, with the bilinear interpolation P from these to the fine ones. Where the far field has lateral directions, P
 /// turns them with the profile, so that the forces keep their resultant; with the normal one alone it cannot.
@@ -48,16 +51,21 @@ pub(crate) struct Hybrid {
 }
 
 impl Hybrid {
-    /// The `far` field has the directions of the half-spaces. One that was `known` with it serves again between the same points.
+    /// The `far` field has the directions of the half-spaces. What was `known` of it serves again where that has all points that are needed,
+    /// and few more.
     pub fn new(near: NearField, far: &Mat<f64>, mut shares: Vec<Shares>, known: Option<&Self>) -> Self {
         let directions = near.rows().checked_div(shares.len()).unwrap_or(1);
         let coarse_points = far.nrows() / directions;
-        let used = numbered(&mut shares, coarse_points);
-        let known = known.filter(|known| *known.used == used && known.far_directions == directions);
-        let (far, used) = match known {
-            Some(known) => (known.far.clone(), known.used.clone()),
-            None => (Arc::new(between(far, coarse_points, &used, directions)), Arc::new(used)),
+        let there = used_in(&shares, coarse_points);
+        let serves = |known: &&Self| {
+            let all = || there.iter().all(|point| known.used.binary_search(point).is_ok());
+            known.far_directions == directions && known.used.len() <= MORE * there.len() && all()
         };
+        let (far, used) = match known.filter(serves) {
+            Some(known) => (known.far.clone(), known.used.clone()),
+            None => (Arc::new(between(far, coarse_points, &there, directions)), Arc::new(there)),
+        };
+        number(&mut shares, &used, coarse_points);
         let mut hybrid = Self {
             near,
             far,
@@ -96,7 +104,8 @@ impl Hybrid {
     fn part(&self, points: &[usize]) -> Self {
         let (n, directions) = (self.points(), self.directions());
         let mut shares: Vec<Shares> = points.iter().map(|&j| self.shares[j]).collect();
-        let used = numbered(&mut shares, self.used.len());
+        let used = used_in(&shares, self.used.len());
+        number(&mut shares, &used, self.used.len());
         Self {
             near: self.near.between(points),
             far: Arc::new(between(&self.far, self.used.len(), &used, self.far_directions)),
@@ -225,15 +234,18 @@ impl Hybrid {
     }
 }
 
-/// Numbers the coarse points of `shares`, some of so many, in their order; returns what these numbers stand for.
-fn numbered(shares: &mut [Shares], coarse_points: usize) -> Vec<usize> {
+/// Those of so many coarse points in which there are shares, ascending.
+fn used_in(shares: &[Shares], coarse_points: usize) -> Vec<usize> {
     let mut there = vec![false; coarse_points];
     shares.iter().flatten().for_each(|share| there[share.point] = true);
-    let used: Vec<usize> = (0..coarse_points).filter(|&point| there[point]).collect();
+    (0..coarse_points).filter(|&point| there[point]).collect()
+}
+
+/// Gives the coarse points of `shares`, some of so many, their numbers among those in use.
+fn number(shares: &mut [Shares], used: &[usize], coarse_points: usize) {
     let mut place = vec![0; coarse_points];
     used.iter().enumerate().for_each(|(number, &point)| place[point] = number);
     shares.iter_mut().flatten().for_each(|share| share.point = place[share.point]);
-    used
 }
 
 /// A far field of so many coarse points between some of them, in its first `directions`.

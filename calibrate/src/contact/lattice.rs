@@ -140,12 +140,19 @@ impl Lattice {
         facing: f64,
     ) -> Vec<Option<Projection>> {
         let (point, normal) = (base.world(s), base.normal(s));
-        let mut near: Option<Projection> = None;
+        // places and gaps of the last three that were found, from which the next one is near on a parabola
+        let mut near: [Option<Vector2<f64>>; 3] = [None; 3];
         columns
             .map(|k| {
-                let start = near.map_or((facing, 0.0), |p| (p.along_profile, p.gap));
-                let found = opposing.project_from(&point, self.position((0, k)).y, &normal, start);
-                near = found.or(near);
+                let start = match near {
+                    [Some(a), Some(b), Some(c)] => a + 3.0 * (c - b),
+                    [_, _, last] => last.unwrap_or(Vector2::new(facing, 0.0)),
+                };
+                let x = self.position((0, k)).y;
+                let found = opposing.project_from(&point, x, &normal, (start.x, start.y));
+                if let Some(found) = &found {
+                    near = [near[1], near[2], Some(Vector2::new(found.along_profile, found.gap))];
+                }
                 found
             })
             .collect()
