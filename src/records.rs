@@ -19,7 +19,9 @@ pub use by_angle::{
     AngleLawRecord, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
 };
-pub use error_band::{BandPointRecord, ErrorBandRecord, ReferenceBandRecord, TargetRecord};
+pub use error_band::{
+    BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
+};
 pub use law::LawConstants;
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
@@ -157,6 +159,8 @@ impl StiffnessRecord {
             );
             lines.push(format!("wanted error band of {:.2} %: {reached}", 1e2 * target.wanted));
         }
+        let horizontal = self.horizontal.as_ref().and_then(|horizontal| horizontal.error_band.as_ref());
+        lines.extend(horizontal.map(HorizontalBandRecord::sentence));
         lines
     }
 
@@ -311,6 +315,9 @@ pub struct HorizontalRecord {
     pub relative_spread: f64,
     /// The points.
     pub points: Vec<HorizontalPointRecord>,
+    /// What the stiffness is worth; none where the study does not ask.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_band: Option<HorizontalBandRecord>,
 }
 
 /// The horizontal stiffness at one preload.

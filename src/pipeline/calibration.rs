@@ -2,7 +2,7 @@
 
 use railspring_calibrate::error::{Error, InputError, Result, StopReason};
 use railspring_calibrate::field::InputField;
-use railspring_calibrate::pair::{CondensedPair, Laws};
+use railspring_calibrate::pair::CondensedPair;
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::stage::{Made, REACH, Stage};
@@ -13,15 +13,15 @@ use crate::estimate::Work;
 use crate::output::to_json;
 use crate::records::{PatchesRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Calibration, FieldFile, Geometry, Meshes, Reached, Within};
+use crate::stages::{self, Calibration, FieldFile, FoundSprings, Geometry, Meshes, Reached, Within};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::Study;
 
 /// The springs of the study, its load curve, patches and fields.
 pub(super) struct Calibrate;
 
-/// A calibration, the files of its fields, its laws and the bodies that they are of.
-type Pressed = (Calibration, Vec<FieldFile>, Laws, CondensedPair);
+/// A calibration, the files of its fields, its springs and the bodies that they are of.
+type Pressed = (Calibration, Vec<FieldFile>, FoundSprings, CondensedPair);
 
 /// What goes when springs or fields change: also the fields under other loads.
 const OF_THE_CALIBRATION: [&str; 4] = [VERIFICATION, REPORT, FIGURES, stages::FIELDS];
@@ -57,9 +57,9 @@ impl Stage for Calibrate {
         let press = |meshes: &Meshes| {
             let solids = stages::solids(study, &geometry, meshes);
             let condensed = source.condensed(&solids, "", modes)?;
-            let (calibration, fields, laws) =
+            let (calibration, fields, found) =
                 stages::calibrate(study, &geometry, meshes, &condensed, monitor)?;
-            Ok((calibration, fields, laws, condensed))
+            Ok((calibration, fields, found, condensed))
         };
         let condense = |coarser: &Meshes| {
             let solids = stages::solids(study, &geometry, coarser);
@@ -76,10 +76,10 @@ impl Stage for Calibrate {
             let Within { result, refused } =
                 stages::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
                     .map_err(|error| uncarried(study, error))?;
-            let (mut calibration, fields, laws, condensed) = result;
+            let (mut calibration, fields, found, condensed) = result;
             if study.wants_error_band() {
-                let mut band =
-                    stages::error_band(study, &geometry, &meshes, &condensed, &laws, condense, monitor)?;
+                let (mut band, horizontal) =
+                    stages::error_band(study, &geometry, &meshes, &condensed, &found, condense, monitor)?;
                 if let Some(finer) =
                     stages::finer_meshes(study, &geometry, &meshes, &mut band, accept, monitor)?
                 {
@@ -87,6 +87,9 @@ impl Stage for Calibrate {
                     continue;
                 }
                 calibration.stiffness.error_band = Some(band);
+                if let Some(record) = &mut calibration.stiffness.horizontal {
+                    record.error_band = horizontal;
+                }
             }
             break (calibration, fields, condensed, refused);
         };

@@ -27,6 +27,31 @@ impl ErrorBandRecord {
     }
 }
 
+/// What the horizontal stiffness is worth: its relative changes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HorizontalBandRecord {
+    /// At the smallest preload, with half the spacing of the contact's grid; none where the contact lives on the nodes of the meshes.
+    pub grid: Option<f64>,
+    /// At every preload, with coarser meshes; empty where there are none.
+    pub meshes: Vec<f64>,
+    /// Half the width of the band: the sizes of the grid's change and of the largest of the meshes' together; none where a part is missing.
+    pub band: Option<f64>,
+    /// The parts that could not be had, and why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub missing: Vec<String>,
+}
+
+impl HorizontalBandRecord {
+    /// The band in words.
+    pub fn sentence(&self) -> String {
+        let band = self.band.map_or_else(
+            || format!("none, {}", self.missing.join("; ")),
+            |band| format!("\u{b1}{:.2} %", 1e2 * band),
+        );
+        format!("error band of the horizontal stiffness: {band}")
+    }
+}
+
 /// A wanted band, and what it has come to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TargetRecord {

@@ -435,6 +435,12 @@ pub fn horizontal(horizontal: &HorizontalRecord, constant_kn_per_m: f64) -> Stri
         horizontal.points.iter().map(|p| (p.preload_kn, p.stiffness_kn_per_m * 1e-6)).collect();
     let ends = points.iter().fold((f64::INFINITY, 0.0f64), |(a, b), (x, _)| (a.min(*x), b.max(*x)));
     let constant = constant_kn_per_m * 1e-6;
+    let band = horizontal.error_band.as_ref().and_then(|band| band.band);
+    // what is not finite parts one bar from the next
+    let bar = |&(x, y): &(f64, f64)| {
+        band.map(|band| [(x, y * (1.0 - band)), (x, y * (1.0 + band)), (f64::NAN, f64::NAN)])
+    };
+    let bars: Vec<(f64, f64)> = points.iter().filter_map(bar).flatten().collect();
     stacked(
         WIDTH,
         240,
@@ -449,10 +455,20 @@ pub fn horizontal(horizontal: &HorizontalRecord, constant_kn_per_m: f64) -> Stri
                     RED,
                     Dash::Dashed,
                 ),
+                Series::line("", bars, BLUE, Dash::Solid),
                 Series::marks("solid, sticking", points, BLUE, Marker::Disc),
             ],
         }],
     )
+}
+
+/// What the figure of the horizontal stiffness shows.
+pub fn horizontal_caption(horizontal: &HorizontalRecord) -> String {
+    let bars = match horizontal.error_band.as_ref().is_some_and(|band| band.band.is_some()) {
+        true => " The bars are the error band.",
+        false => "",
+    };
+    format!("Horizontal stiffness under sticking at several preloads, and the constant in use.{bars}")
 }
 
 /// Curves of both models; the solid's is broad and pale, so that the simple one's can be seen on it.

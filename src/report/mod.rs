@@ -132,7 +132,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
         springs.push(collected.add(
             "horizontal",
             figures::horizontal(horizontal, constant),
-            "Horizontal stiffness under sticking at several preloads, and the constant in use.".into(),
+            figures::horizontal_caption(horizontal),
         ));
     }
     if let Some(laws) = data.by_angle {

@@ -31,6 +31,14 @@ use crate::study::{EnforcementKey, MeshFile, Study};
 /// One m/N in µm/kN.
 pub(super) const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
 
+/// The springs as they were found, for their error bands.
+pub struct FoundSprings {
+    /// The laws.
+    pub laws: Laws,
+    /// The horizontal stiffness; none where there is no answer.
+    pub horizontal: Option<HorizontalCalibration>,
+}
+
 /// What the calibration hands on.
 pub struct Calibration {
     /// `stiffness.json`.
@@ -80,7 +88,7 @@ pub fn contact_conditions(study: &Study) -> ContactConditions {
     }
 }
 
-/// The load curve, the laws and the horizontal stiffness, the files of the fields, and the laws as they are.
+/// The load curve, the laws and the horizontal stiffness, the files of the fields, and the springs as they were found.
 ///
 /// Laws and a horizontal stiffness that end before the largest load, and a horizontal stiffness without an answer, are no error here: what
 /// is finished is worth keeping.
@@ -93,7 +101,7 @@ pub fn calibrate(
     meshes: &Meshes,
     bodies: &CondensedPair,
     monitor: &dyn Monitor,
-) -> Result<(Calibration, Vec<FieldFile>, Laws)> {
+) -> Result<(Calibration, Vec<FieldFile>, FoundSprings)> {
     let pair = &geometry.pair;
     let beam = SeriesBeam::new(pair, bodies, &geometry.beam)?;
     let contact = contact_conditions(study);
@@ -193,7 +201,7 @@ pub fn calibrate(
     };
     let calibration =
         Calibration { stiffness: record, load_curve, patches, horizontal_failure, law_end, horizontal_end };
-    Ok((calibration, fields, laws))
+    Ok((calibration, fields, FoundSprings { laws, horizontal }))
 }
 
 /// The end of ascending `loads` (N) after the first `carried` ones.
@@ -239,6 +247,7 @@ fn horizontal_record(horizontal: &HorizontalCalibration) -> HorizontalRecord {
                 deviation: p.stiffness / horizontal.stiffness - 1.0,
             })
             .collect(),
+        error_band: None,
     }
 }
 

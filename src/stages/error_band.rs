@@ -1,18 +1,25 @@
 //! What the laws of a calibration are worth, and finer meshes for laws that are to be worth more.
 
+use railspring_calibrate::calibration::Reference;
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
-    BandPoint, COARSER, Changed, CondensedPair, ErrorBand, Laws, Solid, SolidPoints, error_bands,
+    BandPoint, COARSER, Changed, CondensedPair, ErrorBand, HorizontalChanges, Solid, SolidPoints, error_bands,
 };
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
-use super::calibrate::contact_conditions;
+use super::calibrate::{FoundSprings, contact_conditions};
 use super::zones::extend_zones;
 use super::{Geometry, Meshes, remeshed_with};
-use crate::records::{BandPointRecord, ErrorBandRecord, ReferenceBandRecord, TargetRecord};
+use crate::records::{
+    BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
+};
 use crate::study::Study;
+
+/// Parts of a band.
+const HALVED: &str = "the grid of half the spacing";
+const COARSER_MESHES: &str = "coarser meshes";
 
 /// Ratio of the elements of meshes to those of the next finer ones.
 pub const FINER: f64 = std::f64::consts::SQRT_2;
@@ -86,8 +93,8 @@ pub fn bodies_of(coarser: &CoarserBodies) -> Option<&CondensedPair> {
     coarser.as_ref().ok().map(|coarser| &coarser.bodies)
 }
 
-/// The bands of the `laws` of `bodies` on `meshes`: on a grid of half the spacing, and on coarser meshes, whose bodies `condense` has.
-/// A part that does not come to an answer is missing and takes nothing from the laws.
+/// The bands of the laws of `bodies` on `meshes`, and of the horizontal stiffness, if there is one: on a grid of half the spacing, and on coarser
+/// meshes, whose bodies `condense` has. A part that does not come to an answer is missing and takes nothing from the springs.
 ///
 /// # Errors
 /// An interruption.
@@ -96,14 +103,43 @@ pub fn error_band(
     geometry: &Geometry,
     meshes: &Meshes,
     bodies: &CondensedPair,
-    laws: &Laws,
+    found: &FoundSprings,
     condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
     monitor: &dyn Monitor,
-) -> Result<ErrorBandRecord> {
+) -> Result<(ErrorBandRecord, Option<HorizontalBandRecord>)> {
     let coarser = coarser_bodies(study, geometry, meshes, condense)?;
-    let solid = Solid::of_calibration(&geometry.pair, bodies, contact_conditions(study), laws);
+    let (pair, contact) = (&geometry.pair, contact_conditions(study));
+    let solid = Solid::of_calibration(pair, bodies, contact, &found.laws);
     let changed = solid.changed(bodies_of(&coarser), monitor)?;
-    Ok(band_record(&solid.points, changed, meshes.contact_element(), &coarser))
+    let horizontal = found.horizontal.as_ref().map(|found| {
+        let held = (contact, Reference::from(study.calibration.reference));
+        HorizontalChanges::new(pair, bodies, bodies_of(&coarser), held, &found.points, monitor)
+    });
+    let horizontal = horizontal.transpose()?.map(|changes| horizontal_record(changes, &coarser));
+    Ok((band_record(&solid.points, changed, meshes.contact_element(), &coarser), horizontal))
+}
+
+fn horizontal_record(changes: HorizontalChanges, coarser: &CoarserBodies) -> HorizontalBandRecord {
+    let band = changes.band();
+    let mut missing = Vec::new();
+    let mut lacks = |part: &str, reason: String| missing.push(format!("{part}: {reason}"));
+    let grid = changes.grid.unwrap_or_else(|error| {
+        lacks(HALVED, error.to_string());
+        None
+    });
+    let meshes = match (changes.meshes, coarser) {
+        (Ok(Some(meshes)), _) => meshes,
+        (Ok(None), Ok(_)) => Vec::new(),
+        (Ok(None), Err(reason)) => {
+            lacks(COARSER_MESHES, reason.clone());
+            Vec::new()
+        }
+        (Err(error), _) => {
+            lacks(COARSER_MESHES, error.to_string());
+            Vec::new()
+        }
+    };
+    HorizontalBandRecord { grid, meshes, band: band.filter(|_| missing.is_empty()), missing }
 }
 
 /// The bands of a solid under its loads, from its changes with the grid and to the `coarser` bodies; `contact_element` is the edge of the
@@ -117,14 +153,14 @@ pub(super) fn band_record(
     let mut missing = Vec::new();
     let mut lacks = |part: &str, reason: &str| missing.push(format!("{part}: {reason}"));
     let grid = grid.unwrap_or_else(|error| {
-        lacks("the grid of half the spacing", &error.to_string());
+        lacks(HALVED, &error.to_string());
         None
     });
     if let Err(reason) = coarser {
-        lacks("coarser meshes", reason);
+        lacks(COARSER_MESHES, reason);
     }
     let mesh = mesh.unwrap_or_else(|error| {
-        lacks("coarser meshes", &error.to_string());
+        lacks(COARSER_MESHES, &error.to_string());
         None
     });
     let bands = error_bands(points, grid.as_ref(), mesh.as_ref());

@@ -7,7 +7,8 @@
 //! * [`PressedPair`]: the states under the loads, to which the laws are fitted;
 //! * [`law_by_shift`]: the same bodies with the wheel in other places across the track, pressed along the contact normal: the law
 //!   by contact angle ([`AngleLaw`]);
-//! * [`ErrorBand`]: how far the laws change with the grid and with the meshes, which is what they are worth;
+//! * [`ErrorBand`]: how far the laws change with the grid and with the meshes, which is what they are worth, and [`HorizontalChanges`] the
+//!   horizontal stiffness;
 //! * [`SeriesBeam`]: the rail beam that stands in series with the law.
 
 mod geometry;
@@ -16,6 +17,7 @@ mod solids;
 mod bodies;
 mod by_shift;
 mod error_band;
+mod horizontal_band;
 mod series_beam;
 
 pub use bodies::{CondensedPair, ContactBody, ContactConditions, Laws, PressedPair, condense_all};
@@ -27,6 +29,7 @@ pub use error_band::{
     LOADS_HALVED, Solid, SolidPoints, changed_by_shift, error_bands, spread,
 };
 pub use geometry::{Pair, PairMeshes};
+pub use horizontal_band::HorizontalChanges;
 pub use references::ByReference;
 pub use series_beam::SeriesBeam;
 pub use solids::{Orders, PairBody, PairSolids};

@@ -3,9 +3,9 @@
 use crate::records::{
     AngleLawRecord, BandPointRecord, BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord,
     DisplacementRecord, ErrorBandRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord,
-    HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, PairRecord,
-    PenaltyRecord, ProfileRecord, ReferenceBandRecord, ReferenceRecord, ShiftRecord, ShiftTouchRecord,
-    StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
+    HorizontalBandRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow,
+    PairRecord, PenaltyRecord, ProfileRecord, ReferenceBandRecord, ReferenceRecord, ShiftRecord,
+    ShiftTouchRecord, StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
 };
 
 fn law(a: f64, b: f64, c: f64) -> LawRecord {
@@ -94,6 +94,12 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                     deviation: p * 1e-4,
                 })
                 .to_vec(),
+            error_band: Some(HorizontalBandRecord {
+                grid: Some(-0.002),
+                meshes: vec![0.02, 0.021, 0.022, 0.023],
+                band: Some(0.025),
+                missing: Vec::new(),
+            }),
         }),
         law_end: None,
         horizontal_end: None,
