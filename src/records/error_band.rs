@@ -27,25 +27,23 @@ impl ErrorBandRecord {
     }
 }
 
-/// What the horizontal stiffness is worth: its relative changes.
+/// What the horizontal stiffness is worth: its relative changes with coarser meshes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HorizontalBandRecord {
-    /// At the smallest preload, with half the spacing of the contact's grid; none where the contact lives on the nodes of the meshes.
-    pub grid: Option<f64>,
-    /// At every preload, with coarser meshes; empty where there are none.
+    /// At every preload; empty where there is no answer.
     pub meshes: Vec<f64>,
-    /// Half the width of the band: the sizes of the grid's change and of the largest of the meshes' together; none where a part is missing.
+    /// Half the width of the band: the size of the largest of them.
     pub band: Option<f64>,
-    /// The parts that could not be had, and why.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub missing: Vec<String>,
+    /// Why there is none, if so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<String>,
 }
 
 impl HorizontalBandRecord {
     /// The band in words.
     pub fn sentence(&self) -> String {
         let band = self.band.map_or_else(
-            || format!("none, {}", self.missing.join("; ")),
+            || format!("none, {}", self.missing.as_deref().unwrap_or_default()),
             |band| format!("\u{b1}{:.2} %", 1e2 * band),
         );
         format!("error band of the horizontal stiffness: {band}")

@@ -5,7 +5,8 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
-    BandPoint, COARSER, Changed, CondensedPair, ErrorBand, HorizontalChanges, Solid, SolidPoints, error_bands,
+    BandPoint, COARSER, Changed, CondensedPair, ErrorBand, Solid, SolidPoints, error_bands,
+    horizontal_changes,
 };
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
@@ -17,8 +18,7 @@ use crate::records::{
 };
 use crate::study::Study;
 
-/// Parts of a band.
-const HALVED: &str = "the grid of half the spacing";
+/// The part of a band that coarser meshes are.
 const COARSER_MESHES: &str = "coarser meshes";
 
 /// Ratio of the elements of meshes to those of the next finer ones.
@@ -111,35 +111,32 @@ pub fn error_band(
     let (pair, contact) = (&geometry.pair, contact_conditions(study));
     let solid = Solid::of_calibration(pair, bodies, contact, &found.laws);
     let changed = solid.changed(bodies_of(&coarser), monitor)?;
-    let horizontal = found.horizontal.as_ref().map(|found| {
-        let held = (contact, Reference::from(study.calibration.reference));
-        HorizontalChanges::new(pair, bodies, bodies_of(&coarser), held, &found.points, monitor)
-    });
-    let horizontal = horizontal.transpose()?.map(|changes| horizontal_record(changes, &coarser));
-    Ok((band_record(&solid.points, changed, meshes.contact_element(), &coarser), horizontal))
+    let band = band_record(&solid.points, changed, meshes.contact_element(), &coarser);
+    let Some(found) = &found.horizontal else { return Ok((band, None)) };
+    let reference = Reference::from(study.calibration.reference);
+    let changes = match &coarser {
+        Ok(Coarser { bodies, .. }) => {
+            match horizontal_changes(pair, bodies, contact, reference, &found.points, monitor) {
+                Err(Error::Interrupted) => return Err(Error::Interrupted),
+                changes => changes.map_err(|error| error.to_string()),
+            }
+        }
+        Err(reason) => Err(reason.clone()),
+    };
+    Ok((band, Some(horizontal_record(changes))))
 }
 
-fn horizontal_record(changes: HorizontalChanges, coarser: &CoarserBodies) -> HorizontalBandRecord {
-    let band = changes.band();
-    let mut missing = Vec::new();
-    let mut lacks = |part: &str, reason: String| missing.push(format!("{part}: {reason}"));
-    let grid = changes.grid.unwrap_or_else(|error| {
-        lacks(HALVED, error.to_string());
-        None
-    });
-    let meshes = match (changes.meshes, coarser) {
-        (Ok(Some(meshes)), _) => meshes,
-        (Ok(None), Ok(_)) => Vec::new(),
-        (Ok(None), Err(reason)) => {
-            lacks(COARSER_MESHES, reason.clone());
-            Vec::new()
+fn horizontal_record(changes: std::result::Result<Vec<f64>, String>) -> HorizontalBandRecord {
+    match changes {
+        Ok(meshes) => {
+            let largest = meshes.iter().fold(0.0, |largest: f64, change| largest.max(change.abs()));
+            HorizontalBandRecord { meshes, band: Some(largest), missing: None }
         }
-        (Err(error), _) => {
-            lacks(COARSER_MESHES, error.to_string());
-            Vec::new()
+        Err(reason) => {
+            let missing = Some(format!("{COARSER_MESHES}: {reason}"));
+            HorizontalBandRecord { meshes: Vec::new(), band: None, missing }
         }
-    };
-    HorizontalBandRecord { grid, meshes, band: band.filter(|_| missing.is_empty()), missing }
+    }
 }
 
 /// The bands of a solid under its loads, from its changes with the grid and to the `coarser` bodies; `contact_element` is the edge of the
@@ -153,7 +150,7 @@ pub(super) fn band_record(
     let mut missing = Vec::new();
     let mut lacks = |part: &str, reason: &str| missing.push(format!("{part}: {reason}"));
     let grid = grid.unwrap_or_else(|error| {
-        lacks(HALVED, &error.to_string());
+        lacks("the grid of half the spacing", &error.to_string());
         None
     });
     if let Err(reason) = coarser {

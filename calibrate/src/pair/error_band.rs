@@ -192,17 +192,6 @@ pub struct Changed {
     pub mesh: Result<Option<Changes>>,
 }
 
-/// What a part of a band has come to, unless that is an interruption.
-///
-/// # Errors
-/// An interruption.
-pub(super) fn unless_interrupted<T>(part: Result<T>) -> Result<Result<T>> {
-    match part {
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        part => Ok(part),
-    }
-}
-
 impl<'a> Solid<'a> {
     /// That of a calibration, pressed downwards with the loads of its `laws` in turn.
     pub fn of_calibration(
@@ -252,6 +241,10 @@ impl<'a> Solid<'a> {
     /// # Errors
     /// An interruption.
     pub fn changed(&self, coarser: Option<&CondensedPair>, monitor: &dyn Monitor) -> Result<Changed> {
+        let unless_interrupted = |part| match part {
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            part => Ok(part),
+        };
         let (mesh, grid) = rayon::join(
             || coarser.map(|coarser| self.mesh_changes(coarser, monitor)).transpose(),
             || self.grid_changes(monitor),

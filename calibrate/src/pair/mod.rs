@@ -7,8 +7,8 @@
 //! * [`PressedPair`]: the states under the loads, to which the laws are fitted;
 //! * [`law_by_shift`]: the same bodies with the wheel in other places across the track, pressed along the contact normal: the law
 //!   by contact angle ([`AngleLaw`]);
-//! * [`ErrorBand`]: how far the laws change with the grid and with the meshes, which is what they are worth, and [`HorizontalChanges`] the
-//!   horizontal stiffness;
+//! * [`ErrorBand`]: how far the laws change with the grid and with the meshes, which is what they are worth, and
+//!   [`horizontal_changes`] how far the horizontal stiffness does;
 //! * [`SeriesBeam`]: the rail beam that stands in series with the law.
 
 mod geometry;
@@ -29,7 +29,7 @@ pub use error_band::{
     LOADS_HALVED, Solid, SolidPoints, changed_by_shift, error_bands, spread,
 };
 pub use geometry::{Pair, PairMeshes};
-pub use horizontal_band::HorizontalChanges;
+pub use horizontal_band::horizontal_changes;
 pub use references::ByReference;
 pub use series_beam::SeriesBeam;
 pub use solids::{Orders, PairBody, PairSolids};

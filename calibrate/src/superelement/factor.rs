@@ -26,7 +26,6 @@ pub struct Factor {
 
 impl Factor {
     /// Factors a symmetric positive definite matrix given by its upper triangle, in the order given.
-    /// One thread, so that the result does not depend on their number.
     ///
     /// # Errors
     /// [`NumericsError`] if the matrix is not positive definite.
@@ -196,7 +195,7 @@ impl Factor {
             }
         }
         let mut inverse = Mat::<f64>::zeros(n, n);
-        invert_lower_triangular(inverse.as_mut(), lower.as_ref(), Par::Seq);
+        invert_lower_triangular(inverse.as_mut(), lower.as_ref(), Par::rayon(0));
         let mut compliance = lower;
         triangular::matmul(
             compliance.as_mut(),
@@ -207,7 +206,7 @@ impl Factor {
             inverse.as_ref(),
             BlockStructure::TriangularLower,
             1.0,
-            Par::Seq,
+            Par::rayon(0),
         );
         drop(inverse);
         for column in 1..n {

@@ -95,10 +95,9 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                 })
                 .to_vec(),
             error_band: Some(HorizontalBandRecord {
-                grid: Some(-0.002),
                 meshes: vec![0.02, 0.021, 0.022, 0.023],
-                band: Some(0.025),
-                missing: Vec::new(),
+                band: Some(0.023),
+                missing: None,
             }),
         }),
         law_end: None,
