@@ -38,7 +38,7 @@ const SECONDS_FINE: f64 = 0.06;
 /// Seconds of a load on a grid of half its spacing and on the grid itself, without friction.
 const SECONDS_HALVED: f64 = 0.4;
 /// Seconds of contact in a time step.
-const SECONDS_STEP: f64 = 0.01;
+const SECONDS_STEP: f64 = 0.008;
 /// Steps that a reduced run does with fewer modes as well, at the usual time step.
 const STEPS_COMPARED: f64 = 120.0;
 /// Steps of the integration in a time step of a published load case in the mean, where they adapt themselves.

@@ -149,9 +149,15 @@ pub(super) fn modes(run: &ScenarioRun<'_>) -> Vec<[String; 3]> {
 
 /// Caption of the figure of the law.
 pub(super) fn law_caption(stiffness: &StiffnessRecord) -> String {
+    let foot_held = stiffness.references.iter().any(|law| law.reference == "foot");
+    let compared = if foot_held {
+        ""
+    } else {
+        ", which is to be compared with that against the held foot (`calibration.foot_held`)"
+    };
     format!(
         "Tangent stiffness over load: points of the solid with each displacement reference, the laws fitted to them, \
-         the Hertz solution for the curvatures at the first touch, and the published law. In use: reference {}.",
+         the Hertz solution for the curvatures at the first touch, and the published law{compared}. In use: reference {}.",
         stiffness.reference
     )
 }
