@@ -85,10 +85,7 @@ impl FineContact {
     /// Displacements of the opposing surface against the base at the points, m, by direction and point: those of the contact
     /// nodes of the bodies (`3·node + axis`, m), as the forces of the points reach these nodes.
     pub fn motion_of_nodes(&self, rail: &[f64], wheel: &[f64]) -> Vec<f64> {
-        let coarse = |d: usize, point: usize| {
-            let point = &self.far.points[point];
-            point.displacement(Side::Opposing, d, wheel) - point.displacement(Side::Base, d, rail)
-        };
+        let coarse = |d: usize, point: usize| opening(&self.far.points[point], d, [rail, wheel]);
         let mut motion = vec![0.0; self.hybrid.rows()];
         self.hybrid.interpolate(coarse, &mut motion);
         motion
@@ -266,9 +263,7 @@ impl Displaced<'_> {
         shares: &[Shares],
         directions: usize,
     ) -> Vec<bool> {
-        let of = |point: &ContactPoint, d: usize| {
-            point.displacement(Side::Opposing, d, self.wheel) - point.displacement(Side::Base, d, self.rail)
-        };
+        let of = |point: &ContactPoint, d: usize| opening(point, d, [self.rail, self.wheel]);
         // normal and lateral ones of the points of the far field that there are shares in
         let mut motions = vec![None; far.points.len()];
         for share in shares.iter().flatten() {
@@ -295,6 +290,11 @@ impl Displaced<'_> {
         }
         near
     }
+}
+
+/// Displacement in a direction of the opposing surface against the base at a point, m, by those of the contact nodes of rail and wheel.
+fn opening(point: &ContactPoint, direction: usize, [rail, wheel]: [&[f64]; 2]) -> f64 {
+    point.displacement(Side::Opposing, direction, wheel) - point.displacement(Side::Base, direction, rail)
 }
 
 /// The numbers of the points of a list by their places on the grid, of the rectangle of its lines that holds all.

@@ -57,9 +57,7 @@ fn press(state: &mut State, effort: Effort) -> usize {
     // the gaps less what the normal forces and the hub move
     let mut moved = vec![0.0; n];
     compliance.add_product(&state.forces[..n], &mut moved);
-    for (free, way) in problem.hub.iter().zip(&state.hub) {
-        moved.iter_mut().enumerate().for_each(|(row, m)| *m += state.hub_weight(row, &free.along) * way);
-    }
+    moved.iter_mut().enumerate().for_each(|(row, m)| *m += state.moved_by_hub(row, &state.hub));
     let free: Vec<f64> = state.separation[..n].iter().zip(moved).map(|(gap, moved)| gap - moved).collect();
     let rest = |free: &FreeDirection| {
         let carried: f64 = (n..3 * n).map(|row| state.hub_weight(row, &free.along) * state.forces[row]).sum();
@@ -110,12 +108,9 @@ fn rub(state: &mut State, effort: Effort) {
     let carried: Vec<f64> = active.iter().map(|&j| state.forces[j]).chain(forces.iter().copied()).collect();
     let mut moved = vec![0.0; 3 * a];
     compliance.add_product(&carried, &mut moved);
-    let of_hub = |row: usize| {
-        let ways = state.problem.hub.iter().zip(&state.hub);
-        ways.map(|(free, way)| state.hub_weight(row, &free.along) * way).sum::<f64>()
-    };
-    let mut slip: Vec<f64> =
-        (0..2 * a).map(|r| moved[a + r] + of_hub(row(r)) + state.problem.free[row(r)]).collect();
+    let slip_of =
+        |r: usize| moved[a + r] + state.moved_by_hub(row(r), &state.hub) + state.problem.free[row(r)];
+    let mut slip: Vec<f64> = (0..2 * a).map(slip_of).collect();
     let scale: Vec<f64> = (0..2 * a).map(|r| state.scale[row(r)]).collect();
     let largest = bounds.iter().fold(0.0_f64, |m, b| m.max(*b));
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();

@@ -146,15 +146,17 @@ impl<'a> State<'a> {
         self.problem.points[row % count].direction(row / count).dot(along)
     }
 
+    /// What the hub moved by `hub` in its free directions does to the separation of a row.
+    pub fn moved_by_hub(&self, row: usize, hub: &[f64]) -> f64 {
+        let ways = self.problem.hub.iter().zip(hub);
+        ways.map(|(free, way)| self.hub_weight(row, &free.along) * way).sum()
+    }
+
     /// What the forces and the hub do to the separations, without the free ones.
     pub fn motion(&self, forces: &[f64], hub: &[f64]) -> Vec<f64> {
         let mut motion = vec![0.0; forces.len()];
         self.problem.compliance.add_product(forces, &mut motion);
-        for (free, h) in self.problem.hub.iter().zip(hub) {
-            for (row, s) in motion.iter_mut().enumerate() {
-                *s += self.hub_weight(row, &free.along) * h;
-            }
-        }
+        motion.iter_mut().enumerate().for_each(|(row, s)| *s += self.moved_by_hub(row, hub));
         motion
     }
 

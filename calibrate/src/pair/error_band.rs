@@ -224,10 +224,14 @@ impl<'a> Solid<'a> {
         along: Unit<Vector2<f64>>,
         law: &AngleLaw,
     ) -> Self {
-        let points: SolidPoints = law.laws.map(|of| {
-            let forces = law.fixed.iter().map(|fixed| fixed.points.beam.force);
-            forces.filter_map(|force| of.points.iter().find(|p| p.force == force).copied()).collect()
-        });
+        let at = |of: fn(&ByReference<LoadPoint>) -> Option<LoadPoint>| -> Vec<LoadPoint> {
+            law.fixed.iter().filter_map(|fixed| of(&fixed.points)).collect()
+        };
+        let points = SolidPoints {
+            foot: law.laws.foot.as_ref().map(|_| at(|points| points.foot)),
+            beam: at(|points| Some(points.beam)),
+            local: at(|points| Some(points.local)),
+        };
         let loads = &points.beam;
         let half = 0.5 * loads.last().map_or(0.0, |largest: &LoadPoint| largest.force);
         let smaller = loads.iter().filter(|point| point.force <= half).count().max(1);
