@@ -365,7 +365,7 @@ pub struct SimulationKeys {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizontal_kn_per_m: Option<f64>,
     /// Number of beam elements of the rail.
-    #[schemars(range(min = 2, max = 2000))]
+    #[schemars(range(min = 2, max = 10000))]
     pub rail_elements: usize,
     /// Penalty stiffness between the wheel's spline and the rail's nodes, kN/m.
     #[schemars(range(min = 1e4, max = 1e12))]

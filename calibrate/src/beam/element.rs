@@ -116,7 +116,7 @@ impl BeamElement<'_> {
     }
 
     /// Rows that interpolate displacements x, y, z and rotations about x, y, z at `xi`, in the section's axes.
-    fn interpolation(&self, xi: f64) -> [Vector12; 6] {
+    pub(super) fn interpolation(&self, xi: f64) -> [Vector12; 6] {
         let mut rows = [Vector12::zeros(); 6];
         for dof in [0, 3] {
             rows[dof][dof] = 1.0 - xi;

@@ -1,11 +1,14 @@
 //! The rail as a straight beam: 3D Timoshenko elements, their statics and
-//! their vibration modes.
+//! their motion.
 
 mod section;
 mod element;
+mod factor;
+mod motion;
 mod rail;
 mod correction;
 
 pub use element::{BeamElement, deflection_functions};
-pub use rail::{End, RailBeam, RailModes};
+pub use factor::{ChainFactor, Meeting, NODE, Node};
+pub use rail::{End, RailBeam, SectionRows};
 pub use section::{BeamCorrection, BeamSection, Torsion};

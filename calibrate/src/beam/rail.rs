@@ -1,17 +1,19 @@
-//! A straight beam of equal elements: supports, statics and modes.
+//! A straight beam of equal elements: supports, statics, and what a step in time needs of it.
 
-use nalgebra::{
-    Cholesky, DMatrix, DVector, Dyn, Matrix2, Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, Vector2,
-    Vector3,
-};
+use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3};
 
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::field::InputField;
 use crate::section_analysis::SectionProperties;
 
 use super::element::BeamElement;
+use super::factor::{Block, ChainFactor, ElementBlocks, NODE, Node, inverse};
+use super::motion::ElementProducts;
 use super::section::{BeamCorrection, BeamSection, Torsion};
 use crate::solid::Material;
+
+/// Most elements of a beam; with so many a step takes a millisecond.
+const MOST_ELEMENTS: usize = 10_000;
 
 /// How an end of the beam is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +27,7 @@ pub enum End {
 }
 
 impl End {
+    /// Whether it holds one of the six degrees of freedom of its node, displacements first.
     fn holds(self, dof: usize) -> bool {
         match self {
             Self::Fixed => true,
@@ -32,33 +35,35 @@ impl End {
             Self::Free => false,
         }
     }
+
+    /// Which of the degrees of freedom of [`Node`] it holds.
+    fn held(self) -> [bool; NODE] {
+        std::array::from_fn(|i| self.holds(i + 1))
+    }
 }
 
 /// A straight beam along x from 0 to its length, with equal elements.
+///
+/// A node has displacements y and z and rotations x, y and z, in the axes of the section. Nothing loads a rail along its axis, where it
+/// is uncoupled from the rest, so that nothing is solved for there.
 #[derive(Debug, Clone)]
 pub struct RailBeam {
     section: BeamSection,
     length: f64,
+    elements: usize,
     angle: f64,
     ends: [End; 2],
     hermite: bool,
-    /// Unknown of each of the 6 degrees of freedom of each node; `None` where held.
-    unknowns: Vec<[Option<usize>; 6]>,
-    stiffness: DMatrix<f64>,
-    mass: DMatrix<f64>,
-    factor: Cholesky<f64, Dyn>,
+    products: ElementProducts,
 }
 
-/// Undamped modes of a [`RailBeam`], normalised to unit modal mass.
-///
-/// In these coordinates the effective matrix of Newmark's scheme is diagonal
-/// for every time step: nothing is factored again when the step changes.
-#[derive(Debug, Clone)]
-pub struct RailModes {
-    /// Squares of the circular frequencies, rad²/s², rising.
-    pub squares: Vec<f64>,
-    /// Modes as columns, one row an unknown of the beam.
-    pub shapes: DMatrix<f64>,
+/// The section at a place: its element, and rows that give a displacement from the two nodes of the element.
+#[derive(Debug, Clone, Copy)]
+pub struct SectionRows {
+    /// Number of the element.
+    pub element: usize,
+    /// Displacements y and z of the node line and rotation about x, world axes, from both nodes.
+    pub rows: [[Node; 2]; 3],
 }
 
 impl RailBeam {
@@ -99,31 +104,24 @@ impl RailBeam {
             )
             .into());
         }
-        if !(1..=400).contains(&elements) {
+        if !(1..=MOST_ELEMENTS).contains(&elements) {
             return Err(InputError::new(
                 InputField::BeamElements,
                 elements,
-                "1 to 400 elements",
+                format!("1 to {MOST_ELEMENTS} elements"),
                 "the publication has 20",
             )
             .into());
         }
-        let mut unknowns = vec![[None; 6]; elements + 1];
-        let mut count = 0;
-        for (node, dofs) in unknowns.iter_mut().enumerate() {
-            for (dof, unknown) in dofs.iter_mut().enumerate() {
-                let held = (node == 0 && ends[0].holds(dof)) || (node == elements && ends[1].holds(dof));
-                if !held {
-                    *unknown = Some(count);
-                    count += 1;
-                }
-            }
+        let element = BeamElement { section: &section, length: length / elements as f64, angle: 0.0 };
+        let products = ElementProducts::new(&element, &node_blocks(&element.mass()));
+        let beam = Self { section, length, elements, angle, ends, hermite: false, products };
+        let stands = ends.contains(&End::Fixed) || ends == [End::Pinned; 2];
+        // both halves of the beam as an element each
+        if !stands || beam.at_node(0.5 * length).is_none() {
+            return Err(beam.singular().into());
         }
-        let element = BeamElement { section: &section, length: length / elements as f64, angle };
-        let stiffness = assemble(&unknowns, count, &element.stiffness());
-        let mass = assemble(&unknowns, count, &element.mass());
-        let factor = Cholesky::new(stiffness.clone()).ok_or_else(|| singular(count))?;
-        Ok(Self { section, length, angle, ends, hermite: false, unknowns, stiffness, mass, factor })
+        Ok(beam)
     }
 
     /// Interpolates inside the elements with the cubic Hermite functions of eq. 9 instead of the
@@ -142,12 +140,13 @@ impl RailBeam {
 
     /// Number of elements.
     pub fn elements(&self) -> usize {
-        self.unknowns.len() - 1
+        self.elements
     }
 
-    /// Number of unknowns.
+    /// Number of unknowns: six a node, those along the axis included.
     pub fn unknowns(&self) -> usize {
-        self.stiffness.nrows()
+        let held = |end: End| (0..6).filter(|&dof| end.holds(dof)).count();
+        6 * (self.elements + 1) - held(self.ends[0]) - held(self.ends[1])
     }
 
     /// Angle of the section, rad, y to z.
@@ -161,7 +160,7 @@ impl RailBeam {
     /// As [`Self::new`].
     pub fn corrected(&self, correction: &BeamCorrection) -> Result<Self> {
         let section = self.section.corrected(correction);
-        let corrected = Self::new(section, self.length, self.elements(), self.angle, self.ends)?;
+        let corrected = Self::new(section, self.length, self.elements, self.angle, self.ends)?;
         Ok(Self { hermite: self.hermite, ..corrected })
     }
 
@@ -175,27 +174,82 @@ impl RailBeam {
         self.section.mass * self.length
     }
 
-    /// Rows that give displacements y and z of the node line and rotation about x at `x` (m from the
-    /// first end, clamped to the beam), as pairs of unknown and factor.
-    pub fn section_motion(&self, x: f64) -> [Vec<(usize, f64)>; 3] {
-        let step = self.length / self.elements() as f64;
-        let index = ((x / step).max(0.0) as usize).min(self.elements() - 1);
-        let xi = (x / step - index as f64).clamp(0.0, 1.0);
-        let element = BeamElement { section: &self.section, length: step, angle: self.angle };
-        element.section_motion(xi, self.hermite).map(|row| {
-            (0..12)
-                .filter(|&i| row[i] != 0.0)
-                .filter_map(|i| self.unknowns[index + i / 6][i % 6].map(|unknown| (unknown, row[i])))
-                .collect()
-        })
+    /// The element of the section at `x` (m from the first end, clamped to the beam), and where in it the section is, 0 to 1.
+    fn place(&self, x: f64) -> (usize, f64) {
+        let along = x / self.pitch();
+        let element = (along.max(0.0) as usize).min(self.elements - 1);
+        (element, (along - element as f64).clamp(0.0, 1.0))
+    }
+
+    fn element(&self, length: f64) -> BeamElement<'_> {
+        BeamElement { section: &self.section, length, angle: 0.0 }
+    }
+
+    /// Length of an element, m.
+    fn pitch(&self) -> f64 {
+        self.length / self.elements as f64
+    }
+
+    /// The section at `x` (m from the first end, clamped to the beam).
+    pub fn section_rows(&self, x: f64) -> SectionRows {
+        let (element, xi) = self.place(x);
+        let along = self.element(self.pitch()).section_motion(xi, self.hermite);
+        let [y, z, rx] = along.map(|row| [0, 6].map(|node| std::array::from_fn(|i| row[node + 1 + i])));
+        let (sin, cos) = self.angle.sin_cos();
+        let turned = |of_y: f64, of_z: f64| {
+            [0, 1].map(|node| std::array::from_fn(|i| of_y * y[node][i] + of_z * z[node][i]))
+        };
+        SectionRows { element, rows: [turned(cos, -sin), turned(sin, cos), rx] }
     }
 
     /// Static flexibility at `x`: displacements y, z (m) of the node line and rotation about x (rad)
     /// under unit forces y, z (N) and a unit moment about x (N·m) there.
+    ///
+    /// Nodal displacements under nodal forces do not depend on the number of elements, so that the parts of the beam on both sides of a
+    /// node are an element each; a chain of thousands of short ones would lose all digits.
     pub fn section_flexibility(&self, x: f64) -> Matrix3<f64> {
-        let rows = self.section_motion(x);
-        let columns = rows.clone().map(|row| self.factor.solve(&dense(&row, self.unknowns())));
-        Matrix3::from_fn(|i, j| rows[i].iter().map(|&(unknown, factor)| factor * columns[j][unknown]).sum())
+        let SectionRows { element, rows } = self.section_rows(x);
+        let here = self.pitch() * element as f64;
+        let there =
+            if element + 1 == self.elements { self.length } else { self.pitch() * (element + 1) as f64 };
+        // the matrix is positive definite, as the beam is held
+        let unknown = Block::repeat(f64::NAN);
+        let first = self.at_node(here).unwrap_or(unknown);
+        let second = self.at_node(there).unwrap_or(unknown);
+        let across = self.carried_on(here, there) * first;
+        let of = |row: [Node; 2]| row.map(SVector::from);
+        let product = |[a, b]: [SVector<f64, NODE>; 2], [c, d]: [SVector<f64, NODE>; 2]| {
+            a.dot(&(first * c)) + b.dot(&(across * c)) + d.dot(&(across * a)) + b.dot(&(second * d))
+        };
+        Matrix3::from_fn(|i, j| product(of(rows[i]), of(rows[j])))
+    }
+
+    /// Static flexibility of a node at `x`; none if the section's stiffness is not positive.
+    fn at_node(&self, x: f64) -> Option<Block> {
+        let mut stiffness = Block::zeros();
+        let mut held = [false; NODE];
+        for (side, end) in self.ends.into_iter().enumerate() {
+            let length = [x, self.length - x][side];
+            if length == 0.0 {
+                held = end.held();
+            } else if end != End::Free {
+                let [first, across, second] = node_blocks(&self.element(length).stiffness());
+                let [own, across, beyond] =
+                    [[second, across.transpose(), first], [first, across, second]][side];
+                stiffness += own - across * inverse(beyond, &end.held())? * across.transpose();
+            }
+        }
+        inverse(stiffness, &held)
+    }
+
+    /// Displacements of a node at `there` from those of a node at `here`, with no load from `here` to the last end.
+    fn carried_on(&self, here: f64, there: f64) -> Block {
+        let rest = self.element(self.length - here);
+        let [_, across, second] = node_blocks(&rest.stiffness());
+        let at_end = inverse(second, &self.ends[1].held()).unwrap_or_else(|| Block::repeat(f64::NAN));
+        let rows = rest.interpolation((there - here) / rest.length);
+        let of = |node: usize| Block::from_fn(|i, j| rows[i + 1][6 * node + j + 1]);
+        of(0) - of(1) * at_end * across.transpose()
     }
 
     /// As [`Self::section_flexibility`], with y and z along the axes of the section.
@@ -218,68 +272,48 @@ impl RailBeam {
         arm * self.section_flexibility(x) * arm.transpose()
     }
 
-    /// Vibration modes.
+    /// The matrix `mass`·M + `stiffness`·K, factored.
     ///
     /// # Errors
-    /// [`NumericsError`] when the mass matrix is not positive definite.
-    pub fn modes(&self) -> Result<RailModes> {
-        let size = self.unknowns();
-        let factor = Cholesky::new(self.mass.clone()).ok_or_else(|| singular(size))?.unpack();
-        let half = factor.solve_lower_triangular(&self.stiffness).ok_or_else(|| singular(size))?;
-        let mut reduced = factor.solve_lower_triangular(&half.transpose()).ok_or_else(|| singular(size))?;
-        reduced = (&reduced + reduced.transpose()) * 0.5;
-        let eigen = SymmetricEigen::new(reduced);
-        let mut order: Vec<usize> = (0..size).collect();
-        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
-        let sorted = DMatrix::from_fn(size, size, |i, j| eigen.eigenvectors[(i, order[j])]);
-        let shapes = factor.transpose().solve_upper_triangular(&sorted).ok_or_else(|| singular(size))?;
-        Ok(RailModes { squares: order.iter().map(|&i| eigen.eigenvalues[i].max(0.0)).collect(), shapes })
+    /// [`NumericsError`] when it is not positive definite.
+    pub fn factor(&self, mass: f64, stiffness: f64) -> Result<ChainFactor> {
+        let element = self.element(self.pitch());
+        let [m, k] = [element.mass(), element.stiffness()].map(|matrix| node_blocks(&matrix));
+        let combined: ElementBlocks = std::array::from_fn(|i| m[i] * mass + k[i] * stiffness);
+        let held = self.ends.map(End::held);
+        Ok(ChainFactor::new(combined, self.elements, held).ok_or_else(|| self.singular())?)
     }
-}
 
-impl RailModes {
-    /// A row of [`RailBeam::section_motion`] in modal coordinates.
-    pub fn project(&self, row: &[(usize, f64)]) -> DVector<f64> {
-        let mut projected = DVector::zeros(self.squares.len());
-        for &(unknown, factor) in row {
-            projected.axpy(factor, &self.shapes.row(unknown).transpose(), 1.0);
-        }
-        projected
+    /// Adds the forces with which the beam resists the displacements `at` of its nodes, N and N·m.
+    pub fn add_elastic_forces(&self, at: impl Fn(usize) -> Node, forces: &mut [Node]) {
+        self.products.add_elastic_forces(at, forces);
     }
-}
 
-fn assemble(unknowns: &[[Option<usize>; 6]], count: usize, element: &SMatrix<f64, 12, 12>) -> DMatrix<f64> {
-    let mut matrix = DMatrix::zeros(count, count);
-    for pair in unknowns.windows(2) {
-        let places: SVector<Option<usize>, 12> = SVector::from_fn(|i, _| pair[i / 6][i % 6]);
-        for i in 0..12 {
-            for j in 0..12 {
-                if let (Some(row), Some(column)) = (places[i], places[j]) {
-                    matrix[(row, column)] += element[(i, j)];
-                }
-            }
+    /// Energy of the deformation in the displacements `at` of the nodes, J.
+    pub fn elastic_energy(&self, at: impl Fn(usize) -> Node) -> f64 {
+        self.products.elastic_energy(at, self.elements + 1)
+    }
+
+    /// Energy of the motion with the `velocities` of the nodes, J.
+    pub fn kinetic_energy(&self, velocities: &[Node]) -> f64 {
+        self.products.kinetic_energy(velocities)
+    }
+
+    fn singular(&self) -> NumericsError {
+        NumericsError {
+            stage: "rail beam".into(),
+            step: None,
+            iteration: 0,
+            residual: f64::NAN,
+            active: self.unknowns(),
+            reason: StopReason::Singular,
         }
     }
-    matrix
 }
 
-fn dense(row: &[(usize, f64)], size: usize) -> DVector<f64> {
-    let mut vector = DVector::zeros(size);
-    for &(unknown, factor) in row {
-        vector[unknown] += factor;
-    }
-    vector
-}
-
-fn singular(unknowns: usize) -> NumericsError {
-    NumericsError {
-        stage: "rail beam".into(),
-        step: None,
-        iteration: 0,
-        residual: f64::NAN,
-        active: unknowns,
-        reason: StopReason::Singular,
-    }
+/// The parts of an element's matrix that belong to bending and torsion.
+fn node_blocks(matrix: &SMatrix<f64, 12, 12>) -> ElementBlocks {
+    [(0, 0), (0, 6), (6, 6)].map(|(row, column)| Block::from_fn(|i, j| matrix[(row + 1 + i, column + 1 + j)]))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The rules of [`LinearPart`], measured on an implementation. Tests of every implementation use this.
 
 use super::{LinearPart, LinearStep};
-use faer::{Mat, Side};
+use faer::{Mat, MatRef, Side};
 
 /// Steps of a trial; the first starts from rest, so that the later ones have something carried over.
 const STEPS: usize = 4;
@@ -60,7 +60,7 @@ impl<P: LinearPart> Trial<'_, P> {
     /// Takes a few steps under each load.
     pub fn deviations(&self) -> Deviations {
         let mut worst = Deviations::default();
-        let size = self.part.predict(&self.rest, &self.loads[0]).free().len();
+        let size = self.size(&self.loads[0]);
         // the first forces turn around from step to step, the second do not
         let alone = |load: usize, step: usize| match load {
             0 => forces(size, step, self.force),
@@ -87,14 +87,21 @@ impl<P: LinearPart> Trial<'_, P> {
         worst
     }
 
+    /// Number of coordinates of the interface.
+    fn size(&self, load: &P::Load) -> usize {
+        self.part.predict(&self.rest, load, &mut P::State::default()).free().len()
+    }
+
     /// A step with all that can be seen of it.
     fn step(&self, state: &P::State, load: usize, applied: &[f64], worst: &mut Deviations) -> P::State {
         let (part, load) = (self.part, &self.loads[load]);
         let before = (self.numbers)(state);
-        let tried = part.predict(state, load);
+        // the second step takes the memory of the first, and must not see what that left there
+        let mut next = P::State::default();
+        let tried = part.predict(state, load, &mut next);
         let free = tried.free().to_vec();
-        drop(tried.finish(&forces(free.len(), 5, 3.0 * self.force)));
-        let step = part.predict(state, load);
+        tried.finish(&forces(free.len(), 5, 3.0 * self.force));
+        let step = part.predict(state, load, &mut next);
         let same = before == (self.numbers)(state) && free == step.free();
         worst.repetition = larger(worst.repetition, if same { 0.0 } else { f64::INFINITY });
         let flexibility = step.flexibility();
@@ -106,7 +113,7 @@ impl<P: LinearPart> Trial<'_, P> {
                 terms.fold((free[i], free[i].abs()), |(sum, size), term| (sum + term, size + term.abs()))
             })
             .collect();
-        let next = step.finish(applied);
+        step.finish(applied);
         let reached = (self.displacement)(&next);
         assert_eq!(reached.len(), expected.len(), "coordinates of the interface");
         for (reached, (expected, scale)) in reached.iter().zip(expected) {
@@ -119,12 +126,12 @@ impl<P: LinearPart> Trial<'_, P> {
     /// under `no_load`, relative to the largest energy. With average acceleration and without damping the
     /// trapezoidal rule makes it rounding.
     pub fn energy_defect(&self, no_load: &P::Load, energy: &dyn Fn(&P::State) -> f64) -> f64 {
-        let size = self.part.predict(&self.rest, no_load).free().len();
+        let size = self.size(no_load);
         let (mut state, mut work, mut defect, mut most) = (None, 0.0, 0.0, 0.0);
         let (mut force, mut place) = (vec![0.0; size], (self.displacement)(&self.rest));
         for step in 0..10 * STEPS {
             let now = forces(size, step, self.force);
-            let next = self.part.predict(state.as_ref().unwrap_or(&self.rest), no_load).finish(&now);
+            let next = self.part.advance(state.as_ref().unwrap_or(&self.rest), no_load, &now);
             let reached = (self.displacement)(&next);
             for i in 0..size {
                 work += 0.5 * (force[i] + now[i]) * (reached[i] - place[i]);
@@ -142,7 +149,7 @@ fn relative(deviation: f64, scale: f64) -> f64 {
     if deviation == 0.0 { 0.0 } else { deviation.abs() / scale }
 }
 
-fn asymmetry(matrix: &Mat<f64>) -> f64 {
+fn asymmetry(matrix: MatRef<'_, f64>) -> f64 {
     let mut worst = 0.0;
     for i in 0..matrix.nrows() {
         for j in 0..matrix.ncols() {
@@ -157,7 +164,7 @@ fn asymmetry(matrix: &Mat<f64>) -> f64 {
     worst
 }
 
-fn indefinite(matrix: &Mat<f64>) -> f64 {
+fn indefinite(matrix: MatRef<'_, f64>) -> f64 {
     let free: Vec<usize> = (0..matrix.nrows()).filter(|&i| matrix[(i, i)] != 0.0).collect();
     let scaled = Mat::from_fn(free.len(), free.len(), |i, j| {
         let (i, j) = (free[i], free[j]);
@@ -206,6 +213,7 @@ mod tests {
     struct OscillatorStep<'s> {
         part: &'s Oscillator,
         state: &'s Motion,
+        next: &'s mut Motion,
         free: [f64; 3],
     }
 
@@ -234,7 +242,7 @@ mod tests {
         type Load = f64;
         type Step<'s> = OscillatorStep<'s>;
 
-        fn predict<'s>(&'s self, state: &'s Motion, load: &f64) -> OscillatorStep<'s> {
+        fn predict<'s>(&'s self, state: &'s Motion, load: &f64, next: &'s mut Motion) -> OscillatorStep<'s> {
             let mut right = load + MASS * self.scheme.inertia(state);
             match self.fault {
                 Fault::Quadratic => right += 1e-3 * load * load,
@@ -245,24 +253,22 @@ mod tests {
                 _ => {}
             }
             let free = right / self.effective();
-            OscillatorStep { part: self, state, free: [free, free, 0.0] }
+            OscillatorStep { part: self, state, next, free: [free, free, 0.0] }
         }
     }
 
     impl LinearStep for OscillatorStep<'_> {
-        type State = Motion;
-
         fn free(&self) -> &[f64] {
             &self.free
         }
 
-        fn flexibility(&self) -> &Mat<f64> {
-            &self.part.flexibility
+        fn flexibility(&self) -> MatRef<'_, f64> {
+            self.part.flexibility.as_ref()
         }
 
-        fn finish(self, forces: &[f64]) -> Motion {
+        fn finish(self, forces: &[f64]) {
             let u = self.free[0] + (forces[0] + forces[1]) / self.part.effective();
-            self.part.scheme.advance(self.state, u)
+            *self.next = self.part.scheme.advance(self.state, u);
         }
     }
 

@@ -81,10 +81,11 @@ pub(super) trait ElasticBody: LinearPart<Load = BodyLoad> + Sized {
         bodies: [&'s Self; 2],
         states: [&'s Self::State; 2],
         loads: [&BodyLoad; 2],
+        next: [&'s mut Self::State; 2],
     ) -> [Self::Step<'s>; 2];
 
-    /// Their states at the end under the forces at their interfaces.
-    fn finish_both<'s>(steps: [Self::Step<'s>; 2], forces: &[Vec<f64>; 2]) -> [Self::State; 2];
+    /// Completes their states at the end under the forces at their interfaces.
+    fn finish_both(steps: [Self::Step<'_>; 2], forces: &[Vec<f64>; 2]);
 
     /// What the contact sees of a step.
     fn interface<'s>(step: &'s Self::Step<'_>) -> Interface<'s>;

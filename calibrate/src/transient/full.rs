@@ -7,7 +7,7 @@ use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
 use crate::solid::{NodalMass, Numbering, System};
 use crate::superelement::{Superelement, times};
-use faer::Mat;
+use faer::MatRef;
 use faer::sparse::SparseColMat;
 use nalgebra::{Vector2, Vector3};
 
@@ -24,7 +24,7 @@ pub(super) struct FullBody<'a> {
 }
 
 /// State of a body at the end of a step, by equation.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct FullState {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -37,8 +37,8 @@ pub(super) struct FullState {
 pub(super) struct FullStep<'s, 'a> {
     body: &'s FullBody<'a>,
     state: &'s FullState,
-    /// Right-hand side of the step: interior eliminated, retained condensed.
-    eliminated: Vec<f64>,
+    /// Its displacements are the right-hand side of the step: interior eliminated, retained condensed.
+    next: &'s mut FullState,
     /// Displacements of the retained equations without contact forces, m.
     free: Vec<f64>,
 }
@@ -81,7 +81,12 @@ impl<'a> LinearPart for FullBody<'a> {
         Self: 's;
 
     /// Eliminates the interior.
-    fn predict<'s>(&'s self, state: &'s FullState, load: &BodyLoad) -> FullStep<'s, 'a> {
+    fn predict<'s>(
+        &'s self,
+        state: &'s FullState,
+        load: &BodyLoad,
+        next: &'s mut FullState,
+    ) -> FullStep<'s, 'a> {
         let scheme = &self.scheme;
         let carried_over = |of: fn(&Newmark, &Motion) -> f64| -> Vec<f64> {
             (0..state.displacement.len()).map(|i| of(scheme, &state.motion(i))).collect()
@@ -101,7 +106,8 @@ impl<'a> LinearPart for FullBody<'a> {
         }
         self.element.factor.forward_interior(&mut eliminated);
         let free = times(&self.element.compliance, &eliminated[numbering.interior..]);
-        FullStep { body: self, state, eliminated, free }
+        next.displacement = eliminated;
+        FullStep { body: self, state, next, free }
     }
 }
 
@@ -124,12 +130,17 @@ impl ElasticBody for FullBody<'_> {
         [rail, wheel]: [&'s Self; 2],
         states: [&'s FullState; 2],
         loads: [&BodyLoad; 2],
+        [rail_next, wheel_next]: [&'s mut FullState; 2],
     ) -> [Self::Step<'s>; 2] {
-        rayon::join(|| rail.predict(states[0], loads[0]), || wheel.predict(states[1], loads[1])).into()
+        rayon::join(
+            move || rail.predict(states[0], loads[0], rail_next),
+            move || wheel.predict(states[1], loads[1], wheel_next),
+        )
+        .into()
     }
 
-    fn finish_both<'s>([rail, wheel]: [Self::Step<'s>; 2], forces: &[Vec<f64>; 2]) -> [FullState; 2] {
-        rayon::join(|| rail.finish(&forces[0]), || wheel.finish(&forces[1])).into()
+    fn finish_both([rail, wheel]: [Self::Step<'_>; 2], forces: &[Vec<f64>; 2]) {
+        rayon::join(|| rail.finish(&forces[0]), || wheel.finish(&forces[1]));
     }
 
     fn interface<'s>(step: &'s Self::Step<'_>) -> Interface<'s> {
@@ -195,35 +206,33 @@ impl ElasticBody for FullBody<'_> {
 }
 
 impl LinearStep for FullStep<'_, '_> {
-    type State = FullState;
-
     fn free(&self) -> &[f64] {
         &self.free
     }
 
-    fn flexibility(&self) -> &Mat<f64> {
-        &self.body.element.compliance
+    fn flexibility(&self) -> MatRef<'_, f64> {
+        self.body.element.compliance.as_ref()
     }
 
     /// Substitutes back.
-    fn finish(self, forces: &[f64]) -> FullState {
-        let Self { body, state, eliminated: mut displacement, .. } = self;
+    fn finish(self, forces: &[f64]) {
+        let Self { body, state, next, .. } = self;
+        let FullState { displacement, velocity, acceleration, contact_step } = next;
         let (scheme, element) = (&body.scheme, &body.element);
         let Numbering { interior, contact, .. } = element.system.numbering;
         displacement[interior..].iter_mut().zip(forces).for_each(|(r, f)| *r += f);
         let retained = times(&element.compliance, &displacement[interior..]);
         displacement[interior..].copy_from_slice(&retained);
-        element.factor.backward_interior(&mut displacement);
+        element.factor.backward_interior(displacement);
         let advanced = displacement.iter().enumerate().map(|(i, u)| scheme.advance(&state.motion(i), *u));
-        let (mut velocity, acceleration): (Vec<f64>, Vec<f64>) = advanced.map(|m| (m.v, m.a)).unzip();
+        (*velocity, *acceleration) = advanced.map(|m| (m.v, m.a)).unzip();
         // nothing carries the velocity of a node without mass on: it is that of its last two steps, of second order
         let steps = (interior..interior + contact).map(|i| displacement[i] - state.displacement[i]);
-        let contact_step: Vec<f64> = steps.collect();
-        for ((v, now), before) in velocity[interior..].iter_mut().zip(&contact_step).zip(&state.contact_step)
+        *contact_step = steps.collect();
+        for ((v, now), before) in velocity[interior..].iter_mut().zip(&*contact_step).zip(&state.contact_step)
         {
             *v = (1.5 * now - 0.5 * before) / scheme.step();
         }
-        FullState { displacement, velocity, acceleration, contact_step }
     }
 }
 
@@ -274,7 +283,7 @@ mod tests {
         let static_displacement = force * length / (material.young * width * width);
         let mut track = Vec::new();
         for _ in 0..360 {
-            state = body.predict(&state, &BodyLoad::default()).finish(&forces);
+            state = body.advance(&state, &BodyLoad::default(), &forces);
             track.push(body.contact_displacement(&state)[2] / static_displacement);
         }
         let largest = track.iter().copied().fold(0.0, f64::max);
@@ -311,7 +320,7 @@ mod tests {
         forces.iter_mut().skip(2).step_by(3).for_each(|f| *f = 250.0);
         let swing: Vec<f64> = (0..480)
             .map(|_| {
-                state = body.predict(&state, &BodyLoad::default()).finish(&forces);
+                state = body.advance(&state, &BodyLoad::default(), &forces);
                 body.contact_displacement(&state)[2]
             })
             .collect();

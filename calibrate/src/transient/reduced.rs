@@ -53,7 +53,7 @@ pub(super) struct ReducedBody<'a> {
 }
 
 /// State of a reduced body at the end of a step.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct ReducedState {
     /// Motions of the hub, then those of the modes.
     coordinates: Vec<Motion>,
@@ -72,6 +72,7 @@ pub(super) struct ReducedState {
 pub(super) struct ReducedStep<'s, 'a> {
     body: &'s ReducedBody<'a>,
     state: &'s ReducedState,
+    next: &'s mut ReducedState,
     /// Right-hand side of the coordinates without contact forces.
     right: DVector<f64>,
     /// What the damping of the residual carries over, m.
@@ -325,7 +326,12 @@ impl<'a> LinearPart for ReducedBody<'a> {
     where
         Self: 's;
 
-    fn predict<'s>(&'s self, state: &'s ReducedState, load: &BodyLoad) -> ReducedStep<'s, 'a> {
+    fn predict<'s>(
+        &'s self,
+        state: &'s ReducedState,
+        load: &BodyLoad,
+        next: &'s mut ReducedState,
+    ) -> ReducedStep<'s, 'a> {
         let (scheme, held, count) = (&self.scheme, self.hub.len(), self.modes());
         let mut right = &self.mass * part(&state.coordinates, |m| scheme.inertia(m));
         right += &self.weight * load.gravity;
@@ -339,23 +345,21 @@ impl<'a> LinearPart for ReducedBody<'a> {
         let keeps = self.damping / self.stiffening();
         let carried: Vec<f64> = state.residual.iter().map(|m| keeps * scheme.damping(m)).collect();
         free.iter_mut().zip(&carried).for_each(|(u, c)| *u += c);
-        ReducedStep { body: self, state, right, carried, free }
+        ReducedStep { body: self, state, next, right, carried, free }
     }
 }
 
 impl LinearStep for ReducedStep<'_, '_> {
-    type State = ReducedState;
-
     fn free(&self) -> &[f64] {
         &self.free
     }
 
-    fn flexibility(&self) -> &Mat<f64> {
-        self.body.kept()
+    fn flexibility(&self) -> MatRef<'_, f64> {
+        self.body.kept().as_ref()
     }
 
-    fn finish(self, forces: &[f64]) -> ReducedState {
-        let Self { body, state, mut right, carried, .. } = self;
+    fn finish(self, forces: &[f64]) {
+        let Self { body, state, next, mut right, carried, .. } = self;
         let (scheme, contact) = (&body.scheme, body.contact_rows());
         // most nodes carry none
         let loaded = forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0);
@@ -397,14 +401,14 @@ impl LinearStep for ReducedStep<'_, '_> {
         let advanced = residual.iter().zip(&state.residual).enumerate();
         let residual =
             advanced.map(|(i, (u, m))| Motion { v: velocity(i), ..scheme.advance(m, *u) }).collect();
-        ReducedState {
+        *next = ReducedState {
             coordinates,
             residual,
             contact: moved,
             contact_step,
             step,
             forces: forces[..contact].to_vec(),
-        }
+        };
     }
 }
 
@@ -439,12 +443,14 @@ impl ElasticBody for ReducedBody<'_> {
         [rail, wheel]: [&'s Self; 2],
         states: [&'s ReducedState; 2],
         loads: [&BodyLoad; 2],
+        [rail_next, wheel_next]: [&'s mut ReducedState; 2],
     ) -> [Self::Step<'s>; 2] {
-        [rail.predict(states[0], loads[0]), wheel.predict(states[1], loads[1])]
+        [rail.predict(states[0], loads[0], rail_next), wheel.predict(states[1], loads[1], wheel_next)]
     }
 
-    fn finish_both<'s>([rail, wheel]: [Self::Step<'s>; 2], forces: &[Vec<f64>; 2]) -> [ReducedState; 2] {
-        [rail.finish(&forces[0]), wheel.finish(&forces[1])]
+    fn finish_both([rail, wheel]: [Self::Step<'_>; 2], forces: &[Vec<f64>; 2]) {
+        rail.finish(&forces[0]);
+        wheel.finish(&forces[1]);
     }
 
     fn interface<'s>(step: &'s Self::Step<'_>) -> Interface<'s> {

@@ -269,14 +269,16 @@ impl<'m, B: ElasticBody> Run<'m, B> {
         let (hub, suspended) = self.hub.forces(scenario, time, suspension);
         let wheel_load = BodyLoad { hub, gravity: scenario.gravity };
         let [rail_state, wheel_state] = &self.states;
-        let steps = B::predict_both(bodies, [rail_state, wheel_state], [&BodyLoad::default(), &wheel_load]);
+        let mut states = [B::State::default(), B::State::default()];
+        let loads = [&BodyLoad::default(), &wheel_load];
+        let steps = B::predict_both(bodies, [rail_state, wheel_state], loads, states.each_mut());
         let interfaces = [B::interface(&steps[0]), B::interface(&steps[1])];
         let [rail_step, wheel_step] = &interfaces;
         let predicted = self.hub.predicted(scheme.step());
         let solved = contact.solve([rail_step, wheel_step], &predicted, &self.contact)?;
         let on = |side, free: &[f64]| solved.nodal_forces(side, free.len());
         let forces = [on(Side::Base, rail_step.free), on(Side::Opposing, wheel_step.free)];
-        let states = B::finish_both(steps, &forces);
+        B::finish_both(steps, &forces);
         let (points, solution) = (&solved.points, &solved.solution);
         let hub = bodies[1].hub(&states[1]);
         if !(hub.x.is_finite() && hub.y.is_finite()) {

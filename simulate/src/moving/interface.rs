@@ -90,7 +90,7 @@ impl Interface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use faer::Mat;
+    use faer::{Mat, MatRef};
     use nalgebra::{Matrix4, Vector4};
 
     /// A step with a given flexibility.
@@ -100,12 +100,11 @@ mod tests {
     }
 
     impl LinearStep for Given {
-        type State = ();
         fn free(&self) -> &[f64] {
             &self.free
         }
-        fn flexibility(&self) -> &Mat<f64> {
-            &self.flexibility
+        fn flexibility(&self) -> MatRef<'_, f64> {
+            self.flexibility.as_ref()
         }
         fn finish(self, _: &[f64]) {}
     }

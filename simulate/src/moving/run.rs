@@ -47,10 +47,11 @@ struct State {
 impl State {
     fn is_finite(&self) -> bool {
         let wheel = [self.wheel.centre[0], self.wheel.centre[1], self.wheel.roll, self.wheel.suspended];
-        let rail = self.rail.iter().flat_map(|rail| rail.motions());
         self.pose.iter().all(|value| value.is_finite())
             && self.spring_force.is_finite()
-            && wheel.iter().chain(rail).all(Motion::is_finite)
+            && wheel.iter().all(Motion::is_finite)
+            // which the motion of the rail is in
+            && self.ledger.balance().stored().is_finite()
     }
 }
 
@@ -68,6 +69,8 @@ struct Run<'a> {
     ends: Option<[f64; 2]>,
     outline: Outline,
     evaluations_left: Cell<usize>,
+    /// The memory of the last state of the rail but one, for the next.
+    spare_rail: Cell<RailState>,
 }
 
 /// What became of a time step.
@@ -138,7 +141,7 @@ impl<'a> Run<'a> {
         let (rail, ends) = match &model.support {
             RailSupport::Rigid => (None, None),
             RailSupport::Beam { beam, damping, .. } => {
-                (Some(RailDynamics::new(beam, *damping)?), Some([0.0, beam.length()]))
+                (Some(RailDynamics::new(beam, *damping)), Some([0.0, beam.length()]))
             }
         };
         let length = model.rail.curve.length();
@@ -168,6 +171,7 @@ impl<'a> Run<'a> {
             ends,
             outline,
             evaluations_left: Cell::new(EVALUATIONS_AT_ONCE),
+            spare_rail: Cell::default(),
         })
     }
 
@@ -218,7 +222,8 @@ impl<'a> Run<'a> {
         let solution = system.solve(surface).map_err(|error| at_step(error, 0))?;
         surface.commit(&solution.pose, &solution.active);
         self.dynamics.start(&mut wheel, solution.on_wheel());
-        let rail = self.rail.as_ref().map(|r| r.start(&self.rail_load(0.0), solution.on_rail()));
+        let rail =
+            self.rail.as_ref().map(|r| r.start(&self.rail_load(0.0), solution.on_rail())).transpose()?;
         let of_rail = self.rail.as_ref().zip(rail.as_ref());
         let of_rail = of_rail.map(|(dynamics, rail)| dynamics.energy(rail, rail, 0.0, 0.0));
         // the springs and the contact start in balance, and nothing has slid
@@ -265,7 +270,8 @@ impl<'a> Run<'a> {
                     return Ok(Advanced::Ended(ending));
                 }
                 surface.commit(&solution.pose, &solution.active);
-                *state = next;
+                let last = std::mem::replace(state, next);
+                self.spare_rail.set(last.rail.unwrap_or_default());
                 statistics.iterations += solution.iterations;
                 let turned_to_consistent = self.law.sliding == SlidingMatrix::Symmetric
                     && solution.sliding == SlidingMatrix::Consistent;
@@ -299,10 +305,13 @@ impl<'a> Run<'a> {
     ) -> Result<(State, Solution)> {
         let scheme = Newmark::new(step, self.model.dissipation);
         let wheel = self.dynamics.over(&scheme);
-        let wheel_step = wheel.predict(&state.wheel, &self.dynamics.load(time));
-        let rail = self.rail.as_ref().map(|dynamics| dynamics.over(&scheme));
-        let rail_step = rail.as_ref().zip(state.rail.as_ref());
-        let rail_step = rail_step.map(|(rail, state)| rail.predict(state, &self.rail_load(time)));
+        let mut moved_wheel = WheelState::default();
+        let wheel_step = wheel.predict(&state.wheel, &self.dynamics.load(time), &mut moved_wheel);
+        let rail = self.rail.as_ref().map(|dynamics| dynamics.over(&scheme)).transpose()?;
+        let mut moved_rail = rail.as_ref().map(|_| self.spare_rail.take());
+        let rail_step = rail.as_ref().zip(state.rail.as_ref()).zip(moved_rail.as_mut());
+        let rail_step =
+            rail_step.map(|((rail, state), next)| rail.predict(state, &self.rail_load(time), next));
         let start = Vector2::new(state.wheel.centre[0].u, state.wheel.centre[1].u);
         let predicted = step
             * (state.wheel.centre[0].v.hypot(state.wheel.centre[1].v)
@@ -326,8 +335,10 @@ impl<'a> Run<'a> {
         };
         let solution = system.solve(surface)?;
         let [on_rail, on_wheel] = system.surroundings.forces(&solution);
-        let moved_wheel = wheel_step.finish(on_wheel.as_slice());
-        let moved_rail = rail_step.map(|rail| rail.finish(on_rail.as_slice()));
+        wheel_step.finish(on_wheel.as_slice());
+        if let Some(rail_step) = rail_step {
+            rail_step.finish(on_rail.as_slice());
+        }
         let torsion = |time: f64| self.rail_load(time).torsion;
         let of_rail = match (&self.rail, &state.rail, &moved_rail) {
             (Some(dynamics), Some(before), Some(after)) => {

@@ -1,9 +1,12 @@
-//! What carries the rail nodes: a beam in modal coordinates, or rigid ground.
+//! What carries the rail nodes: a beam, or rigid ground.
 
-use faer::Mat;
-use nalgebra::{DMatrix, DVector, Matrix3, Point2, Vector3};
+use std::cell::RefCell;
+use std::rc::Rc;
 
-use railspring_calibrate::beam::{RailBeam, RailModes};
+use faer::MatRef;
+use nalgebra::{Point2, Vector3};
+
+use railspring_calibrate::beam::{ChainFactor, Meeting, NODE, Node, RailBeam, SectionRows};
 use railspring_calibrate::energy::PartEnergy;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
@@ -26,26 +29,34 @@ pub enum RailSupport {
     },
 }
 
-/// Motion of the rail in modal coordinates.
-#[derive(Debug, Clone)]
+/// Motion of the nodes of the rail.
+#[derive(Debug, Clone, Default)]
 pub(super) struct RailState {
-    motions: Vec<Motion>,
+    displacements: Vec<Node>,
+    velocities: Vec<Node>,
+    accelerations: Vec<Node>,
 }
 
 impl RailState {
-    /// Motions of the modes.
-    pub fn motions(&self) -> &[Motion] {
-        &self.motions
+    fn resize(&mut self, nodes: usize) {
+        for values in [&mut self.displacements, &mut self.velocities, &mut self.accelerations] {
+            values.resize(nodes, [0.0; NODE]);
+        }
+    }
+
+    fn motion(&self, node: usize, i: usize) -> Motion {
+        Motion { u: self.displacements[node][i], v: self.velocities[node][i], a: self.accelerations[node][i] }
     }
 }
 
 /// The rail prepared for a run.
 pub(super) struct RailDynamics<'a> {
     beam: &'a RailBeam,
-    modes: RailModes,
-    damping: Vec<f64>,
-    /// Modal rows of the rotation about x at the middle, where a torsion acts.
-    middle: DVector<f64>,
+    damping: f64,
+    /// The middle, where a torsion acts.
+    middle: SectionRows,
+    /// Factors for the steps that were asked for.
+    factors: RefCell<Vec<(Newmark, Rc<ChainFactor>)>>,
 }
 
 /// What acts on the rail besides the contact, and where the contact is.
@@ -61,60 +72,99 @@ pub(super) struct RailLoad {
 pub(super) struct Rail<'a> {
     dynamics: &'a RailDynamics<'a>,
     scheme: Newmark,
-    /// Effective stiffness of the modes.
-    stiffness: DVector<f64>,
+    /// The equations of the accelerations at the end of a step.
+    factor: Rc<ChainFactor>,
 }
 
 /// A step of the rail.
 pub(super) struct RailStep<'s> {
     rail: &'s Rail<'s>,
-    state: &'s RailState,
-    free: Vector3<f64>,
-    flexibility: Mat<f64>,
-    /// Modal rows of the section at the wheel, and displacements without contact.
-    rows: DMatrix<f64>,
-    modal_free: DVector<f64>,
+    /// Displacements and velocities without acceleration at the end of the step; its accelerations are the right-hand side without
+    /// contact, eliminated towards the wheel.
+    next: &'s mut RailState,
+    meeting: Meeting,
+    /// Rows of the section at the wheel, eliminated.
+    rows: [[Node; 2]; 3],
+    free: [f64; 3],
+    /// By columns.
+    flexibility: [f64; 9],
 }
 
 impl<'a> RailDynamics<'a> {
-    pub fn new(beam: &'a RailBeam, damping: f64) -> Result<Self> {
-        let modes = beam.modes()?;
-        let damping = modes.squares.iter().map(|square| damping * square).collect();
-        let middle = modes.project(&beam.section_motion(0.5 * beam.length())[2]);
-        Ok(Self { beam, modes, damping, middle })
+    pub fn new(beam: &'a RailBeam, damping: f64) -> Self {
+        let middle = beam.section_rows(0.5 * beam.length());
+        Self { beam, damping, middle, factors: RefCell::default() }
     }
 
-    /// Modal rows of the motion in directions 1, 2 and rotation 3 at `x`: y, −z and −(rotation about x).
-    fn rows(&self, x: f64) -> DMatrix<f64> {
-        let [y, z, rx] = self.beam.section_motion(x).map(|row| self.modes.project(&row));
-        DMatrix::from_columns(&[y, -z, -rx])
+    /// The section at `x` with rows of its motion in directions 1, 2 and rotation 3: y, −z and −(rotation about x).
+    fn section(&self, x: f64) -> SectionRows {
+        let SectionRows { element, rows: [y, z, rx] } = self.beam.section_rows(x);
+        let negative = |row: [Node; 2]| row.map(|node| node.map(|value| -value));
+        SectionRows { element, rows: [y, negative(z), negative(rx)] }
+    }
+
+    /// Adds the torsion (N·m) at the middle.
+    fn add_torsion(&self, torsion: f64, forces: &mut [Node]) {
+        let SectionRows { element, rows: [.., twist] } = &self.middle;
+        for (force, row) in forces[*element..].iter_mut().zip(twist) {
+            add(force, torsion, row);
+        }
     }
 
     /// The rail at rest, with its acceleration under `load` and a contact force (directions 1, 2 and moment 3).
-    pub fn start(&self, load: &RailLoad, contact: Vector3<f64>) -> RailState {
-        let load = &self.middle * load.torsion + self.rows(load.x) * contact;
-        RailState { motions: load.iter().map(|&a| Motion { u: 0.0, v: 0.0, a }).collect() }
+    ///
+    /// # Errors
+    /// A beam without inertia.
+    pub fn start(&self, load: &RailLoad, contact: Vector3<f64>) -> Result<RailState> {
+        let mut state = RailState::default();
+        state.resize(self.beam.elements() + 1);
+        let SectionRows { element, rows } = self.section(load.x);
+        self.add_torsion(load.torsion, &mut state.accelerations);
+        for (row, force) in rows.iter().zip(&contact) {
+            (0..2).for_each(|node| add(&mut state.accelerations[element + node], *force, &row[node]));
+        }
+        let factor = self.beam.factor(1.0, 0.0)?;
+        let meeting = factor.meeting(element);
+        factor.forward(&meeting, &mut state.accelerations);
+        factor.backward(&meeting, &mut state.accelerations);
+        Ok(state)
     }
 
     /// Energies after a step of `step` s from `before` to `after` with the mean `torsion` (N·m) over it, J; with the work of the torsion.
     pub fn energy(&self, before: &RailState, after: &RailState, torsion: f64, step: f64) -> PartEnergy {
-        let mut energy = PartEnergy::default();
-        for (i, (before, after)) in before.motions.iter().zip(&after.motions).enumerate() {
-            let moved = after.u - before.u;
-            energy.kinetic += 0.5 * after.v * after.v;
-            energy.elastic += 0.5 * self.modes.squares[i] * after.u * after.u;
-            energy.work += torsion * self.middle[i] * moved;
-            energy.damped += if step > 0.0 { self.damping[i] * moved * moved / step } else { 0.0 };
+        let moved = |node: usize| {
+            let (before, after) = (&before.displacements[node], &after.displacements[node]);
+            std::array::from_fn(|i| after[i] - before[i])
+        };
+        let SectionRows { element, rows: [.., twist] } = &self.middle;
+        let turned: f64 = (0..2).map(|node| dot(&twist[node], &moved(element + node))).sum();
+        let damps = step > 0.0 && self.damping > 0.0;
+        PartEnergy {
+            kinetic: self.beam.kinetic_energy(&after.velocities),
+            elastic: self.beam.elastic_energy(|node| after.displacements[node]),
+            work: torsion * turned,
+            damped: if damps { 2.0 * self.damping * self.beam.elastic_energy(moved) / step } else { 0.0 },
+            ..PartEnergy::default()
         }
-        energy
     }
 
     /// The rail over steps of `scheme`.
-    pub fn over(&self, scheme: &Newmark) -> Rail<'_> {
-        let stiffness = DVector::from_fn(self.damping.len(), |i, _| {
-            scheme.acceleration + scheme.velocity * self.damping[i] + self.modes.squares[i]
-        });
-        Rail { dynamics: self, scheme: *scheme, stiffness }
+    ///
+    /// # Errors
+    /// A beam whose equations have no solution.
+    pub fn over(&self, scheme: &Newmark) -> Result<Rail<'_>> {
+        let mut factors = self.factors.borrow_mut();
+        let known = factors.iter().find(|(known, _)| known == scheme).map(|(_, factor)| factor.clone());
+        let factor = match known {
+            Some(factor) => factor,
+            None => {
+                let stiffness = (1.0 + self.damping * scheme.velocity) / scheme.acceleration;
+                let factor = Rc::new(self.beam.factor(1.0, stiffness)?);
+                factors.push((*scheme, factor.clone()));
+                factor
+            }
+        };
+        Ok(Rail { dynamics: self, scheme: *scheme, factor })
     }
 }
 
@@ -126,113 +176,75 @@ impl LinearPart for Rail<'_> {
     where
         Self: 's;
 
-    fn predict<'s>(&'s self, state: &'s RailState, load: &RailLoad) -> RailStep<'s> {
+    fn predict<'s>(&'s self, state: &'s RailState, load: &RailLoad, next: &'s mut RailState) -> RailStep<'s> {
         let (dynamics, scheme) = (self.dynamics, &self.scheme);
-        let modal_free = DVector::from_fn(state.motions.len(), |i, _| {
-            let m = &state.motions[i];
-            let load = dynamics.middle[i] * load.torsion;
-            (load + scheme.inertia(m) + dynamics.damping[i] * scheme.damping(m)) / self.stiffness[i]
-        });
-        let rows = dynamics.rows(load.x);
-        let mut sum = Matrix3::zeros();
-        for (i, stiffness) in self.stiffness.iter().enumerate() {
-            let row: Vector3<f64> = rows.fixed_view::<1, 3>(i, 0).transpose();
-            sum += row * row.transpose() / *stiffness;
+        let nodes = state.displacements.len();
+        next.resize(nodes);
+        for node in 0..nodes {
+            for i in 0..NODE {
+                let [u, v] = scheme.predicted(&state.motion(node, i));
+                (next.displacements[node][i], next.velocities[node][i]) = (u, v);
+            }
         }
-        let free = rows.tr_mul(&modal_free).fixed_rows::<3>(0).into_owned();
-        let flexibility = Mat::from_fn(3, 3, |i, j| sum[(i, j)]);
-        RailStep { rail: self, state, free, flexibility, rows, modal_free }
+        let RailState { displacements, velocities, accelerations } = &mut *next;
+        accelerations.fill([0.0; NODE]);
+        let strained = |node: usize| {
+            let (u, v) = (&displacements[node], &velocities[node]);
+            std::array::from_fn(|i| u[i] + dynamics.damping * v[i])
+        };
+        dynamics.beam.add_elastic_forces(strained, accelerations);
+        dynamics.add_torsion(load.torsion, accelerations);
+
+        let SectionRows { element, rows } = dynamics.section(load.x);
+        let meeting = self.factor.meeting(element);
+        self.factor.forward(&meeting, accelerations);
+        let eliminated = rows.map(|row| meeting.eliminated(&row));
+        let right = [accelerations[element], accelerations[element + 1]];
+        let gain = 1.0 / scheme.acceleration;
+        let free = [0, 1, 2].map(|i| {
+            let [first, second] = &rows[i];
+            let predicted = dot(first, &displacements[element]) + dot(second, &displacements[element + 1]);
+            predicted + gain * meeting.over(&eliminated[i], &right)
+        });
+        let flexibility =
+            std::array::from_fn(|k| gain * meeting.over(&eliminated[k % 3], &eliminated[k / 3]));
+        RailStep { rail: self, next, meeting, rows: eliminated, free, flexibility }
     }
 }
 
 impl LinearStep for RailStep<'_> {
-    type State = RailState;
-
     fn free(&self) -> &[f64] {
-        self.free.as_slice()
+        &self.free
     }
 
-    fn flexibility(&self) -> &Mat<f64> {
-        &self.flexibility
+    fn flexibility(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.flexibility, 3, 3)
     }
 
-    fn finish(self, forces: &[f64]) -> RailState {
-        let Rail { scheme, stiffness, .. } = self.rail;
-        let motions = self.state.motions.iter().enumerate().map(|(i, m)| {
-            let load: f64 = (0..3).map(|j| self.rows[(i, j)] * forces[j]).sum();
-            scheme.advance(m, self.modal_free[i] + load / stiffness[i])
-        });
-        RailState { motions: motions.collect() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use railspring_calibrate::beam::{BeamSection, End};
-    use railspring_calibrate::linear_part::conformance::Trial;
-
-    /// A rail of 0.6 m, turned, its centroid beside the node line, so that all three coordinates are coupled.
-    fn beam() -> RailBeam {
-        let section = BeamSection {
-            axial: 1.6e9,
-            bending_y: 6e6,
-            bending_z: 1e6,
-            shear_y: 2e8,
-            shear_z: 3e8,
-            torsion: 4e5,
-            mass: 60.0,
-            rotary_y: 0.23,
-            rotary_z: 0.04,
-            polar: 0.3,
-            centroid: [0.01, 0.04],
-        };
-        RailBeam::new(section, 0.6, 8, 0.025, [End::Fixed, End::Pinned]).unwrap()
-    }
-
-    fn displacement(dynamics: &RailDynamics, x: f64, state: &RailState) -> Vec<f64> {
-        let rows = dynamics.rows(x);
-        (0..3).map(|j| state.motions.iter().enumerate().map(|(i, m)| rows[(i, j)] * m.u).sum()).collect()
-    }
-
-    fn numbers(state: &RailState) -> Vec<Vec<f64>> {
-        let each = |of: fn(&Motion) -> f64| state.motions.iter().map(of).collect();
-        vec![each(|m| m.u), each(|m| m.v), each(|m| m.a)]
-    }
-
-    /// Goal: the rail obeys the rules of a linear part, with and without damping and dissipation, inside an element, at a node and over
-    /// its held ends, where nothing moves. Without both its energy (J) is the work of the forces. Accuracy: ROUNDOFF of
-    /// sums over 44 modes in 40 steps, 44·40·1e-16, relative.
-    #[test]
-    fn the_rail_is_a_linear_part() {
-        const ROUNDOFF: f64 = 1e-12;
-        let beam = beam();
-        for (damping, dissipation) in [(0.0, 0.0), (6e-6, 0.0), (0.0, 0.05), (6e-6, 0.05)] {
-            let dynamics = RailDynamics::new(&beam, damping).unwrap();
-            let part = dynamics.over(&Newmark::new(1e-4, dissipation));
-            for x in [0.0, 0.2, 0.225, 0.6] {
-                let load = |torsion| RailLoad { x, torsion };
-                let trial = Trial {
-                    part: &part,
-                    rest: RailState { motions: vec![Motion::default(); beam.unknowns()] },
-                    loads: [load(800.0), load(-300.0), load(500.0)],
-                    force: 5e3,
-                    displacement: &|state| displacement(&dynamics, x, state),
-                    numbers: &numbers,
-                };
-                let found = trial.deviations();
-                assert!(found.largest() < ROUNDOFF, "{damping} {dissipation} {x}: {found:?}");
-                let held = part.predict(&trial.rest, &load(0.0)).flexibility().norm_max() == 0.0;
-                assert_eq!(held, x == 0.0 || x == 0.6);
-                if damping == 0.0 && dissipation == 0.0 && !held {
-                    let energy = |state: &RailState| {
-                        let modes = state.motions.iter().zip(&dynamics.modes.squares);
-                        modes.map(|(m, square)| 0.5 * (m.v * m.v + square * m.u * m.u)).sum()
-                    };
-                    let defect = trial.energy_defect(&load(0.0), &energy);
-                    assert!(defect < ROUNDOFF, "{x}: {defect:e}");
-                }
-            }
+    fn finish(self, forces: &[f64]) {
+        let (scheme, factor) = (&self.rail.scheme, &self.rail.factor);
+        let RailState { displacements, velocities, accelerations } = self.next;
+        let element = self.meeting.element();
+        for (row, &force) in self.rows.iter().zip(forces) {
+            (0..2).for_each(|node| add(&mut accelerations[element + node], force, &row[node]));
+        }
+        factor.backward(&self.meeting, accelerations);
+        let (of_u, of_v) = (1.0 / scheme.acceleration, scheme.velocity / scheme.acceleration);
+        let motions = displacements.as_flattened_mut().iter_mut().zip(velocities.as_flattened_mut());
+        for ((u, v), a) in motions.zip(accelerations.as_flattened()) {
+            *u += of_u * a;
+            *v += of_v * a;
         }
     }
 }
+
+fn dot(a: &Node, b: &Node) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn add(to: &mut Node, factor: f64, row: &Node) {
+    to.iter_mut().zip(row).for_each(|(to, row)| *to += factor * row);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,6 @@
 //! The wheel centre A, the suspended mass, and the springs to the contact master B.
 
-use faer::Mat;
+use faer::{Mat, MatRef};
 use nalgebra::{Vector2, Vector3};
 
 use railspring_calibrate::energy::PartEnergy;
@@ -91,6 +91,7 @@ pub(super) struct Wheel {
 pub(super) struct WheelStep<'s> {
     wheel: &'s Wheel,
     state: &'s WheelState,
+    next: &'s mut WheelState,
     free: [f64; 3],
     suspension: SuspensionStep,
 }
@@ -157,7 +158,12 @@ impl LinearPart for Wheel {
     type Load = WheelLoad;
     type Step<'s> = WheelStep<'s>;
 
-    fn predict<'s>(&'s self, state: &'s WheelState, load: &WheelLoad) -> WheelStep<'s> {
+    fn predict<'s>(
+        &'s self,
+        state: &'s WheelState,
+        load: &WheelLoad,
+        next: &'s mut WheelState,
+    ) -> WheelStep<'s> {
         let (scheme, [lateral, vertical]) = (&self.scheme, &state.centre);
         let suspension = self.suspension.step(vertical, &state.suspended, load.suspended);
         let forces = [
@@ -169,30 +175,28 @@ impl LinearPart for Wheel {
             None => state.roll.u,
         };
         let [y, z] = [0, 1].map(|i| self.flexibility[(i, i)] * forces[i]);
-        WheelStep { wheel: self, state, free: [y, z, roll], suspension }
+        WheelStep { wheel: self, state, next, free: [y, z, roll], suspension }
     }
 }
 
 impl LinearStep for WheelStep<'_> {
-    type State = WheelState;
-
     fn free(&self) -> &[f64] {
         &self.free
     }
 
-    fn flexibility(&self) -> &Mat<f64> {
-        &self.wheel.flexibility
+    fn flexibility(&self) -> MatRef<'_, f64> {
+        self.wheel.flexibility.as_ref()
     }
 
-    fn finish(self, forces: &[f64]) -> WheelState {
+    fn finish(self, forces: &[f64]) {
         let Wheel { scheme, suspension, flexibility, roll_inertia, .. } = self.wheel;
         let [y, z, roll] = [0, 1, 2].map(|i| self.free[i] + flexibility[(i, i)] * forces[i]);
         let state = self.state;
-        WheelState {
+        *self.next = WheelState {
             centre: [scheme.advance(&state.centre[0], y), scheme.advance(&state.centre[1], z)],
             roll: if roll_inertia.is_some() { scheme.advance(&state.roll, roll) } else { state.roll },
             suspended: suspension.finish(&self.suspension, &state.suspended, z),
-        }
+        };
     }
 }
 

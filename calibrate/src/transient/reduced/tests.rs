@@ -112,8 +112,7 @@ fn modes_bring_a_body_to_full_order() {
             let (mut a, mut b) = (full.in_motion(&start.0, &start.1), reduced.in_motion(&start.0, &start.1));
             let mut worst: f64 = 0.0;
             for _ in 0..40 {
-                (a, b) =
-                    (full.predict(&a, &load).finish(&forces), reduced.predict(&b, &load).finish(&forces));
+                (a, b) = (full.advance(&a, &load, &forces), reduced.advance(&b, &load, &forces));
                 let (moved, expected) = (reduced.contact_displacement(&b), full.contact_displacement(&a));
                 let most = expected.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
                 let off = moved.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
