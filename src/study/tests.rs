@@ -202,7 +202,7 @@ fn wrong_types_and_ranges_say_what_was_expected() {
     let few = message("[calibration]\nloads_kn = [1, 2, 3]\n");
     assert!(few.contains("= [1, 2, 3]: expected a list of at least 4 entries"), "{few}");
     let whole = message("[simulation]\nrail_elements = 20.5\n");
-    assert!(whole.contains("= 20.5: expected a whole number from 2 to 2000"), "{whole}");
+    assert!(whole.contains("= 20.5: expected a whole number from 2 to 10000"), "{whole}");
     let flag = message("[scenario.s]\nlateral_force = {}\nvertical_force = {}\nsolid = 1\n");
     assert!(flag.contains("solid = 1: expected true or false"), "{flag}");
 }

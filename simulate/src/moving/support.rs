@@ -247,4 +247,6 @@ fn add(to: &mut Node, factor: f64, row: &Node) {
 }
 
 #[cfg(test)]
+mod crossing;
+#[cfg(test)]
 mod tests;
