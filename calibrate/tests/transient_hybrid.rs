@@ -177,6 +177,32 @@ fn threads_do_not_change_a_history() {
     }
 }
 
+/// Goal: a second load case beside a run has the very P and Q (N) of a run of its own, and leaves the first as it is; one that the solid model cannot run is
+/// refused, as are bodies at full order.
+#[test]
+fn a_second_load_case_is_that_of_its_own_run() {
+    let pair = pair();
+    let meshes = meshes(&pair, 6e-3);
+    let bodies = condensed(&pair, &meshes, 16);
+    let contact = (Enforcement::Exact, ContactField::Hybrid);
+    let [rail, wheel] = &bodies;
+    let model = TransientModel::reduced(&pair, [rail, wheel], ModeCount::Given(16), steel(), contact);
+    let first = pressed(6);
+    let mut second = first.clone();
+    second.lateral_force.constant += 5e3;
+    let [alone, other] = [&first, &second].map(|case| model.run(case, &Silent).unwrap());
+    assert!(alone.other.is_none() && alone.history != other.history);
+    let both = model.run_beside(&first, &second, &Silent).unwrap();
+    assert_eq!((both.history, both.other.unwrap().unwrap()), (alone.history, other.history));
+    let moving = Scenario { speed: 1.0, ..first.clone() };
+    let refused = model.run_beside(&first, &moving, &Silent).map(|_| ()).unwrap_err();
+    assert!(refused.to_string().starts_with("speed = 1 m/s"), "{refused}");
+    let element = Formulation::FullIntegration;
+    let full = TransientModel::of_pair(&pair, [&meshes.rail, &meshes.wheel], steel(), element, contact);
+    let refused = full.run_beside(&first, &second, &Silent).map(|_| ()).unwrap_err();
+    assert!(refused.to_string().contains("bodies at full order"), "{refused}");
+}
+
 /// Load case 4.1 of the publication: the flange is pressed on the rail, and the wheel jumps off it and strikes again in the first 35 ms.
 fn published(inner_steps: InnerSteps, steps: usize) -> Scenario {
     let suspension = Kelvin { stiffness: 1.2e6, damping: 4e4 };

@@ -142,13 +142,15 @@ pub struct TransientRun {
     /// Steps of the integration.
     pub steps: StepCounts,
     /// The first time steps with steps of the integration that are twice as long; none where there are no longer ones.
-    pub longer: Option<LongerSteps>,
+    pub longer: Option<OtherRun>,
+    /// The other load case of [`TransientModel::run_beside`], if there is one.
+    pub other: Option<OtherRun>,
     /// The modes of reduced bodies, and what they are worth.
     pub reduction: Option<Reduction>,
 }
 
-/// A run with longer steps, or why it could not be done.
-pub type LongerSteps = std::result::Result<History, String>;
+/// A run that another one is compared with, or why it could not be done.
+pub type OtherRun = std::result::Result<History, String>;
 
 /// Steps of the integration of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -168,8 +170,42 @@ impl TransientModel<'_> {
     /// [`crate::error::StopReason::TooFewModes`] if all modes that the bodies have are not enough. A contact that reaches the end of
     /// the meshed contact zone, and one that begins beyond it, ends the history ([`crate::history::Ending::EndOfSurface`]).
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
-        refuse_moving(scenario)?;
-        scenario.check()?;
+        self.run_with(scenario, None, monitor)
+    }
+
+    /// The same, and on another thread, if there is one, a second load case with the same time steps and the same bodies
+    /// ([`TransientRun::other`]); one that cannot be solved takes nothing from the run.
+    ///
+    /// # Errors
+    /// As [`TransientModel::run`], and [`InputError`] for bodies at full order, of which every run has its own.
+    pub fn run_beside(
+        &self,
+        scenario: &Scenario,
+        other: &Scenario,
+        monitor: &dyn Monitor,
+    ) -> Result<TransientRun> {
+        if let SolidBodies::Full { .. } = self.bodies {
+            return Err(InputError::new(
+                "a second load case",
+                "bodies at full order",
+                "reduced bodies, which several runs share",
+                "run the two one after the other",
+            )
+            .into());
+        }
+        self.run_with(scenario, Some(other), monitor)
+    }
+
+    fn run_with(
+        &self,
+        scenario: &Scenario,
+        other: Option<&Scenario>,
+        monitor: &dyn Monitor,
+    ) -> Result<TransientRun> {
+        for scenario in [Some(scenario), other].into_iter().flatten() {
+            refuse_moving(scenario)?;
+            scenario.check()?;
+        }
         self.field.check(self.enforcement)?;
         if let (SolidBodies::Full { .. }, InnerSteps::Adaptive(_)) = (self.bodies, scenario.inner_steps) {
             return Err(no_shorter_steps());
@@ -186,7 +222,7 @@ impl TransientModel<'_> {
                 })?;
                 Ok(TransientRun { longer, ..run })
             }
-            SolidBodies::Reduced { modes, .. } => reduction::run(self, modes, scenario, monitor),
+            SolidBodies::Reduced { modes, .. } => reduction::run(self, modes, scenario, other, monitor),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::beyond::Beyond;
 use super::reduced::ReducedBody;
 use super::run::Run;
-use super::{LongerSteps, TransientModel, TransientRun, longest};
+use super::{OtherRun, TransientModel, TransientRun, longest};
 use crate::error::{Error, NumericsError, Result, StopReason};
 use crate::history::{Ending, History, HistoryRow};
 use crate::monitor::Monitor;
@@ -55,11 +55,12 @@ impl Reduction {
 }
 
 /// A run with as many modes as `count` says. Beside it the first time steps are done with steps of the integration that are twice as long,
-/// which says what the steps are worth, and with fewer modes.
+/// which says what the steps are worth, and with fewer modes; and all of `other`, if there is such a load case.
 pub(super) fn run(
     model: &TransientModel<'_>,
     count: ModeCount,
     scenario: &Scenario,
+    other: Option<&Scenario>,
     monitor: &dyn Monitor,
 ) -> Result<TransientRun> {
     let first = match count {
@@ -68,12 +69,20 @@ pub(super) fn run(
     };
     let mut wanted = first.min(model.most_modes());
     loop {
-        let mut beside = None;
+        let (mut beside, mut of_other) = (None, None);
         let run = rayon::in_place_scope(|scope| {
+            // the longest first
+            if let Some(other) = other {
+                let stage = "second load case of the transient solid model";
+                let whole = move || Ok(some_modes(model, wanted, other, (stage, monitor))?.0.history);
+                let of_other = &mut of_other;
+                scope.spawn(move |_| *of_other = Some(or_reason(whole())));
+            }
             scope.spawn(|_| beside = Some(first_steps(model, wanted, scenario, monitor)));
             some_modes(model, wanted, scenario, ("transient solid model", monitor))
         });
         let ((run, modes), beside) = (run?, beside.expect("the scope has ended")?);
+        let of_other = of_other.transpose()?;
         let all = match (&beside.all, &beside.longer) {
             (Some(all), _) | (None, Some(Ok(all))) => all,
             _ => &run.history,
@@ -86,7 +95,12 @@ pub(super) fn run(
             change: change([&beside.fewer, all].map(|run| &run.rows[..run.rows.len().min(steps + 1)])),
         };
         if count != ModeCount::Estimated || reduction.suffices() {
-            return Ok(TransientRun { reduction: Some(reduction), longer: beside.longer, ..run });
+            return Ok(TransientRun {
+                reduction: Some(reduction),
+                longer: beside.longer,
+                other: of_other,
+                ..run
+            });
         }
         if model.most_modes() <= wanted {
             return Err(NumericsError {
@@ -106,7 +120,7 @@ pub(super) fn run(
 /// The first time steps of a run.
 struct FirstSteps {
     /// With longer steps, or why not; none where there are no longer ones.
-    longer: Option<LongerSteps>,
+    longer: Option<OtherRun>,
     /// With all modes, where the run with fewer has the steps of neither that nor the run itself.
     all: Option<History>,
     /// With fewer modes.
@@ -161,14 +175,22 @@ pub(super) fn first_of(scenario: &Scenario) -> Scenario {
 pub(super) fn longer_steps(
     scenario: &Scenario,
     with: impl Fn(&Scenario) -> Result<History>,
-) -> Result<Option<LongerSteps>> {
+) -> Result<Option<OtherRun>> {
     let inner_steps = scenario.inner_steps.doubled();
     if inner_steps == scenario.inner_steps {
         return Ok(None);
     }
-    match with(&Scenario { inner_steps, ..scenario.clone() }) {
+    or_reason(with(&Scenario { inner_steps, ..scenario.clone() })).map(Some)
+}
+
+/// A run that another one is compared with, or why it could not be done.
+///
+/// # Errors
+/// An interruption.
+fn or_reason(run: Result<History>) -> Result<OtherRun> {
+    match run {
         Err(Error::Interrupted) => Err(Error::Interrupted),
-        run => Ok(Some(run.map_err(|error| error.to_string()))),
+        run => Ok(run.map_err(|error| error.to_string())),
     }
 }
 

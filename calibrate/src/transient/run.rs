@@ -313,6 +313,7 @@ impl<'m, B: ElasticBody> Run<'m, B> {
             most_active: self.most_active,
             steps: self.steps,
             longer: None,
+            other: None,
             reduction: None,
         }
     }
