@@ -1,7 +1,7 @@
 //! From two profiles to a verdict, on a coarse mesh and a short load case: fits the springs, runs the simple and the solid model
 //! with them, and prints how far the two are apart. `cargo run --release --example verdict`.
 
-use railspring::verify::{Limits, compare};
+use railspring::verify::{Limits, ModelRun, compare};
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
@@ -49,7 +49,7 @@ fn main() -> Result<()> {
     let contact = (contact.enforcement, contact.field);
     let solid = TransientModel::reduced(&pair, solids, ModeCount::Estimated, steel, contact);
     let solid = solid.run(&scenario, &Silent)?.history;
-    for line in compare(&simple, &solid, &Limits::default())?.lines {
+    for line in compare(&ModelRun::alone(&simple), &ModelRun::alone(&solid), &Limits::default())?.lines {
         let value = line.value.map_or_else(|| "none".into(), |value| format!("{value:.3}"));
         println!(
             "{} {}: {value} (limit {})",

@@ -174,6 +174,13 @@ fn edited_files_are_refused() {
     for (name, from, to, part) in [
         ("history.csv", "0.0005,", "NaN,", "out/history.csv:3 = \"NaN\" in column 1"),
         ("history.csv", "0.0005,", "0.0006,", "out/history.csv = another content than is listed"),
+        ("history_disturbed.csv", "0.0005,", "NaN,", "out/history_disturbed.csv:3 = \"NaN\" in column 1"),
+        (
+            "solid_history_disturbed.csv",
+            "0.0005,",
+            "0.0006,",
+            "out/solid_history_disturbed.csv = another content",
+        ),
         ("solid_history.csv", "0.001,", "0.0005,", "out/solid_history.csv:4 = 0.0005 s after 0.0005 s"),
         (
             "stiffness.json",

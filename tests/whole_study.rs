@@ -39,7 +39,7 @@ lateral_force = {}
 "#;
 
 /// Names of the files that one study writes, in order.
-const FILES: [&str; 25] = [
+const FILES: [&str; 28] = [
     "contact.pvd",
     "contact.vtu",
     "contact_patches.json",
@@ -53,12 +53,15 @@ const FILES: [&str; 25] = [
     "fields/wheel-03.vtu",
     "history-ride.csv",
     "history.csv",
+    "history_disturbed-ride.csv",
+    "history_disturbed.csv",
     "load_curve.csv",
     "rail.pvd",
     "rail.vtu",
     "report.html",
     "results.json",
     "solid_history.csv",
+    "solid_history_disturbed.csv",
     "stiffness.json",
     "stiffness_by_angle.csv",
     "stiffness_by_angle.json",

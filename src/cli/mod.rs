@@ -28,6 +28,7 @@ use crate::records::crosscheck::CrosscheckRecord;
 use crate::records::{RunRecord, VerificationRecord, with_unit};
 use crate::store::{self, Store};
 use crate::study::{LocatedError, Mistakes, Study, schema};
+use crate::verify::HeldBy;
 
 use bench::BenchCommand;
 use cache::CacheCommand;
@@ -411,8 +412,20 @@ fn print_lines(verdict: &VerificationRecord) -> Result<(), Error> {
     for (subject, line) in verdict.lines() {
         let word = if line.holds { "holds" } else { "FAILS" };
         let (value, limit) = (with_unit(line.value, &line.unit), with_unit(Some(line.limit), &line.unit));
+        let worth = [("solid", line.solid_worth), ("simple", line.simple_worth)].into_iter().filter_map(
+            |(model, worth)| {
+                Some(format!(", the {model} model itself {}", with_unit(Some(worth?), &line.unit)))
+            },
+        );
+        let worth: String = worth.collect();
+        let by = if line.held_by == Some(HeldBy::SolidWorth) {
+            "; holds by what the solid model is worth"
+        } else {
+            ""
+        };
+        let over = line.over().map_or_else(String::new, |over| format!("; {over}"));
         let note = line.note.as_ref().map_or_else(String::new, |note| format!("; {note}"));
-        say(&format!("{word}  {subject}: {} {value} (limit {limit}){note}", line.meaning))?;
+        say(&format!("{word}  {subject}: {} {value} (limit {limit}{worth}){by}{over}{note}", line.meaning))?;
     }
     for (subject, item) in verdict.not_applicable() {
         say(&format!("n/a    {subject}: {}: {}", item.meaning, item.reason))?;

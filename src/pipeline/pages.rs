@@ -12,6 +12,7 @@ use crate::report::{self, ReportData, ScenarioRun};
 use crate::results::NewFile;
 use crate::stages::{self, Calibration};
 use crate::store::{Address, Artefact};
+use crate::verify::Carrying;
 
 /// The report on all results.
 pub(super) struct Report<'a> {
@@ -50,6 +51,9 @@ impl Stage for Report<'_> {
                     snapshots: &scenario.snapshots,
                     simple: &runs.simple.history,
                     solid: runs.solid.as_ref().map(|run| &run.history),
+                    carrying: [Some(&runs.simple), runs.solid.as_ref()].map(|run| {
+                        run.map_or(Carrying::EXACT, |run| run.model().carrying(at.study.limits.ratio_max))
+                    }),
                 }
             })
             .collect();
@@ -71,7 +75,6 @@ impl Stage for Report<'_> {
             profiles: &profiles,
             scenarios,
             ratio_window: at.study.limits.ratio_window_s,
-            ratio_floor: at.study.limits.ratio_floor,
             verdict: self.verdict,
             measured: &measured,
             crosscheck: match &crosscheck {

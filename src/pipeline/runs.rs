@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::history::{Ending, History};
 use railspring_calibrate::pair::PairBody;
 use railspring_calibrate::transient::TransientRun;
@@ -16,19 +16,38 @@ use crate::output::to_json;
 use crate::records::{RunRecord, SpringsRecord, history_csv};
 use crate::results::NewFile;
 use crate::springs;
-use crate::stages::{self, Meshes, OtherSteps, Reached, Within};
+use crate::stages::{self, Meshes, Reached, Tried, Within};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::StudyScenario;
+use crate::verify::ModelRun;
 
 /// Part of an artefact: the rows as the output folder has them.
 const ROWS: &str = "history.csv";
 /// Part of an artefact: the model's size, its springs and how the run ended.
 const RECORD: &str = "run.json";
+/// Parts of an artefact: the same of the run with an input that is 0.1 % larger.
+const DISTURBED: [&str; 2] = ["history_disturbed.csv", "run_disturbed.json"];
+/// Names of the files of both models' runs, and of the runs with a larger input.
+pub(super) const SIMPLE: [&str; 2] = ["history", "history_disturbed"];
+pub(super) const SOLID: [&str; 2] = ["solid_history", "solid_history_disturbed"];
 
 /// A history and what belongs to it.
 pub(super) struct Run {
     pub history: History,
     pub record: RunRecord,
+    /// The run with an input that is 0.1 % larger, if it could be done.
+    pub disturbed: Option<History>,
+}
+
+impl Run {
+    /// The run with what it is worth.
+    pub fn model(&self) -> ModelRun<'_> {
+        ModelRun {
+            history: &self.history,
+            steps: self.record.step_change.as_ref(),
+            disturbed: self.disturbed.as_ref().zip(self.record.spread.as_ref()),
+        }
+    }
 }
 
 /// A load case on the simple model.
@@ -62,12 +81,12 @@ impl Stage for Simulate<'_> {
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
         let used = springs::springs(self.springs)?;
         let geometry = at.geometry()?;
-        let (history, other_steps) =
+        let (history, tried) =
             stages::simulate(at.study, &geometry, &used, self.scenario, at.resources.monitor)
                 .map_err(|error| at.study.in_scenario(self.name, error))?;
         let notes = springs::range_note(self.springs, &history).into_iter().collect();
-        let record = RunRecord::new(&history, Some(self.springs), other_steps, notes);
-        Ok(Made::whole(artefact(&history, &record)))
+        let record = RunRecord::new(&history, Some(self.springs), tried.worth, notes);
+        Ok(Made::whole(artefact(&history, &record, tried.disturbed.as_ref())))
     }
 
     fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<Run> {
@@ -75,7 +94,7 @@ impl Stage for Simulate<'_> {
     }
 
     fn files(&self, artefact: &Artefact, value: &Run, at: &Pipeline<'_>) -> Vec<NewFile> {
-        file(history_file(at.study, self.name, "history"), artefact, value, &self.key(at))
+        files(SIMPLE.map(|stem| history_file(at.study, self.name, stem)), artefact, value, &self.key(at))
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -126,14 +145,14 @@ impl Stage for SimulateSolid<'_> {
             };
             stages::simulate_solid(study, &geometry, meshes, &bodies, self.scenario, monitor)
         };
-        let reached = |(run, _): &(TransientRun, OtherSteps)| Reached::in_time(run.history.ending);
-        let Within { result: (run, other_steps), refused } =
+        let reached = |(run, _): &(TransientRun, Tried)| Reached::in_time(run.history.ending);
+        let Within { result: (run, tried), refused } =
             stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, reached)
                 .map_err(|error| study.in_scenario(self.name, error))?;
         at.moving = moving.into_inner();
         let reach = at.go_on_with(meshes);
-        let record = RunRecord::of_solid(&run.history, run.reduction.as_ref(), other_steps);
-        let artefact = artefact(&run.history, &record);
+        let record = RunRecord::of_solid(&run.history, run.reduction.as_ref(), tried.worth);
+        let artefact = artefact(&run.history, &record, tried.disturbed.as_ref());
         Ok(Made { complete: !refused, ..Made::whole(artefact.with(REACH, to_json(&reach))) })
     }
 
@@ -144,7 +163,7 @@ impl Stage for SimulateSolid<'_> {
     }
 
     fn files(&self, artefact: &Artefact, value: &Run, at: &Pipeline<'_>) -> Vec<NewFile> {
-        file(history_file(at.study, self.name, "solid_history"), artefact, value, &self.key(at))
+        files(SOLID.map(|stem| history_file(at.study, self.name, stem)), artefact, value, &self.key(at))
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -174,19 +193,38 @@ impl Pipeline<'_> {
     }
 }
 
-fn artefact(history: &History, record: &RunRecord) -> Artefact {
-    Artefact::default().with(ROWS, history_csv::write(history)).with(RECORD, to_json(record))
+fn artefact(history: &History, record: &RunRecord, disturbed: Option<&History>) -> Artefact {
+    let of = |artefact: Artefact, [rows, size]: [&str; 2], history, record| {
+        artefact.with(rows, history_csv::write(history)).with(size, to_json(record))
+    };
+    let artefact = of(Artefact::default(), [ROWS, RECORD], history, record);
+    match disturbed {
+        Some(history) => of(artefact, DISTURBED, history, &RunRecord::bare(history)),
+        None => artefact,
+    }
 }
 
 fn run(artefact: &Artefact) -> Result<Run> {
-    let record: RunRecord = part_json(artefact, RECORD)?;
-    let ending: Ending = record.ending().ok_or_else(|| unreadable(RECORD, "an unknown ending"))?;
-    let rows = part_text(artefact, ROWS)?;
-    let history = history_csv::read(Path::new(ROWS), rows, record.degrees_of_freedom, ending)?;
-    Ok(Run { history, record })
+    let (history, record) = part(artefact, [ROWS, RECORD])?;
+    let has_other = artefact.part(DISTURBED[0]).is_some();
+    let disturbed = has_other.then(|| Ok::<_, Error>(part(artefact, DISTURBED)?.0)).transpose()?;
+    Ok(Run { history, record, disturbed })
 }
 
-fn file(name: String, artefact: &Artefact, run: &Run, key: &str) -> Vec<NewFile> {
-    let rows = artefact.part(ROWS).unwrap_or_default().to_vec();
-    vec![NewFile { run: Some(run.record.clone()), ..NewFile::new(name, rows, key) }]
+/// A history of an artefact with its record.
+fn part(artefact: &Artefact, [rows, size]: [&str; 2]) -> Result<(History, RunRecord)> {
+    let record: RunRecord = part_json(artefact, size)?;
+    let ending: Ending = record.ending().ok_or_else(|| unreadable(size, "an unknown ending"))?;
+    let text = part_text(artefact, rows)?;
+    let history = history_csv::read(Path::new(rows), text, record.degrees_of_freedom, ending)?;
+    Ok((history, record))
+}
+
+fn files([name, other]: [String; 2], artefact: &Artefact, run: &Run, key: &str) -> Vec<NewFile> {
+    let file = |name, part, record| {
+        let rows = artefact.part(part).unwrap_or_default().to_vec();
+        NewFile { run: Some(record), ..NewFile::new(name, rows, key) }
+    };
+    let disturbed = run.disturbed.as_ref().map(|run| file(other, DISTURBED[0], RunRecord::bare(run)));
+    [file(name, ROWS, run.record.clone())].into_iter().chain(disturbed).collect()
 }

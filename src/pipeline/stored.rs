@@ -3,7 +3,7 @@
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::history::{Ending, History};
 
-use super::runs::Run;
+use super::runs::{Run, SIMPLE, SOLID};
 use super::verdict::{Runs, inputs};
 use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
@@ -67,7 +67,7 @@ impl Pipeline<'_> {
             && self.study.scenarios.keys().all(|name| {
                 let run = self
                     .results
-                    .entry(&history_file(self.study, name, "history"))
+                    .entry(&history_file(self.study, name, SIMPLE[0]))
                     .and_then(|entry| entry.run);
                 run.is_some_and(|run| from_file(&run))
             });
@@ -89,24 +89,44 @@ impl Pipeline<'_> {
         name: &str,
         scenario: &StudyScenario,
     ) -> Result<Run> {
-        let file = history_file(self.study, name, "history");
-        let noted = self.results.entry(&file).and_then(|entry| entry.run).filter(from_file);
+        let files = SIMPLE.map(|stem| history_file(self.study, name, stem));
+        let noted = self.results.entry(&files[0]).and_then(|entry| entry.run).filter(from_file);
         let springs = match (noted.and_then(|run| run.springs), stiffness) {
             (Some(springs), _) => springs,
             (None, Some(stiffness)) => springs::own(self.study, stiffness)?,
             (None, None) => springs::own(self.study, &self.stored_stiffness()?)?,
         };
         let key = self.study.keys.simple(name, &springs);
-        self.stored_run(&file, scenario, &key, "simulate")
+        self.stored_run(&files, scenario, &key, "simulate")
     }
 
     /// A run of the solid model.
     pub(super) fn stored_solid_run(&self, name: &str, scenario: &StudyScenario) -> Result<Run> {
-        let file = history_file(self.study, name, "solid_history");
-        self.stored_run(&file, scenario, &self.study.keys.solid(name), "verify")
+        let files = SOLID.map(|stem| history_file(self.study, name, stem));
+        self.stored_run(&files, scenario, &self.study.keys.solid(name), "verify")
     }
 
-    fn stored_run(&self, file: &str, scenario: &StudyScenario, key: &str, made_by: &str) -> Result<Run> {
+    /// A run with the disturbed one, if it has one.
+    fn stored_run(
+        &self,
+        [file, disturbed]: &[String; 2],
+        scenario: &StudyScenario,
+        key: &str,
+        made_by: &str,
+    ) -> Result<Run> {
+        let (history, record) = self.stored_history(file, scenario, key, made_by)?;
+        let other = || Ok::<_, Error>(self.stored_history(disturbed, scenario, key, made_by)?.0);
+        let disturbed = record.spread.is_some().then(other).transpose()?;
+        Ok(Run { history, record, disturbed })
+    }
+
+    fn stored_history(
+        &self,
+        file: &str,
+        scenario: &StudyScenario,
+        key: &str,
+        made_by: &str,
+    ) -> Result<(History, RunRecord)> {
         let text = self.results.text(file, made_by)?;
         let path = self.folder.file(file);
         // First, because it names the line of what was edited.
@@ -124,7 +144,7 @@ impl Pipeline<'_> {
         history.degrees_of_freedom = record.degrees_of_freedom;
         history.ending = ending;
         check_times(&path.display().to_string(), &history, scenario, made_by)?;
-        Ok(Run { history, record })
+        Ok((history, record))
     }
 
     /// The verdict, if it is one on these very files and limits.

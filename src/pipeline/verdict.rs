@@ -6,7 +6,7 @@ use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
-use super::runs::Run;
+use super::runs::{Run, SIMPLE, SOLID};
 use super::stage::{Made, Stage};
 use super::{OF_THE_VERDICT, Pipeline, STIFFNESS, VERIFICATION, history_file, part_json};
 use crate::output::to_json;
@@ -49,7 +49,7 @@ impl Stage for Verify<'_> {
         for (name, Runs { simple, solid }) in self.runs {
             let comparison = solid
                 .as_ref()
-                .map(|solid| verify::compare(&simple.history, &solid.history, &study.limits))
+                .map(|solid| verify::compare(&simple.model(), &solid.model(), &study.limits))
                 .transpose()?;
             let (lines, not_applicable, compared) = match comparison {
                 Some(c) => (c.lines, c.not_applicable, Some(c.compared)),
@@ -99,8 +99,14 @@ impl Stage for Verify<'_> {
 /// The files that a verdict is made from, with the hashes of their contents.
 pub(super) fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMap<String, String> {
     let histories = study.scenarios.iter().flat_map(|(name, scenario)| {
-        let solid = scenario.solid.then(|| history_file(study, name, "solid_history"));
-        [Some(history_file(study, name, "history")), solid].into_iter().flatten()
+        let files = |stems: [&str; 2]| -> Vec<String> {
+            let [file, disturbed] = stems.map(|stem| history_file(study, name, stem));
+            let entry = results.entry(&file).and_then(|entry| entry.run);
+            let known = entry.is_some_and(|run| run.spread.is_some());
+            [file].into_iter().chain(known.then_some(disturbed)).collect()
+        };
+        let solid = if scenario.solid { files(SOLID) } else { Vec::new() };
+        files(SIMPLE).into_iter().chain(solid)
     });
     let stiffness = with_stiffness.then(|| STIFFNESS.to_owned());
     stiffness

@@ -7,7 +7,7 @@ use railspring_calibrate::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 
 use super::{BeamFactors, LawConstants};
-use crate::verify::StepChange;
+use crate::verify::{Spread, StepChange, Worth};
 
 /// A run of one of the models.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -31,6 +31,9 @@ pub struct RunRecord {
     /// What steps of another length change; none where that is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_change: Option<StepChange>,
+    /// What an input that is 0.1 % larger changes; none where that is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<Spread>,
     /// What has to be known about the run, for instance that it leaves the law's fitted range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -41,32 +44,46 @@ impl RunRecord {
     pub fn new(
         history: &History,
         springs: Option<&SpringsRecord>,
-        step_change: Result<StepChange, String>,
+        worth: Worth,
         mut notes: Vec<String>,
     ) -> Self {
         let model = if springs.is_some() { "simple model" } else { "solid model" };
-        notes.push(match &step_change {
+        notes.push(match &worth.steps {
             Ok(change) => format!("{model}: {change}"),
             Err(reason) => format!("{model}: what steps of another length change is not known: {reason}"),
         });
+        notes.push(match &worth.spread {
+            Ok(change) => format!("{model}: {change}"),
+            Err(reason) => {
+                format!("{model}: what an input that is 0.1 % larger changes is not known: {reason}")
+            }
+        });
+        Self {
+            springs: springs.cloned(),
+            step_change: worth.steps.ok(),
+            spread: worth.spread.ok(),
+            notes,
+            ..Self::bare(history)
+        }
+    }
+
+    /// The record of a run of which only its size and its end are told.
+    pub fn bare(history: &History) -> Self {
         Self {
             degrees_of_freedom: history.degrees_of_freedom,
             ending: history.ending.name().into(),
             ended_at_s: history.ending.time(),
             ended_at_rail_mm: history.ending.rail().map(|place| [place.x, place.y].map(|at| at / MILLIMETRE)),
-            springs: springs.cloned(),
+            springs: None,
             reduction: None,
-            step_change: step_change.ok(),
-            notes,
+            step_change: None,
+            spread: None,
+            notes: Vec::new(),
         }
     }
 
     /// The record of a run of the solid model.
-    pub fn of_solid(
-        history: &History,
-        reduction: Option<&Reduction>,
-        step_change: Result<StepChange, String>,
-    ) -> Self {
+    pub fn of_solid(history: &History, reduction: Option<&Reduction>, worth: Worth) -> Self {
         let record = reduction.map(ReductionRecord::from);
         let unknown = reduction.filter(|reduction| reduction.time == 0.0).map(|_| {
             "solid model: what other modes change is not known: a run with them ended in its first time step".into()
@@ -81,7 +98,7 @@ impl RunRecord {
         });
         Self {
             reduction: record,
-            ..Self::new(history, None, step_change, notes.into_iter().chain(unknown).collect())
+            ..Self::new(history, None, worth, notes.into_iter().chain(unknown).collect())
         }
     }
 

@@ -84,12 +84,15 @@ impl VerificationRecord {
         match worst {
             None => format!("all {total} lines hold{scope}"),
             Some((subject, line)) => format!(
-                "{} of {total} lines {}; worst: {subject}: {} {} (limit {}){scope}",
+                "{} of {total} lines {}; worst: {subject}: {} {} (limit {}{}){scope}",
                 failing.len(),
                 if failing.len() == 1 { "fails" } else { "fail" },
                 line.meaning,
                 with_unit(line.value, &line.unit),
-                with_unit(Some(line.limit), &line.unit)
+                with_unit(Some(line.limit), &line.unit),
+                line.solid_worth.filter(|worth| *worth > line.limit).map_or_else(String::new, |worth| {
+                    format!(", the solid model itself {}", with_unit(Some(worth), &line.unit))
+                })
             ),
         }
     }

@@ -10,7 +10,7 @@ use crate::records::{
     BandPointRecord, ComplianceRecord, HorizontalRecord, LoadCurveRow, PatchRecord, ReferenceRecord,
     StiffnessRecord, TangentRecord,
 };
-use crate::verify::averaged_ratio;
+use crate::verify::{Carrying, averaged_ratio};
 
 use super::legend::{Entry, draw_legend, legend_height};
 use super::panel::{Panel, stacked};
@@ -230,15 +230,13 @@ pub fn forces(simple: &History, solid: Option<&History>) -> String {
     )
 }
 
-/// Q/P averaged over the window, of both models. `floor` is the share of the solid's peak of P
-/// below which the ratio is undefined.
-pub fn ratio(simple: &History, solid: Option<&History>, window: f64, floor: f64) -> String {
-    let peak = |history: &History| history.rows.iter().map(|row| row.vertical_force).fold(0.0, f64::max);
-    let floor = floor * peak(solid.unwrap_or(simple));
-    let series = both(simple, solid, |history| {
-        let ratios = averaged_ratio(history, window, floor);
+/// Q/P averaged over the window, of both models, where the averaged P of each carries it.
+pub fn ratio(simple: &History, solid: Option<&History>, window: f64, carrying: &[Carrying; 2]) -> String {
+    let points = |history: &History, carrying: &Carrying| {
+        let ratios = averaged_ratio(history, window, carrying);
         history.rows.iter().zip(ratios).map(|(row, ratio)| (row.time, ratio.unwrap_or(f64::NAN))).collect()
-    });
+    };
+    let series = beside(points(simple, &carrying[0]), solid.map(|solid| points(solid, &carrying[1])));
     stacked(
         WIDTH,
         280,
@@ -477,13 +475,14 @@ fn both(
     solid: Option<&History>,
     points: impl Fn(&History) -> Vec<(f64, f64)>,
 ) -> Vec<Series> {
-    let mut series = Vec::new();
-    if let Some(solid) = solid {
-        series.push(Series::line("solid model", points(solid), PALE_BLUE, Dash::Solid).broad());
-    }
+    beside(points(simple), solid.map(points))
+}
+
+/// Curves of the simple and of the solid model, the latter below.
+fn beside(simple: Vec<(f64, f64)>, solid: Option<Vec<(f64, f64)>>) -> Vec<Series> {
     let dash = if solid.is_some() { Dash::Dashed } else { Dash::Solid };
-    series.push(Series::line("simple model", points(simple), DARK_RED, dash));
-    series
+    let solid = solid.map(|points| Series::line("solid model", points, PALE_BLUE, Dash::Solid).broad());
+    solid.into_iter().chain([Series::line("simple model", simple, DARK_RED, dash)]).collect()
 }
 
 fn reference_style(reference: &str) -> (Marker, RGBColor) {

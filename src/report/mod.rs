@@ -25,6 +25,8 @@ use crate::records::{
     VerificationRecord,
 };
 
+use crate::verify::Carrying;
+
 pub use positions::ProfilePair;
 
 /// Both runs of one scenario.
@@ -40,6 +42,8 @@ pub struct ScenarioRun<'a> {
     pub simple: &'a History,
     /// The solid model's run, if it ran.
     pub solid: Option<&'a History>,
+    /// Where the averaged P of the simple and of the solid model carries Q/P.
+    pub carrying: [Carrying; 2],
 }
 
 /// Everything the report shows.
@@ -65,8 +69,6 @@ pub struct ReportData<'a> {
     pub scenarios: Vec<ScenarioRun<'a>>,
     /// Time over which Q and P are averaged, s.
     pub ratio_window: f64,
-    /// Share of the solid's peak of P below which Q/P is undefined.
-    pub ratio_floor: f64,
     /// The verdict.
     pub verdict: &'a VerificationRecord,
     /// Time, memory, host.
@@ -168,6 +170,14 @@ pub fn build(data: &ReportData<'_>) -> Report {
 
 fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collector) -> Value {
     let both = if run.solid.is_some() { " of both models" } else { " of the simple model" };
+    let compared = data.verdict.scenarios.iter().find(|s| s.scenario == run.name);
+    let until = compared.and_then(|s| s.compared.as_ref()?.pointwise_until_s);
+    let until = until.map_or_else(String::new, |time| {
+        format!(
+            " From {} ms on the motion of the solid is not determined, and statistics are compared.",
+            tables::number(1e3 * time)
+        )
+    });
     let mut figures = Vec::new();
     let mut add = |kind: &str, svg: String, caption: String| {
         figures.push(collected.add(&format!("{kind}-{}", run.name), svg, caption));
@@ -175,13 +185,13 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
     add(
         "forces",
         figures::forces(run.simple, run.solid),
-        format!("Vertical and lateral force of the wheel on the rail{both}."),
+        format!("Vertical and lateral force of the wheel on the rail{both}.{until}"),
     );
     add(
         "ratio",
-        figures::ratio(run.simple, run.solid, data.ratio_window, data.ratio_floor),
+        figures::ratio(run.simple, run.solid, data.ratio_window, &run.carrying),
         format!(
-            "Derailment coefficient Q/P{both}: Q and P averaged over a window of time before they are divided. Gaps: too little vertical force in the window."
+            "Derailment coefficient Q/P{both}: Q and P averaged over a window of time before they are divided. Gaps: too little vertical force in the window for a ratio, beside what the forces are worth.{until}"
         ),
     );
     add("wheel", figures::wheel(run.simple, run.solid), format!("Displacement of the wheel centre{both}."));

@@ -4,7 +4,7 @@ use railspring_calibrate::history::{Ending, History};
 use serde::Serialize;
 
 use crate::records::{BandPointRecord, ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord};
-use crate::verify::{self, Kind, Line};
+use crate::verify::{self, HeldBy, Kind, Line};
 
 use super::ScenarioRun;
 
@@ -33,9 +33,13 @@ pub(super) struct LineText {
     subject: String,
     meaning: String,
     kind: &'static str,
+    over: String,
     value: String,
     limit: String,
+    solid_worth: String,
+    simple_worth: String,
     holds: bool,
+    verdict: &'static str,
     note: Option<String>,
 }
 
@@ -104,9 +108,17 @@ fn line_text(subject: &str, line: &Line) -> LineText {
             Kind::Verification => "verification",
             Kind::CrossCode => "cross-code",
         },
+        over: line.over().unwrap_or_default(),
         value: line.value.map_or_else(|| "no value".into(), with_unit),
         limit: with_unit(line.limit),
+        solid_worth: line.solid_worth.map(with_unit).unwrap_or_default(),
+        simple_worth: line.simple_worth.map(with_unit).unwrap_or_default(),
         holds: line.holds,
+        verdict: match line.held_by {
+            None => "fails",
+            Some(HeldBy::Limit) => "holds",
+            Some(HeldBy::SolidWorth) => "holds by what the solid is worth",
+        },
         note: line.note.clone(),
     }
 }

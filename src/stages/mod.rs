@@ -24,7 +24,7 @@ pub use error_band::{
 };
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use sections::repairs;
-pub use simulate::{MovingBodies, OtherSteps, Springs, simulate, simulate_solid};
+pub use simulate::{MovingBodies, Springs, Tried, simulate, simulate_solid};
 pub use zones::{Reached, Within, check_loads, mesh_options, within_zones};
 
 use std::path::Path;

@@ -13,7 +13,7 @@ use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel, Tr
 
 use super::{Geometry, Meshes, contact_field, enforcement, formulation};
 use crate::study::{SlidingMatrixKey, Study, StudyScenario, TransientKey};
-use crate::verify::StepChange;
+use crate::verify::{Spread, StepChange, Worth, disturbed};
 use railspring_calibrate::beam::BeamCorrection;
 use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
 
@@ -30,10 +30,48 @@ pub struct Springs {
     pub beam: BeamCorrection,
 }
 
-/// What steps of another length change, or why that is not known.
-pub type OtherSteps = std::result::Result<StepChange, String>;
+/// A run that another one is compared with, or why there is none.
+type Other = std::result::Result<History, String>;
 
-/// The simple model under a load case.
+/// What a run is worth, and the run with an input that is 0.1 % larger, if it could be done.
+pub struct Tried {
+    /// What the run is worth.
+    pub worth: Worth,
+    /// The run with the larger input.
+    pub disturbed: Option<History>,
+}
+
+impl Tried {
+    /// From the run of a load case to those with other steps and with a larger input, of which `more_of` says which it is.
+    fn new(
+        scenario: &Scenario,
+        history: &History,
+        (inner_steps, other): (InnerSteps, Other),
+        (more_of, larger): (&str, Other),
+    ) -> Self {
+        let spread = larger.clone().and_then(|larger| Spread::between(history, &larger, more_of));
+        let determined_until = spread.as_ref().ok().and_then(|spread| spread.determined_until_s);
+        let lengths = [scenario.inner_steps, inner_steps];
+        let steps = other.and_then(|other| {
+            StepChange::between([history, &other], lengths, scenario.time_step, determined_until)
+        });
+        let disturbed = larger.ok().filter(|_| spread.is_ok());
+        Self { worth: Worth { steps, spread }, disturbed }
+    }
+}
+
+/// A run that another one is compared with; an interruption ends both.
+fn or_reason(run: Result<History>) -> Result<Other> {
+    match run {
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        run => Ok(run.map_err(|error| error.to_string())),
+    }
+}
+
+/// Why there is no run with a larger input.
+const NO_LOAD: &str = "the load case has no load";
+
+/// The simple model under a load case, and what that run is worth.
 ///
 /// # Errors
 /// Newton iterations that do not converge.
@@ -43,7 +81,7 @@ pub fn simulate(
     springs: &Springs,
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
-) -> Result<(History, OtherSteps)> {
+) -> Result<(History, Tried)> {
     let wheel_springs = WheelSprings {
         horizontal: springs.horizontal,
         normal: springs.normal.clone(),
@@ -58,19 +96,19 @@ pub fn simulate(
         SlidingMatrixKey::Unsymmetric => SlidingMatrix::Consistent,
         SlidingMatrixKey::Symmetric => SlidingMatrix::Symmetric,
     };
-    let with = |inner_steps| -> Result<History> {
-        Ok(model.run(&Scenario { inner_steps, ..scenario.scenario.clone() }, monitor)?.history)
-    };
+    let run = |scenario: &Scenario| -> Result<History> { Ok(model.run(scenario, monitor)?.history) };
     let steps = InnerSteps::Equal(study.simulation.inner_steps);
-    let history = with(steps)?;
+    let scenario = Scenario { inner_steps: steps, ..scenario.scenario.clone() };
+    let history = run(&scenario)?;
     // steps of twice the length; where the history has no longer ones, of half the length
-    let other = if steps.doubled() == steps { InnerSteps::Equal(2) } else { steps.doubled() };
-    let change = match with(other) {
-        Ok(changed) => StepChange::between([&history, &changed], [steps, other], scenario.scenario.time_step),
-        Err(Error::Interrupted) => return Err(Error::Interrupted),
-        Err(error) => Err(error.to_string()),
+    let inner_steps = if steps.doubled() == steps { InnerSteps::Equal(2) } else { steps.doubled() };
+    let other = or_reason(run(&Scenario { inner_steps, ..scenario.clone() }))?;
+    let (larger, more_of) = match disturbed(&scenario) {
+        Some((larger, more_of)) => (or_reason(run(&larger))?, more_of),
+        None => (Err(NO_LOAD.into()), ""),
     };
-    Ok((history, change))
+    let tried = Tried::new(&scenario, &history, (inner_steps, other), (more_of, larger));
+    Ok((history, tried))
 }
 
 /// Most modes that are asked for; with these a run goes on whatever the estimate of their error says.
@@ -79,7 +117,7 @@ const MOST_MODES: usize = 4 * START_MODES;
 /// The rail between its ends and the wheel, with modes.
 pub type MovingBodies = [CondensedBody; 2];
 
-/// The solid model under the same load case, and what other steps change; `bodies` gives those of the meshes with so many modes.
+/// The solid model under the same load case, and what that run is worth; `bodies` gives those of the meshes with so many modes.
 ///
 /// # Errors
 /// Contact iterations that do not converge, and those of `bodies`.
@@ -90,7 +128,7 @@ pub fn simulate_solid(
     bodies: &dyn Fn(usize) -> Result<Arc<MovingBodies>>,
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
-) -> Result<(TransientRun, OtherSteps)> {
+) -> Result<(TransientRun, Tried)> {
     let (pair, material) = (&geometry.pair, study.material);
     let contact = (enforcement(study), contact_field(study));
     let scenario = Scenario { inner_steps: study.solid.steps(), ..scenario.scenario.clone() };
@@ -98,13 +136,18 @@ pub fn simulate_solid(
         let meshes = [&meshes.rail, &meshes.wheel];
         let model = TransientModel::of_pair(pair, meshes, material, formulation(study), contact);
         let run = model.run(&scenario, monitor)?;
-        let change = change(&scenario, &run);
-        return Ok((run, change));
+        let tried = tried(&scenario, &run, "");
+        return Ok((run, tried));
     }
+    let larger = disturbed(&scenario);
     let with = |modes, count| {
         let bodies = bodies(modes)?;
         let [rail, wheel] = &*bodies;
-        TransientModel::reduced(pair, [rail, wheel], count, material, contact).run(&scenario, monitor)
+        let model = TransientModel::reduced(pair, [rail, wheel], count, material, contact);
+        match &larger {
+            Some((larger, _)) => model.run_beside(&scenario, larger, monitor),
+            None => model.run(&scenario, monitor),
+        }
     };
     let estimated = || -> Result<TransientRun> {
         let mut modes = START_MODES;
@@ -120,19 +163,21 @@ pub fn simulate_solid(
         Some(modes) => with(modes, ModeCount::Given(modes))?,
         None => estimated()?,
     };
-    let change = change(&scenario, &run);
-    Ok((run, change))
+    let tried = tried(&scenario, &run, larger.as_ref().map_or("", |(_, more_of)| more_of));
+    Ok((run, tried))
 }
 
-/// What longer steps of the integration change in a run of the solid model.
-fn change(scenario: &Scenario, run: &TransientRun) -> OtherSteps {
-    match &run.longer {
-        Some(Ok(longer)) => {
-            let steps = [scenario.inner_steps, scenario.inner_steps.doubled()];
-            StepChange::between([&run.history, longer], steps, scenario.time_step)
-        }
-        Some(Err(reason)) => Err(reason.clone()),
+/// What a run of the solid model is worth: what the longer steps and the larger input of the runs beside it change.
+fn tried(scenario: &Scenario, run: &TransientRun, more_of: &str) -> Tried {
+    let longer = run.longer.clone().unwrap_or_else(|| {
         // half the length would take twice as long as the run
-        None => Err("`solid.inner_steps` is 1; of more, half as many are tried as well".into()),
-    }
+        Err("`solid.inner_steps` is 1; of more, half as many are tried as well".into())
+    });
+    let larger = run.other.clone().unwrap_or_else(|| {
+        Err(match run.reduction {
+            Some(_) => NO_LOAD.into(),
+            None => "bodies at full order would take as long again".into(),
+        })
+    });
+    Tried::new(scenario, &run.history, (scenario.inner_steps.doubled(), longer), (more_of, larger))
 }

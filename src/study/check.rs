@@ -9,6 +9,12 @@ use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Keys that studies had before, and what is there instead.
+const REMOVED: [(&str, &str); 1] = [(
+    "verification.ratio_floor",
+    "Q/P is compared where what P and Q are worth leaves it off by `verification.ratio_max` at most",
+)];
+
 /// One thing that is wrong in a study file.
 #[derive(Debug, Clone)]
 pub struct Finding {
@@ -184,7 +190,9 @@ impl<'a> Checker<'a> {
     fn unknown_key(&self, path: &str, name: &str, value: &DeValue<'_>, known: &[&str]) -> InputError {
         let place = if path.is_empty() { "the study".into() } else { format!("[{path}]") };
         let expected = format!("a key of {place} ({})", known.join(", "));
+        let removed = REMOVED.iter().find(|(key, _)| *key == join(path, name));
         let remedy = match nearest(name, known.iter().copied()) {
+            _ if let Some((_, instead)) = removed => format!("the key is gone: {instead}; remove it"),
             Some(near) => format!("the key is unknown; did you mean `{}`?", join(path, near)),
             None => match self.elsewhere(name) {
                 Some(full) => format!("the key is unknown here; it belongs to `{full}`"),

@@ -374,6 +374,18 @@ fn a_misspelled_key_is_one_mistake() {
     assert_eq!(twice.all().len(), 1, "a line with a thousand of the same: {twice}");
 }
 
+/// Goal: a key that studies had before is named with what is there instead, and no other key is suggested.
+#[test]
+fn a_key_that_is_gone_says_what_is_there_instead() {
+    let gone = message("[verification]\nratio_floor = 0.05\n");
+    assert!(gone.starts_with("x.toml:7: verification.ratio_floor = 0.05: expected a key of"), "{gone}");
+    assert!(
+        gone.contains("the key is gone: Q/P is compared where") && gone.ends_with("; remove it"),
+        "{gone}"
+    );
+    assert!(!gone.contains("did you mean"), "{gone}");
+}
+
 #[test]
 fn unknown_standards_list_the_known_ones_and_the_nearest() {
     let wrong = |rail: &str, wheel: &str| {

@@ -14,6 +14,16 @@ pub enum Kind {
     CrossCode,
 }
 
+/// What a line holds by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeldBy {
+    /// The value is within the limit.
+    Limit,
+    /// The value is above the limit, and no more than what the solid model itself is worth.
+    SolidWorth,
+}
+
 /// One line of the verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Line {
@@ -29,8 +39,20 @@ pub struct Line {
     pub value: Option<f64>,
     /// The limit.
     pub limit: f64,
-    /// Whether the value is within the limit; a line without a value does not hold.
+    /// The same difference between two runs of the solid model: with other steps, and with an input that is 0.1 % larger; where it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solid_worth: Option<f64>,
+    /// The same of the simple model, which the line does not depend on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simple_worth: Option<f64>,
+    /// Begin and end of the time over which the value was taken, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over_s: Option<[f64; 2]>,
+    /// Whether the value is within the limit, or no more than what the solid is worth; a line without a value does not hold.
     pub holds: bool,
+    /// Which of the two.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_by: Option<HeldBy>,
     /// What else has to be known about the value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
@@ -54,14 +76,30 @@ pub struct Criterion {
 impl Criterion {
     /// The line, which holds if it has a value, and the value is within the limit.
     pub fn line(&self, value: Option<f64>) -> Line {
+        self.line_beside(value, [None; 2])
+    }
+
+    /// The line beside what simple and solid model are worth themselves; it also holds if the value is no more than that of the solid.
+    pub fn line_beside(&self, value: Option<f64>, worth: [Option<f64>; 2]) -> Line {
+        let value = value.filter(|value| value.is_finite());
+        let [simple, solid] = worth.map(|worth| worth.filter(|worth| worth.is_finite()));
+        let held_by = match value {
+            Some(value) if value <= self.limit => Some(HeldBy::Limit),
+            Some(value) if solid.is_some_and(|worth| value <= worth) => Some(HeldBy::SolidWorth),
+            _ => None,
+        };
         Line {
             quantity: self.quantity.into(),
             meaning: self.meaning.into(),
             kind: self.kind,
             unit: self.unit.into(),
-            value: value.filter(|value| value.is_finite()).map(rounded),
+            value: value.map(rounded),
             limit: self.limit,
-            holds: value.is_some_and(|value| value.is_finite() && value <= self.limit),
+            solid_worth: solid.map(rounded),
+            simple_worth: simple.map(rounded),
+            over_s: None,
+            holds: held_by.is_some(),
+            held_by,
             note: None,
         }
     }
@@ -78,11 +116,27 @@ impl Line {
         Self { note: Some(note.into()), ..self }
     }
 
-    /// Value over limit, by which failing lines are ranked; infinite without a value and over a limit of zero.
+    /// The time over which the value was taken, in words.
+    pub fn over(&self) -> Option<String> {
+        self.over_s.map(|[begin, end]| format!("{} to {}", milliseconds(begin), milliseconds(end)))
+    }
+
+    /// The same line with the time over which its value was taken, s.
+    pub fn taken_over(self, times: [f64; 2]) -> Self {
+        Self { over_s: Some(times.map(rounded)), ..self }
+    }
+
+    /// The limit, or what the solid is worth if that is more.
+    pub fn allowed(&self) -> f64 {
+        self.solid_worth.map_or(self.limit, |worth| worth.max(self.limit))
+    }
+
+    /// Value over what is allowed, by which failing lines are ranked; infinite without a value and over zero.
     pub fn excess(&self) -> f64 {
+        let allowed = self.allowed();
         match self.value {
-            Some(value) if self.limit > 0.0 => value / self.limit,
-            Some(value) if value <= self.limit => 0.0,
+            Some(value) if allowed > 0.0 => value / allowed,
+            Some(value) if value <= allowed => 0.0,
             _ => f64::INFINITY,
         }
     }
@@ -97,6 +151,11 @@ pub struct NotApplicable {
     pub meaning: String,
     /// Why it cannot be compared.
     pub reason: String,
+}
+
+/// A time (s) in milliseconds, to the microsecond, as text.
+pub(super) fn milliseconds(time: f64) -> String {
+    format!("{} ms", (time * 1e6).round() / 1e3)
 }
 
 /// Six significant digits: more would be noise of the arithmetic.

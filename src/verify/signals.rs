@@ -39,19 +39,44 @@ impl<T> Both<T> {
     }
 }
 
+/// Where an averaged P carries a ratio Q/P: where the ratio is known well enough.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Carrying {
+    /// How far averaged P and Q may be off, N.
+    pub errors: [f64; 2],
+    /// How far the ratio may be off at most.
+    pub limit: f64,
+}
+
+impl Carrying {
+    /// Of forces without errors: every positive P.
+    pub const EXACT: Self = Self { errors: [0.0; 2], limit: 0.0 };
+
+    /// Q/P, unless it may be off by more than the limit. With errors e of both forces it is off by (e_Q + |Q/P|·e_P)/(P - e_P) at most.
+    fn ratio(&self, p: f64, q: f64) -> Option<f64> {
+        let ([of_p, of_q], ratio) = (self.errors, q / p);
+        let least = p - of_p;
+        (least > 0.0 && ratio.is_finite() && of_q + ratio.abs() * of_p <= self.limit * least).then_some(ratio)
+    }
+}
+
 /// Q averaged over a window of time, divided by P averaged over the same window
 /// (publication, equation 16); the window ends at the time of the value.
 ///
-/// Before a whole window has passed, the average is over the time since the start. Where the
-/// averaged P is not above `floor` (N), the ratio is undefined. The averages are integrals of the
-/// piecewise linear forces.
-pub fn averaged_ratio(history: &History, window: f64, floor: f64) -> Vec<Option<f64>> {
-    let p = window_averages(history, window, |row| row.vertical_force);
-    let q = window_averages(history, window, |row| row.lateral_force);
-    p.iter().zip(&q).map(|(p, q)| (*p > floor && *p > 0.0).then(|| q / p)).collect()
+/// Before a whole window has passed, the average is over the time since the start. The ratio is undefined where P does not carry
+/// it. The averages are integrals of the piecewise linear forces.
+pub fn averaged_ratio(history: &History, window: f64, carrying: &Carrying) -> Vec<Option<f64>> {
+    let [p, q] = averaged_forces(history, window);
+    p.iter().zip(&q).map(|(p, q)| carrying.ratio(*p, *q)).collect()
 }
 
-fn window_averages(history: &History, window: f64, value: impl Fn(&HistoryRow) -> f64) -> Vec<f64> {
+/// P and Q averaged over the window that ends at each time, N.
+pub(super) fn averaged_forces(history: &History, window: f64) -> [Vec<f64>; 2] {
+    [|row: &HistoryRow| row.vertical_force, |row: &HistoryRow| row.lateral_force]
+        .map(|force| window_averages(history, window, force))
+}
+
+fn window_averages(history: &History, window: f64, value: fn(&HistoryRow) -> f64) -> Vec<f64> {
     let rows = &history.rows;
     // Integral from the first row, by the trapezoidal rule.
     let mut integral = vec![0.0; rows.len()];
@@ -106,7 +131,11 @@ pub fn separations(history: &History, shortest: f64) -> Vec<Separation> {
 
 /// Fractions of the time steps in each mode; the initial state does not count.
 pub fn mode_fractions(history: &History) -> ModeFractions {
-    let rows = history.rows.get(1..).unwrap_or_default();
+    fractions_of(history.rows.get(1..).unwrap_or_default())
+}
+
+/// Fractions of some time steps in each mode.
+pub(super) fn fractions_of(rows: &[HistoryRow]) -> ModeFractions {
     let share = |mode: ContactMode| {
         rows.iter().filter(|row| row.mode() == mode).count() as f64 / rows.len().max(1) as f64
     };
@@ -117,25 +146,27 @@ pub fn mode_fractions(history: &History) -> ModeFractions {
     }
 }
 
-/// Pairs separations of the two models that overlap, or lie no more than `reach` apart; in order,
-/// each used once. Also the number of those left over.
+/// Pairs separations of two runs that overlap, or lie no more than `reach` apart; in order,
+/// each used once. Also those left over.
 pub(super) fn pair_separations(
-    both: &Both<Vec<Separation>>,
+    [a, b]: [&[Separation]; 2],
     reach: f64,
-) -> (Vec<(Separation, Separation)>, usize) {
-    let mut pairs = Vec::new();
+) -> (Vec<[Separation; 2]>, Vec<Separation>) {
+    let (mut pairs, mut alone) = (Vec::new(), Vec::new());
     let (mut i, mut j) = (0, 0);
-    while let (Some(a), Some(b)) = (both.simple.get(i), both.solid.get(j)) {
-        if a.end_s + reach < b.begin_s {
+    while let (Some(first), Some(second)) = (a.get(i), b.get(j)) {
+        if first.end_s + reach < second.begin_s {
+            alone.push(*first);
             i += 1;
-        } else if b.end_s + reach < a.begin_s {
+        } else if second.end_s + reach < first.begin_s {
+            alone.push(*second);
             j += 1;
         } else {
-            pairs.push((*a, *b));
+            pairs.push([*first, *second]);
             i += 1;
             j += 1;
         }
     }
-    let unmatched = both.simple.len() + both.solid.len() - 2 * pairs.len();
-    (pairs, unmatched)
+    alone.extend(a[i..].iter().chain(&b[j..]));
+    (pairs, alone)
 }

@@ -1,14 +1,14 @@
 //! What a run is worth: how far it changes with steps of another length.
 
-use railspring_calibrate::history::{History, HistoryRow};
+use railspring_calibrate::history::History;
 use railspring_calibrate::step_control::InnerSteps;
 use serde::{Deserialize, Serialize};
 
-use super::signals::averaged_ratio;
-use super::{Limits, column, peak, rms};
+use super::change::Change;
+use super::line::milliseconds;
+use super::rows_before;
 
-/// How far a run changes with steps of another length, at the times of its history. Forces are over their own largest; Q/P is averaged
-/// over the published window, where the averaged P of both is above a twentieth of its largest.
+/// How far a run changes with steps of another length, as long as its motion is determined ([`super::Spread`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepChange {
     /// Length of the longest and of the shortest steps of the run, s.
@@ -17,22 +17,14 @@ pub struct StepChange {
     pub other_steps_s: [f64; 2],
     /// Time up to which the runs are compared, s.
     pub until_s: f64,
-    /// RMS change of the vertical force.
-    pub p_rms: f64,
-    /// Largest change of the vertical force.
-    pub p_max: f64,
-    /// RMS change of the lateral force.
-    pub q_rms: f64,
-    /// Largest change of the lateral force.
-    pub q_max: f64,
-    /// RMS change of the averaged Q/P; none where it is not defined.
-    pub ratio_rms: Option<f64>,
-    /// Largest change of the averaged Q/P.
-    pub ratio_max: Option<f64>,
+    /// The change.
+    #[serde(flatten)]
+    pub change: Change,
 }
 
 impl StepChange {
-    /// From a run to the same with other steps within its time steps (s); where one of them ends early, over the times of both.
+    /// From a run to the same with other steps within its time steps (s), where one of them ends early over the times of both, and before
+    /// the time from which the motion is not determined (s).
     ///
     /// # Errors
     /// How a run ended that has no time step.
@@ -40,36 +32,18 @@ impl StepChange {
         [run, other]: [&History; 2],
         steps: [InnerSteps; 2],
         time_step: f64,
+        determined_until: Option<f64>,
     ) -> Result<Self, String> {
-        let common = run.rows.len().min(other.rows.len());
         if let Some(ended) = [run, other].into_iter().find(|run| run.rows.len() < 2) {
             return Err(format!("one of the two runs has no time step: {}", ended.ending));
         }
-        let of = |history: &History| History { rows: history.rows[..common].to_vec(), ..history.clone() };
-        let (run, other) = (of(run), of(other));
-        let changes = |value: fn(&HistoryRow) -> f64| -> Vec<f64> {
-            let values = column(&run, value);
-            let largest = peak(&values);
-            let over = |change: f64| if change == 0.0 { 0.0 } else { change / largest };
-            values.iter().zip(column(&other, value)).map(|(a, b)| over(b - a)).collect()
-        };
-        let (p, q) = (changes(|row| row.vertical_force), changes(|row| row.lateral_force));
-        let limits = Limits::default();
-        let floor = limits.ratio_floor * peak(&column(&run, |row| row.vertical_force));
-        let ratios = [&run, &other].map(|history| averaged_ratio(history, limits.ratio_window_s, floor));
-        let ratio: Vec<f64> =
-            ratios[0].iter().zip(&ratios[1]).filter_map(|(a, b)| Some((*b)? - (*a)?)).collect();
-        let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));
+        let common = run.rows.len().min(other.rows.len());
+        let compared = determined_until.map_or(common, |time| common.min(rows_before(run, time)));
         Ok(Self {
             steps_s: steps[0].lengths(time_step),
             other_steps_s: steps[1].lengths(time_step),
-            until_s: run.rows.last().map_or(0.0, |row| row.time),
-            p_rms: rms(&p),
-            p_max: peak(&p),
-            q_rms: rms(&q),
-            q_max: peak(&q),
-            ratio_rms: of_ratio(rms),
-            ratio_max: of_ratio(peak),
+            until_s: run.rows[compared.max(1) - 1].time,
+            change: Change::between(run, other, 0..compared)?,
         })
     }
 }
@@ -80,28 +54,15 @@ impl std::fmt::Display for StepChange {
             true => format!("{:.4} ms", 1e3 * longest),
             false => format!("{:.4} to {:.4} ms", 1e3 * shortest, 1e3 * longest),
         };
-        write!(
-            f,
-            "steps of {}; with {} P changes by {:.2} % of its largest (RMS) and {:.2} % at most up to {} s, Q by {:.2} % and {:.2} %",
-            length(self.steps_s),
-            length(self.other_steps_s),
-            1e2 * self.p_rms,
-            1e2 * self.p_max,
-            self.until_s,
-            1e2 * self.q_rms,
-            1e2 * self.q_max
-        )?;
-        match (self.ratio_rms, self.ratio_max) {
-            (Some(rms), Some(max)) => write!(f, ", the averaged Q/P by {rms:.4} and {max:.4}"),
-            _ => Ok(()),
-        }
+        let (steps, others) = (length(self.steps_s), length(self.other_steps_s));
+        write!(f, "steps of {steps}; with {others} {} up to {}", self.change, milliseconds(self.until_s))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use railspring_calibrate::history::Ending;
+    use railspring_calibrate::history::{Ending, HistoryRow};
 
     /// ROUNDOFF: quotients and means of numbers of order one.
     const ROUNDOFF: f64 = 1e-12;
@@ -130,25 +91,33 @@ mod tests {
     #[test]
     fn changes_are_over_the_runs_own_largest() {
         let near = |a: f64, b: f64| (a - b).abs() < ROUNDOFF;
-        let change = StepChange::between([&run(9, 0.5, 0.0), &run(9, 0.5, 12e3)], TWO_AND_ONE, 1e-3).unwrap();
-        assert!(near(change.p_max, 0.1) && near(change.p_rms, 0.1 / 3.0), "{change:?}");
-        assert!(near(change.q_max, 0.1) && near(change.q_rms, 0.1 / 3.0), "{change:?}");
-        assert!(near(change.ratio_max.unwrap(), 0.0) && near(change.until_s, 8e-3), "{change:?}");
-        let change = StepChange::between([&run(9, 0.5, 0.0), &run(7, 0.6, 0.0)], TWO_AND_ONE, 1e-3).unwrap();
+        let change =
+            StepChange::between([&run(9, 0.5, 0.0), &run(9, 0.5, 12e3)], TWO_AND_ONE, 1e-3, None).unwrap();
+        assert!(near(change.change.p_max, 0.1) && near(change.change.p_rms, 0.1 / 3.0), "{change:?}");
+        assert!(near(change.change.q_max, 0.1) && near(change.change.q_rms, 0.1 / 3.0), "{change:?}");
+        assert!(near(change.change.ratio_max.unwrap(), 0.0) && near(change.until_s, 8e-3), "{change:?}");
+        let change =
+            StepChange::between([&run(9, 0.5, 0.0), &run(7, 0.6, 0.0)], TWO_AND_ONE, 1e-3, None).unwrap();
         assert!(
-            near(change.p_max, 0.0) && near(change.q_max, 0.2) && near(change.until_s, 6e-3),
+            near(change.change.p_max, 0.0) && near(change.change.q_max, 0.2) && near(change.until_s, 6e-3),
             "{change:?}"
         );
-        assert!(near(change.ratio_max.unwrap(), 0.1) && near(change.ratio_rms.unwrap(), 0.1), "{change:?}");
+        assert!(
+            near(change.change.ratio_max.unwrap(), 0.1) && near(change.change.ratio_rms.unwrap(), 0.1),
+            "{change:?}"
+        );
         assert!(
             change.to_string().starts_with("steps of 0.5000 ms; with 1.0000 ms P changes by 0.00 %"),
             "{change}"
         );
         let still = run(5, 0.0, 0.0);
-        let change = StepChange::between([&still, &still], [InnerSteps::Equal(1); 2], 1e-3).unwrap();
-        assert_eq!((change.q_rms, change.q_max, change.ratio_max), (0.0, 0.0, Some(0.0)));
+        let change = StepChange::between([&still, &still], [InnerSteps::Equal(1); 2], 1e-3, None).unwrap();
+        assert_eq!(
+            (change.change.q_rms, change.change.q_max, change.change.ratio_max),
+            (0.0, 0.0, Some(0.0))
+        );
         // without a time step there is nothing to compare, and no change of zero
-        let unknown = StepChange::between([&still, &run(1, 0.5, 0.0)], TWO_AND_ONE, 1e-3).unwrap_err();
+        let unknown = StepChange::between([&still, &run(1, 0.5, 0.0)], TWO_AND_ONE, 1e-3, None).unwrap_err();
         assert!(unknown.starts_with("one of the two runs has no time step: ran to"), "{unknown}");
     }
 }

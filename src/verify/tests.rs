@@ -41,6 +41,11 @@ fn history(
     History { rows, degrees_of_freedom: 1, ending: Ending::Completed }
 }
 
+/// Compares two runs of which nothing else is known.
+fn compare(simple: &History, solid: &History, limits: &Limits) -> Result<Comparison> {
+    super::compare(&ModelRun::alone(simple), &ModelRun::alone(solid), limits)
+}
+
 fn line<'a>(comparison: &'a Comparison, meaning: &str) -> &'a Line {
     comparison.lines.iter().find(|line| line.meaning.starts_with(meaning)).unwrap()
 }
@@ -92,7 +97,7 @@ fn the_averaged_ratio_is_the_mean_over_the_window() {
     // Q = q·t over P = p: the mean of Q over the last w seconds is q·(t − w/2), and q·t/2 before w.
     let (p, q, window) = (80e3, 4e5, 0.024);
     let run = history(200, |t| (p, q * t), SLIP);
-    for (row, ratio) in run.rows.iter().zip(averaged_ratio(&run, window, 0.0)) {
+    for (row, ratio) in run.rows.iter().zip(averaged_ratio(&run, window, &Carrying::EXACT)) {
         let t = row.time;
         let expected = if t < window { q * t / 2.0 } else { q * (t - window / 2.0) } / p;
         assert!((ratio.unwrap() - expected).abs() < 1e-12, "{t}: {ratio:?} {expected}");
@@ -103,7 +108,7 @@ fn the_averaged_ratio_is_the_mean_over_the_window() {
 fn a_window_that_is_no_multiple_of_the_step_is_interpolated() {
     let (p, q, window) = (80e3, 4e5, 0.0213);
     let run = history(200, |t| (p, q * t), SLIP);
-    let ratio = averaged_ratio(&run, window, 0.0)[150].unwrap();
+    let ratio = averaged_ratio(&run, window, &Carrying::EXACT)[150].unwrap();
     let expected = q * (150.0 * STEP - window / 2.0) / p;
     assert!((ratio - expected).abs() < 1e-12);
 }
@@ -116,7 +121,7 @@ fn without_contact_the_ratio_is_undefined_and_not_compared() {
         |t| if apart(t) { (0.0, 0.0) } else { (1e5, 3e4) },
         |t| (!apart(t)).then_some(ContactMode::Stick),
     );
-    let ratios = averaged_ratio(&run, 0.024, 1.0);
+    let ratios = averaged_ratio(&run, 0.024, &Carrying { errors: [1.0, 0.0], limit: 1.0 });
     // The window lies wholly in the separation from 0.05 + 0.024 s to its end.
     let undefined = ratios.iter().filter(|r| r.is_none()).count();
     assert_eq!(undefined, ((0.0995 - 0.0740) / STEP).round() as usize + 1);
@@ -268,12 +273,12 @@ fn a_run_that_leaves_the_profile_fails() {
 #[test]
 fn odd_histories_do_not_panic() {
     let single = history(1, |_| (1e5, 0.0), SLIP);
-    assert_eq!(averaged_ratio(&single, 0.024, 0.0), [Some(0.0)]);
+    assert_eq!(averaged_ratio(&single, 0.024, &Carrying::EXACT), [Some(0.0)]);
     let mut same = history(5, |_| (1e5, 2e4), SLIP);
     same.rows.iter_mut().for_each(|row| row.time = 0.5);
-    assert_eq!(averaged_ratio(&same, 0.024, 0.0), [Some(0.2); 5]);
+    assert_eq!(averaged_ratio(&same, 0.024, &Carrying::EXACT), [Some(0.2); 5]);
     let broken = history(5, |_| (f64::NAN, f64::INFINITY), SLIP);
-    assert_eq!(averaged_ratio(&broken, 0.024, 0.0), [None; 5]);
+    assert_eq!(averaged_ratio(&broken, 0.024, &Carrying::EXACT), [None; 5]);
     for run in [single, same, broken] {
         let comparison = compare(&run, &run, &Limits::default()).unwrap();
         mode_fractions(&run);
@@ -290,6 +295,8 @@ fn runs_over_other_times_are_refused() {
     later.rows[5].time += 1e-4;
     assert!(compare(&long, &later, &Limits::default()).is_err());
 }
+
+mod worth;
 
 mod properties {
     use super::*;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::Point2;
 use railspring::records::history_csv;
-use railspring::verify::{Limits, compare};
+use railspring::verify::{Limits, ModelRun, Spread, compare};
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 use crate::mutate::{Dice, mistakes};
@@ -88,7 +88,11 @@ fn misread(history: &History, text: &str) -> Option<String> {
 /// A line of the verdict that holds without a finite value.
 fn miscompared(history: &History, original: &History) -> Option<String> {
     [(history, original), (original, history)].into_iter().find_map(|(simple, solid)| {
-        let comparison = compare(simple, solid, &Limits::default()).ok()?;
+        // beside itself, and as what an input that is 0.1 % larger makes of the other one
+        let spread = Spread::between(solid, simple, "lateral force").ok();
+        let disturbed = spread.as_ref().map(|spread| (simple, spread));
+        let solid = ModelRun { disturbed, ..ModelRun::alone(solid) };
+        let comparison = compare(&ModelRun::alone(simple), &solid, &Limits::default()).ok()?;
         let unearned = comparison.lines.iter().find(|l| l.holds && !l.value.is_some_and(f64::is_finite));
         unearned.map(|line| format!("{} holds with {:?}", line.quantity, line.value))
     })

@@ -1,0 +1,233 @@
+//! The runs as samples, where the motion of the solid model is no longer determined: no run follows another one there, but all of them have
+//! the same distributions of forces, the same rate of separations and the same share of the contact modes.
+//!
+//! How far two such runs of the solid differ by chance is measured on the solid's run and its disturbed run: the time is cut into blocks, and
+//! the difference of the two is taken without each block in turn (jackknife).
+
+use std::ops::Range;
+
+use railspring_calibrate::history::{ContactMode, History};
+
+use super::change::{FORCES, over, peaks};
+use super::limits::Limits;
+use super::line::{Criterion, Line};
+use super::model_run::ModelRun;
+use super::{rows_before, separations};
+
+/// Fewest blocks that the time is cut into, each as long as the window of the averaged Q/P at least.
+const LEAST_BLOCKS: usize = 3;
+/// Most blocks.
+const MOST_BLOCKS: usize = 20;
+/// What is compared of each force: mean, RMS and these quantiles.
+const QUANTILES: [f64; 3] = [0.05, 0.50, 0.95];
+/// Numbers of a force.
+const OF_FORCE: usize = 2 + QUANTILES.len();
+/// Numbers of a sample: those of P and Q, separations a second, and the fractions of three modes.
+const NUMBERS: usize = 2 * OF_FORCE + 4;
+
+/// A row of a run, as a member of a sample.
+#[derive(Clone, Copy)]
+struct Member {
+    forces: [f64; 2],
+    mode: ContactMode,
+    /// Whether a separation begins here.
+    separates: bool,
+}
+
+/// The rows of a run from some time on.
+fn sample(run: &History, rows: Range<usize>, limits: &Limits) -> Vec<Member> {
+    let begins: Vec<f64> = separations(run, limits.separation_shortest_s).iter().map(|s| s.begin_s).collect();
+    run.rows[rows]
+        .iter()
+        .map(|row| Member {
+            forces: FORCES.map(|force| force(row)),
+            mode: row.mode(),
+            separates: begins.binary_search_by(|begin| begin.total_cmp(&row.time)).is_ok(),
+        })
+        .collect()
+}
+
+/// The numbers of a sample without some of its rows, which are `step` (s) apart; of forces in N.
+fn numbers(sample: &[Member], without: Range<usize>, step: f64) -> [f64; NUMBERS] {
+    let members = || sample[..without.start].iter().chain(&sample[without.end..]);
+    let count = (sample.len() - without.len()) as f64;
+    let mut found = [0.0; NUMBERS];
+    for k in [0, 1] {
+        let mut forces: Vec<f64> = members().map(|member| member.forces[k]).collect();
+        let of = &mut found[OF_FORCE * k..];
+        of[0] = forces.iter().sum::<f64>() / count;
+        of[1] = super::rms(&forces);
+        forces.sort_by(f64::total_cmp);
+        for (n, share) in QUANTILES.into_iter().enumerate() {
+            of[2 + n] = quantile(&forces, share);
+        }
+    }
+    found[2 * OF_FORCE] = members().filter(|member| member.separates).count() as f64 / (count * step);
+    for (n, mode) in [ContactMode::Stick, ContactMode::Slip, ContactMode::Separated].into_iter().enumerate() {
+        found[2 * OF_FORCE + 1 + n] = members().filter(|member| member.mode == mode).count() as f64 / count;
+    }
+    found
+}
+
+/// The value below which a share of the ascending values lies, on straight lines between them.
+fn quantile(ascending: &[f64], share: f64) -> f64 {
+    let place = share * (ascending.len() - 1) as f64;
+    let (below, above) = (ascending[place.floor() as usize], ascending[place.ceil() as usize]);
+    below + place.fract() * (above - below)
+}
+
+/// Below which 95 % of the sizes of Student's t lie with so many degrees of freedom, two at least: the expansion for many (Abramowitz and
+/// Stegun, 26.7.5), which is 0.8 % below the truth for two.
+fn student_95(freedom: usize) -> f64 {
+    let (z, n) = (1.959_964_f64, freedom as f64);
+    let terms = [
+        (z.powi(3) + z) / 4.0,
+        (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0,
+        (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0,
+        (79.0 * z.powi(9) + 776.0 * z.powi(7) + 1482.0 * z.powi(5) - 1920.0 * z.powi(3) - 945.0 * z)
+            / 92160.0,
+    ];
+    terms.iter().rev().fold(0.0, |sum, term| (sum + term) / n) + z
+}
+
+/// How far the numbers of two runs of one model differ by chance, in 95 of 100 cases: the jackknife of their difference over `blocks`.
+fn chance(samples: [&[Member]; 2], step: f64, blocks: usize) -> [f64; NUMBERS] {
+    let rows = samples[0].len();
+    let differences: Vec<[f64; NUMBERS]> = (0..blocks)
+        .map(|block| {
+            let without = block * rows / blocks..(block + 1) * rows / blocks;
+            let [a, b] = samples.map(|sample| numbers(sample, without.clone(), step));
+            std::array::from_fn(|n| a[n] - b[n])
+        })
+        .collect();
+    let count = blocks as f64;
+    std::array::from_fn(|n| {
+        let mean = differences.iter().map(|d| d[n]).sum::<f64>() / count;
+        let squares: f64 = differences.iter().map(|d| (d[n] - mean).powi(2)).sum();
+        student_95(blocks - 1) * (squares * (count - 1.0) / count).sqrt()
+    })
+}
+
+/// The row from which statistics are compared, if there is one: where the solid's motion is not determined any more, and enough is left.
+pub(super) fn begin(simple: &History, solid: &ModelRun, limits: &Limits) -> Option<usize> {
+    let first = rows_before(solid.history, solid.determined_until()?);
+    let rows = simple.rows.len().min(solid.history.rows.len()).min(solid.disturbed?.0.rows.len());
+    let block = rows_of_window(solid.history, limits);
+    (rows.saturating_sub(first) >= LEAST_BLOCKS * block).then_some(first)
+}
+
+/// Rows over which Q/P is averaged.
+fn rows_of_window(run: &History, limits: &Limits) -> usize {
+    (limits.ratio_window_s / step(run)).ceil().max(1.0) as usize
+}
+
+fn step(run: &History) -> f64 {
+    let last = run.rows.len() - 1;
+    (run.rows[last].time - run.rows[0].time) / last as f64
+}
+
+/// The lines on both runs from a row of [`begin`] on.
+pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first: usize) -> Vec<Line> {
+    let step = step(solid.history);
+    let both = [simple.history, solid.history];
+    let end = both.map(|run| run.rows.len()).into_iter().min().unwrap_or(first);
+    let [of_simple, of_solid] = both.map(|run| numbers(&sample(run, first..end, limits), 0..0, step));
+    let own = |run: &ModelRun| {
+        let other = run.disturbed?.0;
+        let end = run.history.rows.len().min(other.rows.len());
+        let blocks = (end.checked_sub(first)? / rows_of_window(run.history, limits)).min(MOST_BLOCKS);
+        let samples = || [run.history, other].map(|run| sample(run, first..end, limits));
+        (blocks >= LEAST_BLOCKS).then(|| chance(samples().each_ref().map(Vec::as_slice), step, blocks))
+    };
+    let worth = [simple, solid].map(own);
+    let peaks = peaks(solid.history);
+    // no count is known better than by one: the ends of the time cut off a separation
+    let one = 1.0 / ((end - first) as f64 * step);
+    let rate = of_solid[RATE].max(one);
+    let times = [first, end - 1].map(|row| solid.history.rows[row].time);
+    let line = |n: usize, criterion: Criterion| {
+        let value = |difference: f64| match n {
+            n if n < 2 * OF_FORCE => over(difference, peaks[n / OF_FORCE]),
+            RATE => difference / rate,
+            _ => difference,
+        };
+        let least = if n == RATE { one } else { 0.0 };
+        let worth = worth.map(|worth| worth.map(|worth| value(worth[n].max(least))));
+        criterion.line_beside(Some(value((of_simple[n] - of_solid[n]).abs())), worth).taken_over(times)
+    };
+    let forces = OF_FORCES.into_iter().map(|meaning| Criterion { meaning, ..limits.statistics() });
+    let modes = OF_MODES.into_iter().map(|meaning| Criterion { meaning, ..limits.mode_fraction() });
+    forces.chain([limits.separation_rate()]).chain(modes).enumerate().map(|(n, c)| line(n, c)).collect()
+}
+
+/// Place of the separations a second.
+const RATE: usize = 2 * OF_FORCE;
+
+const OF_FORCES: [&str; 2 * OF_FORCE] = [
+    "Undetermined motion: mean of P, difference over the solid's peak",
+    "Undetermined motion: RMS of P, difference over the solid's peak",
+    "Undetermined motion: 5 % quantile of P, difference over the solid's peak",
+    "Undetermined motion: median of P, difference over the solid's peak",
+    "Undetermined motion: 95 % quantile of P, difference over the solid's peak",
+    "Undetermined motion: mean of Q, difference over the solid's peak",
+    "Undetermined motion: RMS of Q, difference over the solid's peak",
+    "Undetermined motion: 5 % quantile of Q, difference over the solid's peak",
+    "Undetermined motion: median of Q, difference over the solid's peak",
+    "Undetermined motion: 95 % quantile of Q, difference over the solid's peak",
+];
+
+const OF_MODES: [&str; 3] = [
+    "Undetermined motion: time sticking, difference of the fractions",
+    "Undetermined motion: time sliding, difference of the fractions",
+    "Undetermined motion: time separated, difference of the fractions",
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ROUNDOFF: sums of a few numbers.
+    const ROUNDOFF: f64 = 1e-9;
+
+    fn of_forces(forces: &[f64]) -> Vec<Member> {
+        let member = |&p: &f64| Member { forces: [p, -p], mode: ContactMode::Slip, separates: p > 4.0 };
+        forces.iter().map(member).collect()
+    }
+
+    /// Source: tables of Student's t. Goal: the two-sided 95 % value. Accuracy: MODEL, the expansion is 0.8 % off for two degrees of freedom and less for more.
+    #[test]
+    fn the_factor_is_that_of_student() {
+        const MODEL: f64 = 0.009;
+        for (freedom, table) in [(2, 4.3027), (3, 3.1824), (5, 2.5706), (8, 2.3060), (19, 2.0930)] {
+            let found = student_95(freedom);
+            assert!((found / table - 1.0).abs() < MODEL, "{freedom}: {found} {table}");
+        }
+        assert!((student_95(1000) - 1.9623).abs() < 1e-4);
+    }
+
+    /// Source: the jackknife of a mean is its standard error, the deviation of the blocks' means over √blocks. Goal: blocks of two rows whose differences have the means 1, 2, 3 and 6 N: deviation
+    /// √(14/3), error √(14/3)/2, times Student's factor with three degrees of freedom; the same of both forces. Accuracy: ROUNDOFF.
+    #[test]
+    fn the_chance_of_a_mean_is_its_standard_error() {
+        let a = of_forces(&[1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 6.0, 6.0]);
+        let b = of_forces(&[0.0; 8]);
+        let found = chance([&a, &b], 5e-4, 4);
+        let expected = student_95(3) * (14.0f64 / 3.0).sqrt() / 2.0;
+        assert!((found[0] - expected).abs() < ROUNDOFF, "{} {expected}", found[0]);
+        assert!((found[OF_FORCE] - expected).abs() < ROUNDOFF);
+        assert_eq!(chance([&a, &a], 5e-4, 4), [0.0; NUMBERS]);
+    }
+
+    /// Goal: mean, RMS, quantiles, rate (1/s) and fractions of a sample without some rows. Accuracy: ROUNDOFF.
+    #[test]
+    fn numbers_of_a_sample() {
+        let mut sample = of_forces(&[3.0, 100.0, 1.0, 5.0, 2.0, 4.0]);
+        sample[0].mode = ContactMode::Separated;
+        let found = numbers(&sample, 1..2, 0.01);
+        // 1 to 5 N; a twentieth is at 0.2 of the way from the first to the second
+        let expected = [3.0, 11f64.sqrt(), 1.2, 3.0, 4.8, -3.0, 11f64.sqrt(), -4.8, -3.0, -1.2];
+        for (n, expected) in expected.into_iter().chain([20.0, 0.0, 0.8, 0.2]).enumerate() {
+            assert!((found[n] - expected).abs() < ROUNDOFF, "{n}: {} {expected}", found[n]);
+        }
+    }
+}
