@@ -100,8 +100,8 @@ fn the_page_is_complete_and_needs_nothing_else() {
         "P, RMS difference over the solid",
         "solid model itself",
         "of both models. From 100 ms on the motion of the solid is not determined",
-        "<td>0 ms to 99.5 ms</td>",
-        "<td>100 ms to 275 ms</td>",
+        "<td>0 to 99.5 ms</td>",
+        "<td>100 to 275 ms</td>",
         "peak memory",
         "scaled Jacobian",
     ] {

@@ -118,7 +118,9 @@ impl Line {
 
     /// The time over which the value was taken, in words.
     pub fn over(&self) -> Option<String> {
-        self.over_s.map(|[begin, end]| format!("{} to {}", milliseconds(begin), milliseconds(end)))
+        self.over_s.map(|[begin, end]| {
+            format!("{} to {}", milliseconds(begin).trim_end_matches(" ms"), milliseconds(end))
+        })
     }
 
     /// The same line with the time over which its value was taken, s.

@@ -122,7 +122,7 @@ fn a_line_holds_by_what_the_solid_is_worth() {
         assert_eq!((line.held_by, line.holds), (held_by, held_by.is_some()), "{line:?}");
         assert!((line.allowed() - 0.025).abs() < ROUNDOFF);
         assert_eq!(line.over_s, Some([0.0, 0.2]));
-        assert_eq!(line.over().unwrap(), "0 ms to 200 ms");
+        assert_eq!(line.over().unwrap(), "0 to 200 ms");
     }
 }
 
