@@ -27,6 +27,7 @@ pub mod springs;
 pub mod estimate;
 pub mod measure;
 pub mod scaling;
+pub mod step_times;
 pub mod crosscheck;
 pub mod pipeline;
 pub mod cli;

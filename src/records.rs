@@ -14,6 +14,7 @@ mod by_angle;
 mod error_band;
 mod patches;
 mod scaling;
+mod step_times;
 
 pub use by_angle::{
     AngleLawRecord, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
@@ -28,6 +29,7 @@ pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSour
 pub use scaling::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
 };
+pub use step_times::{PeerTime, StepTime, StepTimesRecord};
 pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};
 
 /// One key of a resolved study.

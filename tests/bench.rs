@@ -1,4 +1,4 @@
-//! `railspring bench solid`: its files, what it predicts, and what it refuses.
+//! `railspring bench`: its files, what it predicts, and what it refuses.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -7,13 +7,18 @@ use serde_json::Value;
 
 const COARSE: &str = include_str!("studies/coarse.toml");
 
-/// Runs the command in a folder with the coarse study.
+/// Sweeps the solid model in a folder with the coarse study.
 fn bench(root: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     std::fs::write(root.join("study.toml"), COARSE).unwrap();
+    bench_of("solid", root, arguments)
+}
+
+/// Runs a command in a folder.
+fn bench_of(what: &str, root: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
     let Output { status, stdout, stderr } = assert_cmd::Command::cargo_bin("railspring")
         .unwrap()
         .current_dir(root)
-        .args(["bench", "solid"])
+        .args(["bench", what])
         .args(arguments)
         .output()
         .unwrap();
@@ -149,4 +154,53 @@ fn wrong_sizes_are_refused() {
     let left: Vec<PathBuf> =
         std::fs::read_dir(root.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert_eq!(left.len(), 1, "{left:?}");
+}
+
+/// Source: the counts of the cases, and the times of OpenSees in `docs/step-times.md`. Goal: with rails of a hundred elements at most every case has a time (µs) of its steps that lies
+/// between those of its shortest and its longest run; table, record and figure have all of them, with the other programs' beside the bridges of as many
+/// elements and how many times as long they take. No limit on a time.
+#[test]
+fn steps_of_the_moving_solver_are_timed_beside_other_programs() {
+    let root = tempfile::tempdir().unwrap();
+    let arguments = ["--to", "100", "--repeats", "3", "-o", "out"];
+    let (code, said, heard) = bench_of("moving", root.path(), &arguments);
+    assert_eq!(code, Some(0), "{heard}");
+    let out = root.path().join("out");
+    let text = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+    let found: Value = serde_json::from_str(&text("moving.json")).unwrap();
+    let times = found["times"].as_array().unwrap();
+    let names: Vec<_> = times
+        .iter()
+        .map(|time| (time["case"].as_str().unwrap(), time["elements"].as_u64().unwrap()))
+        .collect();
+    let bridge = "bridge of 25 m";
+    let expected =
+        [("load case 4.1", 20), (bridge, 20), (bridge, 40), (bridge, 80), ("rail", 20), ("rail", 100)];
+    assert_eq!(names, expected);
+    for time in times {
+        let of = |key: &str| number(&time[key]);
+        assert_eq!(time["element"], "published");
+        assert!(0.0 < of("microseconds") && of("microseconds") <= of("median_microseconds"), "{time}");
+        assert!(of("median_microseconds") <= of("longest_microseconds"), "{time}");
+        // a step that changes anything has an iteration
+        assert!(of("iterations") >= 1.0 && of("steps") >= 550.0, "{time}");
+    }
+    let peer = |line: &&str| line.contains("OpenSees WheelRail") && line.contains("854 to 1106");
+    let line = said.lines().find(peer).unwrap_or_else(|| panic!("{said}"));
+    let ratio = line.rsplit("  ").next().unwrap();
+    let own = number(&times[2]["microseconds"]);
+    assert_eq!(ratio.trim(), format!("{:.0} to {:.0}", 854.0 / own, 1106.0 / own), "{line}");
+    assert!(said.contains("not in this run") && said.trim_end().ends_with("out"), "{said}");
+    let table = text("moving.csv");
+    let peers = found["peers"].as_array().unwrap().len();
+    assert_eq!(table.lines().count(), 1 + times.len() + peers);
+    assert!(table.contains("bridge of 25 m,\"OpenSees WheelRail, 2D, no friction\",20,302.0,329.0,,false"));
+    let figure = text("moving.svg");
+    for words in ["beam elements", "time of a step (\u{b5}s)", "rail, published element", "measured earlier"]
+    {
+        assert!(figure.contains(words), "{words}");
+    }
+    let (code, _, heard) = bench_of("moving", root.path(), &["--to", "10", "-o", "deep/out"]);
+    assert!(code == Some(2) && heard.contains("20..=10000"), "{heard}");
+    assert!(!root.path().join("deep").exists());
 }

@@ -10,9 +10,10 @@ use super::progress::Progress;
 use super::{Failure, positive, take_threads};
 use crate::estimate::{Budget, Resources};
 use crate::output::OutputFolder;
-use crate::records::ScalingRecord;
-use crate::report::scaling;
+use crate::records::{ScalingRecord, StepTimesRecord};
+use crate::report::{scaling, step_times as times_figure};
 use crate::scaling::{Sweep, sweep};
+use crate::step_times::{PEERS_MADE, step_times};
 use crate::study::Study;
 
 /// The study that is measured if none is named.
@@ -25,11 +26,36 @@ const RECORD: &str = "scaling.json";
 const TABLE: &str = "scaling.csv";
 const FIGURE: &str = "scaling.svg";
 
+/// Files of the steps' times.
+const TIMES_RECORD: &str = "moving.json";
+const TIMES_TABLE: &str = "moving.csv";
+const TIMES_FIGURE: &str = "moving.svg";
+
 #[derive(Debug, Subcommand)]
 pub(super) enum BenchCommand {
     /// Sweep the solid model over its degrees of freedom: time and memory of mesh, ordering, assembly, factorisation, condensation, modes,
     /// a load and a step in time. Writes scaling.csv, scaling.json and scaling.svg after every size
     Solid(SolidArgs),
+    /// Time a step of the moving solver: the published load case 4.1, a bridge of 25 m beside other programs, and rails of 20 to 10000 beam
+    /// elements. Writes moving.csv, moving.json and moving.svg
+    Moving(MovingArgs),
+}
+
+/// The runs and where the results go.
+#[derive(Debug, Args)]
+pub(super) struct MovingArgs {
+    /// Most beam elements of a bridge or a rail
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(20..=10_000))]
+    to: u32,
+    /// Runs of each case, of which the shortest counts
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeats: u16,
+    /// Output folder
+    #[arg(short, long, value_name = "DIR", default_value = "out/bench-moving")]
+    output: PathBuf,
+    /// Print errors only
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 /// The sizes, the study and where the results go.
@@ -71,12 +97,59 @@ fn degrees_of_freedom(text: &str) -> Result<usize, String> {
 }
 
 /// Runs a command.
-pub(super) fn run(BenchCommand::Solid(args): &BenchCommand) -> Result<(), Failure> {
-    let study = match &args.study {
-        Some(path) => Study::read(path)?,
-        None => Study::parse(Path::new("uic60-s1002.toml"), DEFAULT)?,
+pub(super) fn run(command: &BenchCommand) -> Result<(), Failure> {
+    let study = match command {
+        BenchCommand::Solid(SolidArgs { study: Some(path), .. }) => Study::read(path)?,
+        _ => Study::parse(Path::new("uic60-s1002.toml"), DEFAULT)?,
     };
-    solid(args, &study).map_err(|error| Failure::of_stage(&study, error))
+    let done = match command {
+        BenchCommand::Solid(args) => solid(args, &study),
+        BenchCommand::Moving(args) => moving(args, &study),
+    };
+    done.map_err(|error| Failure::of_stage(&study, error))
+}
+
+/// Times steps of the moving solver on the profiles of a study.
+fn moving(args: &MovingArgs, study: &Study) -> Result<(), Error> {
+    let folder = OutputFolder::create(&args.output)?;
+    let _claim = folder.claim()?;
+    let progress = Progress::new(args.quiet);
+    let record = step_times(study, args.to as usize, args.repeats.into(), &progress)?;
+    progress.finish();
+    folder.write_json(TIMES_RECORD, &record)?;
+    folder.write(TIMES_TABLE, &record.csv())?;
+    folder.write(TIMES_FIGURE, times_figure::figure(&record, PEERS_MADE).as_bytes())?;
+    if !args.quiet {
+        for line in table(&record) {
+            say(&line)?;
+        }
+        say(&args.output.display().to_string())?;
+    }
+    Ok(())
+}
+
+/// A line for each case, and under it one for each time of another program.
+fn table(record: &StepTimesRecord) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{:<16}{:>9}  {:<48}{:>16}  {}",
+        "case", "elements", "program", "\u{b5}s a step", "times as long"
+    )];
+    for time in &record.times {
+        let (case, elements) = (time.case.as_str(), time.elements);
+        let own = format!("{} element, {:.1} iterations", time.element, time.iterations);
+        lines.push(format!("{case:<16}{elements:>9}  {own:<48}{:>16.1}", time.microseconds));
+        for peer in record.peers_of(case, elements) {
+            let range = |[least, most]: [f64; 2], digits: usize| match least == most {
+                true => format!("{least:.digits$}"),
+                false => format!("{least:.digits$} to {most:.digits$}"),
+            };
+            let both = [peer.least_microseconds, peer.most_microseconds];
+            let ratio = range(both.map(|peer| peer / time.microseconds), 0);
+            lines.push(format!("{:<25}  {:<48}{:>16}  {ratio}", "", peer.program, range(both, 0)));
+        }
+    }
+    lines.push(format!("{}, shortest of {} runs. {PEERS_MADE}.", record.clock, record.repeats));
+    lines
 }
 
 /// Sweeps the solid model of a study.

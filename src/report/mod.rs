@@ -14,6 +14,7 @@ mod positions;
 mod patches;
 mod patch_section;
 pub mod scaling;
+pub mod step_times;
 pub mod crosscheck;
 
 use railspring_calibrate::history::History;
