@@ -26,6 +26,7 @@ use serde::de::DeserializeOwned;
 use crate::estimate::{Resources, Work};
 use crate::measure::{Stopwatch, begin};
 use crate::output::OutputFolder;
+pub use crate::records::BY_ANGLE;
 use crate::records::{LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, VerificationRecord};
 use crate::results::{NewFile, Results, hash};
 use crate::springs;
@@ -47,8 +48,6 @@ pub const STIFFNESS: &str = "stiffness.json";
 pub const LOAD_CURVE: &str = "load_curve.csv";
 /// The contact patches under some loads of the calibration.
 pub const PATCHES: &str = "contact_patches.json";
-/// The laws by contact angle.
-pub const BY_ANGLE: &str = "stiffness_by_angle.json";
 /// The same at fixed loads, as a table.
 pub const BY_ANGLE_ROWS: &str = "stiffness_by_angle.csv";
 /// The verdict.
@@ -133,7 +132,7 @@ impl<'a> Pipeline<'a> {
         let mut runs = Vec::new();
         // without load cases the law need not suit the simple model
         if !self.study.scenarios.is_empty() {
-            let springs = springs::own(self.study, &calibration.stiffness)?;
+            let springs = springs::own(self.study, &calibration.stiffness, by_angle.as_ref())?;
             for (name, scenario) in &self.study.scenarios {
                 let simple = self.get(&Simulate { name, scenario, springs: &springs })?;
                 let solid =
@@ -216,7 +215,7 @@ impl<'a> Pipeline<'a> {
     pub fn simulate(mut self, law: Option<&Path>) -> Result<Vec<(String, RunRecord)>> {
         let springs = match law {
             Some(path) => springs::from_file(self.study, &*self.geometry()?, path)?,
-            None => springs::own(self.study, &self.stored_stiffness()?)?,
+            None => self.stored_springs()?,
         };
         let mut records = Vec::new();
         for (name, scenario) in &self.study.scenarios {

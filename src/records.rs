@@ -10,6 +10,7 @@ pub mod history_csv;
 mod law;
 mod run;
 mod verdict;
+mod element;
 mod by_angle;
 mod error_band;
 mod patches;
@@ -17,9 +18,10 @@ mod scaling;
 mod step_times;
 
 pub use by_angle::{
-    AngleLawRecord, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
-    StiffnessByAngleRecord,
+    AngleLawRecord, BY_ANGLE, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord,
+    ShiftTouchRecord, StiffnessByAngleRecord,
 };
+pub use element::ElementRecord;
 pub use error_band::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };

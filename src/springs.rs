@@ -7,22 +7,25 @@
 //! another pair.
 
 use std::path::Path;
+use std::sync::Arc;
 
+use railspring_calibrate::element::PairElement;
 use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::history::History;
+use railspring_calibrate::history::{History, HistoryRow};
 use railspring_calibrate::law::{StiffnessLaw, TableLaw};
 use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use crate::output::read_text;
+use crate::output::{read_text, to_json};
 use crate::records::{
-    BeamFactors, LawConstants, PairRecord, SpringsRecord, SpringsSource, StiffnessRecord, with_unit,
+    BY_ANGLE, BeamFactors, ElementRecord, LawConstants, PairRecord, SpringsRecord, SpringsSource,
+    StiffnessByAngleRecord, StiffnessRecord, with_unit,
 };
 use crate::results::hash;
 use crate::stages::{Geometry, Springs};
-use crate::study::{LawAcceptedKey, LawKey, ReferenceKey, Study};
+use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, ReferenceKey, Study};
 
 /// Key that accepts what is refused otherwise.
 const ACCEPTED: &str = "simulation.law_accepted";
@@ -72,11 +75,39 @@ pub fn check_reference(study: &Study) -> Result<()> {
     accepted_reference(study, "calibration.reference", Some(reference)).map(drop)
 }
 
-/// The springs that a study has calibrated, or the published law if it says so.
+/// The springs that a study has calibrated, or the published law if it says so, with the condensed element of its laws by contact angle if
+/// its simple model has that.
 ///
 /// # Errors
-/// As [`check_reference`].
-pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
+/// As [`check_reference`]; and laws without an element.
+pub fn own(
+    study: &Study,
+    stiffness: &StiffnessRecord,
+    laws: Option<&StiffnessByAngleRecord>,
+) -> Result<SpringsRecord> {
+    let springs = own_springs(study, stiffness)?;
+    if study.element() == ContactElementKey::Published {
+        return Ok(springs);
+    }
+    let element = laws.and_then(|laws| laws.element.clone()).ok_or_else(|| {
+        let reason = laws.and_then(|laws| laws.element_missing.as_deref());
+        InputError::new(
+            "simulation.element",
+            "\"condensed\"",
+            format!("a condensed element: {}", reason.unwrap_or("there are no laws by contact angle")),
+            "calibrate again, or take element = \"published\"",
+        )
+    })?;
+    Ok(with_element(springs, element))
+}
+
+/// Springs with the condensed element that the model runs with.
+fn with_element(springs: SpringsRecord, element: ElementRecord) -> SpringsRecord {
+    let element_blake3 = Some(hash(&to_json(&element)));
+    SpringsRecord { element_blake3, element: Some(Arc::new(element)), ..springs }
+}
+
+fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
     let horizontal = study.simulation.horizontal.map(|k| k / KILONEWTON_PER_METRE);
     let common = SpringsRecord {
         source: SpringsSource::Calibrated,
@@ -100,6 +131,8 @@ pub fn own(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> 
         reference: Some(stiffness.reference.clone()),
         range_kn: Some(stiffness.law.range_kn),
         beam: stiffness.beam.factors,
+        element_blake3: None,
+        element: None,
         notes: Vec::new(),
     };
     if study.simulation.law == LawKey::Published {
@@ -153,11 +186,26 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     } else {
         (parsed(&name, &text)?, None)
     };
+    let laws = (study.element() == ContactElementKey::Condensed).then(|| laws_beside(study, path));
+    let (laws, without_laws) = match laws {
+        Some(Err(error)) if study.simulation.element.is_some() => return Err(error),
+        // a law by hand has none beside it, and runs as springs
+        Some(Err(_)) => (None, Some(format!("beside {name} lies no {BY_ANGLE}: the published element runs"))),
+        Some(Ok(laws)) => (Some(laws), None),
+        None => (None, None),
+    };
     // The study's own calibration under another name is no other law.
     if let Ok(stiffness) = serde_json::from_str::<StiffnessRecord>(&text)
         && stiffness.input_hash == study.keys.calibration
     {
-        return own(study, &stiffness);
+        let springs = match &laws {
+            Some(laws) => own(study, &stiffness, Some(laws))?,
+            None => own_springs(study, &stiffness)?,
+        };
+        return Ok(SpringsRecord {
+            notes: springs.notes.into_iter().chain(without_laws).collect(),
+            ..springs
+        });
     }
     if study.simulation.law == LawKey::Table {
         return Err(InputError::new(
@@ -168,7 +216,7 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
         )
         .into());
     }
-    let mut notes = Vec::new();
+    let mut notes = Vec::from_iter(without_laws);
     notes.extend(accepted_reference(study, &format!("{name}: reference"), law.reference.as_deref())?);
     notes.extend(accepted_pair(study, &name, pair.as_ref())?);
     if law.range_kn.is_none() {
@@ -194,10 +242,33 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
         reference: law.reference,
         range_kn: law.range_kn,
         beam: BeamFactors::default(),
+        element_blake3: None,
+        element: None,
         notes,
     };
     check(&name, &record)?;
-    Ok(record)
+    Ok(match laws.and_then(|laws| laws.element) {
+        Some(element) => with_element(record, element),
+        None => record,
+    })
+}
+
+/// The laws by contact angle beside a law file, of the study's own pair, for its condensed element.
+fn laws_beside(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
+    let beside = path.with_file_name(BY_ANGLE);
+    let name = beside.display().to_string();
+    let laws: StiffnessByAngleRecord =
+        serde_json::from_str(&read_text(&beside, "calibrate")?).map_err(|cause| {
+            let expected = "a stiffness_by_angle.json of `railspring calibrate`";
+            InputError::new(
+                &name,
+                cause,
+                expected,
+                "calibrate again, or take simulation.element = \"published\"",
+            )
+        })?;
+    accepted_pair(study, &name, Some(&laws.pair))?;
+    Ok(laws)
 }
 
 /// The springs in SI units.
@@ -218,19 +289,22 @@ pub fn springs(record: &SpringsRecord) -> Result<Springs> {
         horizontal: record.horizontal_kn_per_m * KILONEWTON_PER_METRE,
         wheel_mass: record.wheel_mass_kg,
         beam: record.beam.into(),
+        element: record.element.as_deref().map(PairElement::from),
     })
 }
 
 /// Says by how much a run leaves the fitted range of its law, if it does. Steps without contact do not count.
 pub fn range_note(springs: &SpringsRecord, history: &History) -> Option<String> {
     let [low, high] = springs.range_kn?;
-    let loads: Vec<f64> = history
-        .rows
-        .iter()
-        .skip(1)
-        .filter(|row| !row.contacts.is_empty())
-        .map(|row| row.vertical_force / KILONEWTON)
-        .collect();
+    // the condensed element has the law at its contacts
+    let (of, load): (&str, fn(&HistoryRow) -> f64) = match springs.element_blake3 {
+        Some(_) => ("the largest normal force of a contact runs", |row| {
+            row.contacts.iter().map(|contact| contact.normal_force).fold(0.0, f64::max)
+        }),
+        None => ("P runs", |row| row.vertical_force),
+    };
+    let touching = history.rows.iter().skip(1).filter(|row| !row.contacts.is_empty());
+    let loads: Vec<f64> = touching.map(|row| load(row) / KILONEWTON).collect();
     let below = loads.iter().filter(|load| **load < low).count();
     let above = loads.iter().filter(|load| **load > high).count();
     if below + above == 0 {
@@ -239,7 +313,7 @@ pub fn range_note(springs: &SpringsRecord, history: &History) -> Option<String> 
     let smallest = loads.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = loads.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     Some(format!(
-        "P runs from {} to {} and leaves the law's fitted range, {low} to {high} kN: of {} steps \
+        "{of} from {} to {} and leaves the law's fitted range, {low} to {high} kN: of {} steps \
          with contact {below} lie below it and {above} above",
         with_unit(Some(smallest), "kN"),
         with_unit(Some(largest), "kN"),

@@ -30,3 +30,4 @@ pub mod contact;
 pub mod calibration;
 pub mod pair;
 pub mod transient;
+pub mod element;

@@ -26,7 +26,9 @@ impl Stage for ByAngle {
 
     fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
         let reach = at.reach()?;
-        let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach);
+        // the condensed element has the wheel's modes
+        let modes = at.study.wants_condensed().then(|| at.study.modes());
+        let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach, modes);
         Ok(at.store.map(|store| store.address(Kind::ByAngle, &inputs)))
     }
 

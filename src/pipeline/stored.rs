@@ -8,8 +8,8 @@ use super::verdict::{Runs, inputs};
 use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
 use crate::records::{
-    LoadCurveRow, PatchesRecord, RunRecord, SpringsSource, StiffnessByAngleRecord, StiffnessRecord,
-    VerificationRecord, history_csv,
+    LoadCurveRow, PatchesRecord, RunRecord, SpringsRecord, SpringsSource, StiffnessByAngleRecord,
+    StiffnessRecord, VerificationRecord, history_csv,
 };
 use crate::results::Entry;
 use crate::springs;
@@ -35,6 +35,11 @@ impl Pipeline<'_> {
         let stiffness = parse_json(&self.folder.file(STIFFNESS), &text, "calibrate")?;
         self.results.check(STIFFNESS, &text, &self.study.keys.calibration, "calibrate")?;
         Ok(stiffness)
+    }
+
+    /// The folder's springs as the simple model runs with them.
+    pub(super) fn stored_springs(&self) -> Result<SpringsRecord> {
+        springs::own(self.study, &self.stored_stiffness()?, self.stored_by_angle()?.as_ref())
     }
 
     /// The folder's laws by contact angle, if the study wants them.
@@ -93,8 +98,8 @@ impl Pipeline<'_> {
         let noted = self.results.entry(&files[0]).and_then(|entry| entry.run).filter(from_file);
         let springs = match (noted.and_then(|run| run.springs), stiffness) {
             (Some(springs), _) => springs,
-            (None, Some(stiffness)) => springs::own(self.study, stiffness)?,
-            (None, None) => springs::own(self.study, &self.stored_stiffness()?)?,
+            (None, Some(stiffness)) => springs::own(self.study, stiffness, self.stored_by_angle()?.as_ref())?,
+            (None, None) => self.stored_springs()?,
         };
         let key = self.study.keys.simple(name, &springs);
         self.stored_run(&files, scenario, &key, "simulate")

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{BandPointRecord, DisplacementRecord, ErrorBandRecord, LawRecord, PairRecord};
+use super::{BandPointRecord, DisplacementRecord, ElementRecord, ErrorBandRecord, LawRecord, PairRecord};
+
+/// Name of the file with the laws by contact angle.
+pub const BY_ANGLE: &str = "stiffness_by_angle.json";
 
 /// `stiffness_by_angle.json`: the law by contact angle. Loads, displacements and tangents are those along the contact normal at the
 /// first touch of each shift, the hub held across it.
@@ -14,6 +17,12 @@ pub struct StiffnessByAngleRecord {
     pub friction: f64,
     /// The shifts, ascending.
     pub shifts: Vec<ShiftRecord>,
+    /// What the condensed contact element runs with; none where no run asks for it, or there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub element: Option<ElementRecord>,
+    /// Why there is no condensed element although a run asks for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub element_missing: Option<String>,
     /// The pair.
     pub pair: PairRecord,
     /// Hash of what the laws depend on.
@@ -77,6 +86,12 @@ pub struct FixedLoadRecord {
     pub force_kn: f64,
     /// Displacement and tangent with each reference.
     pub references: Vec<FixedReferenceRecord>,
+    /// Flexibility of the hub against the rail's section, everything sticking: lateral, lateral with vertical, and vertical, µm/kN.
+    #[serde(default)]
+    pub hub_um_per_kn: [f64; 3],
+    /// The same of the condensed contact element, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condensed_hub_um_per_kn: Option<[f64; 3]>,
     /// Lateral stiffness of the sticking wheel against the rail's section, the vertical force constant, kN/m.
     pub horizontal_kn_per_m: f64,
     /// The same across the contact normal, the force along it constant, kN/m.

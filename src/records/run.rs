@@ -1,12 +1,14 @@
 //! What belongs to a history besides its rows: the model's size, how the run ended, and the springs that it ran with.
 
+use std::sync::Arc;
+
 use nalgebra::Point2;
 use railspring_calibrate::history::{Ending, History};
 use railspring_calibrate::transient::Reduction;
 use railspring_calibrate::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 
-use super::{BeamFactors, LawConstants};
+use super::{BeamFactors, ElementRecord, LawConstants};
 use crate::verify::{Spread, StepChange, Worth};
 
 /// A run of one of the models.
@@ -159,6 +161,12 @@ pub struct SpringsRecord {
     /// What makes the rail beam as flexible as the solid rail that the law was calibrated on.
     #[serde(default)]
     pub beam: BeamFactors,
+    /// BLAKE3 hash of the condensed contact element that the model runs with; none of the published element.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub element_blake3: Option<String>,
+    /// That element; in files it stands in `stiffness_by_angle.json`.
+    #[serde(skip)]
+    pub element: Option<Arc<ElementRecord>>,
     /// In which respects the law is not that of the study's own pair and rail model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,

@@ -52,14 +52,19 @@ fn the_reference_force_scales_the_power() {
 fn a_table_has_the_tangents_of_the_calibration() {
     let with = study("[simulation]\nlaw = \"table\"\n");
     let record = samples::stiffness();
-    let normal = springs(&own(&with, &record).unwrap()).unwrap().normal;
+    let normal = springs(&own(&with, &record, None).unwrap()).unwrap().normal;
     let points = &record.references.iter().find(|r| r.reference == record.reference).unwrap().points;
     assert!(points.len() > 4);
     for point in points {
         let k = normal.tangent(1e3 * point.force_kn) / (1e3 * point.tangent_kn_per_m);
         assert!((k - 1.0).abs() < ROUNDOFF, "{} kN: {k}", point.force_kn);
     }
-    assert!(own(&study(""), &record).unwrap().table_kn_and_kn_per_m.is_empty());
+    assert!(
+        own(&study("[simulation]\nelement = \"published\"\n"), &record, None)
+            .unwrap()
+            .table_kn_and_kn_per_m
+            .is_empty()
+    );
     let said = refusal(&with, LAW);
     assert!(said.contains("simulation.law = \"table\""), "{said}");
 }
@@ -138,7 +143,7 @@ fn another_reference_and_another_pair_need_the_studys_word() {
     assert!(own_pair.len() == 1 && own_pair[0].contains("beam is not corrected"), "{own_pair:?}");
     // The study's own calibration under another name is no other law.
     record.input_hash = plain.keys.calibration.clone();
-    assert_eq!(read(&plain, &json(&record)).unwrap(), own(&plain, &record).unwrap());
+    assert_eq!(read(&plain, &json(&record)).unwrap(), own(&plain, &record, None).unwrap());
     let published = study("[simulation]\nlaw = \"published\"\n");
     assert!(refusal(&published, LAW).starts_with("simulation.law = "));
 }

@@ -1,6 +1,8 @@
 //! The law by contact angle: the calibration's bodies with the wheel in other places across the track.
 
+use nalgebra::{Matrix2, Vector2};
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
+use railspring_calibrate::element::{PairElement, PlaceApproaches};
 use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
@@ -11,6 +13,7 @@ use railspring_calibrate::pair::{
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
+use railspring_simulate::condensed::CondensedModel;
 
 use super::Geometry;
 use super::calibrate::{
@@ -18,8 +21,8 @@ use super::calibrate::{
 };
 use super::error_band::{CoarserBodies, band_record, bodies_of};
 use crate::records::{
-    AngleLawRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
-    StiffnessByAngleRecord,
+    AngleLawRecord, ElementRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord,
+    ShiftTouchRecord, StiffnessByAngleRecord,
 };
 use crate::study::Study;
 
@@ -70,14 +73,33 @@ pub fn by_angle(
             *band = changed.map(|(points, changed)| band_record(&points, changed, element, &coarser));
         }
     }
+    let element = study.wants_condensed().then(|| {
+        let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
+        PairElement::new(pair, bodies, &places, PairElement::HIGHEST)
+    });
+    let (element, element_missing) = match element {
+        Some(Ok(element)) => (Some(element), None),
+        Some(Err(reason)) => (None, Some(reason.to_string())),
+        None => (None, None),
+    };
+    let along: Vec<Option<Vector2<f64>>> =
+        laws.iter().map(|law| law.touch.as_ref().map(|touch| *touch.along)).collect();
+    let entries = shifts.iter().zip(laws.into_iter().zip(bands));
+    let mut records: Vec<ShiftRecord> =
+        entries.map(|(shift, (law, band))| shift_record(study, *shift, law, band)).collect();
+    if let Some(element) = &element {
+        for ((record, tape_y), along) in records.iter_mut().zip(&places).zip(along) {
+            if let Some(along) = along {
+                enter_condensed(record, geometry, study, element, (*tape_y, along))?;
+            }
+        }
+    }
     Ok(StiffnessByAngleRecord {
         study: study.name.clone(),
         friction: study.contact.friction,
-        shifts: shifts
-            .iter()
-            .zip(laws.into_iter().zip(bands))
-            .map(|(shift, (law, band))| shift_record(study, *shift, law, band))
-            .collect(),
+        element: element.as_ref().map(ElementRecord::from),
+        element_missing,
+        shifts: records,
         pair: study.pair(),
         input_hash: study.keys.by_angle.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -216,6 +238,28 @@ fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
     }
 }
 
+/// Lateral, lateral with vertical, and vertical flexibility.
+fn hub_values(flexibility: &Matrix2<f64>) -> [f64; 3] {
+    [(0, 0), (0, 1), (1, 1)].map(|at| flexibility[at] / MICROMETRE_PER_KILONEWTON)
+}
+
+/// Enters the hub's flexibility of the condensed element at the fixed loads of a shift, where it carries them.
+fn enter_condensed(
+    record: &mut ShiftRecord,
+    geometry: &Geometry,
+    study: &Study,
+    element: &PairElement,
+    (tape_y, along): (f64, Vector2<f64>),
+) -> Result<()> {
+    let pair = geometry.pair.with_wheel_at(tape_y)?;
+    let model = CondensedModel::of_pair(&pair, geometry.beam.clone(), &study.material, element.clone());
+    for load in &mut record.loads {
+        let pressed = model.pressed(along, load.force_kn * KILONEWTON, study.contact.friction).ok();
+        load.condensed_hub_um_per_kn = pressed.map(|pressed| hub_values(&pressed.flexibility));
+    }
+    Ok(())
+}
+
 fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
     let beam = &fixed.points.beam;
     let reference = |(reference, p): (Reference, &LoadPoint)| {
@@ -235,6 +279,8 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
     FixedLoadRecord {
         force_kn: beam.force / KILONEWTON,
         references: fixed.points.iter().map(reference).collect(),
+        hub_um_per_kn: hub_values(&fixed.flexibility),
+        condensed_hub_um_per_kn: None,
         horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,
         tangential_kn_per_m: fixed.tangential_stiffness / KILONEWTON_PER_METRE,
         contact_area_mm2: beam.contact_area / SQUARE_MILLIMETRE,

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use railspring_calibrate::element::PairElement;
 use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
@@ -15,6 +16,7 @@ use super::{Geometry, Meshes, contact_field, enforcement, formulation};
 use crate::study::{SlidingMatrixKey, Study, StudyScenario, TransientKey};
 use crate::verify::{Spread, StepChange, Worth, disturbed};
 use railspring_calibrate::beam::BeamCorrection;
+use railspring_simulate::condensed::CondensedModel;
 use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
 
 /// The springs and the mass that the simple model runs with.
@@ -28,6 +30,46 @@ pub struct Springs {
     pub wheel_mass: f64,
     /// What makes the rail beam as flexible as the solid that the law was calibrated on.
     pub beam: BeamCorrection,
+    /// The condensed contact element; without one the springs run in the published one.
+    pub element: Option<PairElement>,
+}
+
+/// The simple model with one of its contact elements.
+enum SimpleModel {
+    Published(Box<MovingModel>),
+    Condensed(Box<CondensedModel>),
+}
+
+impl SimpleModel {
+    fn new(study: &Study, geometry: &Geometry, springs: &Springs) -> Result<Self> {
+        let (pair, material) = (&geometry.pair, &study.material);
+        let beam = geometry.beam.corrected(&springs.beam)?;
+        if let Some(element) = &springs.element {
+            let model = CondensedModel::of_pair(pair, beam, material, element.clone());
+            return Ok(Self::Condensed(Box::new(model)));
+        }
+        let wheel_springs = WheelSprings {
+            horizontal: springs.horizontal,
+            normal: springs.normal.clone(),
+            longitudinal: springs.horizontal,
+        };
+        let mut model = MovingModel::of_pair(pair, beam, material, wheel_springs, springs.wheel_mass);
+        model.penalty = study.simulation.contact_penalty;
+        model.node_spacing = study.simulation.rail_node_spacing;
+        model.sliding = match study.simulation.sliding_matrix {
+            SlidingMatrixKey::Unsymmetric => SlidingMatrix::Consistent,
+            SlidingMatrixKey::Symmetric => SlidingMatrix::Symmetric,
+        };
+        Ok(Self::Published(Box::new(model)))
+    }
+
+    fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
+        let run = match self {
+            Self::Published(model) => model.run(scenario, monitor)?,
+            Self::Condensed(model) => model.run(scenario, monitor)?,
+        };
+        Ok(run.history)
+    }
 }
 
 /// A run that another one is compared with, or why there is none.
@@ -82,21 +124,8 @@ pub fn simulate(
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<(History, Tried)> {
-    let wheel_springs = WheelSprings {
-        horizontal: springs.horizontal,
-        normal: springs.normal.clone(),
-        longitudinal: springs.horizontal,
-    };
-    let beam = geometry.beam.corrected(&springs.beam)?;
-    let mut model =
-        MovingModel::of_pair(&geometry.pair, beam, &study.material, wheel_springs, springs.wheel_mass);
-    model.penalty = study.simulation.contact_penalty;
-    model.node_spacing = study.simulation.rail_node_spacing;
-    model.sliding = match study.simulation.sliding_matrix {
-        SlidingMatrixKey::Unsymmetric => SlidingMatrix::Consistent,
-        SlidingMatrixKey::Symmetric => SlidingMatrix::Symmetric,
-    };
-    let run = |scenario: &Scenario| -> Result<History> { Ok(model.run(scenario, monitor)?.history) };
+    let model = SimpleModel::new(study, geometry, springs)?;
+    let run = |scenario: &Scenario| model.run(scenario, monitor);
     let steps = InnerSteps::Equal(study.simulation.inner_steps);
     let scenario = Scenario { inner_steps: steps, ..scenario.scenario.clone() };
     let history = run(&scenario)?;

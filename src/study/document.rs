@@ -358,7 +358,10 @@ impl From<ReferenceKey> for Reference {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SimulationKeys {
-    /// Which normal law drives the simple model.
+    /// Which contact element the simple model has; left out, the condensed one, but the published one where the study makes no laws by contact angle or gives springs that only that one has (`law`, `horizontal_kn_per_m`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub element: Option<ContactElementKey>,
+    /// Which normal law drives the published element.
     pub law: LawKey,
     /// Horizontal stiffness, kN/m; left out, the calibrated one is used.
     #[schemars(range(min = 1e3, max = 1e9))]
@@ -389,6 +392,7 @@ pub struct SimulationKeys {
 impl Default for SimulationKeys {
     fn default() -> Self {
         Self {
+            element: None,
             law: LawKey::Calibrated,
             horizontal_kn_per_m: None,
             rail_elements: 20,
@@ -422,6 +426,26 @@ pub enum LawAcceptedKey {
     AnotherPair,
     /// Measured against another reference than the beam model of the rail.
     AnotherReference,
+}
+
+/// Contact element of the simple model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactElementKey {
+    /// The condensed solids: the law at each contact along its normal, an elastic wheel, the flexibility of the rail's head.
+    Condensed,
+    /// The published one: springs of the law and of the horizontal stiffness at the wheel centre.
+    Published,
+}
+
+impl ContactElementKey {
+    /// Its name in files and figures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Condensed => "condensed",
+            Self::Published => "published",
+        }
+    }
 }
 
 /// Matrix of a sliding contact.

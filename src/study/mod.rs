@@ -29,8 +29,9 @@ use serde::Deserialize;
 use toml::de::DeTable;
 
 pub use document::{
-    ElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, OutputKeys, ReferenceKey, SlidingMatrixKey,
-    SolidKeys, SolidLoadsKey, SpacingKey, StudyDocument, TransientKey, VerticalKey,
+    ContactElementKey, ElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, OutputKeys,
+    ReferenceKey, SlidingMatrixKey, SolidKeys, SolidLoadsKey, SpacingKey, StudyDocument, TransientKey,
+    VerticalKey,
 };
 pub use keys::Keys;
 pub use source::{LocatedError, Mistakes, Source};
@@ -199,7 +200,9 @@ pub struct CalibrationSettings {
 /// The simple model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulationSettings {
-    /// Which normal law drives it.
+    /// Which contact element it has, if the study says so: [`Study::element`].
+    pub element: Option<ContactElementKey>,
+    /// Which normal law drives the published element.
     pub law: LawKey,
     /// Horizontal stiffness, N/m; `None` takes the calibrated one.
     pub horizontal: Option<f64>,
@@ -257,11 +260,31 @@ impl Study {
         self.calibration.error_band || self.target_error.is_some()
     }
 
-    /// Modes that the bodies are condensed with: those that reduced runs begin with, none where there is no such run.
+    /// Contact element of the simple model.
+    pub fn element(&self) -> ContactElementKey {
+        let SimulationSettings { element, law, horizontal, .. } = &self.simulation;
+        let of_own_springs = *law == LawKey::Calibrated && horizontal.is_none();
+        element.unwrap_or(match self.wants_by_angle() && of_own_springs {
+            true => ContactElementKey::Condensed,
+            false => ContactElementKey::Published,
+        })
+    }
+
+    /// Whether the simple model runs with the condensed element.
+    pub fn wants_condensed(&self) -> bool {
+        self.element() == ContactElementKey::Condensed && !self.scenarios.is_empty()
+    }
+
+    /// Modes that the bodies are condensed with: those that reduced runs begin with, and the condensed element has; none where there is
+    /// neither.
     pub fn modes(&self) -> usize {
         let reduced = self.solid.transient == TransientKey::Reduced;
         let runs = self.scenarios.values().any(|case| case.solid);
-        if reduced && runs { self.solid.modes.unwrap_or(START_MODES) } else { 0 }
+        match reduced && runs {
+            true => self.solid.modes.unwrap_or(START_MODES),
+            false if self.wants_condensed() => START_MODES,
+            false => 0,
+        }
     }
 
     /// Reads and checks a study file.

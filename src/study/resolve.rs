@@ -18,8 +18,9 @@ use serde_json::Value;
 use super::check::{Finding, nearest};
 use super::collect::Collector;
 use super::document::{
-    CalibrationKeys, ContactKeys, EnforcementKey, FieldKey, ForceKeys, Inclination, MeshKeys, RailKeys,
-    ReferenceKey, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys, WebKey, WheelKeys,
+    CalibrationKeys, ContactElementKey, ContactKeys, EnforcementKey, FieldKey, ForceKeys, Inclination,
+    LawKey, MeshKeys, RailKeys, ReferenceKey, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys,
+    TorsionKeys, WebKey, WheelKeys,
 };
 use super::fields::translate;
 use super::keys::Keys;
@@ -63,6 +64,7 @@ pub(super) fn resolve(
         collector.take(&[&here, "contact.friction"], checked);
         scenarios.insert(name.clone(), resolved);
     }
+    collector.take(&["simulation.element", "simulation.law", "calibration.shifts_mm"], element(&document));
     let main_scenario = collector.take(&["simulation.scenario"], main_scenario(&document, &source));
     collector
         .take(&["verification.published_stiffness", "calibration.*"], published_limit(&document, &source));
@@ -104,6 +106,7 @@ pub(super) fn resolve(
         },
         calibration,
         simulation: SimulationSettings {
+            element: document.simulation.element,
             law: document.simulation.law,
             horizontal: document.simulation.horizontal_kn_per_m.map(|k| k * KILONEWTON_PER_METRE),
             rail_elements: document.simulation.rail_elements,
@@ -415,6 +418,30 @@ fn listed(names: &[&str]) -> String {
         1..=MOST => names.join(", "),
         count => format!("{}, … {count} in all", names[..MOST].join(", ")),
     }
+}
+
+/// A condensed element has the laws by contact angle, and no other springs.
+fn element(document: &StudyDocument) -> Result<()> {
+    let simulation = &document.simulation;
+    if simulation.element != Some(ContactElementKey::Condensed) {
+        return Ok(());
+    }
+    let refuse = |because: &str, remedy: &str| {
+        Err(InputError::new("simulation.element", "\"condensed\"", because, remedy))
+    };
+    if document.calibration.shifts_mm.as_ref().is_some_and(Vec::is_empty) {
+        return refuse(
+            "laws by contact angle, which calibration.shifts_mm = [] leaves out",
+            "remove calibration.shifts_mm, or take element = \"published\"",
+        );
+    }
+    if simulation.law == LawKey::Published {
+        return refuse(
+            "\"published\" beside simulation.law = \"published\"",
+            "remove simulation.law, or take element = \"published\"",
+        );
+    }
+    Ok(())
 }
 
 fn main_scenario(document: &StudyDocument, source: &Source) -> Result<Option<String>> {

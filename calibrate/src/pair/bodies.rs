@@ -167,6 +167,11 @@ impl CondensedPair {
         Ok(Self { wheel, rail_on_ends, rail_on_foot, section, material, against_section })
     }
 
+    /// Compliance of the rail's contact nodes against its section, m/N.
+    pub fn against_section(&self) -> &Mat<f64> {
+        &self.against_section
+    }
+
     /// The rail's body under the law of a reference.
     ///
     /// # Errors

@@ -106,6 +106,8 @@ pub struct AngleLaw {
 pub struct FixedLoad {
     /// Displacement, tangent and patch with every reference.
     pub points: ByReference<LoadPoint>,
+    /// Displacements y and z of the hub against the section under small further forces, all points sticking, m/N; world axes.
+    pub flexibility: Matrix2<f64>,
     /// Slope of lateral force against lateral hub displacement (world y), all points sticking, the vertical force constant, N/m; against
     /// the section.
     pub horizontal_stiffness: f64,
@@ -230,6 +232,7 @@ fn angle_law(
     let fixed = on_section.fixed.iter().filter(|fixed| fixed.load < carried);
     let fixed = fixed.map(|Fixed { load, flexibility, subsurface }| FixedLoad {
         points: points.map(|points| points[*load]),
+        flexibility: *flexibility,
         horizontal_stiffness: 1.0 / flexibility[(0, 0)],
         tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
         subsurface: *subsurface,

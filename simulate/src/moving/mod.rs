@@ -33,5 +33,6 @@ mod run;
 
 pub use model::{InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
 pub use support::RailSupport;
+pub(crate) use support::{Rail, RailDynamics, RailLoad, RailState};
 pub use surface::SlidingMatrix;
 pub use wheel::WheelSprings;

@@ -206,27 +206,6 @@ impl MovingModel {
             );
         }
         self.springs.normal.check()?;
-        self.check_start(scenario)
-    }
-
-    fn check_start(&self, scenario: &Scenario) -> Result<()> {
-        let RailSupport::Beam { beam, .. } = &self.support else {
-            return Ok(());
-        };
-        let from = scenario.start_x.unwrap_or(0.5 * beam.length());
-        if !scenario.speed.is_finite() {
-            let remedy = "correct the value";
-            return Err(InputError::new(InputField::Speed, scenario.speed, "a finite speed", remedy).into());
-        }
-        if (0.0..=beam.length()).contains(&from) {
-            return Ok(());
-        }
-        Err(InputError::new(
-            InputField::StartX,
-            format!("{from} m"),
-            format!("a place on the rail, 0 to {} m", beam.length()),
-            "start elsewhere, or take a longer rail",
-        )
-        .into())
+        self.support.check_start(scenario)
     }
 }

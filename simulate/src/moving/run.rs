@@ -150,7 +150,7 @@ impl<'a> Run<'a> {
             .map(|i| length * i as f64 / intervals)
             .map(|s| (s, model.rail.to_profile(&model.rail.curve.point(s))))
             .collect();
-        let outline = Outline::new(model, master(model), &nodes);
+        let outline = Outline::new(model, model.support.reference(&model.rail), &nodes);
         Ok(Self {
             model,
             scenario,
@@ -176,7 +176,7 @@ impl<'a> Run<'a> {
     }
 
     fn surface(&self) -> ContactSurface<'a> {
-        let master = master(self.model);
+        let master = self.model.support.reference(&self.model.rail);
         let centre = self.model.tape - Vector2::new(0.0, self.model.wheel_radius);
         let points: Vec<Vector2<f64>> =
             self.nodes.iter().map(|&(s, _)| to_plane(self.model.rail.curve.point(s) - master)).collect();
@@ -434,14 +434,6 @@ impl<'a> Run<'a> {
             // The internal force resists the rail node; the wheel pushes the rail the other way.
             tangential_force: -patch.iter().map(|a| a.tangential_force).sum::<f64>(),
         }
-    }
-}
-
-/// The world point of C at rest: the beam's node line, or the top of a rigid rail.
-fn master(model: &MovingModel) -> Point2<f64> {
-    match &model.support {
-        RailSupport::Rigid => model.rail.origin,
-        RailSupport::Beam { node_line, .. } => *node_line,
     }
 }
 

@@ -8,9 +8,12 @@ use nalgebra::{Point2, Vector3};
 
 use railspring_calibrate::beam::{ChainFactor, Meeting, NODE, Node, RailBeam, SectionRows};
 use railspring_calibrate::energy::PartEnergy;
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::newmark::{Motion, Newmark};
+use railspring_calibrate::placement::PlacedRail;
+use railspring_calibrate::scenario::Scenario;
 
 /// What carries the rail.
 #[derive(Debug, Clone)]
@@ -29,9 +32,41 @@ pub enum RailSupport {
     },
 }
 
+impl RailSupport {
+    /// World point (y, z) about which a section of the rail moves: the beam's node line, or the origin of a rigid rail's profile.
+    pub(crate) fn reference(&self, rail: &PlacedRail) -> Point2<f64> {
+        match self {
+            Self::Rigid => rail.origin,
+            Self::Beam { node_line, .. } => *node_line,
+        }
+    }
+
+    /// Whether the wheel starts on the rail.
+    pub(crate) fn check_start(&self, scenario: &Scenario) -> Result<()> {
+        let Self::Beam { beam, .. } = self else {
+            return Ok(());
+        };
+        let from = scenario.start_x.unwrap_or(0.5 * beam.length());
+        if !scenario.speed.is_finite() {
+            let remedy = "correct the value";
+            return Err(InputError::new(InputField::Speed, scenario.speed, "a finite speed", remedy).into());
+        }
+        if (0.0..=beam.length()).contains(&from) {
+            return Ok(());
+        }
+        Err(InputError::new(
+            InputField::StartX,
+            format!("{from} m"),
+            format!("a place on the rail, 0 to {} m", beam.length()),
+            "start elsewhere, or take a longer rail",
+        )
+        .into())
+    }
+}
+
 /// Motion of the nodes of the rail.
 #[derive(Debug, Clone, Default)]
-pub(super) struct RailState {
+pub(crate) struct RailState {
     displacements: Vec<Node>,
     velocities: Vec<Node>,
     accelerations: Vec<Node>,
@@ -50,7 +85,7 @@ impl RailState {
 }
 
 /// The rail prepared for a run.
-pub(super) struct RailDynamics<'a> {
+pub(crate) struct RailDynamics<'a> {
     beam: &'a RailBeam,
     damping: f64,
     /// The middle, where a torsion acts.
@@ -61,7 +96,7 @@ pub(super) struct RailDynamics<'a> {
 
 /// What acts on the rail besides the contact, and where the contact is.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RailLoad {
+pub(crate) struct RailLoad {
     /// Position of the wheel, m from the first end.
     pub x: f64,
     /// Torsion about x at the middle, N·m.
@@ -69,7 +104,7 @@ pub(super) struct RailLoad {
 }
 
 /// The rail over steps of one length. Its interface is the section at the wheel in directions 1, 2 and rotation 3.
-pub(super) struct Rail<'a> {
+pub(crate) struct Rail<'a> {
     dynamics: &'a RailDynamics<'a>,
     scheme: Newmark,
     /// The equations of the accelerations at the end of a step.
@@ -77,7 +112,7 @@ pub(super) struct Rail<'a> {
 }
 
 /// A step of the rail.
-pub(super) struct RailStep<'s> {
+pub(crate) struct RailStep<'s> {
     rail: &'s Rail<'s>,
     /// Displacements and velocities without acceleration at the end of the step; its accelerations are the right-hand side without
     /// contact, eliminated towards the wheel.

@@ -237,6 +237,8 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
                 sliding_um_per_kn: (reference.reference != "local").then_some(0.0),
             })
             .collect(),
+        hub_um_per_kn: [0.0; 3],
+        condensed_hub_um_per_kn: None,
         horizontal_kn_per_m: 4e5,
         tangential_kn_per_m: 4.1e5,
         contact_area_mm2: 80.0,
@@ -265,6 +267,8 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         reason: reason.map(String::from),
     };
     StiffnessByAngleRecord {
+        element: None,
+        element_missing: None,
         study: "sample".into(),
         friction: 0.5,
         shifts: vec![

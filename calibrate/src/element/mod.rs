@@ -1,0 +1,75 @@
+//! What the condensed contact element of a moving wheel knows of a pair of solids.
+
+mod sections;
+mod wheel;
+mod strips;
+mod law;
+
+pub use law::{PlaceApproaches, PlaceLoad, StripPlace, StripStiffness, fit_strips};
+pub use sections::{RunningSurface, SectionFlexibility, carried};
+pub use strips::{Contact, Pose, Profiles, StripLaw};
+pub use wheel::{ElasticWheel, RimMode};
+
+use crate::contact::{HalfSpace, Side};
+use crate::error::{InputError, Result};
+use crate::pair::{CondensedPair, Pair};
+use nalgebra::{Matrix3, Point2};
+
+/// The condensed contact element of a pair.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairElement {
+    /// The wheel; its rim's reference point is the origin of its profile.
+    pub wheel: ElasticWheel,
+    /// Flexibility of the rail's head against its section, about the node line: displacements y and z (m) and rotation about x (rad)
+    /// under forces (N) and a torque (N·m).
+    pub head: Matrix3<f64>,
+    /// The contact.
+    pub strips: StripStiffness,
+    /// What of the motions of rim and head a section does not have, relative.
+    pub misfit: [f64; 2],
+}
+
+impl PairElement {
+    /// Frequency up to which the wheel moves in modes, Hz.
+    pub const HIGHEST: f64 = 2000.0;
+
+    /// The element of a condensed pair, whose wheel has modes, with its laws by contact angle.
+    ///
+    /// # Errors
+    /// [`InputError`] for a wheel without modes, and for laws without a place.
+    pub fn new(pair: &Pair, bodies: &CondensedPair, laws: &[PlaceApproaches], highest: f64) -> Result<Self> {
+        let wheel = &bodies.wheel;
+        let modes = wheel.modes.as_ref().ok_or_else(|| {
+            InputError::new(
+                "wheel",
+                "no modes",
+                "a wheel condensed with modes",
+                "condense it with `condense_in_time`",
+            )
+        })?;
+        let on_wheel = RunningSurface {
+            compliance: &wheel.compliance,
+            grid: &wheel.grid,
+            nodes: &wheel.nodes,
+            half_space: HalfSpace::new(&bodies.material, Side::Opposing),
+        };
+        let rail = &bodies.rail_on_ends;
+        let on_rail = RunningSurface {
+            compliance: bodies.against_section(),
+            grid: &rail.grid,
+            nodes: &rail.nodes,
+            half_space: HalfSpace::new(&bodies.material, Side::Base),
+        };
+        let origin = Point2::new(0.0, pair.wheel.radius);
+        on_wheel.check("wheel")?;
+        on_rail.check("rail")?;
+        let (rim, head) = (on_wheel.section(origin), on_rail.section(pair.node_line()));
+        let strips = fit_strips(pair, &bodies.material, laws, [&rim.flexibility, &head.flexibility])?;
+        Ok(Self {
+            wheel: ElasticWheel::new(&on_wheel, modes, &rim, origin, highest)?,
+            head: head.flexibility,
+            strips,
+            misfit: [rim.misfit, head.misfit],
+        })
+    }
+}

@@ -1,0 +1,163 @@
+//! A surface near the contact as a section that moves without distortion.
+//!
+//! Beyond its half-space a body moves its running surface hardly otherwise than as a rigid section: two displacements
+//! and a rotation about the track. A flexibility of three by three then says how the contact's place moves under its force,
+//! wherever on the profile it is.
+
+use crate::contact::{HalfSpace, displacement_far_from};
+use crate::error::{InputError, Result};
+use crate::mesh::SurfaceGrid;
+use faer::Mat;
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Point2, Point3, Rotation2, Vector2, Vector3};
+
+/// Lines of the grid along the track between force and displacement: an element mesh does not resolve a half-space that is nearer.
+const LINES_APART: usize = 4;
+
+/// The surface of a condensed body where it can touch.
+#[derive(Clone, Copy)]
+pub struct RunningSurface<'a> {
+    /// Compliance of the contact nodes (`3·node + axis`), m/N.
+    pub compliance: &'a Mat<f64>,
+    /// The grid of the contact nodes.
+    pub grid: &'a SurfaceGrid,
+    /// Where they are, m.
+    pub nodes: &'a [Point3<f64>],
+    /// Its half-space.
+    pub half_space: HalfSpace,
+}
+
+/// The flexibility of a surface as that of a section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionFlexibility {
+    /// Displacements y and z (m) and rotation about x (rad) under forces (N) and a torque (N·m), about the given point.
+    pub flexibility: Matrix3<f64>,
+    /// What of the displacements (RMS, over their own) the section does not have.
+    pub misfit: f64,
+}
+
+/// Displacement (y, z) of a point at `arm` under unit motions of a section: a rotation about x moves it by (-z, y).
+pub fn carried(arm: &Vector2<f64>) -> Matrix2x3<f64> {
+    Matrix2x3::new(1.0, 0.0, -arm.y, 0.0, 1.0, arm.x)
+}
+
+impl RunningSurface<'_> {
+    /// Whether the grid has the lines along the track that a flexibility beyond the half-space takes.
+    ///
+    /// # Errors
+    /// [`InputError`] with the name of the body.
+    pub fn check(&self, body: &str) -> Result<()> {
+        let (middle, columns) = (self.middle(), self.grid.along_track.len());
+        if middle >= LINES_APART / 2 && middle + LINES_APART / 2 < columns {
+            return Ok(());
+        }
+        Err(InputError::new(
+            body,
+            format!("{columns} lines of contact nodes along the track, number {} in the middle", middle + 1),
+            format!("{} on either side of the middle at least", LINES_APART / 2),
+            "give the mesh more lines along the track, or run the published element",
+        )
+        .into())
+    }
+
+    fn middle(&self) -> usize {
+        let lines = &self.grid.along_track;
+        (0..lines.len()).min_by(|&a, &b| lines[a].abs().total_cmp(&lines[b].abs())).unwrap_or(0)
+    }
+
+    fn place(&self, line: usize, column: usize) -> Point3<f64> {
+        self.nodes[line * self.grid.along_track.len() + column]
+    }
+
+    /// Positions (y, z) of the nodes at the middle of the track, along the profile, m.
+    pub fn profile(&self) -> Vec<Point2<f64>> {
+        let middle = self.middle();
+        let lines = 0..self.grid.along_profile.len();
+        lines.map(|line| self.place(line, middle)).map(|p| Point2::new(p.y, p.z)).collect()
+    }
+
+    /// Numbers of these nodes in the grid.
+    pub fn profile_nodes(&self) -> Vec<usize> {
+        let (middle, columns) = (self.middle(), self.grid.along_track.len());
+        (0..self.grid.along_profile.len()).map(|line| line * columns + middle).collect()
+    }
+
+    /// Displacement (y, z) on one line of the profile under forces (y, z) on another, less the half-space where they are in one
+    /// contact, m/N.
+    fn beyond_half_space(&self, to: usize, from: usize) -> Matrix2<f64> {
+        let columns = self.grid.along_track.len();
+        let middle = self.middle();
+        let (low, high) = (middle - LINES_APART / 2, middle + LINES_APART / 2);
+        let between = |a: usize, b: usize| {
+            let (row, column) = (3 * (to * columns + a) + 1, 3 * (from * columns + b) + 1);
+            Matrix2::from_fn(|i, j| self.compliance[(row + i, column + j)])
+        };
+        // the part that is even in the distance along the track
+        let whole = (between(low, high) + between(high, low)) * 0.5;
+        let (s, r) = (self.grid.along_profile[to], self.grid.along_profile[from]);
+        let x = self.place(to, low).x - self.place(from, high).x;
+        let offset = Vector2::new(s - r, x);
+        let near = Matrix2::from_columns(&[0, 1].map(|direction| {
+            let force = Vector3::from_fn(|d, _| if d == direction { 1.0 } else { 0.0 });
+            displacement_far_from(&[self.half_space], &offset, &force).xy()
+        }));
+        // normal out of a rail and the tangent, world axes
+        let frame = |line: usize| {
+            let last = self.grid.along_profile.len() - 1;
+            let (a, b) =
+                (self.place(line.saturating_sub(1), middle), self.place((line + 1).min(last), middle));
+            let along = Vector2::new(b.y - a.y, b.z - a.z).normalize();
+            let normal = Rotation2::new(-std::f64::consts::FRAC_PI_2) * along;
+            Matrix2::from_columns(&[normal, Vector2::new(-normal.y, normal.x)])
+        };
+        whole - frame(to) * near * frame(from).transpose()
+    }
+
+    /// The flexibility as a section about a point (y, z; m), from forces on all lines of the profile.
+    pub fn section(&self, about: Point2<f64>) -> SectionFlexibility {
+        const UNKNOWNS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+        let arms: Vec<Matrix2x3<f64>> = self.profile().iter().map(|p| carried(&(p - about))).collect();
+        let (mut normal, mut right) = (DMatrix::zeros(6, 6), DVector::zeros(6));
+        let mut all = Vec::new();
+        for (to, arm) in arms.iter().enumerate() {
+            for (from, other) in arms.iter().enumerate() {
+                let found = self.beyond_half_space(to, from);
+                let scale = 1.0 / found.norm();
+                for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let row = DVector::from_iterator(
+                        6,
+                        UNKNOWNS.iter().map(|&(k, l)| {
+                            let both = arm[(i, k)] * other[(j, l)];
+                            scale * if k == l { both } else { both + arm[(i, l)] * other[(j, k)] }
+                        }),
+                    );
+                    let value = scale * found[(i, j)];
+                    normal += &row * row.transpose();
+                    right += &row * value;
+                    all.push((row, value));
+                }
+            }
+        }
+        // metres and radians are made comparable
+        let scale =
+            DVector::from_iterator(6, (0..6).map(|i| 1.0 / normal[(i, i)].max(f64::MIN_POSITIVE).sqrt()));
+        let scaled = DMatrix::from_fn(6, 6, |i, j| scale[i] * normal[(i, j)] * scale[j]);
+        let solved = scaled.cholesky().map(|c| c.solve(&right.component_mul(&scale)).component_mul(&scale));
+        let values = solved.unwrap_or_else(|| DVector::zeros(6));
+        let mut flexibility = Matrix3::zeros();
+        for (value, &(k, l)) in values.iter().zip(&UNKNOWNS) {
+            flexibility[(k, l)] = *value;
+            flexibility[(l, k)] = *value;
+        }
+        let (mut missed, mut size) = (0.0, 0.0);
+        for (row, value) in &all {
+            missed += (row.dot(&values) - value).powi(2);
+            size += value * value;
+        }
+        SectionFlexibility { flexibility, misfit: (missed / size).sqrt() }
+    }
+
+    /// Flexibility (y, z; m/N) beyond the half-space at one line of the profile.
+    pub fn at(&self, line: usize) -> Matrix2<f64> {
+        self.beyond_half_space(line, line)
+    }
+}

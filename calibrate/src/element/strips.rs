@@ -1,0 +1,403 @@
+//! The contact of two profiles as strips across the track.
+//!
+//! At every place of the rail's profile the bodies, undeformed, overlap by a penetration along the rail's normal. A strip of
+//! the contact there carries a normal force per length that grows with it; the force of a contact is the sum over
+//! its width, along the normals of the wheel. So a contact is as wide as the profiles make it, two contacts that
+//! grow together become one, and nothing jumps: the forces have a potential. J. Piotrowski, H. Chollet, "Wheel–rail contact
+//! models for vehicle system dynamics including multi-point contact", Vehicle Syst. Dyn. 43 (2005), call such a method one of virtual
+//! penetration; here its stiffness is that of the solids.
+
+use crate::profile::ProfileCurve;
+use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
+
+/// Distance of the stations at which contacts are looked for, m.
+const STATION: f64 = 1e-3;
+
+/// Least cosine of the angle between both profiles where they can touch.
+const LEAST_COSINE: f64 = 0.3;
+
+/// Stations this far from an overlap need not be looked at in every step, m.
+const FAR: f64 = 50e-6;
+
+/// A contact whose overlap is between two stations can be so much deeper than they are, m: an eighth of a relative curvature of
+/// 80/m (a gauge corner without its counterpart) times the square of their distance.
+const BETWEEN: f64 = 10e-6;
+
+/// A contact that is narrower than this does not count, m: with the curvature of a gauge corner its overlap is a picometre.
+const NARROWEST: f64 = 1e-6;
+
+/// Newton steps along a profile: most of them, the longest, and the one after which the place is found, m. What a place is off by changes the
+/// penetration by less than its slope times that.
+const MOST_STEPS: usize = 40;
+const LONGEST_STEP: f64 = 5e-3;
+const SETTLED: f64 = 1e-10;
+
+/// Points and weights of Gauss's rule on the interval from -1 to 1, the positive half.
+const GAUSS: [(f64, f64); 8] = [
+    (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
+    (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
+    (0.458_016_777_657_227_4, 0.169_156_519_395_002_54),
+    (0.617_876_244_402_643_7, 0.149_595_988_816_576_73),
+    (0.755_404_408_355_003, 0.124_628_971_255_533_87),
+    (0.865_631_202_387_831_7, 0.095_158_511_682_492_78),
+    (0.944_575_023_073_232_6, 0.062_253_523_938_647_89),
+    (0.989_400_934_991_649_9, 0.027_152_459_411_754_095),
+];
+
+/// Where both bodies are: displacements y and z (m) of their reference points and rotations about x (rad).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Pose {
+    /// The wheel, about the origin of its profile.
+    pub wheel: Vector3<f64>,
+    /// The rail, about its reference point.
+    pub rail: Vector3<f64>,
+}
+
+/// A contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Arc lengths on the rail between which the bodies overlap, m.
+    pub extent: [f64; 2],
+    /// Force on the wheel (y, z; N) and its moment about the wheel's reference point where that is now, N·m; without friction.
+    pub force: Vector3<f64>,
+    /// Potential, J.
+    pub energy: f64,
+    /// Stiffness against motions of the wheel, as `force`.
+    pub stiffness: Matrix3<f64>,
+    /// Normal force, N, and its stiffness against a motion along itself, N/m.
+    pub normal_force: f64,
+    /// See `normal_force`.
+    pub normal_stiffness: f64,
+    /// Where the normal force acts: world (y, z), m.
+    pub point: Point2<f64>,
+    /// Arc length of that on the rail, m, and on the wheel.
+    pub rail_s: f64,
+    /// See `rail_s`.
+    pub wheel_s: f64,
+}
+
+/// Force per length of a strip by its place on the rail.
+pub trait StripLaw {
+    /// Stiffness of a strip at an arc length (m) of the rail, Pa.
+    fn modulus(&self, rail_s: f64) -> f64;
+}
+
+/// A station on the rail.
+#[derive(Debug, Clone, Copy)]
+struct Station {
+    s: f64,
+    point: Point2<f64>,
+    normal: Vector2<f64>,
+    /// Arc length on the wheel opposite, m.
+    wheel_s: f64,
+    /// Penetration at the last look, m, or a bound above it.
+    bound: f64,
+}
+
+/// Both running surfaces in place.
+#[derive(Debug, Clone)]
+pub struct Profiles<'a> {
+    rail: &'a ProfileCurve,
+    wheel: &'a ProfileCurve,
+    /// World position of the wheel profile's origin at rest, m.
+    origin: Point2<f64>,
+    /// World position of the rail's reference point at rest, m.
+    rail_origin: Point2<f64>,
+    stations: Vec<Station>,
+    /// Middle of the rail's profile, and the largest distance of a station from there, m.
+    middle: Point2<f64>,
+    reach: f64,
+    /// Place of the rail's profile in the wheel's frame at which the bounds were made.
+    looked: Option<Turned>,
+    /// Stations before and behind each place where the bodies may overlap.
+    near: Vec<(usize, usize)>,
+}
+
+/// The rail's profile in the wheel's frame.
+#[derive(Debug, Clone, Copy)]
+struct Turned {
+    turn: Rotation2<f64>,
+    by: Vector2<f64>,
+}
+
+/// One place of the rail against the wheel.
+#[derive(Debug, Clone, Copy)]
+struct Facing {
+    wheel_s: f64,
+    penetration: f64,
+    /// Change of the penetration along the rail, but for the curvature times the penetration.
+    slope: f64,
+    /// Outward normal of the wheel over its cosine to the rail's, in the wheel's frame: the change of the penetration with the wheel's motion.
+    direction: Vector2<f64>,
+    /// The rail's point in the wheel's frame.
+    point: Point2<f64>,
+}
+
+impl<'a> Profiles<'a> {
+    /// `rail` is in world coordinates, `wheel` in its profile frame, whose origin stands at the world point `origin`; motions of the
+    /// rail are about `rail_origin`.
+    pub fn new(
+        rail: &'a ProfileCurve,
+        wheel: &'a ProfileCurve,
+        origin: Point2<f64>,
+        rail_origin: Point2<f64>,
+    ) -> Self {
+        let count = (rail.length() / STATION).ceil().max(2.0);
+        let stations: Vec<Station> = (0..=count as usize)
+            .map(|i| rail.length() * i as f64 / count)
+            .map(|s| Station {
+                s,
+                point: rail.point(s),
+                normal: rail.upward_normal(s),
+                wheel_s: 0.0,
+                bound: f64::INFINITY,
+            })
+            .collect();
+        let middle = rail.point(0.5 * rail.length());
+        let reach = stations.iter().map(|station| (station.point - middle).norm()).fold(0.0, f64::max);
+        let near = Vec::new();
+        let mut profiles =
+            Self { rail, wheel, origin, rail_origin, stations, middle, reach, looked: None, near };
+        let rest = profiles.turned(&Pose::default());
+        for i in 0..profiles.stations.len() {
+            profiles.stations[i].wheel_s = profiles.opposite(&rest, i);
+        }
+        profiles
+    }
+
+    fn turned(&self, pose: &Pose) -> Turned {
+        let (wheel, rail) = (Rotation2::new(-pose.wheel.z), Rotation2::new(pose.rail.z));
+        // p = R(-w)·(C + R(r)·(x - C) + u - O - v)
+        let centre = self.rail_origin.coords;
+        let by = wheel * (centre + pose.rail.xy() - rail * centre - self.origin.coords - pose.wheel.xy());
+        Turned { turn: wheel * rail, by }
+    }
+
+    /// Largest motion of a place of the rail between two places of its profile, m.
+    fn motion(&self, a: &Turned, b: &Turned) -> f64 {
+        (a.at(&self.middle) - b.at(&self.middle)).norm() + self.reach * a.turn.angle_to(&b.turn).abs()
+    }
+
+    /// Arc length on the wheel nearest to a station.
+    fn opposite(&self, place: &Turned, station: usize) -> f64 {
+        self.wheel.closest(&place.at(&self.stations[station].point)).0
+    }
+
+    /// The wheel over a place of the rail with its normal; none where it does not face it.
+    fn facing(
+        &self,
+        place: &Turned,
+        point: &Point2<f64>,
+        normal: Vector2<f64>,
+        guess: f64,
+    ) -> Option<Facing> {
+        let point = place.at(point);
+        let normal = place.turn * normal;
+        let along = Vector2::new(-normal.y, normal.x);
+        let mut wheel_s = guess;
+        let (mut foot, mut tangent) = self.wheel.evaluate(wheel_s);
+        for _ in 0..MOST_STEPS {
+            let advance = along.dot(&tangent);
+            if advance < 0.5 * LEAST_COSINE {
+                return None;
+            }
+            let step = (along.dot(&(point - foot)) / advance).clamp(-LONGEST_STEP, LONGEST_STEP);
+            wheel_s += step;
+            (foot, tangent) = self.wheel.evaluate(wheel_s);
+            if step.abs() < SETTLED {
+                break;
+            }
+        }
+        let cosine = along.dot(&tangent);
+        if cosine < LEAST_COSINE {
+            return None;
+        }
+        let penetration = (point - foot).dot(&normal);
+        // the wheel's outward normal, towards the rail
+        let outward = Vector2::new(-tangent.y, tangent.x);
+        Some(Facing {
+            wheel_s,
+            penetration,
+            slope: -normal.dot(&tangent) / cosine,
+            direction: outward / cosine,
+            point,
+        })
+    }
+
+    fn facing_at(&self, place: &Turned, s: f64, guess: f64) -> Option<Facing> {
+        let (point, tangent) = self.rail.evaluate(s);
+        self.facing(place, &point, Vector2::new(tangent.y, -tangent.x), guess)
+    }
+
+    /// Looks at the stations where the bodies can overlap, and lists where they may.
+    fn look(&mut self, place: &Turned) {
+        let moved = self.looked.map_or(f64::INFINITY, |looked| self.motion(&looked, place));
+        for i in 0..self.stations.len() {
+            let Station { point, normal, wheel_s, bound, .. } = self.stations[i];
+            if bound + moved < -FAR {
+                self.stations[i].bound += moved;
+                continue;
+            }
+            let found = self.facing(place, &point, normal, wheel_s).or_else(|| {
+                let nearest = self.opposite(place, i);
+                self.facing(place, &point, normal, nearest)
+            });
+            let station = &mut self.stations[i];
+            (station.bound, station.wheel_s) =
+                found.map_or((f64::NEG_INFINITY, wheel_s), |found| (found.penetration, found.wheel_s));
+        }
+        self.looked = Some(*place);
+        self.near.clear();
+        let depth = |i: usize| self.stations[i].bound;
+        let last = self.stations.len() - 1;
+        let mut i = 0;
+        while i <= last {
+            if depth(i) > 0.0 {
+                let first = i;
+                while i <= last && depth(i) > 0.0 {
+                    i += 1;
+                }
+                self.near.push((first.saturating_sub(1), i.min(last)));
+                continue;
+            }
+            // a contact may be narrower than the distance of two stations
+            let peak = i > 0 && i < last && depth(i) >= depth(i - 1) && depth(i) > depth(i + 1);
+            if peak && depth(i) > -BETWEEN && depth(i - 1) <= 0.0 && depth(i + 1) <= 0.0 {
+                self.near.push((i - 1, i + 1));
+            }
+            i += 1;
+        }
+    }
+
+    /// The contacts at a pose, in the order of the rail's profile.
+    pub fn contacts(&mut self, pose: &Pose, law: &impl StripLaw, contacts: &mut Vec<Contact>) {
+        let place = self.turned(pose);
+        self.look(&place);
+        contacts.clear();
+        for n in 0..self.near.len() {
+            let stations = self.near[n];
+            if let Some(extent) = self.extent(&place, stations) {
+                contacts.push(self.contact(&place, pose, extent, stations, law));
+            }
+        }
+    }
+
+    /// Arc length on the wheel near that opposite to a place of the rail.
+    fn guess(&self, s: f64, (low, high): (usize, usize)) -> f64 {
+        let step = self.stations[1].s - self.stations[0].s;
+        let i = ((s / step) as usize).clamp(low, high - 1);
+        let (a, b) = (&self.stations[i], &self.stations[i + 1]);
+        a.wheel_s + (s - a.s) / (b.s - a.s) * (b.wheel_s - a.wheel_s)
+    }
+
+    /// The arc lengths between which the bodies overlap.
+    fn extent(&self, place: &Turned, (low, high): (usize, usize)) -> Option<[f64; 2]> {
+        let depth = |s: f64| self.facing_at(place, s, self.guess(s, (low, high)));
+        let inside = |station: &Station| station.bound > 0.0;
+        let stations = &self.stations[low..=high];
+        let (first, last) = match (stations.iter().position(inside), stations.iter().rposition(inside)) {
+            (Some(first), Some(last)) => (stations[first].s, stations[last].s),
+            _ => {
+                let (mut a, mut b) = (stations[0].s, stations[stations.len() - 1].s);
+                loop {
+                    let s = 0.5 * (a + b);
+                    let here = depth(s)?;
+                    if here.penetration > 0.0 {
+                        break (s, s);
+                    }
+                    if b - a < NARROWEST {
+                        return None;
+                    }
+                    // deeper on the side to which the penetration grows
+                    if here.slope > 0.0 { a = s } else { b = s }
+                }
+            }
+        };
+        // Newton's method kept between a place inside and one outside
+        let end = |inner: f64, outer: f64| -> f64 {
+            let (mut inner, mut outer) = (inner, outer);
+            let mut s = 0.5 * (inner + outer);
+            for _ in 0..MOST_STEPS {
+                let Some(here) = depth(s) else {
+                    outer = s;
+                    s = 0.5 * (inner + outer);
+                    continue;
+                };
+                if here.penetration > 0.0 {
+                    inner = s
+                } else {
+                    outer = s
+                }
+                let next = s - here.penetration / here.slope;
+                let between = (next - inner) * (next - outer) < 0.0;
+                let next = if between { next } else { 0.5 * (inner + outer) };
+                if (next - s).abs() < SETTLED {
+                    return next;
+                }
+                s = next;
+            }
+            s
+        };
+        Some([end(first, self.stations[low].s), end(last, self.stations[high].s)])
+    }
+
+    fn contact(
+        &self,
+        place: &Turned,
+        pose: &Pose,
+        extent: [f64; 2],
+        stations: (usize, usize),
+        law: &impl StripLaw,
+    ) -> Contact {
+        let [from, to] = extent;
+        let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let (mut force, mut stiffness, mut energy) = (Vector3::zeros(), Matrix3::zeros(), 0.0);
+        let (mut sum, mut rail_s, mut wheel_s, mut middle) = (0.0, 0.0, 0.0, Vector2::zeros());
+        for (at, weight) in GAUSS.iter().flat_map(|&(at, weight)| [(-at, weight), (at, weight)]) {
+            let s = centre + half * at;
+            let Some(here) = self.facing_at(place, s, self.guess(s, stations)) else { continue };
+            let depth = here.penetration.max(0.0);
+            let share = law.modulus(s) * half * weight;
+            let q = share * depth;
+            let a = here.direction;
+            let gradient = Vector3::new(a.x, a.y, here.point.coords.perp(&a));
+            force -= gradient * q;
+            if depth > 0.0 {
+                stiffness += gradient * gradient.transpose() * share;
+            }
+            energy += 0.5 * q * depth;
+            sum += q;
+            rail_s += q * s;
+            wheel_s += q * here.wheel_s;
+            middle += here.point.coords * q;
+        }
+        let over = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        // from the wheel's frame to the world
+        let turn = Rotation2::new(pose.wheel.z);
+        let whole = turn.matrix().fixed_resize::<3, 3>(0.0) + Matrix3::from_diagonal(&Vector3::z());
+        let (force, stiffness) = (whole * force, whole * stiffness * whole.transpose());
+        let normal_force = force.xy().norm();
+        let normal = if normal_force > 0.0 { force.xy() / normal_force } else { Vector2::zeros() };
+        let along = Vector3::new(normal.x, normal.y, 0.0);
+        Contact {
+            extent,
+            force,
+            energy,
+            stiffness,
+            normal_force,
+            normal_stiffness: along.dot(&(stiffness * along)),
+            point: self.origin + pose.wheel.xy() + turn * (middle * over),
+            rail_s: rail_s * over,
+            wheel_s: wheel_s * over,
+        }
+    }
+}
+
+impl Turned {
+    fn at(&self, point: &Point2<f64>) -> Point2<f64> {
+        Point2::from(self.turn * point.coords + self.by)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,129 @@
+//! The wheel as hub, modes and the static rest, as seen at the section of its rim that touches.
+
+use super::sections::{RunningSurface, SectionFlexibility, carried};
+use crate::error::{InputError, Result};
+use crate::superelement::Modes;
+use nalgebra::{DMatrix, DVector, Matrix3, Point2, SymmetricEigen, Vector3};
+
+/// Motions of the hub that a wheel in the plane of the section has: y, z, rotation about x.
+const MOTIONS: [usize; 3] = [1, 2, 3];
+
+/// A wheel on its hub: its mass, its modes with the hub held, and what its rim has of either. Coordinates are displacements y and z
+/// (m) and the rotation about x (rad).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElasticWheel {
+    /// Mass between the motions of the hub, as those of a rigid body about the hub's centre; kg, kg·m, kg·m².
+    pub mass: Matrix3<f64>,
+    /// From the rim's reference point to the hub's centre (y, z), m.
+    pub hub: [f64; 2],
+    /// Modes with the hub held, by ascending frequency.
+    pub modes: Vec<RimMode>,
+    /// Flexibility of the rim's section, the hub held, beyond the modes: displacements (m) and rotation (rad) under forces (N) and a torque
+    /// (N·m).
+    pub rest: Matrix3<f64>,
+}
+
+/// A mode of mass 1 kg of the wheel with its hub held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RimMode {
+    /// Square of its angular frequency, 1/s².
+    pub square: f64,
+    /// Motion of the rim's section in the mode.
+    pub rim: Vector3<f64>,
+    /// Mass between the mode and the motions of the hub.
+    pub coupling: Vector3<f64>,
+}
+
+impl ElasticWheel {
+    /// From a wheel's surface and modes: those up to a `highest` frequency (Hz) as modes, the others as statics. `rim` is
+    /// the flexibility of its section about the point `about` (y, z of the body's frame; m).
+    ///
+    /// # Errors
+    /// [`InputError`] for modes without stiffness.
+    pub fn new(
+        surface: &RunningSurface,
+        modes: &Modes,
+        rim: &SectionFlexibility,
+        about: Point2<f64>,
+        highest: f64,
+    ) -> Result<Self> {
+        let count = modes.count();
+        let rows = rigid_rows(surface, modes, about);
+        let natural = SymmetricEigen::new(modes.stiffness(count));
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|&a, &b| natural.eigenvalues[a].total_cmp(&natural.eigenvalues[b]));
+        let limit = (std::f64::consts::TAU * highest).powi(2);
+        let mut kept = Vec::new();
+        let mut rest = rim.flexibility;
+        for &n in order.iter().filter(|&&n| natural.eigenvalues[n] <= limit) {
+            let (square, shape) = (natural.eigenvalues[n], natural.eigenvectors.column(n));
+            if square <= 0.0 {
+                let (value, expected) = (format!("{square} 1/s²"), "modes of a body that is held");
+                return Err(InputError::new("modes", value, expected, "condense the wheel again").into());
+            }
+            let along = |row: &DVector<f64>| row.dot(&shape);
+            let rim = Vector3::from_fn(|i, _| along(&rows[i]));
+            let coupling = Vector3::from_fn(|i, _| {
+                (0..count).map(|mode| modes.coupling(MOTIONS[i], mode) * shape[mode]).sum()
+            });
+            rest -= rim * rim.transpose() / square;
+            kept.push(RimMode { square, rim, coupling });
+        }
+        let master = modes.rigid_motion(&nalgebra::Point3::origin(), 3);
+        // a rotation about x moves the origin by (-z, y) of its arm
+        let centre = Point2::new(-master.z, master.y);
+        let hub = [centre.x - about.x, centre.y - about.y];
+        let mass = Matrix3::from_fn(|i, j| modes.rigid_mass(MOTIONS[i], MOTIONS[j]));
+        Ok(Self { mass, hub, modes: kept, rest: positive(rest) })
+    }
+
+    /// Flexibility of the rim's section, the hub held.
+    pub fn rim_flexibility(&self) -> Matrix3<f64> {
+        self.modes.iter().fold(self.rest, |sum, mode| sum + mode.rim * mode.rim.transpose() / mode.square)
+    }
+
+    /// Motion of the rim's section under unit motions of the hub.
+    pub fn carried_by_hub(&self) -> Matrix3<f64> {
+        let mut carried = Matrix3::identity();
+        // the rim's reference point as seen from the hub
+        carried[(0, 2)] = self.hub[1];
+        carried[(1, 2)] = -self.hub[0];
+        carried
+    }
+}
+
+/// Rows of the section's motion (y, z, rotation) of the modes: the rigid motion nearest to the displacements of the profile.
+fn rigid_rows(surface: &RunningSurface, modes: &Modes, about: Point2<f64>) -> [DVector<f64>; 3] {
+    let places = surface.profile();
+    let nodes = surface.profile_nodes();
+    let arms: Vec<_> = places.iter().map(|p| carried(&(p - about))).collect();
+    let normal: Matrix3<f64> = arms.iter().map(|arm| arm.transpose() * arm).sum();
+    let inverse = normal.try_inverse().unwrap_or_else(Matrix3::zeros);
+    let motions = DMatrix::from_columns(
+        &(0..modes.count())
+            .map(|mode| {
+                let shape = modes.contact(mode);
+                let right: Vector3<f64> = arms
+                    .iter()
+                    .zip(&nodes)
+                    .map(|(arm, n)| {
+                        arm.transpose() * nalgebra::Vector2::new(shape[3 * n + 1], shape[3 * n + 2])
+                    })
+                    .sum();
+                DVector::from_column_slice((inverse * right).as_slice())
+            })
+            .collect::<Vec<_>>(),
+    );
+    [0, 1, 2].map(|i| motions.row(i).transpose())
+}
+
+/// The nearest flexibility that stores no negative energy: what is negative is the misfit of the section.
+fn positive(matrix: Matrix3<f64>) -> Matrix3<f64> {
+    // rotations as displacements at a lever of the profile's size
+    const LEVER: f64 = 0.03;
+    let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, LEVER));
+    let back = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1.0 / LEVER));
+    let parts = SymmetricEigen::new(scale * matrix * scale);
+    let values = parts.eigenvalues.map(|value| value.max(0.0));
+    back * parts.eigenvectors * Matrix3::from_diagonal(&values) * parts.eigenvectors.transpose() * back
+}

@@ -1,0 +1,88 @@
+//! The condensed model: what it consists of.
+
+use nalgebra::Point2;
+
+use railspring_calibrate::beam::RailBeam;
+use railspring_calibrate::element::PairElement;
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::field::InputField;
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::Pair;
+use railspring_calibrate::placement::PlacedRail;
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::solid::Material;
+use railspring_calibrate::step_control::InnerSteps;
+
+use crate::moving::{InitialMotion, MovingRun, RailSupport};
+
+/// A condensed wheel on a rail, ready to run scenarios.
+#[derive(Debug, Clone)]
+pub struct CondensedModel {
+    /// The rail in the world frame.
+    pub rail: PlacedRail,
+    /// Running surface of the wheel, profile frame.
+    pub wheel: ProfileCurve,
+    /// World position (y, z) of the wheel profile's origin, m, where the wheel just touches.
+    pub tape: Point2<f64>,
+    /// What carries the rail.
+    pub support: RailSupport,
+    /// Wheel, head and contact.
+    pub element: PairElement,
+    /// Stiffness of the axle against the wheel's rotation about x, N·m/rad, in scenarios that free the rotations.
+    pub axle: f64,
+    /// Damping of the wheel proportional to stiffness, s, as [`Material::damping`].
+    pub damping: f64,
+    /// Motion at t = 0.
+    pub initial: InitialMotion,
+}
+
+impl CondensedModel {
+    /// The wheel of a calibrated pair on its rail as a beam.
+    pub fn of_pair(pair: &Pair, beam: RailBeam, material: &Material, element: PairElement) -> Self {
+        Self {
+            rail: pair.placed.clone(),
+            wheel: pair.wheel.running.clone(),
+            tape: Point2::from(pair.tape()),
+            support: RailSupport::Beam { beam, node_line: pair.node_line(), damping: material.damping },
+            element,
+            axle: axle(pair, material),
+            damping: material.damping,
+            initial: InitialMotion::default(),
+        }
+    }
+
+    /// Runs a scenario.
+    ///
+    /// # Errors
+    /// [`InputError`] for values out of range or a wheel that starts beyond the rail's ends;
+    /// [`railspring_calibrate::error::NumericsError`] when a step does not converge.
+    pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
+        self.check(scenario)?;
+        super::run::run(self, scenario, monitor)
+    }
+
+    fn check(&self, scenario: &Scenario) -> Result<()> {
+        scenario.check()?;
+        if let InnerSteps::Adaptive(_) = scenario.inner_steps {
+            let remedy = "give their number: a step costs little";
+            let expected = "equal steps for the moving solver";
+            return Err(
+                InputError::new(InputField::InnerSteps, "steps of adapted length", expected, remedy).into()
+            );
+        }
+        let motion = [self.initial.displacement, self.initial.velocity].concat();
+        if let Some(value) = motion.iter().find(|v| !v.is_finite()) {
+            return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
+        }
+        self.support.check_start(scenario)
+    }
+}
+
+/// The axle as a beam between the two wheels, of the diameter of the hub's bore: a wheel turns it at its end while the other one stands,
+/// 3EI/L.
+fn axle(pair: &Pair, material: &Material) -> f64 {
+    let diameter = 2.0 * pair.wheel.bore_radius;
+    let inertia = std::f64::consts::PI * diameter.powi(4) / 64.0;
+    3.0 * material.young * inertia / (2.0 * pair.tape_y)
+}

@@ -1,0 +1,383 @@
+//! The time loop of the condensed model.
+
+use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
+
+use railspring_calibrate::element::{Pose, Profiles};
+use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
+use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
+use railspring_calibrate::history::{ContactState, Departure, Ending, History, HistoryRow, SurfaceEnd};
+use railspring_calibrate::linear_part::{LinearPart, LinearStep};
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::newmark::Newmark;
+use railspring_calibrate::placement::{departure, lateral_extent};
+use railspring_calibrate::scenario::Scenario;
+
+use super::contact::Patch;
+use super::model::CondensedModel;
+use super::step::{Meeting, Side, Step, arm, transport};
+use super::wheel::{self, Wheel, WheelState};
+use crate::moving::{
+    MovingRun, Rail, RailDynamics, RailLoad, RailState, RailSupport, RunStatistics, SectionMotion,
+};
+
+/// A step that does not converge is halved at most so many times.
+const MOST_HALVINGS: usize = 8;
+
+/// State between two steps.
+#[derive(Clone)]
+struct State {
+    at: Meeting,
+    wheel: WheelState,
+    rail: Option<RailState>,
+    ledger: EnergyLedger,
+}
+
+/// Everything that stays the same during a run.
+struct Run<'a> {
+    model: &'a CondensedModel,
+    scenario: &'a Scenario,
+    wheel: Wheel<'a>,
+    rail: Option<RailDynamics<'a>>,
+    ends: Option<[f64; 2]>,
+    start_x: f64,
+    references: [Vector2<f64>; 2],
+    /// Flexibility of the head beyond the beam; a rail that does not move has none.
+    head: Matrix3<f64>,
+    /// Points of both running surfaces from their reference points, m.
+    outlines: [Vec<Point2<f64>>; 2],
+}
+
+/// Steps of one length prepared.
+struct Prepared<'r> {
+    wheel: wheel::Prepared,
+    rail: Option<Rail<'r>>,
+}
+
+/// Between directions 1, 2 and rotation 3 and the world: its own inverse.
+fn to_world() -> Matrix3<f64> {
+    Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0))
+}
+
+/// Runs a checked scenario.
+pub(super) fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
+    let run = Run::new(model, scenario)?;
+    let mut profiles =
+        Profiles::new(&model.rail.curve, &model.wheel, model.tape, Point2::from(run.references[1]));
+    let mut statistics = RunStatistics::default();
+    let mut state = run.start(&mut profiles)?;
+    let mut spare = state.clone();
+    let mut rows = Vec::with_capacity(scenario.steps + 1);
+    let mut rail = Vec::with_capacity(scenario.steps + 1);
+    rows.push(run.row(0.0, &state));
+    rail.push(section(&state));
+    let mut ending = Ending::Completed;
+    let inner = scenario.shortest_step();
+    let inner_steps = scenario.inner_steps.most();
+    let prepared = run.prepare(inner)?;
+    for number in 0..scenario.steps * inner_steps {
+        let step = number / inner_steps;
+        if number % inner_steps == 0 {
+            monitor.progress("simulate", step, scenario.steps)?;
+        }
+        let times = [number as f64 * inner, (number + 1) as f64 * inner];
+        let states = [&mut state, &mut spare];
+        let ended = run
+            .advance(&mut profiles, states, &prepared, times, 0, &mut statistics)
+            .map_err(|error| at_step(error, step + 1))?;
+        if let Some(reason) = ended {
+            ending = reason;
+            break;
+        }
+        if (number + 1) % inner_steps == 0 {
+            rows.push(run.row((step + 1) as f64 * scenario.time_step, &state));
+            rail.push(section(&state));
+        }
+    }
+    monitor.progress("simulate", scenario.steps, scenario.steps)?;
+    let history = History { rows, degrees_of_freedom: run.degrees_of_freedom(), ending };
+    Ok(MovingRun { history, rail, statistics })
+}
+
+impl<'a> Run<'a> {
+    fn new(model: &'a CondensedModel, scenario: &'a Scenario) -> Result<Self> {
+        let (rail, ends) = match &model.support {
+            RailSupport::Rigid => (None, None),
+            RailSupport::Beam { beam, damping, .. } => {
+                (Some(RailDynamics::new(beam, *damping)), Some([0.0, beam.length()]))
+            }
+        };
+        let references = [model.tape.coords, model.support.reference(&model.rail).coords];
+        let outlines = [
+            model.wheel.knot_points().collect(),
+            model.rail.curve.knot_points().map(|p| p - references[1]).collect(),
+        ];
+        Ok(Self {
+            model,
+            scenario,
+            wheel: Wheel::new(&model.element.wheel, scenario, model.axle, model.damping)?,
+            head: rail.as_ref().map_or_else(Matrix3::zeros, |_| model.element.head),
+            rail,
+            start_x: scenario.start_x.unwrap_or(ends.map_or(0.0, |[from, to]| 0.5 * (from + to))),
+            ends,
+            references,
+            outlines,
+        })
+    }
+
+    fn wheel_x(&self, time: f64) -> f64 {
+        self.start_x + self.scenario.speed * time
+    }
+
+    fn rail_load(&self, time: f64) -> RailLoad {
+        RailLoad { x: self.wheel_x(time), torsion: self.scenario.rail_torsion.map_or(0.0, |t| t.at(time)) }
+    }
+
+    /// State at t = 0: hub and rail where the initial motion puts them, rim and head as statics have them between them.
+    fn start(&self, profiles: &mut Profiles) -> Result<State> {
+        let initial = self.model.initial;
+        let wheel = self.wheel.start(initial.displacement, initial.velocity);
+        let rim = self.wheel.rim(&wheel);
+        let step = Step {
+            wheel: Side { free: rim, flexibility: self.wheel.rest },
+            rail: Side { free: Vector3::zeros(), flexibility: self.head },
+            strips: &self.model.element.strips,
+            friction: 0.0,
+            references: self.references,
+        };
+        let guess = Pose { wheel: rim, rail: Vector3::zeros() };
+        let mut at = Meeting::default();
+        step.solve(profiles, &Meeting::default(), guess, &mut at).map_err(|error| at_step(error, 0))?;
+        let on_rail = to_world() * self.on_rail(&at);
+        let rail = self.rail.as_ref().map(|rail| rail.start(&self.rail_load(0.0), on_rail)).transpose()?;
+        let of_rail = self.rail.as_ref().zip(rail.as_ref());
+        let of_rail = of_rail.map(|(dynamics, rail)| dynamics.energy(rail, rail, 0.0, 0.0));
+        let elastic = PartEnergy { elastic: self.elastic(&at), ..PartEnergy::default() };
+        let energy = self.wheel.energy(&wheel, &wheel, [0.0; 2]) + of_rail.unwrap_or_default() + elastic;
+        Ok(State { at, wheel, rail, ledger: EnergyLedger::new(energy) })
+    }
+
+    /// Force on the rail's section with its moment about the reference point, world.
+    fn on_rail(&self, at: &Meeting) -> Vector3<f64> {
+        -transport(&arm(&self.references, &at.pose)).tr_mul(&at.contacts.force)
+    }
+
+    /// Energy of contacts and of the parts that follow their forces, J.
+    fn elastic(&self, at: &Meeting) -> f64 {
+        let (force, on_rail) = (at.contacts.force, self.on_rail(at));
+        let rest = force.dot(&(self.wheel.rest * force)) + on_rail.dot(&(self.head * on_rail));
+        at.contacts.energy + at.contacts.stored() + 0.5 * rest
+    }
+
+    /// Advances between two times, with `spare` as room for the next state; a step that does not converge is done in two halves.
+    fn advance(
+        &self,
+        profiles: &mut Profiles,
+        [state, spare]: [&mut State; 2],
+        prepared: &Prepared<'_>,
+        times: [f64; 2],
+        halvings: usize,
+        statistics: &mut RunStatistics,
+    ) -> Result<Option<Ending>> {
+        let [from, to] = times;
+        // A step's worth of rounding at the far end does not lead off the rail.
+        let x = self.wheel_x(to);
+        if self.ends.is_some_and(|[first, last]| x < first - 1e-9 || x > last + 1e-9) {
+            return Ok(Some(Ending::Departed { time: to, departure: Departure::RailEnd }));
+        }
+        match self.step(profiles, state, spare, prepared, times) {
+            Ok(iterations) => {
+                statistics.iterations += iterations;
+                statistics.evaluations += iterations;
+                statistics.most_iterations = statistics.most_iterations.max(iterations);
+                let ending = self.ending(spare, to);
+                if ending.is_none() {
+                    std::mem::swap(state, spare);
+                }
+                Ok(ending)
+            }
+            Err(Error::Numerics(_)) if halvings < MOST_HALVINGS => {
+                statistics.halved_steps += 1;
+                let middle = 0.5 * (from + to);
+                let half = self.prepare(0.5 * (to - from))?;
+                for times in [[from, middle], [middle, to]] {
+                    let states = [&mut *state, &mut *spare];
+                    let ending = self.advance(profiles, states, &half, times, halvings + 1, statistics)?;
+                    if ending.is_some() {
+                        return Ok(ending);
+                    }
+                }
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn prepare(&self, step: f64) -> Result<Prepared<'_>> {
+        let rail = self.rail.as_ref().map(|rail| rail.over(&Newmark::new(step, 0.0))).transpose()?;
+        Ok(Prepared { wheel: self.wheel.prepare(step), rail })
+    }
+
+    /// One step from `state` to `next`; its iterations.
+    fn step(
+        &self,
+        profiles: &mut Profiles,
+        state: &State,
+        next: &mut State,
+        prepared: &Prepared<'_>,
+        times: [f64; 2],
+    ) -> Result<usize> {
+        let Prepared { wheel, rail } = prepared;
+        let on_wheel = state.at.contacts.force;
+        let free = self.wheel.free(wheel, &state.wheel, times);
+        let of_wheel = wheel.flexibility * 0.5;
+        let rim = Side { free: free.rim + of_wheel * on_wheel, flexibility: of_wheel + self.wheel.rest };
+        let rail_step = match (rail, &state.rail, &mut next.rail) {
+            (Some(rail), Some(before), Some(after)) => {
+                Some(rail.predict(before, &self.rail_load(times[1]), after))
+            }
+            _ => None,
+        };
+        let head = match &rail_step {
+            Some(step) => {
+                let flexibility = Matrix3::from_fn(|i, j| step.flexibility()[(i, j)]);
+                Side {
+                    free: to_world() * Vector3::from_column_slice(step.free()),
+                    flexibility: to_world() * flexibility * to_world() + self.head,
+                }
+            }
+            None => Side { free: Vector3::zeros(), flexibility: self.head },
+        };
+        let step = Step {
+            wheel: rim,
+            rail: head,
+            strips: &self.model.element.strips,
+            friction: self.scenario.friction,
+            references: self.references,
+        };
+        let guess = Pose {
+            wheel: rim.free + rim.flexibility * on_wheel,
+            rail: head.free + head.flexibility * self.on_rail(&state.at),
+        };
+        let iterations = step.solve(profiles, &state.at, guess, &mut next.at)?;
+        let mean = (on_wheel + next.at.contacts.force) * 0.5;
+        self.wheel.finish(wheel, &state.wheel, &free, &mean, &mut next.wheel);
+        if let Some(step) = rail_step {
+            step.finish((to_world() * self.on_rail(&next.at)).as_slice());
+        }
+        let energy = self.energy(state, next, times);
+        next.ledger = state.ledger.entered(energy);
+        if next.wheel.is_finite() && next.ledger.balance().drift.is_finite() {
+            return Ok(iterations);
+        }
+        let active = next.at.contacts.patches.len();
+        let (stage, reason) = ("condensed element".into(), StopReason::NotFinite);
+        Err(NumericsError { stage, step: None, iteration: iterations, residual: f64::NAN, active, reason }
+            .into())
+    }
+
+    /// Energies after a step, with the works in it.
+    fn energy(&self, state: &State, next: &State, times: [f64; 2]) -> PartEnergy {
+        let [before, after] = [&state.at, &next.at];
+        let torsion = |time: f64| self.rail_load(time).torsion;
+        let of_rail = match (&self.rail, &state.rail, &next.rail) {
+            (Some(dynamics), Some(before), Some(after)) => {
+                let torsion = 0.5 * (torsion(times[0]) + torsion(times[1]));
+                dynamics.energy(before, after, torsion, times[1] - times[0])
+            }
+            _ => PartEnergy::default(),
+        };
+        let to_wheel = transport(&arm(&self.references, &after.pose));
+        let moved = after.pose.wheel - before.pose.wheel - to_wheel * (after.pose.rail - before.pose.rail);
+        let work = 0.5 * (before.contacts.friction() + after.contacts.friction()).dot(&moved);
+        let of_contact = PartEnergy {
+            elastic: self.elastic(after),
+            // what friction took and the springs along the contacts do not have
+            friction: before.contacts.stored() - after.contacts.stored() - work,
+            ..PartEnergy::default()
+        };
+        self.wheel.energy(&state.wheel, &next.wheel, times) + of_rail + of_contact
+    }
+
+    fn degrees_of_freedom(&self) -> usize {
+        let beam = match &self.model.support {
+            RailSupport::Rigid => 0,
+            RailSupport::Beam { beam, .. } => beam.unknowns(),
+        };
+        beam + self.wheel.count()
+    }
+
+    /// How a run ends whose step to `time` (s) has this state, if it does.
+    fn ending(&self, state: &State, time: f64) -> Option<Ending> {
+        let Pose { wheel, rail } = state.at.pose;
+        let extent = |points: &[Point2<f64>], turn: f64, at: f64| {
+            let turn = Rotation2::new(turn);
+            lateral_extent(points.iter().map(|p| turn * p)).map(|y| y + at)
+        };
+        let [wheel_points, rail_points] = &self.outlines;
+        let on_wheel = extent(wheel_points, wheel.z, self.references[0].x + wheel.x);
+        let on_rail = extent(rail_points, rail.z, self.references[1].x + rail.x);
+        if let Some(departure) = departure(on_rail, on_wheel) {
+            return Some(Ending::Departed { time, departure });
+        }
+        let (rail_length, wheel_length) = (self.model.rail.curve.length(), self.model.wheel.length());
+        let departed = |departure| Some(Ending::Departed { time, departure });
+        state.at.contacts.patches.iter().find_map(|Patch { contact, .. }| {
+            let aside = wheel.x - rail.x;
+            let too_short = |s: f64| {
+                let rail = self.model.rail.to_profile(&self.model.rail.curve.point(s));
+                Some(Ending::EndOfSurface { time, end: SurfaceEnd::RailProfile, rail })
+            };
+            if contact.wheel_s < 0.0 {
+                departed(Departure::FieldSide)
+            } else if contact.wheel_s > wheel_length {
+                departed(Departure::GaugeSide)
+            } else if contact.extent[0] <= 0.0 {
+                if aside < 0.0 { departed(Departure::GaugeSide) } else { too_short(0.0) }
+            } else if contact.extent[1] >= rail_length {
+                if aside > 0.0 { departed(Departure::FieldSide) } else { too_short(rail_length) }
+            } else {
+                None
+            }
+        })
+    }
+
+    fn row(&self, time: f64, state: &State) -> HistoryRow {
+        let [y, z] = self.wheel.hub(&state.wheel);
+        let start = self.model.initial.displacement;
+        let Meeting { contacts, .. } = &state.at;
+        let energy: EnergyBalance = state.ledger.balance();
+        HistoryRow {
+            time,
+            vertical_force: -contacts.force.y,
+            lateral_force: -contacts.force.x,
+            wheel_y: y - start[0],
+            wheel_z: z - start[1],
+            load_y: self.scenario.load_travel(time, y - start[0]),
+            energy: Some(energy),
+            contacts: contacts.patches.iter().map(|patch| self.contact(patch)).collect(),
+        }
+    }
+
+    fn contact(&self, patch: &Patch) -> ContactState {
+        let Patch { contact, tangential, mode, .. } = patch;
+        ContactState {
+            mode: *mode,
+            rail: self.model.rail.to_profile(&self.model.rail.curve.point(contact.rail_s)),
+            wheel: self.model.wheel.point(contact.wheel_s),
+            normal_force: contact.normal_force,
+            tangential_force: *tangential,
+        }
+    }
+}
+
+fn section(state: &State) -> SectionMotion {
+    let rail = state.at.pose.rail;
+    SectionMotion { displacement: [rail.x, rail.y], rotation: rail.z }
+}
+
+fn at_step(error: Error, step: usize) -> Error {
+    match error {
+        Error::Numerics(numerics) => NumericsError { step: Some(step), ..numerics }.into(),
+        other => other,
+    }
+}

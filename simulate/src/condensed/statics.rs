@@ -1,0 +1,97 @@
+//! The hub on its contact as statics have it.
+
+use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
+
+use railspring_calibrate::element::{Pose, Profiles};
+use railspring_calibrate::error::{NumericsError, Result, StopReason};
+
+use super::contact::Contacts;
+use super::model::CondensedModel;
+use super::step::{Meeting, Side, Step, arm, transport};
+
+/// A wheel pressed on the rail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HubStatics {
+    /// Displacement of the hub along the direction in which it is pressed, against the rail's section, m.
+    pub displacement: f64,
+    /// Displacements y and z of the hub against the rail's section under small further forces, everything sticking, m/N.
+    pub flexibility: Matrix2<f64>,
+}
+
+/// What a force may miss, relative.
+const SOLVER: f64 = 1e-9;
+/// The first way that a hub is pressed, m, and how much further each time.
+const FIRST_WAY: f64 = 1e-6;
+const GROWTH: f64 = 1.2;
+/// The deepest that a hub is pressed, m.
+const DEEPEST: f64 = 20e-3;
+
+impl CondensedModel {
+    /// The hub pressed along a `direction` (unit, y and z) from where the wheel just touches, with a coefficient of `friction` and the rail's
+    /// section held, until the forces of the contacts along it are `force` (N).
+    ///
+    /// # Errors
+    /// [`NumericsError`] for a force that the contact does not reach.
+    pub fn pressed(&self, direction: Vector2<f64>, force: f64, friction: f64) -> Result<HubStatics> {
+        let references = [self.tape.coords, self.support.reference(&self.rail).coords];
+        let [rim, head] = [self.element.wheel.rim_flexibility(), self.element.head];
+        let mut profiles =
+            Profiles::new(&self.rail.curve, &self.wheel, self.tape, Point2::from(references[1]));
+        // friction goes as the wheel comes down
+        let mut pressed = |way: f64, from: &Meeting| -> Result<(Meeting, f64)> {
+            let free = Vector3::new(direction.x * way, direction.y * way, 0.0);
+            let step = Step {
+                wheel: Side { free, flexibility: rim },
+                rail: Side { free: Vector3::zeros(), flexibility: head },
+                strips: &self.element.strips,
+                friction,
+                references,
+            };
+            let guess = Pose { wheel: free + rim * from.contacts.force, rail: from.pose.rail };
+            let mut at = Meeting::default();
+            step.solve(&mut profiles, from, guess, &mut at)?;
+            let carried = -at.contacts.force.xy().dot(&direction);
+            Ok((at, carried))
+        };
+        let (mut low, mut before) = (0.0, Meeting::default());
+        let mut high = FIRST_WAY;
+        let (mut at, mut carried) = pressed(high, &before)?;
+        while carried < force {
+            (low, before) = (high, at);
+            high *= GROWTH;
+            if high > DEEPEST {
+                return Err(unreached(force, &before.contacts));
+            }
+            (at, carried) = pressed(high, &before)?;
+        }
+        let mut way = high;
+        while high - low > SOLVER * high {
+            way = 0.5 * (low + high);
+            (at, carried) = pressed(way, &before)?;
+            match carried < force {
+                true => low = way,
+                false => high = way,
+            }
+        }
+        let to_wheel = transport(&arm(&references, &at.pose));
+        let both = rim + to_wheel * head * to_wheel.transpose();
+        let sticking = at.contacts.sticking(&self.element.strips);
+        let stiffness = (Matrix3::identity() + sticking * both).lu().solve(&sticking);
+        let hub = stiffness.map(|stiffness| stiffness.fixed_view::<2, 2>(0, 0).into_owned());
+        let flexibility = hub.and_then(|hub| hub.try_inverse());
+        let flexibility = flexibility.ok_or_else(|| unreached(force, &at.contacts))?;
+        Ok(HubStatics { displacement: way, flexibility: (flexibility + flexibility.transpose()) * 0.5 })
+    }
+}
+
+fn unreached(force: f64, contacts: &Contacts) -> railspring_calibrate::error::Error {
+    NumericsError {
+        stage: "hub pressed on the condensed element".into(),
+        step: None,
+        iteration: 0,
+        residual: force,
+        active: contacts.patches.len(),
+        reason: StopReason::IterationLimit,
+    }
+    .into()
+}
