@@ -104,7 +104,12 @@ pub fn own(
 /// Springs with the condensed element that the model runs with.
 fn with_element(springs: SpringsRecord, element: ElementRecord) -> SpringsRecord {
     let element_blake3 = Some(hash(&to_json(&element)));
-    SpringsRecord { element_blake3, element: Some(Arc::new(element)), ..springs }
+    SpringsRecord {
+        element_blake3,
+        element_displacement: element.displacement,
+        element: Some(Arc::new(element)),
+        ..springs
+    }
 }
 
 fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
@@ -132,6 +137,7 @@ fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsReco
         range_kn: Some(stiffness.law.range_kn),
         beam: stiffness.beam.factors,
         element_blake3: None,
+        element_displacement: None,
         element: None,
         notes: Vec::new(),
     };
@@ -243,6 +249,7 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
         range_kn: law.range_kn,
         beam: BeamFactors::default(),
         element_blake3: None,
+        element_displacement: None,
         element: None,
         notes,
     };

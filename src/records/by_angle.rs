@@ -89,9 +89,12 @@ pub struct FixedLoadRecord {
     /// Flexibility of the hub against the rail's section, everything sticking: lateral, lateral with vertical, and vertical, µm/kN.
     #[serde(default)]
     pub hub_um_per_kn: [f64; 3],
-    /// The same of the condensed contact element, if there is one.
+    /// The same of the condensed contact element, if there is one and it carries the load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub condensed_hub_um_per_kn: Option<[f64; 3]>,
+    /// Displacement of its hub along the contact normal against the rail's section, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condensed_displacement_mm: Option<f64>,
     /// Lateral stiffness of the sticking wheel against the rail's section, the vertical force constant, kN/m.
     pub horizontal_kn_per_m: f64,
     /// The same across the contact normal, the force along it constant, kN/m.

@@ -20,8 +20,21 @@ pub struct ElementRecord {
     pub strips: Vec<StripRecord>,
     /// Largest deviation of a contact force from that of the solid at the same approach, relative.
     pub strips_max_rel_error: f64,
+    /// The hub's displacement along the contact normal against the solid's, where it is farthest from it; none where no place and load has both.
+    pub displacement: Option<HubDeviationRecord>,
     /// What of the motions of rim and head a section that moves without distortion does not have, relative.
     pub section_misfit: [f64; 2],
+}
+
+/// Where the hub of the condensed element is farthest from that of the solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HubDeviationRecord {
+    /// Difference of the displacements over the solid's under the largest load of the place.
+    pub max_rel_error: f64,
+    /// Lateral shift of the wheelset, mm.
+    pub shift_mm: f64,
+    /// Load along the contact normal, kN.
+    pub force_kn: f64,
 }
 
 /// The wheel as hub, modes and static rest.
@@ -93,6 +106,7 @@ impl From<&PairElement> for ElementRecord {
             head: rows(head),
             strips: strips.places.iter().map(strip).collect(),
             strips_max_rel_error: strips.misfit,
+            displacement: None,
             section_misfit: *misfit,
         }
     }

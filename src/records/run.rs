@@ -8,7 +8,7 @@ use railspring_calibrate::transient::Reduction;
 use railspring_calibrate::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 
-use super::{BeamFactors, ElementRecord, LawConstants};
+use super::{BeamFactors, ElementRecord, HubDeviationRecord, LawConstants};
 use crate::verify::{Spread, StepChange, Worth};
 
 /// A run of one of the models.
@@ -164,6 +164,9 @@ pub struct SpringsRecord {
     /// BLAKE3 hash of the condensed contact element that the model runs with; none of the published element.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub element_blake3: Option<String>,
+    /// Where its hub is farthest from that of the solid under statics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub element_displacement: Option<HubDeviationRecord>,
     /// That element; in files it stands in `stiffness_by_angle.json`.
     #[serde(skip)]
     pub element: Option<Arc<ElementRecord>>,

@@ -21,8 +21,8 @@ use super::calibrate::{
 };
 use super::error_band::{CoarserBodies, band_record, bodies_of};
 use crate::records::{
-    AngleLawRecord, ElementRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord,
-    ShiftTouchRecord, StiffnessByAngleRecord,
+    AngleLawRecord, ElementRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord,
+    HubDeviationRecord, ShiftRecord, ShiftTouchRecord, StiffnessByAngleRecord,
 };
 use crate::study::Study;
 
@@ -94,10 +94,13 @@ pub fn by_angle(
             }
         }
     }
+    let displacement = farthest(&records);
     Ok(StiffnessByAngleRecord {
         study: study.name.clone(),
         friction: study.contact.friction,
-        element: element.as_ref().map(ElementRecord::from),
+        element: element
+            .as_ref()
+            .map(|element| ElementRecord { displacement, ..ElementRecord::from(element) }),
         element_missing,
         shifts: records,
         pair: study.pair(),
@@ -238,6 +241,25 @@ fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
     }
 }
 
+/// Where the displacement of the condensed element's hub is farthest from the solid's.
+fn farthest(records: &[ShiftRecord]) -> Option<HubDeviationRecord> {
+    let beam = |load: &FixedLoadRecord| {
+        load.references.iter().find(|at| at.reference == Reference::Beam.name()).map(|at| at.displacement_mm)
+    };
+    let of_place = |record: &ShiftRecord| -> Vec<HubDeviationRecord> {
+        let Some(whole) = record.loads.last().and_then(beam) else { return Vec::new() };
+        let deviation = |load: &FixedLoadRecord| {
+            Some(HubDeviationRecord {
+                max_rel_error: (load.condensed_displacement_mm? - beam(load)?).abs() / whole,
+                shift_mm: record.shift_mm,
+                force_kn: load.force_kn,
+            })
+        };
+        record.loads.iter().filter_map(deviation).collect()
+    };
+    records.iter().flat_map(of_place).max_by(|a, b| a.max_rel_error.total_cmp(&b.max_rel_error))
+}
+
 /// Lateral, lateral with vertical, and vertical flexibility.
 fn hub_values(flexibility: &Matrix2<f64>) -> [f64; 3] {
     [(0, 0), (0, 1), (1, 1)].map(|at| flexibility[at] / MICROMETRE_PER_KILONEWTON)
@@ -256,6 +278,7 @@ fn enter_condensed(
     for load in &mut record.loads {
         let pressed = model.pressed(along, load.force_kn * KILONEWTON, study.contact.friction).ok();
         load.condensed_hub_um_per_kn = pressed.map(|pressed| hub_values(&pressed.flexibility));
+        load.condensed_displacement_mm = pressed.map(|pressed| pressed.displacement / MILLIMETRE);
     }
     Ok(())
 }
@@ -281,6 +304,7 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
         references: fixed.points.iter().map(reference).collect(),
         hub_um_per_kn: hub_values(&fixed.flexibility),
         condensed_hub_um_per_kn: None,
+        condensed_displacement_mm: None,
         horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,
         tangential_kn_per_m: fixed.tangential_stiffness / KILONEWTON_PER_METRE,
         contact_area_mm2: beam.contact_area / SQUARE_MILLIMETRE,

@@ -239,6 +239,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
             .collect(),
         hub_um_per_kn: [0.0; 3],
         condensed_hub_um_per_kn: None,
+        condensed_displacement_mm: None,
         horizontal_kn_per_m: 4e5,
         tangential_kn_per_m: 4.1e5,
         contact_area_mm2: 80.0,
