@@ -14,6 +14,10 @@ use nalgebra::Matrix3;
 /// Places nearer to each other than this (arc length on the rail, m) are one.
 const SAME_PLACE: f64 = 0.5e-3;
 
+/// Rounds in which the places share out what the strips lack, and the share of it that each takes in one.
+const ROUNDS: usize = 5;
+const SHARE: f64 = 0.7;
+
 /// Distance of the places of the table, m.
 const SPACING: f64 = 1e-3;
 
@@ -52,6 +56,15 @@ impl StripStiffness {
         let at = if apart > 0.0 { ((rail_s - first) / apart).clamp(0.0, last as f64) } else { 0.0 };
         let i = (at as usize).min(last.saturating_sub(1));
         (&self.places[i], &self.places[(i + 1).min(last)], at - i as f64)
+    }
+
+    /// The moduli of a table times the ratios at some places, with the tangential stiffness there.
+    fn times(&self, knots: &[StripPlace]) -> Self {
+        let place = |place: &StripPlace| {
+            let (ratio, tangential) = between(knots, place.rail_s);
+            StripPlace { modulus: place.modulus * ratio, tangential, ..*place }
+        };
+        Self { places: self.places.iter().map(place).collect(), misfit: 0.0 }
     }
 
     /// Tangential stiffness of a contact at a place over its normal one.
@@ -173,19 +186,22 @@ pub fn fit_strips(
         let modulus = ratio(place, &hertz, [rim, head]);
         knots.push(StripPlace { rail_s, modulus, tangential: place.tangential });
     }
-    let places = hertz
-        .places
-        .iter()
-        .map(|place| {
-            let (ratio, tangential) = between(&knots, place.rail_s);
-            StripPlace { modulus: place.modulus * ratio, tangential, ..*place }
-        })
-        .collect();
-    let mut stiffness = StripStiffness { places, misfit: 0.0 };
+    let bodies = [rim, head];
+    let mut stiffness = hertz.times(&knots);
+    // contacts are as wide as neighbouring places are apart, so that each has a part of its neighbours' stiffness
+    for _ in 0..ROUNDS {
+        let lacking: Vec<(f64, f64)> =
+            pressed.iter().map(|place| (place.pair.touch.rail_s, ratio(place, &stiffness, bodies))).collect();
+        for knot in &mut knots {
+            let of_knot = lacking.iter().find(|(rail_s, _)| (rail_s - knot.rail_s).abs() < SAME_PLACE);
+            knot.modulus *= of_knot.map_or(1.0, |(_, lacking)| lacking.powf(SHARE));
+        }
+        stiffness = hertz.times(&knots);
+    }
     for place in &pressed {
         let mut profiles = place.profiles();
         for approach in &place.approaches {
-            let force = place.force(&mut profiles, &place.pose(approach, [rim, head]), &stiffness);
+            let force = place.force(&mut profiles, &place.pose(approach, bodies), &stiffness);
             stiffness.misfit = stiffness.misfit.max((force / approach.force - 1.0).abs());
         }
     }
@@ -284,12 +300,14 @@ impl Pressed {
     }
 }
 
-/// Stiffness of a place over that of a `table`: the mean over its loads, in logarithms.
+/// Stiffness of a place over that of a `table`: the mean over its loads, in logarithms, which count by their approaches: what is sought is a
+/// displacement.
 fn ratio(place: &Pressed, table: &StripStiffness, bodies: [&Matrix3<f64>; 2]) -> f64 {
     let mut profiles = place.profiles();
     let logarithms = place.approaches.iter().map(|approach| {
         let unit = place.force(&mut profiles, &place.pose(approach, bodies), table);
-        (approach.force / unit).ln()
+        approach.way * (approach.force / unit).ln()
     });
-    (logarithms.sum::<f64>() / place.approaches.len() as f64).exp()
+    let ways: f64 = place.approaches.iter().map(|approach| approach.way).sum();
+    (logarithms.sum::<f64>() / ways).exp()
 }

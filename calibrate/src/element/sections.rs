@@ -13,6 +13,9 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Point2, Point3, Ro
 /// Lines of the grid along the track between force and displacement: an element mesh does not resolve a half-space that is nearer.
 const LINES_APART: usize = 4;
 
+/// Forces and displacements this far apart along the profile are those of one contact or of two that stand side by side, m.
+const TOGETHER: f64 = 15e-3;
+
 /// The surface of a condensed body where it can touch.
 #[derive(Clone, Copy)]
 pub struct RunningSurface<'a> {
@@ -120,6 +123,10 @@ impl RunningSurface<'_> {
         let mut all = Vec::new();
         for (to, arm) in arms.iter().enumerate() {
             for (from, other) in arms.iter().enumerate() {
+                let along = &self.grid.along_profile;
+                if (along[to] - along[from]).abs() > TOGETHER {
+                    continue;
+                }
                 let found = self.beyond_half_space(to, from);
                 let scale = 1.0 / found.norm();
                 for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
