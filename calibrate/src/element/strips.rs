@@ -16,8 +16,8 @@ const STATION: f64 = 1e-3;
 /// Least cosine of the angle between both profiles where they can touch.
 const LEAST_COSINE: f64 = 0.3;
 
-/// Stations this far from an overlap need not be looked at in every step, m.
-const FAR: f64 = 50e-6;
+/// Stations farther than this from an overlap are looked at together, once the bodies have moved so far, m.
+const FAR: f64 = 200e-6;
 
 /// A contact whose overlap is between two stations can be so much deeper than they are, m: an eighth of a relative curvature of
 /// 80/m (a gauge corner without its counterpart) times the square of their distance.
@@ -26,11 +26,14 @@ const BETWEEN: f64 = 10e-6;
 /// A contact that is narrower than this does not count, m: with the curvature of a gauge corner its overlap is a picometre.
 const NARROWEST: f64 = 1e-6;
 
-/// Newton steps along a profile: most of them, the longest, and the one after which the place is found, m. What a place is off by changes the
-/// penetration by less than its slope times that.
+/// Newton steps along a profile: most of them, the longest, and the one after which the place is found, m: the steps halve their digits, and what a place
+/// is off by changes the penetration by less than its slope times that.
 const MOST_STEPS: usize = 40;
 const LONGEST_STEP: f64 = 5e-3;
-const SETTLED: f64 = 1e-10;
+const SETTLED: f64 = 1e-7;
+
+/// The end of a contact that is narrower is bisected to this, m.
+const LEAST_BRACKET: f64 = 1e-12;
 
 /// Points and weights of Gauss's rule on the interval from -1 to 1, the positive half.
 const GAUSS: [(f64, f64); 8] = [
@@ -90,7 +93,10 @@ struct Station {
     normal: Vector2<f64>,
     /// Arc length on the wheel opposite, m.
     wheel_s: f64,
-    /// Penetration at the last look, m, or a bound above it.
+    /// Penetration and its slope where the station was looked at last, m.
+    depth: f64,
+    slope: f64,
+    /// No penetration is larger than this and what the bodies have moved since they set out together, m.
     bound: f64,
 }
 
@@ -107,8 +113,13 @@ pub struct Profiles<'a> {
     /// Middle of the rail's profile, and the largest distance of a station from there, m.
     middle: Point2<f64>,
     reach: f64,
-    /// Place of the rail's profile in the wheel's frame at which the bounds were made.
+    /// Place of the rail's profile in the wheel's frame at the last look.
     looked: Option<Turned>,
+    /// What the profiles have moved against each other since the bounds set out, m.
+    travel: f64,
+    /// The stations near an overlap, the first and the last, and the highest bound of all others.
+    window: [usize; 2],
+    outside: f64,
     /// Stations before and behind each place where the bodies may overlap.
     near: Vec<(usize, usize)>,
 }
@@ -118,6 +129,8 @@ pub struct Profiles<'a> {
 struct Turned {
     turn: Rotation2<f64>,
     by: Vector2<f64>,
+    /// The wheel in the world.
+    wheel: Rotation2<f64>,
 }
 
 /// One place of the rail against the wheel.
@@ -127,6 +140,8 @@ struct Facing {
     penetration: f64,
     /// Change of the penetration along the rail, but for the curvature times the penetration.
     slope: f64,
+    /// Cosine of the angle between the profiles.
+    cosine: f64,
     /// Outward normal of the wheel over its cosine to the rail's, in the wheel's frame: the change of the penetration with the wheel's motion.
     direction: Vector2<f64>,
     /// The rail's point in the wheel's frame.
@@ -150,14 +165,27 @@ impl<'a> Profiles<'a> {
                 point: rail.point(s),
                 normal: rail.upward_normal(s),
                 wheel_s: 0.0,
+                depth: 0.0,
+                slope: 0.0,
                 bound: f64::INFINITY,
             })
             .collect();
         let middle = rail.point(0.5 * rail.length());
         let reach = stations.iter().map(|station| (station.point - middle).norm()).fold(0.0, f64::max);
-        let near = Vec::new();
-        let mut profiles =
-            Self { rail, wheel, origin, rail_origin, stations, middle, reach, looked: None, near };
+        let mut profiles = Self {
+            rail,
+            wheel,
+            origin,
+            rail_origin,
+            middle,
+            reach,
+            looked: None,
+            travel: 0.0,
+            window: [0, stations.len() - 1],
+            outside: f64::INFINITY,
+            near: Vec::with_capacity(stations.len()),
+            stations,
+        };
         let rest = profiles.turned(&Pose::default());
         for i in 0..profiles.stations.len() {
             profiles.stations[i].wheel_s = profiles.opposite(&rest, i);
@@ -166,16 +194,18 @@ impl<'a> Profiles<'a> {
     }
 
     fn turned(&self, pose: &Pose) -> Turned {
-        let (wheel, rail) = (Rotation2::new(-pose.wheel.z), Rotation2::new(pose.rail.z));
+        let (wheel, rail) = (Rotation2::new(pose.wheel.z).inverse(), Rotation2::new(pose.rail.z));
         // p = R(-w)·(C + R(r)·(x - C) + u - O - v)
         let centre = self.rail_origin.coords;
         let by = wheel * (centre + pose.rail.xy() - rail * centre - self.origin.coords - pose.wheel.xy());
-        Turned { turn: wheel * rail, by }
+        Turned { turn: wheel * rail, by, wheel: wheel.inverse() }
     }
 
     /// Largest motion of a place of the rail between two places of its profile, m.
     fn motion(&self, a: &Turned, b: &Turned) -> f64 {
-        (a.at(&self.middle) - b.at(&self.middle)).norm() + self.reach * a.turn.angle_to(&b.turn).abs()
+        // a turn moves a point by the chord times its distance
+        let chord = (a.turn.matrix().column(0) - b.turn.matrix().column(0)).norm();
+        (a.at(&self.middle) - b.at(&self.middle)).norm() + self.reach * chord
     }
 
     /// Arc length on the wheel nearest to a station.
@@ -195,33 +225,23 @@ impl<'a> Profiles<'a> {
         let normal = place.turn * normal;
         let along = Vector2::new(-normal.y, normal.x);
         let mut wheel_s = guess;
-        let (mut foot, mut tangent) = self.wheel.evaluate(wheel_s);
         for _ in 0..MOST_STEPS {
+            let (foot, tangent, bend) = self.wheel.evaluate_twice(wheel_s);
             let advance = along.dot(&tangent);
             if advance < 0.5 * LEAST_COSINE {
                 return None;
             }
-            let step = (along.dot(&(point - foot)) / advance).clamp(-LONGEST_STEP, LONGEST_STEP);
-            wheel_s += step;
-            (foot, tangent) = self.wheel.evaluate(wheel_s);
+            let step = along.dot(&(point - foot)) / advance;
             if step.abs() < SETTLED {
-                break;
+                // the parabola there is the curve to the cube of the step
+                let step = step - 0.5 * along.dot(&bend) * step * step / advance;
+                let (foot, tangent) = (foot + step * (tangent + 0.5 * step * bend), tangent + step * bend);
+                return Facing::new(point, normal, along, (wheel_s + step, foot, tangent));
             }
+            wheel_s += step.clamp(-LONGEST_STEP, LONGEST_STEP);
         }
-        let cosine = along.dot(&tangent);
-        if cosine < LEAST_COSINE {
-            return None;
-        }
-        let penetration = (point - foot).dot(&normal);
-        // the wheel's outward normal, towards the rail
-        let outward = Vector2::new(-tangent.y, tangent.x);
-        Some(Facing {
-            wheel_s,
-            penetration,
-            slope: -normal.dot(&tangent) / cosine,
-            direction: outward / cosine,
-            point,
-        })
+        let (foot, tangent) = self.wheel.evaluate(wheel_s);
+        Facing::new(point, normal, along, (wheel_s, foot, tangent))
     }
 
     fn facing_at(&self, place: &Turned, s: f64, guess: f64) -> Option<Facing> {
@@ -229,39 +249,81 @@ impl<'a> Profiles<'a> {
         self.facing(place, &point, Vector2::new(tangent.y, -tangent.x), guess)
     }
 
+    /// Looks at a station; none of its penetrations is larger than the `bound` and what the bodies move.
+    fn look_at(&mut self, place: &Turned, i: usize) {
+        let Station { point, normal, wheel_s, .. } = self.stations[i];
+        let mut found = self.facing(place, &point, normal, wheel_s);
+        let mut apart = 0.0;
+        if found.is_none() {
+            let nearest = self.opposite(place, i);
+            found = self.facing(place, &point, normal, nearest);
+            if found.is_none() {
+                let (foot, tangent) = self.wheel.evaluate(nearest);
+                let outward = Vector2::new(-tangent.y, tangent.x);
+                apart = (place.at(&point) - foot).dot(&outward).max(0.0);
+            }
+        }
+        let travel = self.travel;
+        let station = &mut self.stations[i];
+        match found {
+            Some(found) => {
+                (station.wheel_s, station.depth, station.slope) =
+                    (found.wheel_s, found.penetration, found.slope);
+                // along the rail's normal the wheel is farther than where it is nearest
+                let distance = found.penetration.min(0.0) * found.cosine * found.cosine;
+                station.bound = found.penetration.max(distance) - travel;
+            }
+            // until it faces the wheel it does not count
+            None => (station.depth, station.bound) = (f64::NEG_INFINITY, -apart - travel),
+        }
+    }
+
     /// Looks at the stations where the bodies can overlap, and lists where they may.
     fn look(&mut self, place: &Turned) {
-        let moved = self.looked.map_or(f64::INFINITY, |looked| self.motion(&looked, place));
-        for i in 0..self.stations.len() {
-            let Station { point, normal, wheel_s, bound, .. } = self.stations[i];
-            if bound + moved < -FAR {
-                self.stations[i].bound += moved;
-                continue;
-            }
-            let found = self.facing(place, &point, normal, wheel_s).or_else(|| {
-                let nearest = self.opposite(place, i);
-                self.facing(place, &point, normal, nearest)
-            });
-            let station = &mut self.stations[i];
-            (station.bound, station.wheel_s) =
-                found.map_or((f64::NEG_INFINITY, wheel_s), |found| (found.penetration, found.wheel_s));
-        }
-        self.looked = Some(*place);
         self.near.clear();
-        let depth = |i: usize| self.stations[i].bound;
+        self.travel += self.looked.map_or(f64::INFINITY, |looked| self.motion(&looked, place));
+        self.looked = Some(*place);
+        if !self.travel.is_finite() || self.travel > 1.0 {
+            self.travel = 0.0;
+            self.outside = f64::INFINITY;
+            self.stations.iter_mut().for_each(|station| station.bound = f64::INFINITY);
+        }
+        let travel = self.travel;
+        let whole = self.outside + travel > -BETWEEN;
         let last = self.stations.len() - 1;
-        let mut i = 0;
-        while i <= last {
+        let [first, end] = if whole { [0, last] } else { self.window };
+        for i in first..=end {
+            let bound = self.stations[i].bound + travel;
+            if bound > if whole { -FAR } else { -BETWEEN } {
+                self.look_at(place, i);
+            } else {
+                self.stations[i].depth = bound;
+            }
+        }
+        if whole {
+            let close = |station: &Station| station.bound + travel > -FAR;
+            let first = self.stations.iter().position(close).unwrap_or(last);
+            let end = self.stations.iter().rposition(close).unwrap_or(last);
+            // with a neighbour on either side
+            self.window = [first.saturating_sub(1), (end + 1).min(last)];
+            let [first, end] = self.window;
+            let others = self.stations[..first].iter().chain(&self.stations[end + 1..]);
+            self.outside = others.map(|station| station.bound).fold(f64::NEG_INFINITY, f64::max);
+        }
+        let [first, end] = self.window;
+        let depth = |i: usize| self.stations[i].depth;
+        let mut i = first;
+        while i <= end {
             if depth(i) > 0.0 {
-                let first = i;
-                while i <= last && depth(i) > 0.0 {
+                let from = i;
+                while i <= end && depth(i) > 0.0 {
                     i += 1;
                 }
-                self.near.push((first.saturating_sub(1), i.min(last)));
+                self.near.push((from.saturating_sub(1), i.min(last)));
                 continue;
             }
             // a contact may be narrower than the distance of two stations
-            let peak = i > 0 && i < last && depth(i) >= depth(i - 1) && depth(i) > depth(i + 1);
+            let peak = i > first && i < end && depth(i) >= depth(i - 1) && depth(i) > depth(i + 1);
             if peak && depth(i) > -BETWEEN && depth(i - 1) <= 0.0 && depth(i + 1) <= 0.0 {
                 self.near.push((i - 1, i + 1));
             }
@@ -293,7 +355,7 @@ impl<'a> Profiles<'a> {
     /// The arc lengths between which the bodies overlap.
     fn extent(&self, place: &Turned, (low, high): (usize, usize)) -> Option<[f64; 2]> {
         let depth = |s: f64| self.facing_at(place, s, self.guess(s, (low, high)));
-        let inside = |station: &Station| station.bound > 0.0;
+        let inside = |station: &Station| station.depth > 0.0;
         let stations = &self.stations[low..=high];
         let (first, last) = match (stations.iter().position(inside), stations.iter().rposition(inside)) {
             (Some(first), Some(last)) => (stations[first].s, stations[last].s),
@@ -314,9 +376,9 @@ impl<'a> Profiles<'a> {
             }
         };
         // Newton's method kept between a place inside and one outside
-        let end = |inner: f64, outer: f64| -> f64 {
+        let end = |inner: f64, outer: f64, guess: f64| -> f64 {
             let (mut inner, mut outer) = (inner, outer);
-            let mut s = 0.5 * (inner + outer);
+            let mut s = guess;
             for _ in 0..MOST_STEPS {
                 let Some(here) = depth(s) else {
                     outer = s;
@@ -331,14 +393,19 @@ impl<'a> Profiles<'a> {
                 let next = s - here.penetration / here.slope;
                 let between = (next - inner) * (next - outer) < 0.0;
                 let next = if between { next } else { 0.5 * (inner + outer) };
-                if (next - s).abs() < SETTLED {
+                if (next - s).abs() < if between { SETTLED } else { LEAST_BRACKET } {
                     return next;
                 }
                 s = next;
             }
             s
         };
-        Some([end(first, self.stations[low].s), end(last, self.stations[high].s)])
+        let (gauge, field) = (&self.stations[low], &self.stations[high]);
+        let (from, to) = match (stations.iter().find(|s| inside(s)), stations.iter().rfind(|s| inside(s))) {
+            (Some(a), Some(b)) => (a.end_towards(gauge), b.end_towards(field)),
+            _ => (0.5 * (first + gauge.s), 0.5 * (last + field.s)),
+        };
+        Some([end(first, gauge.s, from), end(last, field.s, to)])
     }
 
     fn contact(
@@ -373,7 +440,7 @@ impl<'a> Profiles<'a> {
         }
         let over = if sum > 0.0 { 1.0 / sum } else { 0.0 };
         // from the wheel's frame to the world
-        let turn = Rotation2::new(pose.wheel.z);
+        let turn = place.wheel;
         let whole = turn.matrix().fixed_resize::<3, 3>(0.0) + Matrix3::from_diagonal(&Vector3::z());
         let (force, stiffness) = (whole * force, whole * stiffness * whole.transpose());
         let normal_force = force.xy().norm();
@@ -390,6 +457,44 @@ impl<'a> Profiles<'a> {
             rail_s: rail_s * over,
             wheel_s: wheel_s * over,
         }
+    }
+}
+
+impl Station {
+    /// The place between this station, which is inside a contact, and the next one where the parabola ends that has the penetrations of both
+    /// and the slope of this.
+    fn end_towards(&self, next: &Self) -> f64 {
+        let way = next.s - self.s;
+        let (slope, fall) = (self.slope * way, next.depth - self.depth - self.slope * way);
+        // 0 = depth + slope·t + fall·t²
+        let root = (slope * slope - 4.0 * self.depth * fall).max(0.0).sqrt();
+        let t = 2.0 * self.depth / (root - slope);
+        self.s + way * if t > 0.0 && t < 1.0 { t } else { 0.5 }
+    }
+}
+
+impl Facing {
+    /// From the place of the rail in the wheel's frame with its normal and the tangent across it, and the `foot` on the wheel: its arc length, point and tangent.
+    fn new(
+        point: Point2<f64>,
+        normal: Vector2<f64>,
+        along: Vector2<f64>,
+        (wheel_s, foot, tangent): (f64, Point2<f64>, Vector2<f64>),
+    ) -> Option<Self> {
+        let cosine = along.dot(&tangent);
+        if cosine < LEAST_COSINE {
+            return None;
+        }
+        // the wheel's outward normal, towards the rail
+        let outward = Vector2::new(-tangent.y, tangent.x);
+        Some(Self {
+            wheel_s,
+            penetration: (point - foot).dot(&normal),
+            slope: -normal.dot(&tangent) / cosine,
+            cosine,
+            direction: outward / cosine,
+            point,
+        })
     }
 }
 

@@ -181,6 +181,19 @@ impl ProfileCurve {
         if inside == s { (point, derivative) } else { (point + (s - inside) * derivative, derivative) }
     }
 
+    /// Point with first and second derivative at `s`.
+    pub(crate) fn evaluate_twice(&self, s: f64) -> (Point2<f64>, Vector2<f64>, Vector2<f64>) {
+        let inside = s.clamp(0.0, self.length());
+        let (interval, u) = self.locate(inside);
+        let cubic = &self.cubics[interval];
+        let (point, derivative) = (cubic.point(u), cubic.derivative(u));
+        if inside == s {
+            (point, derivative, cubic.second_derivative(u))
+        } else {
+            (point + (s - inside) * derivative, derivative, Vector2::zeros())
+        }
+    }
+
     /// Point at `s`, m.
     pub fn point(&self, s: f64) -> Point2<f64> {
         self.evaluate(s).0

@@ -18,3 +18,6 @@ mod run;
 
 pub use model::CondensedModel;
 pub use statics::HubStatics;
+
+#[cfg(test)]
+mod tests;

@@ -144,9 +144,8 @@ impl<'a> Run<'a> {
             friction: 0.0,
             references: self.references,
         };
-        let guess = Pose { wheel: rim, rail: Vector3::zeros() };
         let mut at = Meeting::default();
-        step.solve(profiles, &Meeting::default(), guess, &mut at).map_err(|error| at_step(error, 0))?;
+        step.solve(profiles, &Meeting::default(), &mut at).map_err(|error| at_step(error, 0))?;
         let on_rail = to_world() * self.on_rail(&at);
         let rail = self.rail.as_ref().map(|rail| rail.start(&self.rail_load(0.0), on_rail)).transpose()?;
         let of_rail = self.rail.as_ref().zip(rail.as_ref());
@@ -254,11 +253,7 @@ impl<'a> Run<'a> {
             friction: self.scenario.friction,
             references: self.references,
         };
-        let guess = Pose {
-            wheel: rim.free + rim.flexibility * on_wheel,
-            rail: head.free + head.flexibility * self.on_rail(&state.at),
-        };
-        let iterations = step.solve(profiles, &state.at, guess, &mut next.at)?;
+        let iterations = step.solve(profiles, &state.at, &mut next.at)?;
         let mean = (on_wheel + next.at.contacts.force) * 0.5;
         self.wheel.finish(wheel, &state.wheel, &free, &mean, &mut next.wheel);
         if let Some(step) = rail_step {

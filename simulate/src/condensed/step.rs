@@ -8,9 +8,10 @@ use railspring_calibrate::error::{NumericsError, Result, StopReason};
 use super::contact::Contacts;
 
 /// Newton iterations of a step.
-const ITERATIONS: usize = 40;
-/// From so many on they are shortened where they do not come nearer.
+const ITERATIONS: usize = 100;
+/// From so many on they are shortened where they do not come nearer, down to a share.
 const FULL: usize = 8;
+const SHORTEST: f64 = 0.1;
 
 /// What a pose may miss, m: with 10⁹ N/m a hundredth of a newton.
 const TOLERANCE: f64 = 1e-11;
@@ -54,12 +55,15 @@ pub(super) fn transport(arm: &Vector2<f64>) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, -arm.y, 0.0, 1.0, arm.x, 0.0, 0.0, 1.0)
 }
 
+/// The largest displacement of a motion, m; not a number where one of its parts is none.
 fn size(motion: &Vector3<f64>) -> f64 {
-    motion.x.abs().max(motion.y.abs()).max(LEVER * motion.z.abs())
+    let [x, y, turned] = [motion.x.abs(), motion.y.abs(), LEVER * motion.z.abs()];
+    let largest = x.max(y).max(turned);
+    if (x + y + turned).is_finite() { largest } else { f64::NAN }
 }
 
 impl Step<'_> {
-    /// Iterates from `guess` to balance, and writes it to `next`; how many iterations it took.
+    /// Iterates from the start of the step to balance, and writes it to `next`; how many iterations it took.
     ///
     /// The profiles turn and slide against each other within a step so little that the stiffness of the strips is its tangent
     /// but for a hundredth.
@@ -70,44 +74,86 @@ impl Step<'_> {
         &self,
         profiles: &mut Profiles,
         start: &Meeting,
-        guess: Pose,
         next: &mut Meeting,
     ) -> Result<usize> {
-        next.pose = guess;
+        // the first step goes from the start, whose contacts are known
+        next.pose = start.pose;
+        let at_start = self.off(start);
+        if !self.correct(&mut next.pose, &start.contacts, &at_start, 1.0) {
+            next.pose = start.pose;
+        }
         let (mut last, mut length) = (f64::INFINITY, 1.0_f64);
         for iteration in 1..=ITERATIONS {
-            let pose = &mut next.pose;
+            let pose = &next.pose;
             let to_wheel = transport(&arm(&self.references, pose));
             let moved = pose.wheel - start.pose.wheel - to_wheel * (pose.rail - start.pose.rail);
             let reference = self.references[0] + pose.wheel.xy();
             let contacts = &mut next.contacts;
             contacts.find(profiles, (self.strips, self.friction), pose, reference, &start.contacts, &moved);
-            let (Side { free: rim, flexibility: wheel }, Side { free: head, flexibility: rail }) =
-                (self.wheel, self.rail);
-            let off_wheel = pose.wheel - rim - wheel * contacts.force;
-            let off_rail = pose.rail - head + rail * to_wheel.tr_mul(&contacts.force);
-            let off = size(&off_wheel).max(size(&off_rail));
-            if !off.is_finite() {
-                return Err(failure(iteration, off, contacts, StopReason::NotFinite));
+            let off = self.off(next);
+            let size = off.size();
+            if !size.is_finite() {
+                return Err(failure(iteration, size, &next.contacts, StopReason::NotFinite));
             }
-            if off < TOLERANCE {
+            if size < TOLERANCE {
                 return Ok(iteration);
             }
             // an iteration that goes round in a circle, between sticking and sliding for instance
-            if off > 0.5 * last && iteration > FULL {
-                length = (0.7 * length).max(0.1);
+            if size > 0.5 * last && iteration > FULL {
+                length = (0.7 * length).max(SHORTEST);
             }
-            last = off;
-            let both = wheel + to_wheel * rail * to_wheel.transpose();
-            let system = Matrix3::identity() + both * contacts.stiffness;
-            let Some(relative) = system.lu().solve(&(to_wheel * off_rail - off_wheel)) else {
-                return Err(failure(iteration, off, contacts, StopReason::Singular));
-            };
-            let force = contacts.stiffness * relative;
-            pose.wheel -= (off_wheel + wheel * force) * length;
-            pose.rail -= (off_rail - rail * to_wheel.tr_mul(&force)) * length;
+            last = size;
+            if !self.correct(&mut next.pose, &next.contacts, &off, length) {
+                return Err(failure(iteration, size, &next.contacts, StopReason::Singular));
+            }
         }
         Err(failure(ITERATIONS, last, &next.contacts, StopReason::IterationLimit))
+    }
+
+    /// What the sections are off from where the forces of the contacts have them.
+    fn off(&self, at: &Meeting) -> Off {
+        let (pose, force) = (&at.pose, &at.contacts.force);
+        let to_wheel = transport(&arm(&self.references, pose));
+        Off {
+            wheel: pose.wheel - self.wheel.free - self.wheel.flexibility * force,
+            rail: pose.rail - self.rail.free + self.rail.flexibility * to_wheel.tr_mul(force),
+            to_wheel,
+        }
+    }
+
+    /// Takes a Newton step, or a share `length` of it, with the stiffness of `contacts`; whether there is one.
+    fn correct(&self, pose: &mut Pose, contacts: &Contacts, off: &Off, length: f64) -> bool {
+        let (wheel, rail, to_wheel) = (&self.wheel.flexibility, &self.rail.flexibility, &off.to_wheel);
+        if contacts.patches.is_empty() {
+            pose.wheel -= off.wheel * length;
+            pose.rail -= off.rail * length;
+            return true;
+        }
+        let both = wheel + to_wheel * rail * to_wheel.transpose();
+        let system = Matrix3::identity() + both * contacts.stiffness;
+        let Some(relative) = system.lu().solve(&(to_wheel * off.rail - off.wheel)) else {
+            return false;
+        };
+        let force = contacts.stiffness * relative;
+        pose.wheel -= (off.wheel + wheel * force) * length;
+        pose.rail -= (off.rail - rail * to_wheel.tr_mul(&force)) * length;
+        true
+    }
+}
+
+/// What both sections are off.
+struct Off {
+    wheel: Vector3<f64>,
+    rail: Vector3<f64>,
+    /// From motions of the rail's section to those of the wheel's reference point.
+    to_wheel: Matrix3<f64>,
+}
+
+impl Off {
+    /// The largest, m; not a number where one of them is none.
+    fn size(&self) -> f64 {
+        let [wheel, rail] = [&self.wheel, &self.rail].map(size);
+        if (wheel + rail).is_finite() { wheel.max(rail) } else { f64::NAN }
     }
 }
 

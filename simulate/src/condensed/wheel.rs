@@ -297,3 +297,6 @@ impl WheelState {
         self.modes.iter().chain([&self.suspended]).flatten().all(|value| value.is_finite())
     }
 }
+
+#[cfg(test)]
+mod tests;

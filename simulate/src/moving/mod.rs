@@ -36,3 +36,6 @@ pub use support::RailSupport;
 pub(crate) use support::{Rail, RailDynamics, RailLoad, RailState};
 pub use surface::SlidingMatrix;
 pub use wheel::WheelSprings;
+
+#[cfg(test)]
+pub(crate) use run::tests as run_tests;

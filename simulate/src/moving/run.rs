@@ -451,6 +451,6 @@ fn at_step(error: Error, step: usize) -> Error {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 #[cfg(test)]
 mod endings;

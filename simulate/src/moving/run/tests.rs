@@ -14,14 +14,14 @@ use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::InnerSteps;
 
 /// A profile 80 mm wide through z(y), with a kink in the middle or without.
-pub(super) fn profile(shape: impl Fn(f64) -> f64, kinks: &[usize]) -> ProfileCurve {
+pub(crate) fn profile(shape: impl Fn(f64) -> f64, kinks: &[usize]) -> ProfileCurve {
     let points: Vec<Point2<f64>> =
         (-40..=40).map(|i| 1e-3 * f64::from(i)).map(|y| Point2::new(y, shape(y))).collect();
     ProfileCurve::from_points(&points, kinks).unwrap()
 }
 
 /// z(y) of a wheel profile that is an arc.
-pub(super) fn arc(radius: f64) -> impl Fn(f64) -> f64 {
+pub(crate) fn arc(radius: f64) -> impl Fn(f64) -> f64 {
     move |y| radius * ((1.0 - (y / radius).powi(2)).sqrt() - 1.0)
 }
 
@@ -45,7 +45,7 @@ pub(super) fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
 }
 
 /// A simply supported bridge without shear deflection: E (Pa), I (m⁴), mass per metre (kg/m), length (m), elements.
-pub(super) fn bridge(young: f64, inertia: f64, density: f64, length: f64, elements: usize) -> RailBeam {
+pub(crate) fn bridge(young: f64, inertia: f64, density: f64, length: f64, elements: usize) -> RailBeam {
     let section = BeamSection {
         axial: 1e12,
         bending_y: young * inertia,
@@ -63,7 +63,7 @@ pub(super) fn bridge(young: f64, inertia: f64, density: f64, length: f64, elemen
 }
 
 /// A wheel alone, without forces.
-pub(super) fn quiet(steps: usize, time_step: f64) -> Scenario {
+pub(crate) fn quiet(steps: usize, time_step: f64) -> Scenario {
     Scenario::new(steps, time_step, 0.5)
 }
 
@@ -71,7 +71,7 @@ fn peak(run: &MovingRun, value: impl Fn(&HistoryRow) -> f64) -> f64 {
     run.history.rows.iter().map(value).fold(f64::NEG_INFINITY, f64::max)
 }
 
-pub(super) fn relative(value: f64, exact: f64) -> f64 {
+pub(crate) fn relative(value: f64, exact: f64) -> f64 {
     (value / exact - 1.0).abs()
 }
 

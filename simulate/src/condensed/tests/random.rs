@@ -1,0 +1,150 @@
+//! Random load cases: every run ends in a result.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point2;
+
+use railspring_calibrate::error::Error;
+use railspring_calibrate::history::Ending;
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::pair::Pair;
+use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::step_control::InnerSteps;
+
+use super::{elastic, published, uniform};
+use crate::condensed::CondensedModel;
+use crate::moving::{InitialMotion, RailSupport};
+
+/// G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number generators" (2014).
+struct SplitMix(u64);
+
+impl SplitMix {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn one_of<T: Copy>(&mut self, of: &[T]) -> T {
+        of[(self.next() % of.len() as u64) as usize]
+    }
+}
+
+/// A random load case on one of the models.
+fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Scenario) {
+    let mut model = models[(random.next() % models.len() as u64) as usize].clone();
+    model.element.strips = uniform(10_f64.powf(random.within(9.5, 11.0)), random.within(0.2, 1.5));
+    let softer = 10_f64.powf(random.within(-2.0, 0.5));
+    model.element.wheel.rest *= softer;
+    model.element.head *= random.one_of(&[0.0, 1.0, softer]);
+    if random.within(0.0, 1.0) < 0.3 {
+        model.element.wheel.modes.clear();
+    }
+    if random.within(0.0, 1.0) < 0.3 {
+        model.support = RailSupport::Rigid;
+    }
+    model.axle = 10_f64.powf(random.within(4.0, 7.0));
+    model.initial = InitialMotion {
+        displacement: [random.within(-0.012, 0.006), random.one_of(&[0.0, -1e-4, -5e-3])],
+        velocity: [random.within(-0.5, 0.5), random.within(-0.2, 0.5)],
+    };
+    let force = |random: &mut SplitMix, low: f64, high: f64| HarmonicForce {
+        constant: random.within(low, high),
+        amplitude: random.one_of(&[0.0, 1.0]) * random.within(0.0, high),
+        frequency: random.within(1.0, 40.0),
+        phase: random.within(0.0, 6.3),
+    };
+    let scenario = Scenario {
+        steps: 60,
+        friction: random.one_of(&[0.0, 0.1, 0.3, 0.5, 0.8]),
+        gravity: random.one_of(&[0.0, 9.81]),
+        suspended_mass: random.one_of(&[0.0, 6250.0]),
+        vertical_suspension: Kelvin { stiffness: 1.2e6, damping: random.one_of(&[0.0, 4e4]) },
+        vertical_force: force(random, -20e3, 120e3),
+        lateral_force: force(random, -60e3, 60e3),
+        inner_steps: InnerSteps::Equal(random.one_of(&[1, 4, 16])),
+        speed: random.one_of(&[0.0, 1.0, 5.0]),
+        rotations_held: random.one_of(&[true, false]),
+        ..published()
+    };
+    (model, scenario)
+}
+
+/// Goal: 10,000 random runs (loads, friction up to 0.8, initial motions, stiffnesses, profiles) each end in a result: complete, or off the rail or the profile; no
+/// error, nothing that is not finite, and no energy (J) that comes of nothing, beyond the limit of the verdict, 5 % of the largest that is stored, where the steps
+/// are sixteenths of 0.5 ms.
+#[test]
+#[ignore = "two minutes: cargo random-runs"]
+fn random_runs_end_in_a_result() {
+    const DRIFT: f64 = 0.05;
+    let mut random = SplitMix(41);
+    let models: Vec<CondensedModel> = [("60E1", "S1002"), ("54E1", "S1002")]
+        .map(|(rail, wheel)| {
+            let pair = Pair::new(
+                rail_section(rail).unwrap(),
+                wheel_section(wheel, 0.920).unwrap(),
+                &TrackGeometry::standard(),
+            )
+            .unwrap();
+            let mut model = elastic();
+            (model.rail, model.wheel) = (pair.placed.clone(), pair.wheel.running.clone());
+            model.tape = Point2::from(pair.tape());
+            if let RailSupport::Beam { node_line, .. } = &mut model.support {
+                *node_line = pair.node_line();
+            }
+            model
+        })
+        .into();
+    let mut classes: BTreeMap<String, usize> = BTreeMap::new();
+    let mut wrong = Vec::new();
+    let (mut halved, mut worst) = (0, [0.0_f64; 3]);
+    for number in 0..10_000 {
+        let (model, scenario) = case(&mut random, &models);
+        let inner = scenario.inner_steps.most();
+        let class = match model.run(&scenario, &Silent) {
+            Ok(run) => {
+                halved += usize::from(run.statistics.halved_steps > 0);
+                let rows = &run.history.rows;
+                let balances: Vec<_> = rows.iter().map(|row| row.energy.unwrap()).collect();
+                let stored = balances.iter().map(|b| b.stored()).fold(0.0, f64::max);
+                let gained = balances.iter().map(|b| b.drift).fold(0.0, f64::max) / stored.max(1.0);
+                let finite = rows.iter().all(|row| {
+                    [row.vertical_force, row.lateral_force, row.wheel_y, row.wheel_z].iter().all(|v| v.is_finite())
+                });
+                let of_inner = &mut worst[[1, 4, 16].iter().position(|n| *n == inner).unwrap()];
+                *of_inner = of_inner.max(gained);
+                match run.history.ending {
+                    _ if !finite => "not finite".to_owned(),
+                    _ if inner == 16 && gained > DRIFT => {
+                        wrong.push((number, gained));
+                        "energy".to_owned()
+                    }
+                    Ending::Completed => "completed".to_owned(),
+                    Ending::Departed { departure, .. } => format!("{departure:?}"),
+                    Ending::EndOfSurface { end, .. } => format!("{end:?}"),
+                }
+            }
+            Err(Error::Numerics(error)) => {
+                wrong.push((number, f64::NAN));
+                format!("{:?}", error.reason)
+            }
+            Err(error) => error.to_string(),
+        };
+        *classes.entry(class).or_default() += 1;
+    }
+    println!("{classes:?}, {halved} with halved steps, largest gain of energy {worst:?}");
+    println!("{:?}", &wrong[..wrong.len().min(40)]);
+    let results: usize = ["completed", "FieldSide", "GaugeSide", "RailEnd", "RailProfile"]
+        .iter()
+        .filter_map(|class| classes.get(*class))
+        .sum();
+    assert_eq!(results, 10_000, "{classes:?}");
+}
