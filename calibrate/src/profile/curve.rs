@@ -159,6 +159,7 @@ impl ProfileCurve {
     }
 
     /// Interval of `s` (clamped to the curve) and the distance from its start.
+    #[inline]
     fn locate(&self, s: f64) -> (usize, f64) {
         let bucket = ((s * self.buckets_per_metre).max(0.0) as usize).min(self.buckets.len() - 1);
         let mut interval = self.buckets[bucket] as usize;

@@ -15,13 +15,16 @@ use railspring_calibrate::scenario::Scenario;
 use super::contact::Patch;
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
-use super::wheel::{self, Wheel, WheelState};
+use super::wheel::{self, Free, Wheel, WheelState};
 use crate::moving::{
     MovingRun, Rail, RailDynamics, RailLoad, RailState, RailSupport, RunStatistics, SectionMotion,
 };
 
 /// A step that does not converge is halved at most so many times.
 const MOST_HALVINGS: usize = 8;
+
+/// What the shortest of them may leave the sections off where a force jumps, m: some hundred newtons for a microsecond.
+const JUMP: f64 = 1e-6;
 
 /// State between two steps.
 #[derive(Clone)]
@@ -30,6 +33,35 @@ struct State {
     wheel: WheelState,
     rail: Option<RailState>,
     ledger: EnergyLedger,
+}
+
+/// Points of a running surface from its reference point, m.
+struct Outline {
+    points: Vec<Point2<f64>>,
+    /// Its ends to either side as it is.
+    level: [f64; 2],
+    /// Distance of the farthest point.
+    reach: f64,
+}
+
+impl Outline {
+    fn new(points: Vec<Point2<f64>>) -> Self {
+        let reach = points.iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
+        Self { level: lateral_extent(points.iter().copied()), reach, points }
+    }
+
+    /// Its ends to either side where it is turned (rad) and at a place (m).
+    fn extent(&self, turn: f64, place: f64) -> [f64; 2] {
+        let turn = Rotation2::new(turn);
+        lateral_extent(self.points.iter().map(|p| turn * p)).map(|y| y + place)
+    }
+
+    /// Whether both are over each other however their turns (rad) have moved their ends; a turn moves a point by no more than its angle times its distance.
+    fn is_over(&self, other: &Self, turns: [f64; 2], places: [f64; 2]) -> bool {
+        let slack = turns[0].abs() * self.reach + turns[1].abs() * other.reach;
+        let aside = places[0] - places[1];
+        self.level[0] + aside + slack < other.level[1] && self.level[1] + aside - slack > other.level[0]
+    }
 }
 
 /// Everything that stays the same during a run.
@@ -44,13 +76,15 @@ struct Run<'a> {
     /// Flexibility of the head beyond the beam; a rail that does not move has none.
     head: Matrix3<f64>,
     /// Points of both running surfaces from their reference points, m.
-    outlines: [Vec<Point2<f64>>; 2],
+    outlines: [Outline; 2],
 }
 
 /// Steps of one length prepared.
 struct Prepared<'r> {
     wheel: wheel::Prepared,
     rail: Option<Rail<'r>>,
+    /// Whether a step that does not converge is not halved any more.
+    last: bool,
 }
 
 /// Between directions 1, 2 and rotation 3 and the world: its own inverse.
@@ -73,7 +107,7 @@ pub(super) fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Mon
     let mut ending = Ending::Completed;
     let inner = scenario.shortest_step();
     let inner_steps = scenario.inner_steps.most();
-    let prepared = run.prepare(inner)?;
+    let prepared = run.prepare(inner, 0)?;
     for number in 0..scenario.steps * inner_steps {
         let step = number / inner_steps;
         if number % inner_steps == 0 {
@@ -108,8 +142,8 @@ impl<'a> Run<'a> {
         };
         let references = [model.tape.coords, model.support.reference(&model.rail).coords];
         let outlines = [
-            model.wheel.knot_points().collect(),
-            model.rail.curve.knot_points().map(|p| p - references[1]).collect(),
+            Outline::new(model.wheel.knot_points().collect()),
+            Outline::new(model.rail.curve.knot_points().map(|p| p - references[1]).collect()),
         ];
         Ok(Self {
             model,
@@ -142,6 +176,7 @@ impl<'a> Run<'a> {
             rail: Side { free: Vector3::zeros(), flexibility: self.head },
             strips: &self.model.element.strips,
             friction: 0.0,
+            accepted: 0.0,
             references: self.references,
         };
         let mut at = Meeting::default();
@@ -151,7 +186,7 @@ impl<'a> Run<'a> {
         let of_rail = self.rail.as_ref().zip(rail.as_ref());
         let of_rail = of_rail.map(|(dynamics, rail)| dynamics.energy(rail, rail, 0.0, 0.0));
         let elastic = PartEnergy { elastic: self.elastic(&at), ..PartEnergy::default() };
-        let energy = self.wheel.energy(&wheel, &wheel, [0.0; 2]) + of_rail.unwrap_or_default() + elastic;
+        let energy = self.wheel.energy(&wheel, &wheel, None) + of_rail.unwrap_or_default() + elastic;
         Ok(State { at, wheel, rail, ledger: EnergyLedger::new(energy) })
     }
 
@@ -197,7 +232,7 @@ impl<'a> Run<'a> {
             Err(Error::Numerics(_)) if halvings < MOST_HALVINGS => {
                 statistics.halved_steps += 1;
                 let middle = 0.5 * (from + to);
-                let half = self.prepare(0.5 * (to - from))?;
+                let half = self.prepare(0.5 * (to - from), halvings + 1)?;
                 for times in [[from, middle], [middle, to]] {
                     let states = [&mut *state, &mut *spare];
                     let ending = self.advance(profiles, states, &half, times, halvings + 1, statistics)?;
@@ -211,9 +246,9 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn prepare(&self, step: f64) -> Result<Prepared<'_>> {
+    fn prepare(&self, step: f64, halvings: usize) -> Result<Prepared<'_>> {
         let rail = self.rail.as_ref().map(|rail| rail.over(&Newmark::new(step, 0.0))).transpose()?;
-        Ok(Prepared { wheel: self.wheel.prepare(step), rail })
+        Ok(Prepared { wheel: self.wheel.prepare(step), rail, last: halvings == MOST_HALVINGS })
     }
 
     /// One step from `state` to `next`; its iterations.
@@ -225,7 +260,7 @@ impl<'a> Run<'a> {
         prepared: &Prepared<'_>,
         times: [f64; 2],
     ) -> Result<usize> {
-        let Prepared { wheel, rail } = prepared;
+        let Prepared { wheel, rail, .. } = prepared;
         let on_wheel = state.at.contacts.force;
         let free = self.wheel.free(wheel, &state.wheel, times);
         let of_wheel = wheel.flexibility * 0.5;
@@ -251,6 +286,7 @@ impl<'a> Run<'a> {
             rail: head,
             strips: &self.model.element.strips,
             friction: self.scenario.friction,
+            accepted: if prepared.last { JUMP } else { 0.0 },
             references: self.references,
         };
         let iterations = step.solve(profiles, &state.at, &mut next.at)?;
@@ -259,7 +295,7 @@ impl<'a> Run<'a> {
         if let Some(step) = rail_step {
             step.finish((to_world() * self.on_rail(&next.at)).as_slice());
         }
-        let energy = self.energy(state, next, times);
+        let energy = self.energy(state, next, times, &free);
         next.ledger = state.ledger.entered(energy);
         if next.wheel.is_finite() && next.ledger.balance().drift.is_finite() {
             return Ok(iterations);
@@ -271,7 +307,7 @@ impl<'a> Run<'a> {
     }
 
     /// Energies after a step, with the works in it.
-    fn energy(&self, state: &State, next: &State, times: [f64; 2]) -> PartEnergy {
+    fn energy(&self, state: &State, next: &State, times: [f64; 2], free: &Free) -> PartEnergy {
         let [before, after] = [&state.at, &next.at];
         let torsion = |time: f64| self.rail_load(time).torsion;
         let of_rail = match (&self.rail, &state.rail, &next.rail) {
@@ -290,7 +326,7 @@ impl<'a> Run<'a> {
             friction: before.contacts.stored() - after.contacts.stored() - work,
             ..PartEnergy::default()
         };
-        self.wheel.energy(&state.wheel, &next.wheel, times) + of_rail + of_contact
+        self.wheel.energy(&state.wheel, &next.wheel, Some((times[1] - times[0], free))) + of_rail + of_contact
     }
 
     fn degrees_of_freedom(&self) -> usize {
@@ -304,15 +340,14 @@ impl<'a> Run<'a> {
     /// How a run ends whose step to `time` (s) has this state, if it does.
     fn ending(&self, state: &State, time: f64) -> Option<Ending> {
         let Pose { wheel, rail } = state.at.pose;
-        let extent = |points: &[Point2<f64>], turn: f64, at: f64| {
-            let turn = Rotation2::new(turn);
-            lateral_extent(points.iter().map(|p| turn * p)).map(|y| y + at)
-        };
-        let [wheel_points, rail_points] = &self.outlines;
-        let on_wheel = extent(wheel_points, wheel.z, self.references[0].x + wheel.x);
-        let on_rail = extent(rail_points, rail.z, self.references[1].x + rail.x);
-        if let Some(departure) = departure(on_rail, on_wheel) {
-            return Some(Ending::Departed { time, departure });
+        let [of_wheel, of_rail] = &self.outlines;
+        let places = [self.references[0].x + wheel.x, self.references[1].x + rail.x];
+        if !of_wheel.is_over(of_rail, [wheel.z, rail.z], places) {
+            let on_wheel = of_wheel.extent(wheel.z, places[0]);
+            let on_rail = of_rail.extent(rail.z, places[1]);
+            if let Some(departure) = departure(on_rail, on_wheel) {
+                return Some(Ending::Departed { time, departure });
+            }
         }
         let (rail_length, wheel_length) = (self.model.rail.curve.length(), self.model.wheel.length());
         let departed = |departure| Some(Ending::Departed { time, departure });

@@ -11,7 +11,7 @@ use super::contact::Contacts;
 const ITERATIONS: usize = 100;
 /// From so many on they are shortened where they do not come nearer, down to a share.
 const FULL: usize = 8;
-const SHORTEST: f64 = 0.1;
+const SHORTEST: f64 = 1e-3;
 
 /// What a pose may miss, m: with 10⁹ N/m a hundredth of a newton.
 const TOLERANCE: f64 = 1e-11;
@@ -41,6 +41,8 @@ pub(super) struct Step<'a> {
     pub rail: Side,
     pub strips: &'a StripStiffness,
     pub friction: f64,
+    /// What the sections may be off, m, where no more iterations are left.
+    pub accepted: f64,
     /// World positions of the reference points of wheel and rail at rest, m.
     pub references: [Vector2<f64>; 2],
 }
@@ -82,14 +84,10 @@ impl Step<'_> {
         if !self.correct(&mut next.pose, &start.contacts, &at_start, 1.0) {
             next.pose = start.pose;
         }
-        let (mut last, mut length) = (f64::INFINITY, 1.0_f64);
+        let (mut last, mut length, mut longest) = (f64::INFINITY, 1.0_f64, 1.0_f64);
+        let mut best = (f64::INFINITY, next.pose);
         for iteration in 1..=ITERATIONS {
-            let pose = &next.pose;
-            let to_wheel = transport(&arm(&self.references, pose));
-            let moved = pose.wheel - start.pose.wheel - to_wheel * (pose.rail - start.pose.rail);
-            let reference = self.references[0] + pose.wheel.xy();
-            let contacts = &mut next.contacts;
-            contacts.find(profiles, (self.strips, self.friction), pose, reference, &start.contacts, &moved);
+            self.find(profiles, start, next);
             let off = self.off(next);
             let size = off.size();
             if !size.is_finite() {
@@ -98,16 +96,41 @@ impl Step<'_> {
             if size < TOLERANCE {
                 return Ok(iteration);
             }
-            // an iteration that goes round in a circle, between sticking and sliding for instance
-            if size > 0.5 * last && iteration > FULL {
-                length = (0.7 * length).max(SHORTEST);
+            // An iteration that goes round in a circle, between sticking and sliding or touching and not for instance, is shortened; one that
+            // comes nearer as its length has it, is on one side and may be longer, but less so each time.
+            if iteration > FULL {
+                if size < (1.0 - 0.5 * length) * last {
+                    length = (1.5 * length).min(longest);
+                } else {
+                    longest = (0.8 * longest).max(SHORTEST);
+                    length = (0.5 * length).max(SHORTEST);
+                }
             }
             last = size;
+            if size < best.0 {
+                best = (size, next.pose);
+            }
             if !self.correct(&mut next.pose, &next.contacts, &off, length) {
                 return Err(failure(iteration, size, &next.contacts, StopReason::Singular));
             }
         }
+        // where contacts join, the limits of friction do not add up: a force that jumps there has no balance
+        if best.0 < self.accepted {
+            next.pose = best.1;
+            self.find(profiles, start, next);
+            return Ok(ITERATIONS);
+        }
         Err(failure(ITERATIONS, last, &next.contacts, StopReason::IterationLimit))
+    }
+
+    /// The contacts where the sections are, after those of the start.
+    fn find(&self, profiles: &mut Profiles, start: &Meeting, next: &mut Meeting) {
+        let pose = &next.pose;
+        let to_wheel = transport(&arm(&self.references, pose));
+        let moved = pose.wheel - start.pose.wheel - to_wheel * (pose.rail - start.pose.rail);
+        let reference = self.references[0] + pose.wheel.xy();
+        let law = (self.strips, self.friction);
+        next.contacts.find(profiles, law, pose, reference, &start.contacts, &moved);
     }
 
     /// What the sections are off from where the forces of the contacts have them.

@@ -264,10 +264,9 @@ impl<'a> Wheel<'a> {
         };
     }
 
-    /// Energies after a step, with the works in it, J; with a step of zero those of a state.
-    pub fn energy(&self, before: &WheelState, after: &WheelState, times: [f64; 2]) -> PartEnergy {
-        let step = times[1] - times[0];
-        let loads = self.mean_loads(times);
+    /// Energies after a step of `step` s that went on from `free`, with the works in it, J; without a step those of a state.
+    pub fn energy(&self, before: &WheelState, after: &WheelState, taken: Option<(f64, &Free)>) -> PartEnergy {
+        let (step, loads) = taken.map_or((0.0, [0.0; 3]), |(step, free)| (step, free.loads));
         let scenario = self.scenario;
         let mut energy = PartEnergy::default();
         for ((mode, a), b) in self.modes.iter().zip(&before.modes).zip(&after.modes) {

@@ -1,1 +1,272 @@
+//! The strips against their own potential, Hertz's contact and themselves.
 
+use super::*;
+use crate::analytic::hertz::{contact_modulus, point_contact};
+use crate::pair::Pair;
+use crate::placement::TrackGeometry;
+use crate::section::{rail_section, wheel_section};
+
+/// A modulus that falls along the rail.
+struct Falling;
+
+impl StripLaw for Falling {
+    fn modulus(&self, rail_s: f64) -> f64 {
+        6e10 * (1.0 - 4.0 * rail_s)
+    }
+}
+
+struct Uniform(f64);
+
+impl StripLaw for Uniform {
+    fn modulus(&self, _: f64) -> f64 {
+        self.0
+    }
+}
+
+fn pair() -> Pair {
+    let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.920).unwrap());
+    Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap()
+}
+
+fn profiles(pair: &Pair) -> Profiles<'_> {
+    Profiles::new(&pair.placed.curve, &pair.wheel.running, Point2::from(pair.tape()), pair.node_line())
+}
+
+fn found(profiles: &mut Profiles, pose: &Pose, law: &impl StripLaw) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    profiles.contacts(pose, law, &mut contacts);
+    contacts
+}
+
+fn sum(contacts: &[Contact]) -> (f64, Vector3<f64>) {
+    contacts.iter().fold((0.0, Vector3::zeros()), |(e, f), c| (e + c.energy, f + c.force))
+}
+
+/// Poses with contacts on the tread, at the corner and on the flank, the wheel 60 µm deep, both bodies turned.
+fn pressed(pair: &Pair) -> Vec<(Pair, Pose)> {
+    [-4e-3, 0.0, 3e-3, 5.5e-3, 6.5e-3]
+        .iter()
+        .map(|shift| {
+            let place = pair.with_wheel_at(pair.tape_y + shift).unwrap();
+            let touch = &place.touch;
+            let along = -place.placed.curve.upward_normal(touch.rail_s) * 60e-6;
+            // turned about the touching point
+            let about = |turn: f64, of: Point2<f64>| {
+                let arm = touch.point - of;
+                Vector3::new(arm.y * turn, -arm.x * turn, turn)
+            };
+            let wheel = about(4e-4, Point2::from(place.tape())) + Vector3::new(along.x, along.y, 0.0);
+            let pose = Pose { wheel, rail: about(-3e-4, place.node_line()) };
+            (place, pose)
+        })
+        .collect()
+}
+
+/// Source: the definition of a potential. Goal: force (N) and moment (N·m) on the wheel are minus the gradient of the energy (J), on the tread, at the corner and on
+/// the flank, with both bodies moved and turned; a motion of both together changes nothing. Accuracy: the rule of integration, whose ends move along.
+#[test]
+fn forces_are_the_gradient_of_the_energy() {
+    const QUADRATURE: f64 = 1e-6;
+    const ROUNDOFF: f64 = 1e-9;
+    let pair = pair();
+    let mut corner = false;
+    for (place, pose) in pressed(&pair) {
+        let mut bodies = profiles(&place);
+        let contacts = found(&mut bodies, &pose, &Falling);
+        let (energy, force) = sum(&contacts);
+        let size = force.xy().norm();
+        corner |= place.touch.contact_angle.abs() > 1.0;
+        assert!(size > 10e3, "{size}");
+        for i in 0..3 {
+            // a turn as a way at the contact's distance from the origin
+            let step = if i == 2 { 2e-6 } else { 1e-7 };
+            let lever = if i == 2 { 0.05 } else { 1.0 };
+            let at = |side: f64| {
+                let mut moved = pose;
+                moved.wheel[i] += side * step;
+                let contacts = found(&mut profiles(&place), &moved, &Falling);
+                sum(&contacts).0
+            };
+            let gradient = (at(1.0) - at(-1.0)) / (2.0 * step);
+            let off = (gradient + force[i]).abs() / (size * lever);
+            println!("{:.3} {i}: {off:e}", place.touch.contact_angle);
+            assert!(off < QUADRATURE, "{i}: {gradient} {}", force[i]);
+        }
+        let (turn, by) = (Rotation2::new(0.01), Vector2::new(2e-3, -1e-3));
+        let carried = |origin: Point2<f64>, motion: &Vector3<f64>| {
+            let now = turn * (origin.coords + motion.xy()) + by;
+            Vector3::new(now.x - origin.x, now.y - origin.y, motion.z + turn.angle())
+        };
+        let together = Pose {
+            wheel: carried(Point2::from(place.tape()), &pose.wheel),
+            rail: carried(place.node_line(), &pose.rail),
+        };
+        let (same, turned) = sum(&found(&mut bodies, &together, &Falling));
+        assert!((same / energy - 1.0).abs() < ROUNDOFF, "{same} {energy}");
+        assert!((turned.xy() - turn * force.xy()).norm() < ROUNDOFF * size);
+    }
+    assert!(corner, "none on the flank");
+}
+
+/// A profile of 80 mm through z(y).
+fn profile(shape: impl Fn(f64) -> f64) -> ProfileCurve {
+    let points: Vec<Point2<f64>> =
+        (-40..=40).map(|i| 1e-3 * f64::from(i)).map(|y| Point2::new(y, shape(y))).collect();
+    ProfileCurve::from_points(&points, &[]).unwrap()
+}
+
+fn arc(radius: f64) -> impl Fn(f64) -> f64 {
+    move |y| radius * (1.0 - (1.0 - (y / radius).powi(2)).sqrt())
+}
+
+fn down(depth: f64) -> Pose {
+    Pose { wheel: Vector3::new(0.0, depth, 0.0), rail: Vector3::zeros() }
+}
+
+/// Source: K.L. Johnson, "Contact mechanics" (1985), chapter 4 (`analytic::hertz`): F = K·δ^1.5. Goal: strips of the modulus (3/4)·K·√(κ/2) between a crowned rail
+/// and a wheel crowned the other way, of the relative curvature κ, have that force (N). Accuracy: the normals of the strips, inclined by y/R, 0.1 % at 100 µm.
+#[test]
+fn crowned_profiles_have_the_force_of_hertz() {
+    const MODEL: f64 = 1e-3;
+    let modulus = contact_modulus(210e9, 0.3, 210e9, 0.3);
+    for (rail, wheel) in [(0.3, f64::INFINITY), (0.3, 0.5), (0.08, -0.33)] {
+        let curvature = 1.0 / rail + 1.0 / wheel;
+        let stiffness = point_contact(1.0, 0.46, 1.0 / curvature, modulus).unwrap().approach.powf(-1.5);
+        let crowned = profile(arc(rail));
+        let other = profile(|y| if wheel.is_finite() { -wheel.signum() * arc(wheel.abs())(y) } else { 0.0 });
+        let mut bodies = Profiles::new(&crowned, &other, Point2::origin(), Point2::origin());
+        let law = Uniform(0.75 * stiffness * (0.5 * curvature).sqrt());
+        for depth in [1e-6_f64, 10e-6, 100e-6] {
+            let contacts = found(&mut bodies, &down(depth), &law);
+            let exact = stiffness * depth.powf(1.5);
+            assert_eq!(contacts.len(), 1);
+            assert!((contacts[0].normal_force / exact - 1.0).abs() < MODEL, "{depth} {contacts:?} {exact}");
+            assert!((contacts[0].normal_stiffness / (1.5 * exact / depth) - 1.0).abs() < 2.0 * MODEL);
+        }
+    }
+}
+
+/// Goal: mirrored profiles at a mirrored pose have the mirrored contacts, in the other order. Accuracy: ROUNDOFF of the curves fitted from the other end, with 10¹¹ N/m
+/// over 1e-14 m, some mN of 10 kN.
+#[test]
+fn mirrored_profiles_have_mirrored_contacts() {
+    const ROUNDOFF: f64 = 1e-6;
+    let pair = pair();
+    let curve = |curve: &ProfileCurve, side: f64| {
+        let mut points: Vec<_> = curve.sample(1e-3).iter().map(|p| Point2::new(side * p.x, p.y)).collect();
+        if side < 0.0 {
+            points.reverse();
+        }
+        ProfileCurve::from_points(&points, &[]).unwrap()
+    };
+    for (place, pose) in pressed(&pair) {
+        let contacts = |side: f64| {
+            let (rail, wheel) = (curve(&place.placed.curve, side), curve(&place.wheel.running, side));
+            let mirrored = |p: Point2<f64>| Point2::new(side * p.x, p.y);
+            let (tape, line) = (mirrored(Point2::from(place.tape())), mirrored(place.node_line()));
+            let mirror = Vector3::new(side, 1.0, side);
+            let wheel_at = pose.wheel.component_mul(&mirror);
+            let pose = Pose { wheel: wheel_at, rail: pose.rail.component_mul(&mirror) };
+            found(&mut Profiles::new(&rail, &wheel, tape, line), &pose, &Uniform(4e10))
+        };
+        let (one, mut other) = (contacts(1.0), contacts(-1.0));
+        other.reverse();
+        assert_eq!(one.len(), other.len());
+        for (a, b) in one.iter().zip(&other) {
+            let off = a.force - b.force.component_mul(&Vector3::new(-1.0, 1.0, -1.0));
+            assert!(off.norm() < ROUNDOFF * a.normal_force, "{a:?} {b:?}");
+            assert!((a.energy / b.energy - 1.0).abs() < ROUNDOFF);
+            assert!((a.point - Point2::new(-b.point.x, b.point.y)).norm() < ROUNDOFF);
+        }
+    }
+}
+
+/// Source: F = M·(4/3)·√(2R)·δ^1.5. Goal: a wheel of 13 mm across that overlaps a flat rail by 1 nm and more is found wherever between two stations it is, with its force (N).
+/// Accuracy: of a patch of 10 µm the ends are known to 1e-10 m, and the wheel is a spline.
+#[test]
+fn a_contact_narrower_than_the_stations_is_found() {
+    const SOLVER: f64 = 1e-3;
+    const RADIUS: f64 = 13e-3;
+    let points: Vec<Point2<f64>> = (-100..=100)
+        .map(|i| 1e-4 * f64::from(i))
+        .map(|y| Point2::new(y, -arc(RADIUS)(y)))
+        .collect();
+    let wheel = ProfileCurve::from_points(&points, &[]).unwrap();
+    let rail = profile(|_| 0.0);
+    let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+    for depth in [1e-9_f64, 1e-7, 1e-5] {
+        for place in 0..97 {
+            let mut pose = down(depth);
+            pose.wheel.x = 3e-3 + 1.03e-5 * f64::from(place);
+            let contacts = found(&mut bodies, &pose, &Uniform(4e10));
+            assert_eq!(contacts.len(), 1, "{depth} {place}");
+            let exact = 4e10 * 4.0 / 3.0 * (2.0 * RADIUS).sqrt() * depth.powf(1.5);
+            assert!((contacts[0].normal_force / exact - 1.0).abs() < SOLVER, "{depth} {place} {contacts:?}");
+            assert!((contacts[0].point.x - pose.wheel.x).abs() < 1e-7);
+        }
+    }
+    assert!(found(&mut bodies, &down(-1e-9), &Uniform(4e10)).is_empty());
+}
+
+/// Goal: the force (N) of a wheel that is pushed over the rail from tread to flange, 60 µm deep, goes on without a jump where contacts are born, merge and part: steps a tenth as long
+/// change it a tenth as much. Accuracy: a jump would be as large in both; the slope varies by a tenth over a step.
+#[test]
+fn forces_go_on_where_contacts_are_born_and_merge() {
+    let pair = pair();
+    let mut bodies = profiles(&pair);
+    let pose = |y: f64| Pose { wheel: Vector3::new(y, 60e-6, 0.0), rail: Vector3::zeros() };
+    let mut counts = Vec::new();
+    let mut scan = |step: f64| {
+        let mut last: Option<Vector3<f64>> = None;
+        let mut largest = (0.0_f64, 0.0);
+        let count = (9.6e-3 / step) as usize;
+        for i in 0..=count {
+            let y = -3e-3 + i as f64 * step;
+            let contacts = found(&mut bodies, &pose(y), &Uniform(4e10));
+            counts.push(contacts.len());
+            let force = sum(&contacts).1;
+            if let Some(last) = last {
+                let change = (force - last).xy().norm();
+                if change > largest.0 {
+                    largest = (change, y);
+                }
+            }
+            last = Some(force);
+        }
+        largest
+    };
+    let (long, short) = (scan(1e-6), scan(1e-7));
+    println!("{long:?} {short:?}");
+    assert!(counts.contains(&1) && counts.iter().any(|n| *n > 1));
+    assert!(short.0 < 0.12 * long.0, "{long:?} {short:?}");
+}
+
+/// Goal: contacts do not depend on where the bodies were before: after jumps of millimetres and small steps they are those of profiles that are new.
+/// Accuracy: ends of the contacts known to 1e-10 m.
+#[test]
+fn contacts_have_no_memory() {
+    const SOLVER: f64 = 1e-9;
+    let pair = pair();
+    let mut bodies = profiles(&pair);
+    let mut state = 1_u64;
+    let mut random = |size: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        size * ((state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+    };
+    let mut touching = 0;
+    for _ in 0..60 {
+        let mut pose = Pose {
+            wheel: Vector3::new(random(9e-3), 1e-3 * random(1.0), random(5e-3)),
+            rail: Vector3::new(0.0, 0.0, random(5e-3)),
+        };
+        for _ in 0..20 {
+            pose.wheel += Vector3::new(random(1e-4), random(4e-5), random(1e-4));
+            let (one, other) = (found(&mut bodies, &pose, &Uniform(4e10)), found(&mut profiles(&pair), &pose, &Uniform(4e10)));
+            assert_eq!(one.len(), other.len(), "{pose:?}\n{one:#?}\n{other:#?}");
+            let (a, b) = (sum(&one), sum(&other));
+            touching += one.len();
+            assert!((a.1 - b.1).norm() <= SOLVER * a.1.norm(), "{pose:?} {} {}", a.1, b.1);
+        }
+    }
+    assert!(touching > 300, "{touching}");
+}

@@ -66,16 +66,16 @@ fn a_free_wheel_swings_as_two_masses() {
 }
 
 /// Source: statics. Goal: with a hub too heavy to move, and time for the swing to die, the rim is where its flexibility has it (m/N): that of the mode, exactly;
-/// the rest comes on top. Accuracy: the hub of 10¹² kg moves by 10⁻¹⁰ of that, the swing is damped to 10⁻⁹.
+/// the rest comes on top. Accuracy: against a hub of 10¹¹ kg the rim weighs 10⁻⁹, the swing is damped to 10⁻⁹.
 #[test]
 fn a_wheel_on_a_held_hub_has_its_flexibility() {
     const MODEL: f64 = 1e-8;
-    let scenario = Scenario { wheel_mass: Some(1e12), ..Scenario::new(1, 1e-4, 0.3) };
+    let scenario = Scenario { wheel_mass: Some(1e11), ..Scenario::new(1, 1e-4, 0.3) };
     let wheel = Wheel::new(&two_masses(), &scenario, 0.0, 2e-4).unwrap();
     let force = Vector3::new(0.0, -40e3, 0.0);
     let states = steps(&wheel, 1000, 1e-4, &force);
-    let rim = wheel.rim(&states[1000]);
-    assert!(relative(rim.y, -40e3 / (RIM * square())) < MODEL, "{rim}");
+    let rim = wheel.rim(&states[1000]).y - wheel.hub(&states[1000])[1];
+    assert!(relative(rim, -40e3 / (RIM * square())) < MODEL, "{rim}");
     assert_eq!(wheel.rest, two_masses().rest);
 }
 
