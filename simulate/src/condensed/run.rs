@@ -23,8 +23,9 @@ use crate::moving::{
 /// A step that does not converge is halved at most so many times.
 const MOST_HALVINGS: usize = 8;
 
-/// What the shortest of them may leave the sections off where a force jumps, m: some hundred newtons for a microsecond.
-const JUMP: f64 = 1e-6;
+/// What the shortest of them may leave the sections off where a force jumps, m, for a microsecond: of 10,000 random runs four come to more than a micrometre, the
+/// worst to 12.
+const JUMP: f64 = 3e-5;
 
 /// State between two steps.
 #[derive(Clone)]

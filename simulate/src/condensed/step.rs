@@ -72,12 +72,7 @@ impl Step<'_> {
     ///
     /// # Errors
     /// [`NumericsError`] if the iteration does not settle.
-    pub fn solve(
-        &self,
-        profiles: &mut Profiles,
-        start: &Meeting,
-        next: &mut Meeting,
-    ) -> Result<usize> {
+    pub fn solve(&self, profiles: &mut Profiles, start: &Meeting, next: &mut Meeting) -> Result<usize> {
         // the first step goes from the start, whose contacts are known
         next.pose = start.pose;
         let at_start = self.off(start);

@@ -128,7 +128,8 @@ fn a_bouncing_wheel_keeps_its_energy() {
             .map(|row| row.energy.unwrap().drift / (mass * GRAVITY * height))
             .collect();
         let most = |part: &[f64]| part.iter().map(|d| d.abs()).fold(0.0, f64::max);
-        let bounces = run.history.rows.windows(2).filter(|w| w[0].contacts.is_empty() && !w[1].contacts.is_empty());
+        let bounces =
+            run.history.rows.windows(2).filter(|w| w[0].contacts.is_empty() && !w[1].contacts.is_empty());
         println!("{:e} {:e} {}", most(&drift[..5000]), most(&drift[5000..]), bounces.clone().count());
         assert!(bounces.count() > 5);
         assert!(most(&drift) < ACCURACY, "{}", most(&drift));
@@ -351,7 +352,9 @@ fn a_last_digit_changes_nothing() {
         .rows
         .iter()
         .zip(&other.history.rows)
-        .map(|(a, b)| (a.vertical_force - b.vertical_force).abs().max((a.lateral_force - b.lateral_force).abs()))
+        .map(|(a, b)| {
+            (a.vertical_force - b.vertical_force).abs().max((a.lateral_force - b.lateral_force).abs())
+        })
         .fold(0.0, f64::max);
     println!("{:e}", off / p);
     assert!(p > 25e3 && off > 0.0 && off < 1e-6 * p, "{off}");
@@ -364,7 +367,8 @@ fn a_step_allocates_nothing() {
     let run = |inner: usize| {
         let scenario = Scenario { inner_steps: InnerSteps::Equal(inner), ..published() };
         let mut rows = 0;
-        let counted = allocation_counter::measure(|| rows = model.run(&scenario, &Silent).unwrap().history.rows.len());
+        let counted =
+            allocation_counter::measure(|| rows = model.run(&scenario, &Silent).unwrap().history.rows.len());
         (counted.count_total, rows)
     };
     let (few, many) = (run(16), run(32));

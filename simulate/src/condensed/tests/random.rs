@@ -117,7 +117,9 @@ fn random_runs_end_in_a_result() {
                 let stored = balances.iter().map(|b| b.stored()).fold(0.0, f64::max);
                 let gained = balances.iter().map(|b| b.drift).fold(0.0, f64::max) / stored.max(1.0);
                 let finite = rows.iter().all(|row| {
-                    [row.vertical_force, row.lateral_force, row.wheel_y, row.wheel_z].iter().all(|v| v.is_finite())
+                    [row.vertical_force, row.lateral_force, row.wheel_y, row.wheel_z]
+                        .iter()
+                        .all(|v| v.is_finite())
                 });
                 let of_inner = &mut worst[[1, 4, 16].iter().position(|n| *n == inner).unwrap()];
                 *of_inner = of_inner.max(gained);
