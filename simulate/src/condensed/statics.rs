@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
 
-use railspring_calibrate::element::{Pose, Profiles};
+use railspring_calibrate::element::Profiles;
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
 
 use super::contact::Contacts;
@@ -45,11 +45,11 @@ impl CondensedModel {
                 rail: Side { free: Vector3::zeros(), flexibility: head },
                 strips: &self.element.strips,
                 friction,
+                accepted: 0.0,
                 references,
             };
-            let guess = Pose { wheel: free + rim * from.contacts.force, rail: from.pose.rail };
             let mut at = Meeting::default();
-            step.solve(&mut profiles, from, guess, &mut at)?;
+            step.solve(&mut profiles, from, &mut at)?;
             let carried = -at.contacts.force.xy().dot(&direction);
             Ok((at, carried))
         };
