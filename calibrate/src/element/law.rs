@@ -300,14 +300,14 @@ impl Pressed {
     }
 }
 
-/// Stiffness of a place over that of a `table`: the mean over its loads, in logarithms, which count by their approaches: what is sought is a
-/// displacement.
+/// Stiffness of a place over that of a `table`: least squares of the approaches under its loads, which go with
+/// the power -2/3 of the stiffness.
 fn ratio(place: &Pressed, table: &StripStiffness, bodies: [&Matrix3<f64>; 2]) -> f64 {
     let mut profiles = place.profiles();
     let logarithms = place.approaches.iter().map(|approach| {
         let unit = place.force(&mut profiles, &place.pose(approach, bodies), table);
-        approach.way * (approach.force / unit).ln()
+        approach.way.powi(2) * (approach.force / unit).ln()
     });
-    let ways: f64 = place.approaches.iter().map(|approach| approach.way).sum();
-    (logarithms.sum::<f64>() / ways).exp()
+    let squares: f64 = place.approaches.iter().map(|approach| approach.way.powi(2)).sum();
+    (logarithms.sum::<f64>() / squares).exp()
 }
