@@ -222,7 +222,7 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
         )
         .into());
     }
-    let mut notes = Vec::from_iter(without_laws);
+    let mut notes = Vec::new();
     notes.extend(accepted_reference(study, &format!("{name}: reference"), law.reference.as_deref())?);
     notes.extend(accepted_pair(study, &name, pair.as_ref())?);
     if law.range_kn.is_none() {
@@ -231,6 +231,7 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     notes.push(format!(
         "{name}: the rail beam is not corrected to the solid rail, as `calibrate` does for its own law"
     ));
+    notes.extend(without_laws);
     let record = SpringsRecord {
         source: SpringsSource::File { name: name.clone(), blake3: hash(text.as_bytes()) },
         law: LawConstants {

@@ -18,7 +18,7 @@ use crate::results::NewFile;
 use crate::springs;
 use crate::stages::{self, Meshes, Reached, Tried, Within};
 use crate::store::{Address, Artefact, Kind};
-use crate::study::StudyScenario;
+use crate::study::{ContactElementKey, StudyScenario};
 use crate::verify::ModelRun;
 
 /// Part of an artefact: the rows as the output folder has them.
@@ -84,7 +84,12 @@ impl Stage for Simulate<'_> {
         let (history, tried) =
             stages::simulate(at.study, &geometry, &used, self.scenario, at.resources.monitor)
                 .map_err(|error| at.study.in_scenario(self.name, error))?;
-        let notes = springs::range_note(self.springs, &history).into_iter().collect();
+        let element = match self.springs.element_blake3 {
+            Some(_) => ContactElementKey::Condensed,
+            None => ContactElementKey::Published,
+        };
+        let runs_with = format!("simple model: the {} contact element", element.name());
+        let notes = [runs_with].into_iter().chain(springs::range_note(self.springs, &history)).collect();
         let record = RunRecord::new(&history, Some(self.springs), tried.worth, notes);
         Ok(Made::whole(artefact(&history, &record, tried.disturbed.as_ref())))
     }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, HistoryRow};
 
 use super::*;
+use crate::records::ElasticWheelRecord;
 use crate::report::samples;
 use crate::stages;
 
@@ -46,6 +47,51 @@ fn the_reference_force_scales_the_power() {
     assert!((unscaled.normal.tangent(85e3) / expected - 1.0).abs() < ROUNDOFF);
 }
 
+/// Goal: the condensed element is that of the laws by contact angle beside the law; without them a law runs as springs and says so, unless the study asks
+/// for the condensed element, and so it does with laws of another pair. What a study gives for springs alone asks for the published element.
+#[test]
+fn the_condensed_element_is_that_beside_the_law() {
+    let element = || ElementRecord {
+        wheel: ElasticWheelRecord {
+            mass: [[300.0, 0.0, 0.0], [0.0, 300.0, 0.0], [0.0, 0.0, 9.0]],
+            hub_m: [0.0, -0.43],
+            modes: Vec::new(),
+            rest: [[1e-8, 0.0, 0.0], [0.0, 2e-10, 0.0], [0.0, 0.0, 2e-7]],
+        },
+        head: [[5e-9, 0.0, 0.0], [0.0, 7e-11, 0.0], [0.0, 0.0, 5e-7]],
+        strips: Vec::new(),
+        strips_max_rel_error: 0.1,
+        displacement: None,
+        section_misfit: [0.0, 0.1],
+    };
+    let (default, asking) = (study(""), study("[simulation]\nelement = \"condensed\"\n"));
+    let laws =
+        StiffnessByAngleRecord { element: Some(element()), pair: default.pair(), ..samples::by_angle() };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("law.json");
+    std::fs::write(&path, LAW).unwrap();
+    let read = |study: &Study| from_file(study, &stages::geometry(study).unwrap(), &path);
+    assert_eq!(read(&default).unwrap().element_blake3, None);
+    let missing = read(&asking).unwrap_err().to_string();
+    assert!(missing.contains(BY_ANGLE), "{missing}");
+    let beside = folder.path().join(BY_ANGLE);
+    std::fs::write(&beside, to_json(&laws)).unwrap();
+    for study in [&default, &asking] {
+        let springs = read(study).unwrap();
+        assert_eq!(springs.element.as_deref(), Some(&element()));
+        assert_eq!(springs.element_blake3.map(|hash| hash.len()), Some(64));
+    }
+    for keys in ["element = \"published\"", "horizontal_kn_per_m = 4e5"] {
+        let springs = read(&study(&format!("[simulation]\n{keys}\n"))).unwrap();
+        assert_eq!(springs.element_blake3, None, "{keys}");
+    }
+    std::fs::write(&beside, to_json(&StiffnessByAngleRecord { pair: samples::by_angle().pair, ..laws }))
+        .unwrap();
+    assert_eq!(read(&default).unwrap().element_blake3, None);
+    let another = read(&asking).unwrap_err().to_string();
+    assert!(another.contains("another-pair"), "{another}");
+}
+
 /// Source: the points of the calibration. Goal: `law = "table"` runs with the tangents (N/m) of the reference in use at its
 /// loads, the constants without it; a file of another calibration is refused beside it. Accuracy: ROUNDOFF.
 #[test]
@@ -77,8 +123,8 @@ fn a_law_written_by_hand_is_checked() {
     let record = read(&study, &minimal).unwrap();
     assert_eq!(
         record.notes.len(),
-        4,
-        "reference, pair and range are unknown, the beam is plain: {:?}",
+        5,
+        "reference, pair and range are unknown, the beam is plain, there is no condensed element: {:?}",
         record.notes
     );
     assert!(matches!(&record.source, SpringsSource::File { name, .. } if name.ends_with("law.json")));
@@ -117,8 +163,10 @@ fn study_with_horizontal() -> Study {
 /// accepts it; so is the study's own law of another reference, before anything is computed.
 #[test]
 fn another_reference_and_another_pair_need_the_studys_word() {
-    let plain = study("");
-    let accepting = study("[simulation]\nlaw_accepted = [\"another-pair\", \"another-reference\"]\n");
+    let plain = study("[simulation]\nelement = \"published\"\n");
+    let accepting = study(
+        "[simulation]\nelement = \"published\"\nlaw_accepted = [\"another-pair\", \"another-reference\"]\n",
+    );
     for (reference, reason) in [("foot", "a second time"), ("local", "leaves out")] {
         let law = LAW.replace("\"beam\"", &format!("{reference:?}"));
         let text = refusal(&plain, &law);

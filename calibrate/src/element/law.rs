@@ -171,7 +171,7 @@ pub fn fit_strips(
             "laws by contact angle",
             "no place with a law",
             "a law at one place of the rail at least",
-            "give other shifts in `calibration.shifts_mm`",
+            "put the wheel in other places, where it stands on one contact",
         )
         .into());
     }
@@ -310,4 +310,49 @@ fn ratio(place: &Pressed, table: &StripStiffness, bodies: [&Matrix3<f64>; 2]) ->
     });
     let squares: f64 = place.approaches.iter().map(|approach| approach.way.powi(2)).sum();
     (logarithms.sum::<f64>() / squares).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::placement::TrackGeometry;
+    use crate::section::{rail_section, wheel_section};
+
+    /// Source: the strips of Hertz's contact times a factor. Goal: approaches that these strips make give them back: the factor at every place of the rail
+    /// between those of the laws, and the tangential stiffness that the flexibility across the normal leaves. Accuracy: SOLVER, a force in
+    /// proportion to the stiffness.
+    #[test]
+    fn strips_are_found_from_their_approaches() {
+        const SOLVER: f64 = 1e-9;
+        const FACTOR: f64 = 1.3;
+        const TANGENTIAL: f64 = 0.75;
+        let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.858).unwrap());
+        let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
+        let rigid = Matrix3::zeros();
+        let mut strips = hertz_table(&pair, &Material::STEEL);
+        strips.places.iter_mut().for_each(|place| place.modulus *= FACTOR);
+        let laws: Vec<PlaceApproaches> = [-3e-3, 0.0, 4e-3, 6e-3]
+            .map(|shift| {
+                let tape_y = pair.tape_y + shift;
+                let place = pair.with_wheel_at(tape_y).unwrap();
+                let along = -place.placed.curve.upward_normal(place.touch.rail_s);
+                let pressed = Pressed { pair: place, along, approaches: Vec::new(), tangential: 1.0 };
+                let mut profiles = pressed.profiles();
+                let load = |way: f64| {
+                    let pose = pressed.pose(&Approach { force: 0.0, way }, [&rigid; 2]);
+                    PlaceLoad { force: pressed.force(&mut profiles, &pose, &strips), approach: way }
+                };
+                let loads = [20e-6, 50e-6, 80e-6].map(load).to_vec();
+                PlaceApproaches { tape_y, loads, compliances: vec![[1e-9, 1e-9 / TANGENTIAL]] }
+            })
+            .to_vec();
+        let found = fit_strips(&pair, &Material::STEEL, &laws, [&rigid; 2]).unwrap();
+        assert!(found.misfit < SOLVER, "{}", found.misfit);
+        for (found, exact) in found.places.iter().zip(&strips.places) {
+            assert!((found.modulus / exact.modulus - 1.0).abs() < SOLVER, "{found:?} {exact:?}");
+            assert!((found.tangential / TANGENTIAL - 1.0).abs() < SOLVER, "{found:?}");
+        }
+        let none = fit_strips(&pair, &Material::STEEL, &[], [&rigid; 2]).unwrap_err().to_string();
+        assert!(none.contains("no place with a law"), "{none}");
+    }
 }

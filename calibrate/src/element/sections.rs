@@ -168,3 +168,61 @@ impl RunningSurface<'_> {
         self.beyond_half_space(line, line)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Side;
+    use crate::solid::Material;
+
+    /// Goal: a surface that is a half-space on a section that moves without distortion has the flexibility of that section (displacements in m/N, rotation
+    /// in rad/N and rad/(N·m)) and no misfit, about any point; a grid with too few lines is refused. Accuracy: ROUNDOFF of fits over some hundred
+    /// pairs of nodes with a condition of 1e3.
+    #[test]
+    fn a_section_on_a_half_space_is_found() {
+        const ROUNDOFF: f64 = 1e-9;
+        let (lines, columns, spacing) = (9, 7, 2e-3);
+        let along = |count: usize| -> Vec<f64> {
+            (0..count).map(|i| (i as f64 - 0.5 * (count - 1) as f64) * spacing).collect()
+        };
+        let grid = SurfaceGrid {
+            along_profile: along(lines),
+            along_track: along(columns),
+            nodes: (0..lines * columns).collect(),
+        };
+        let nodes: Vec<Point3<f64>> = (0..lines * columns)
+            .map(|n| Point3::new(grid.along_track[n % columns], grid.along_profile[n / columns], 0.0))
+            .collect();
+        let section = Matrix3::new(9e-9, -1e-10, -4e-8, -1e-10, 2e-10, 5e-10, -4e-8, 5e-10, 3e-7);
+        let about = Point2::new(3e-3, -0.1);
+        let half_space = HalfSpace::new(&Material::STEEL, Side::Base);
+        let mut compliance = Mat::zeros(3 * nodes.len(), 3 * nodes.len());
+        for (i, a) in nodes.iter().enumerate() {
+            for (j, b) in nodes.iter().enumerate() {
+                let arm = |p: &Point3<f64>| carried(&Vector2::new(p.y - about.x, p.z - about.y));
+                let mut both = arm(a) * section * arm(b).transpose();
+                let offset = Vector2::new(a.y - b.y, a.x - b.x);
+                if i != j {
+                    // the normal out of the surface is -z, the tangent y
+                    for (from, force) in [(0, Vector3::y()), (1, -Vector3::x())] {
+                        let moved = displacement_far_from(&[half_space], &offset, &force);
+                        both[(0, from)] += moved.y;
+                        both[(1, from)] -= moved.x;
+                    }
+                }
+                for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    compliance[(3 * i + 1 + row, 3 * j + 1 + column)] = both[(row, column)];
+                }
+            }
+        }
+        let surface = RunningSurface { compliance: &compliance, grid: &grid, nodes: &nodes, half_space };
+        surface.check("block").unwrap();
+        let found = surface.section(about);
+        assert!(found.misfit < ROUNDOFF, "{}", found.misfit);
+        let off = (found.flexibility - section).component_div(&section).amax();
+        assert!(off < ROUNDOFF, "{off}: {:e}", found.flexibility);
+        let narrow = SurfaceGrid { along_track: along(3), ..grid.clone() };
+        let refused = RunningSurface { grid: &narrow, ..surface }.check("block").unwrap_err().to_string();
+        assert!(refused.contains("block") && refused.contains("3 lines"), "{refused}");
+    }
+}

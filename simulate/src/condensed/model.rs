@@ -6,7 +6,6 @@ use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::element::PairElement;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::field::InputField;
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::PlacedRail;
 use railspring_calibrate::profile::ProfileCurve;
@@ -14,7 +13,7 @@ use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::InnerSteps;
 
-use crate::moving::{InitialMotion, MovingRun, RailSupport};
+use crate::moving::{InitialMotion, RailSupport};
 
 /// A condensed wheel on a rail, ready to run scenarios.
 #[derive(Debug, Clone)]
@@ -52,17 +51,7 @@ impl CondensedModel {
         }
     }
 
-    /// Runs a scenario.
-    ///
-    /// # Errors
-    /// [`InputError`] for values out of range or a wheel that starts beyond the rail's ends;
-    /// [`railspring_calibrate::error::NumericsError`] when a step does not converge.
-    pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
-        self.check(scenario)?;
-        super::run::run(self, scenario, monitor)
-    }
-
-    fn check(&self, scenario: &Scenario) -> Result<()> {
+    pub(super) fn check(&self, scenario: &Scenario) -> Result<()> {
         scenario.check()?;
         if let InnerSteps::Adaptive(_) = scenario.inner_steps {
             let remedy = "give their number: a step costs little";

@@ -93,8 +93,20 @@ fn to_world() -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0))
 }
 
+impl CondensedModel {
+    /// Runs a scenario.
+    ///
+    /// # Errors
+    /// [`railspring_calibrate::error::InputError`] for values out of range or a wheel that starts beyond the rail's ends;
+    /// [`NumericsError`] when a step does not converge.
+    pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
+        self.check(scenario)?;
+        run(self, scenario, monitor)
+    }
+}
+
 /// Runs a checked scenario.
-pub(super) fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
+fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
     let run = Run::new(model, scenario)?;
     let mut profiles =
         Profiles::new(&model.rail.curve, &model.wheel, model.tape, Point2::from(run.references[1]));

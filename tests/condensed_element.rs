@@ -1,0 +1,103 @@
+//! The condensed element beside the solid model: statics and the first 60 ms of the published load case with a constant lateral
+//! force, through the whole program.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+/// The pair and the load case of the publication's section 4.1 on a mesh of 3 mm: the flange strikes the rail, slides up and sticks, the wheel
+/// leaves the rail and comes back on the tread.
+const STUDY: &str = r#"
+name = "strike"
+[rail]
+profile = "60E1"
+[wheel]
+profile = "S1002"
+tape_diameter_m = 0.858
+[material]
+damping_ratio = 0.02
+damping_frequency_hz = 1000
+[mesh]
+contact_element_mm = 3
+contact_element_along_mm = 2.5
+[calibration]
+load_min_kn = 5
+load_max_kn = 120
+load_count = 6
+error_band = false
+horizontal_preloads_kn = [40]
+shifts_mm = [-3, 0, 2, 4, 6, 7]
+[scenario.strike]
+steps = 120
+time_step_s = 0.0005
+gravity_m_per_s2 = 0
+suspended_mass_t = 6.25
+vertical_suspension = { stiffness_kn_per_m = 1200, damping_kn_s_per_m = 40 }
+lateral_suspension = { stiffness_kn_per_m = 1200, damping_kn_s_per_m = 40 }
+vertical_force = { mean_kn = 10, amplitude_kn = 61.25, frequency_hz = 10, phase_deg = 0 }
+lateral_force = { mean_kn = 20 }
+rotations_held = true
+"#;
+
+/// MODEL: the hub's displacement is within 4 % of the solid's (below), and the force of an impact goes with the root of the stiffness; the
+/// solid itself changes by 1 % with its steps. The published element is 15 % off.
+const FORCES: f64 = 0.03;
+/// MODEL: what forces that are 3 % off leave of an averaged ratio of up to 5 where P is a tenth of its peak.
+const RATIO: f64 = 0.03;
+/// Two output steps, s.
+const SEPARATION: f64 = 1e-3;
+/// MODEL: half of the 8 % by which a section that moves without distortion misses the head where the wheel stands on its edge.
+const DISPLACEMENT: f64 = 0.04;
+/// MODEL: the sections' misfit and that of the strips, of the lateral flexibility.
+const LATERAL: f64 = 0.01;
+
+fn json(root: &Path, name: &str) -> Value {
+    serde_json::from_slice(&fs::read(root.join("out").join(name)).unwrap()).unwrap()
+}
+
+/// Source: the solid model on the same bodies. Goal: P and Q (RMS over the solid's peak), averaged Q/P (RMS), begin and end of the separations (s) over
+/// 60 ms; displacement of the hub along the contact normal (over that under the largest load) and its lateral flexibility at five places and
+/// loads of 20 to 120 kN; not that at 6 mm, where a second contact comes in at another load. Accuracy: MODEL.
+#[test]
+fn the_condensed_element_follows_the_solid() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(root.path().join("study.toml"), STUDY).unwrap();
+    let output = Command::cargo_bin("railspring")
+        .unwrap()
+        .current_dir(root.path())
+        .env("RAILSPRING_CACHE", root.path().join("cache"))
+        .args(["run", "study.toml", "-o", "out", "-q"])
+        .output()
+        .unwrap();
+    // the verdict has its own limits
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", String::from_utf8_lossy(&output.stderr));
+    let verdict = json(root.path(), "verification.json");
+    let lines = verdict["scenarios"][0]["lines"].as_array().unwrap();
+    let value = |quantity: &str| {
+        let line = lines.iter().find(|line| line["quantity"] == quantity);
+        line.and_then(|line| line["value"].as_f64()).unwrap_or(f64::NAN)
+    };
+    for (quantity, most) in [
+        ("vertical_rms", FORCES),
+        ("lateral_rms", FORCES),
+        ("ratio_rms", RATIO),
+        ("separation_begin_s", SEPARATION),
+        ("separation_end_s", SEPARATION),
+        ("separations_unmatched", 0.0),
+    ] {
+        assert!(value(quantity) <= most, "{quantity}: {} of {most}", value(quantity));
+    }
+    let laws = json(root.path(), "stiffness_by_angle.json");
+    let displacement = laws["element"]["displacement"]["max_rel_error"].as_f64().unwrap();
+    assert!(displacement < DISPLACEMENT, "{displacement}");
+    let loads = laws["shifts"].as_array().unwrap().iter().filter(|shift| shift["shift_mm"] != 6.0);
+    let loads: Vec<&Value> = loads.flat_map(|shift| shift["loads"].as_array().unwrap()).collect();
+    assert!(loads.len() > 20, "{}", loads.len());
+    for load in loads {
+        let lateral = |of: &str| load[of][0].as_f64().unwrap_or(f64::NAN);
+        let off = lateral("condensed_hub_um_per_kn") / lateral("hub_um_per_kn") - 1.0;
+        assert!(off.abs() < LATERAL, "{load}: {off}");
+    }
+}
