@@ -177,7 +177,7 @@ fn threads_do_not_change_a_history() {
     }
 }
 
-/// Goal: a second load case beside a run has the very P and Q (N) of a run of its own, and leaves the first as it is; one that the solid model cannot run is
+/// Goal: a second load case beside a run has the very P and Q (N) that it has when it is run alone, and leaves the first as it is; one that the solid model cannot run is
 /// refused, as are bodies at full order.
 #[test]
 fn a_second_load_case_is_that_of_its_own_run() {

@@ -69,7 +69,7 @@ impl RunRecord {
         }
     }
 
-    /// The record of a run of which only its size and its end are told.
+    /// The record of a run with its size and its end alone.
     pub fn bare(history: &History) -> Self {
         Self {
             degrees_of_freedom: history.degrees_of_freedom,

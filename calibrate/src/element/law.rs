@@ -6,10 +6,8 @@ use crate::error::{InputError, Result};
 use crate::pair::{Pair, ShiftLaw};
 use crate::profile::ProfileCurve;
 use crate::solid::Material;
-use nalgebra::{Point2, Vector2, Vector3};
-
-use super::sections::carried;
-use nalgebra::Matrix3;
+use crate::superelement::carried;
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 /// Places nearer to each other than this (arc length on the rail, m) are one.
 const SAME_PLACE: f64 = 0.5e-3;
@@ -114,17 +112,11 @@ impl PlaceApproaches {
     }
 }
 
-/// An approach of the solids, along the normal of the first touch.
-struct Approach {
-    force: f64,
-    way: f64,
-}
-
 /// A place with its approaches.
 struct Pressed {
     pair: Pair,
     along: Vector2<f64>,
-    approaches: Vec<Approach>,
+    loads: Vec<PlaceLoad>,
     tangential: f64,
 }
 
@@ -153,8 +145,6 @@ pub fn fit_strips(
             of(rim, Point2::from(place.tape())) + of(head, place.node_line())
         };
         let tangential = section(across);
-        let approaches =
-            law.loads.iter().map(|load| Approach { force: load.force, way: load.approach }).collect();
         // what both sections leave of the hub's flexibility across the normal is the contact's
         let ratio = |&[local, across]: &[f64; 2]| local / (across - tangential);
         let ratios: Vec<f64> =
@@ -163,9 +153,9 @@ pub fn fit_strips(
             0 => MINDLIN,
             count => ratios.iter().sum::<f64>() / count as f64,
         };
-        pressed.push(Pressed { pair: place, along, approaches, tangential });
+        pressed.push(Pressed { pair: place, along, loads: law.loads.clone(), tangential });
     }
-    pressed.retain(|place| !place.approaches.is_empty());
+    pressed.retain(|place| !place.loads.is_empty());
     if pressed.is_empty() {
         return Err(InputError::new(
             "laws by contact angle",
@@ -200,9 +190,9 @@ pub fn fit_strips(
     }
     for place in &pressed {
         let mut profiles = place.profiles();
-        for approach in &place.approaches {
-            let force = place.force(&mut profiles, &place.pose(approach, bodies), &stiffness);
-            stiffness.misfit = stiffness.misfit.max((force / approach.force - 1.0).abs());
+        for load in &place.loads {
+            let force = place.force(&mut profiles, &place.pose(load, bodies), &stiffness);
+            stiffness.misfit = stiffness.misfit.max((force / load.force - 1.0).abs());
         }
     }
     Ok(stiffness)
@@ -275,18 +265,18 @@ impl Pressed {
     }
 
     /// Both sections turned under a load, the touching point moved together by the approach.
-    fn pose(&self, approach: &Approach, [rim, head]: [&Matrix3<f64>; 2]) -> Pose {
+    fn pose(&self, load: &PlaceLoad, [rim, head]: [&Matrix3<f64>; 2]) -> Pose {
         let pair = &self.pair;
         let (to_wheel, to_rail) =
             (pair.touch.point - Point2::from(pair.tape()), pair.touch.point - pair.node_line());
-        let force = self.along * approach.force;
+        let force = self.along * load.force;
         let turn = |flexibility: &Matrix3<f64>, arm: &Vector2<f64>, force: Vector2<f64>| {
             let moved: Vector3<f64> = flexibility * (carried(arm).transpose() * force);
             moved.z
         };
         let (wheel, rail) = (turn(rim, &to_wheel, -force), turn(head, &to_rail, force));
         let about_touch = |turn: f64, arm: &Vector2<f64>| Vector3::new(arm.y * turn, -arm.x * turn, turn);
-        let way = self.along * approach.way;
+        let way = self.along * load.approach;
         Pose {
             wheel: about_touch(wheel, &to_wheel) + Vector3::new(way.x, way.y, 0.0),
             rail: about_touch(rail, &to_rail),
@@ -304,11 +294,11 @@ impl Pressed {
 /// the power -2/3 of the stiffness.
 fn ratio(place: &Pressed, table: &StripStiffness, bodies: [&Matrix3<f64>; 2]) -> f64 {
     let mut profiles = place.profiles();
-    let logarithms = place.approaches.iter().map(|approach| {
-        let unit = place.force(&mut profiles, &place.pose(approach, bodies), table);
-        approach.way.powi(2) * (approach.force / unit).ln()
+    let logarithms = place.loads.iter().map(|load| {
+        let unit = place.force(&mut profiles, &place.pose(load, bodies), table);
+        load.approach.powi(2) * (load.force / unit).ln()
     });
-    let squares: f64 = place.approaches.iter().map(|approach| approach.way.powi(2)).sum();
+    let squares: f64 = place.loads.iter().map(|load| load.approach.powi(2)).sum();
     (logarithms.sum::<f64>() / squares).exp()
 }
 
@@ -336,10 +326,10 @@ mod tests {
                 let tape_y = pair.tape_y + shift;
                 let place = pair.with_wheel_at(tape_y).unwrap();
                 let along = -place.placed.curve.upward_normal(place.touch.rail_s);
-                let pressed = Pressed { pair: place, along, approaches: Vec::new(), tangential: 1.0 };
+                let pressed = Pressed { pair: place, along, loads: Vec::new(), tangential: 1.0 };
                 let mut profiles = pressed.profiles();
                 let load = |way: f64| {
-                    let pose = pressed.pose(&Approach { force: 0.0, way }, [&rigid; 2]);
+                    let pose = pressed.pose(&PlaceLoad { force: 0.0, approach: way }, [&rigid; 2]);
                     PlaceLoad { force: pressed.force(&mut profiles, &pose, &strips), approach: way }
                 };
                 let loads = [20e-6, 50e-6, 80e-6].map(load).to_vec();

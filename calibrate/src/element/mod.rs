@@ -6,7 +6,7 @@ mod strips;
 mod law;
 
 pub use law::{PlaceApproaches, PlaceLoad, StripPlace, StripStiffness, fit_strips};
-pub use sections::{RunningSurface, SectionFlexibility, carried};
+pub use sections::{RunningSurface, SectionFlexibility};
 pub use strips::{Contact, Pose, Profiles, StripLaw};
 pub use wheel::{ElasticWheel, RimMode};
 

@@ -7,6 +7,7 @@
 use crate::contact::{HalfSpace, displacement_far_from};
 use crate::error::{InputError, Result};
 use crate::mesh::SurfaceGrid;
+use crate::superelement::carried;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Point2, Point3, Rotation2, Vector2, Vector3};
 
@@ -36,11 +37,6 @@ pub struct SectionFlexibility {
     pub flexibility: Matrix3<f64>,
     /// What of the displacements (RMS, over their own) the section does not have.
     pub misfit: f64,
-}
-
-/// Displacement (y, z) of a point at `arm` under unit motions of a section: a rotation about x moves it by (-z, y).
-pub fn carried(arm: &Vector2<f64>) -> Matrix2x3<f64> {
-    Matrix2x3::new(1.0, 0.0, -arm.y, 0.0, 1.0, arm.x)
 }
 
 impl RunningSurface<'_> {

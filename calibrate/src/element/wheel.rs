@@ -1,8 +1,8 @@
 //! The wheel as hub, modes and the static rest, as seen at the section of its rim that touches.
 
-use super::sections::{RunningSurface, SectionFlexibility, carried};
+use super::sections::{RunningSurface, SectionFlexibility};
 use crate::error::{InputError, Result};
-use crate::superelement::Modes;
+use crate::superelement::{Modes, carried};
 use nalgebra::{DMatrix, DVector, Matrix3, Point2, SymmetricEigen, Vector3};
 
 /// Motions of the hub that a wheel in the plane of the section has: y, z, rotation about x.

@@ -10,7 +10,7 @@
 //!
 //! What can fail, a factor above all, fails when the part is prepared; a step cannot. A step only looks at the state from
 //! which it starts. It can be dropped and tried again, with a shorter one for instance. It writes into the state that follows from the beginning
-//! on, so that a part needs no memory of its own for it, and a run that keeps two states and takes them in turn needs no more.
+//! on, so that a part needs no other memory for it, and a run that keeps two states and takes them in turn needs no more.
 
 #[doc(hidden)]
 pub mod conformance;

@@ -17,6 +17,7 @@ pub use dense::product_speed;
 pub use factor::Factor;
 pub use modes::Modes;
 pub use section_motion::SectionMotion;
+pub(crate) use section_motion::carried;
 pub use size::FactorSize;
 
 use crate::error::Result;

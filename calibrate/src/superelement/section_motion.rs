@@ -136,6 +136,6 @@ impl SectionMotion {
 
 /// Displacement (y, z) of a point at `arm` from the shear centre under unit motions of the section: a rotation about x
 /// moves it by (-z, y).
-fn carried(arm: &Vector2<f64>) -> Matrix2x3<f64> {
+pub(crate) fn carried(arm: &Vector2<f64>) -> Matrix2x3<f64> {
     Matrix2x3::new(1.0, 0.0, -arm.y, 0.0, 1.0, arm.x)
 }

@@ -114,11 +114,10 @@ impl Contacts {
     }
 
     /// Stiffness with everything sticking.
-    pub fn sticking(&self, strips: &StripStiffness) -> Matrix3<f64> {
+    pub fn sticking(&self) -> Matrix3<f64> {
         let of = |patch: &Patch| {
             let direction = patch.direction(&self.reference);
-            let tangential = strips.tangential(patch.contact.rail_s) * patch.contact.normal_stiffness;
-            patch.contact.stiffness + direction * direction.transpose() * tangential
+            patch.contact.stiffness + direction * direction.transpose() * patch.stiffness
         };
         self.patches.iter().map(of).sum()
     }

@@ -4,14 +4,12 @@ use nalgebra::Point2;
 
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::element::PairElement;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::field::InputField;
+use railspring_calibrate::error::Result;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::PlacedRail;
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::solid::Material;
-use railspring_calibrate::step_control::InnerSteps;
 
 use crate::moving::{InitialMotion, RailSupport};
 
@@ -52,18 +50,7 @@ impl CondensedModel {
     }
 
     pub(super) fn check(&self, scenario: &Scenario) -> Result<()> {
-        scenario.check()?;
-        if let InnerSteps::Adaptive(_) = scenario.inner_steps {
-            let remedy = "give their number: a step costs little";
-            let expected = "equal steps for the moving solver";
-            return Err(
-                InputError::new(InputField::InnerSteps, "steps of adapted length", expected, remedy).into()
-            );
-        }
-        let motion = [self.initial.displacement, self.initial.velocity].concat();
-        if let Some(value) = motion.iter().find(|v| !v.is_finite()) {
-            return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
-        }
+        self.initial.check(scenario)?;
         self.support.check_start(scenario)
     }
 }

@@ -130,7 +130,7 @@ fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Re
         let states = [&mut state, &mut spare];
         let ended = run
             .advance(&mut profiles, states, &prepared, times, 0, &mut statistics)
-            .map_err(|error| at_step(error, step + 1))?;
+            .map_err(|error| error.at_step(step + 1))?;
         if let Some(reason) = ended {
             ending = reason;
             break;
@@ -193,7 +193,7 @@ impl<'a> Run<'a> {
             references: self.references,
         };
         let mut at = Meeting::default();
-        step.solve(profiles, &Meeting::default(), &mut at).map_err(|error| at_step(error, 0))?;
+        step.solve(profiles, &Meeting::default(), &mut at).map_err(|error| error.at_step(0))?;
         let on_rail = to_world() * self.on_rail(&at);
         let rail = self.rail.as_ref().map(|rail| rail.start(&self.rail_load(0.0), on_rail)).transpose()?;
         let of_rail = self.rail.as_ref().zip(rail.as_ref());
@@ -416,11 +416,4 @@ impl<'a> Run<'a> {
 fn section(state: &State) -> SectionMotion {
     let rail = state.at.pose.rail;
     SectionMotion { displacement: [rail.x, rail.y], rotation: rail.z }
-}
-
-fn at_step(error: Error, step: usize) -> Error {
-    match error {
-        Error::Numerics(numerics) => NumericsError { step: Some(step), ..numerics }.into(),
-        other => other,
-    }
 }

@@ -27,6 +27,25 @@ pub struct InitialMotion {
     pub velocity: [f64; 2],
 }
 
+impl InitialMotion {
+    /// Whether a run can start so and go on with the steps of a scenario.
+    pub(crate) fn check(&self, scenario: &Scenario) -> Result<()> {
+        let motion = [self.displacement, self.velocity].concat();
+        if let Some(value) = motion.iter().find(|v| !v.is_finite()) {
+            return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
+        }
+        scenario.check()?;
+        if let InnerSteps::Adaptive(_) = scenario.inner_steps {
+            let remedy = "give their number: a step costs little";
+            let expected = "equal steps for the moving solver";
+            return Err(
+                InputError::new(InputField::InnerSteps, "steps of adapted length", expected, remedy).into()
+            );
+        }
+        Ok(())
+    }
+}
+
 /// A wheel on a rail, ready to run scenarios.
 #[derive(Debug, Clone)]
 pub struct MovingModel {
@@ -193,18 +212,7 @@ impl MovingModel {
             )
             .into());
         }
-        let motion = [self.initial.displacement, self.initial.velocity].concat();
-        if let Some(value) = motion.iter().find(|v| !v.is_finite()) {
-            return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
-        }
-        scenario.check()?;
-        if let InnerSteps::Adaptive(_) = scenario.inner_steps {
-            let remedy = "give their number: a step costs little";
-            let expected = "equal steps for the moving solver";
-            return Err(
-                InputError::new(InputField::InnerSteps, "steps of adapted length", expected, remedy).into()
-            );
-        }
+        self.initial.check(scenario)?;
         self.springs.normal.check()?;
         self.support.check_start(scenario)
     }

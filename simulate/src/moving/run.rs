@@ -5,7 +5,7 @@ use std::cell::Cell;
 use nalgebra::{Point2, Vector2, Vector3};
 
 use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
-use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
+use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::history::{ContactMode, ContactState, Departure, Ending, History, HistoryRow};
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::monitor::Monitor;
@@ -86,7 +86,7 @@ impl MovingModel {
     ///
     /// # Errors
     /// [`railspring_calibrate::error::InputError`] for values out of range or a wheel that starts beyond the rail's ends;
-    /// [`NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
+    /// [`railspring_calibrate::error::NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
         self.check(scenario)?;
         run(self, scenario, monitor)
@@ -112,7 +112,7 @@ fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Resul
         run.evaluations_left.set(left);
         let advanced = run
             .advance(&mut surface, &mut state, number as f64 * inner, inner, 0, &mut statistics)
-            .map_err(|error| at_step(error, step + 1))?;
+            .map_err(|error| error.at_step(step + 1))?;
         statistics.evaluations += left - run.evaluations_left.get();
         let solution = match advanced {
             Advanced::OnRail(solution) => solution,
@@ -219,7 +219,7 @@ impl<'a> Run<'a> {
             start_limits: vec![0.0; self.nodes.len()],
             evaluations_left: &self.evaluations_left,
         };
-        let solution = system.solve(surface).map_err(|error| at_step(error, 0))?;
+        let solution = system.solve(surface).map_err(|error| error.at_step(0))?;
         surface.commit(&solution.pose, &solution.active);
         self.dynamics.start(&mut wheel, solution.on_wheel());
         let rail =
@@ -441,13 +441,6 @@ fn section_motion(solution: &Solution) -> SectionMotion {
     let displacement = to_plane(solution.pose.fixed_rows::<2>(2).into_owned());
     // Direction 3 is −x.
     SectionMotion { displacement: displacement.into(), rotation: -solution.pose[4] }
-}
-
-fn at_step(error: Error, step: usize) -> Error {
-    match error {
-        Error::Numerics(numerics) => NumericsError { step: Some(step), ..numerics }.into(),
-        other => other,
-    }
 }
 
 #[cfg(test)]
