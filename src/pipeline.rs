@@ -135,9 +135,10 @@ impl<'a> Pipeline<'a> {
             let springs = springs::own(self.study, &calibration.stiffness, by_angle.as_ref())?;
             for (name, scenario) in &self.study.scenarios {
                 let simple = self.get(&Simulate { name, scenario, springs: &springs })?;
+                let other = self.other_element(name, scenario, &springs, by_angle.as_ref())?;
                 let solid =
                     scenario.solid.then(|| self.get(&SimulateSolid { name, scenario })).transpose()?;
-                runs.push((name.clone(), Runs { simple, solid }));
+                runs.push((name.clone(), Runs { simple, other, solid }));
             }
         }
         let verdict = self.get(&Verify { stiffness: Some(&calibration.stiffness), runs: &runs })?;
@@ -213,13 +214,14 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// Those of the stage, and springs that are not there or do not suit the study.
     pub fn simulate(mut self, law: Option<&Path>) -> Result<Vec<(String, RunRecord)>> {
-        let springs = match law {
-            Some(path) => springs::from_file(self.study, &*self.geometry()?, path)?,
+        let (springs, laws) = match law {
+            Some(path) => (springs::from_file(self.study, &*self.geometry()?, path)?, None),
             None => self.stored_springs()?,
         };
         let mut records = Vec::new();
         for (name, scenario) in &self.study.scenarios {
             let run = self.get(&Simulate { name, scenario, springs: &springs })?;
+            self.other_element(name, scenario, &springs, laws.as_ref())?;
             records.push((name.clone(), run.record));
         }
         Ok(records)
@@ -234,7 +236,8 @@ impl<'a> Pipeline<'a> {
     pub fn verify(mut self) -> Result<VerificationRecord> {
         let (stiffness, simple) = self.stored_simple_runs()?;
         let mut runs = Vec::new();
-        for ((name, scenario), simple) in self.study.scenarios.iter().zip(simple) {
+        for ((name, scenario), (simple, (springs, laws))) in self.study.scenarios.iter().zip(simple) {
+            let other = self.other_element(name, scenario, &springs, laws.as_ref())?;
             let solid = match scenario.solid {
                 false => None,
                 true => Some(match self.stored_solid_run(name, scenario) {
@@ -242,7 +245,7 @@ impl<'a> Pipeline<'a> {
                     _ => self.get(&SimulateSolid { name, scenario })?,
                 }),
             };
-            runs.push((name.clone(), Runs { simple, solid }));
+            runs.push((name.clone(), Runs { simple, other, solid }));
         }
         self.get(&Verify { stiffness: stiffness.as_ref(), runs: &runs })
     }

@@ -32,7 +32,7 @@ pub use scaling::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
 };
 pub use step_times::{PeerTime, StepTime, StepTimesRecord};
-pub use verdict::{ScenarioVerdict, VerificationRecord, with_unit};
+pub use verdict::{ElementDifferences, ElementVerdict, ScenarioVerdict, VerificationRecord, with_unit};
 
 /// One key of a resolved study.
 #[derive(Debug, Clone, PartialEq, Serialize)]

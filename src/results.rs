@@ -116,6 +116,21 @@ impl<'a> Results<'a> {
         self.folder.write_json(RESULTS, &list)
     }
 
+    /// Removes results that there are no longer, and before them what was `derived` from one that is listed.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path of a file that cannot be removed.
+    pub fn withdraw(&self, names: &[String], derived: &[&str]) -> Result<()> {
+        let mut list = self.list();
+        let listed: Vec<&str> =
+            names.iter().map(String::as_str).filter(|name| list.files.contains_key(*name)).collect();
+        if listed.is_empty() {
+            return Ok(());
+        }
+        self.remove(&mut list, derived)?;
+        self.remove(&mut list, &listed)
+    }
+
     /// The content of a file that `made_by` writes, not yet checked.
     ///
     /// # Errors
@@ -247,6 +262,22 @@ mod tests {
             assert!(text.contains(reason), "{reason:?} in {text}");
             assert!(text.contains("a.csv = ") && text.contains("`railspring simulate`"), "{text}");
         }
+    }
+
+    /// Goal: a result that is withdrawn goes with its entry and what was derived from it; a file that is not listed is a user's and stays, with what was
+    /// derived from others.
+    #[test]
+    fn what_is_withdrawn_goes_with_what_was_derived() {
+        let (_root, folder) = folder();
+        let results = Results::new(&folder);
+        let write = |name: &str| results.write(vec![NewFile::new(name, b"1".into(), "k")], &[]).unwrap();
+        ["a.csv", "b.csv", "figures/law.svg"].iter().for_each(|name| write(name));
+        folder.write("own.csv", b"a user's").unwrap();
+        results.withdraw(&["own.csv".into()], &["figures/"]).unwrap();
+        assert!(folder.file("own.csv").exists() && folder.file("figures/law.svg").exists());
+        results.withdraw(&["a.csv".into(), "own.csv".into()], &["figures/"]).unwrap();
+        assert!(!folder.file("a.csv").exists() && results.entry("a.csv").is_none());
+        assert!(!folder.file("figures/law.svg").exists() && results.entry("b.csv").is_some());
     }
 
     /// Goal: what was derived from a file goes when the file changes, and stays when it is written again as it was.

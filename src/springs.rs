@@ -112,6 +112,42 @@ fn with_element(springs: SpringsRecord, element: ElementRecord) -> SpringsRecord
     }
 }
 
+/// The contact element that springs run in.
+pub fn element(springs: &SpringsRecord) -> ContactElementKey {
+    match springs.element_blake3 {
+        Some(_) => ContactElementKey::Condensed,
+        None => ContactElementKey::Published,
+    }
+}
+
+/// The springs of a run in the other contact element.
+///
+/// # Errors
+/// Why that element cannot run, as a sentence.
+pub fn in_other_element(
+    springs: &SpringsRecord,
+    laws: Option<&StiffnessByAngleRecord>,
+) -> std::result::Result<SpringsRecord, String> {
+    match element(springs) {
+        ContactElementKey::Condensed => Ok(SpringsRecord {
+            element_blake3: None,
+            element_displacement: None,
+            element: None,
+            ..springs.clone()
+        }),
+        ContactElementKey::Published => {
+            let element = laws.and_then(|laws| laws.element.clone()).ok_or_else(|| {
+                let reason = laws.and_then(|laws| laws.element_missing.as_deref());
+                format!(
+                    "there is no condensed element: {}",
+                    reason.unwrap_or("no laws by contact angle are at hand")
+                )
+            })?;
+            Ok(with_element(springs.clone(), element))
+        }
+    }
+}
+
 fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
     let horizontal = study.simulation.horizontal.map(|k| k / KILONEWTON_PER_METRE);
     let common = SpringsRecord {

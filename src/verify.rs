@@ -21,6 +21,7 @@ mod change;
 mod step_change;
 mod spread;
 mod model_run;
+mod band;
 mod pointwise;
 mod statistics;
 
@@ -29,6 +30,7 @@ use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::{Ending, History, HistoryRow};
 use serde::{Deserialize, Serialize};
 
+pub use band::Band;
 pub use change::Change;
 pub use limits::Limits;
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};

@@ -338,5 +338,5 @@ fn a_wheel_that_leaves_the_rail_is_a_result() {
     let steps = left / 0.0005;
     assert!(steps > rows as f64 - 1.0 && steps < rows as f64 + 1e-6, "{left} s after {rows} rows");
     assert_eq!(place.run(&derails, &["report"]).status.code(), Some(0));
-    assert!(place.read("report.html").contains("Simple model: left the profile at"));
+    assert!(place.read("report.html").contains("Simple model, published element: left the profile at"));
 }

@@ -39,7 +39,7 @@ lateral_force = {}
 "#;
 
 /// Names of the files that one study writes, in order.
-const FILES: [&str; 28] = [
+const FILES: [&str; 32] = [
     "contact.pvd",
     "contact.vtu",
     "contact_patches.json",
@@ -55,6 +55,10 @@ const FILES: [&str; 28] = [
     "history.csv",
     "history_disturbed-ride.csv",
     "history_disturbed.csv",
+    "history_published-ride.csv",
+    "history_published.csv",
+    "history_published_disturbed-ride.csv",
+    "history_published_disturbed.csv",
     "load_curve.csv",
     "rail.pvd",
     "rail.vtu",
@@ -135,13 +139,13 @@ fn every_file_is_there_and_nothing_else() {
     let (figures, files): (Vec<&String>, Vec<&String>) =
         results.keys().partition(|name| name.starts_with("figures"));
     assert_eq!(files, FILES);
-    // Nine of the springs, five of each scenario.
-    assert_eq!(figures.len(), 19, "{figures:?}");
+    // Nine of the springs, six of each scenario.
+    assert_eq!(figures.len(), 21, "{figures:?}");
     assert!(
         results["report.html"].contains("Scenario push") && !results["report.html"].contains("figure failed")
     );
     assert_eq!(results["load_curve.csv"].lines().count(), 1 + 5);
-    for file in ["history.csv", "solid_history.csv", "history-ride.csv"] {
+    for file in ["history.csv", "solid_history.csv", "history-ride.csv", "history_published-ride.csv"] {
         assert_eq!(results[file].lines().count(), 1 + 7, "{file}");
     }
 }

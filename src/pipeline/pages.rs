@@ -2,17 +2,18 @@
 
 use railspring_calibrate::error::Result;
 
+use super::runs::{Other, Run};
 use super::stage::{Made, Stage};
 use super::verdict::Runs;
 use super::{BY_ANGLE, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, Pipeline, REPORT, STIFFNESS};
 use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
 use crate::records::{StiffnessByAngleRecord, VerificationRecord};
 use crate::report::crosscheck::{Crosscheck, PageData, page};
-use crate::report::{self, ReportData, ScenarioRun};
+use crate::report::{self, ModelRun, ReportData, ScenarioRun};
 use crate::results::NewFile;
 use crate::stages::{self, Calibration};
 use crate::store::{Address, Artefact};
-use crate::verify::Carrying;
+use crate::verify::Band;
 
 /// The report on all results.
 pub(super) struct Report<'a> {
@@ -23,7 +24,7 @@ pub(super) struct Report<'a> {
     pub verdict: &'a VerificationRecord,
 }
 
-impl Stage for Report<'_> {
+impl<'a> Stage for Report<'a> {
     type Value = ();
 
     fn name(&self) -> String {
@@ -45,15 +46,22 @@ impl Stage for Report<'_> {
             .iter()
             .map(|(name, runs)| {
                 let scenario = &at.study.scenarios[name];
+                let limits = &at.study.limits;
+                let drawn = |name, run: &'a Run| ModelRun {
+                    name,
+                    history: &run.history,
+                    carrying: run.model().carrying(limits.ratio_max),
+                };
+                let Other { element, run: other } = &runs.other;
+                let own = drawn(element.other().name(), &runs.simple);
+                let other = other.as_ref().ok().map(|run| drawn(element.name(), run));
                 ScenarioRun {
                     name,
                     description: &scenario.description,
                     snapshots: &scenario.snapshots,
-                    simple: &runs.simple.history,
-                    solid: runs.solid.as_ref().map(|run| &run.history),
-                    carrying: [Some(&runs.simple), runs.solid.as_ref()].map(|run| {
-                        run.map_or(Carrying::EXACT, |run| run.model().carrying(at.study.limits.ratio_max))
-                    }),
+                    elements: [own].into_iter().chain(other).collect(),
+                    solid: runs.solid.as_ref().map(|run| drawn("solid", run)),
+                    band: runs.solid.as_ref().and_then(|run| Band::around(&run.model(), limits)),
                 }
             })
             .collect();

@@ -13,7 +13,7 @@ use super::stage::{Made, REACH, Stage};
 use super::{Moving, OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};
 use crate::estimate::Work;
 use crate::output::to_json;
-use crate::records::{RunRecord, SpringsRecord, history_csv};
+use crate::records::{RunRecord, SpringsRecord, StiffnessByAngleRecord, history_csv};
 use crate::results::NewFile;
 use crate::springs;
 use crate::stages::{self, Meshes, Reached, Tried, Within};
@@ -30,6 +30,16 @@ const DISTURBED: [&str; 2] = ["history_disturbed.csv", "run_disturbed.json"];
 /// Names of the files of both models' runs, and of the runs with a larger input.
 pub(super) const SIMPLE: [&str; 2] = ["history", "history_disturbed"];
 pub(super) const SOLID: [&str; 2] = ["solid_history", "solid_history_disturbed"];
+/// Part of an artefact: why the element that the study has not chosen did not run.
+const FAILURE: &str = "failure.txt";
+
+/// Names of the files of a contact element that the study has not chosen.
+pub(super) fn of_element(element: ContactElementKey) -> [String; 2] {
+    SIMPLE.map(|stem| match stem.split_once('_') {
+        Some((history, of)) => format!("{history}_{}_{of}", element.name()),
+        None => format!("{stem}_{}", element.name()),
+    })
+}
 
 /// A history and what belongs to it.
 pub(super) struct Run {
@@ -57,6 +67,20 @@ pub(super) struct Simulate<'a> {
     pub springs: &'a SpringsRecord,
 }
 
+/// The same in the contact element that the study has not chosen, with its springs.
+pub(super) struct SimulateOther<'a> {
+    pub name: &'a str,
+    pub scenario: &'a StudyScenario,
+    pub springs: &'a SpringsRecord,
+}
+
+/// The contact element that the study has not chosen.
+pub(super) struct Other {
+    pub element: ContactElementKey,
+    /// Its run, or why there is none.
+    pub run: std::result::Result<Run, String>,
+}
+
 /// A load case on the solid model.
 pub(super) struct SimulateSolid<'a> {
     pub name: &'a str,
@@ -79,19 +103,7 @@ impl Stage for Simulate<'_> {
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let used = springs::springs(self.springs)?;
-        let geometry = at.geometry()?;
-        let (history, tried) =
-            stages::simulate(at.study, &geometry, &used, self.scenario, at.resources.monitor)
-                .map_err(|error| at.study.in_scenario(self.name, error))?;
-        let element = match self.springs.element_blake3 {
-            Some(_) => ContactElementKey::Condensed,
-            None => ContactElementKey::Published,
-        };
-        let runs_with = format!("simple model: the {} contact element", element.name());
-        let notes = [runs_with].into_iter().chain(springs::range_note(self.springs, &history)).collect();
-        let record = RunRecord::new(&history, Some(self.springs), tried.worth, notes);
-        Ok(Made::whole(artefact(&history, &record, tried.disturbed.as_ref())))
+        at.simple_run(self.name, self.scenario, self.springs).map(Made::whole)
     }
 
     fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<Run> {
@@ -100,6 +112,48 @@ impl Stage for Simulate<'_> {
 
     fn files(&self, artefact: &Artefact, value: &Run, at: &Pipeline<'_>) -> Vec<NewFile> {
         files(SIMPLE.map(|stem| history_file(at.study, self.name, stem)), artefact, value, &self.key(at))
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_RUNS
+    }
+}
+
+impl Stage for SimulateOther<'_> {
+    type Value = std::result::Result<Run, String>;
+
+    fn name(&self) -> String {
+        format!("simple model, {}, {} element", self.name, springs::element(self.springs).name())
+    }
+
+    fn key(&self, at: &Pipeline<'_>) -> String {
+        at.study.keys.simple(self.name, self.springs)
+    }
+
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+        // a failure is kept here, too, and that of the chosen element never
+        Ok(at.store.map(|store| store.address(Kind::SimpleRun, &("other element", self.key(at)))))
+    }
+
+    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+        Ok(Made::whole(match at.simple_run(self.name, self.scenario, self.springs) {
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            Err(reason) => Artefact::default().with(FAILURE, reason.to_string()),
+            Ok(artefact) => artefact,
+        }))
+    }
+
+    fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<Self::Value> {
+        match artefact.part(FAILURE) {
+            Some(_) => Ok(Err(part_text(artefact, FAILURE)?.into())),
+            None => run(artefact).map(Ok),
+        }
+    }
+
+    fn files(&self, artefact: &Artefact, value: &Self::Value, at: &Pipeline<'_>) -> Vec<NewFile> {
+        let names = of_element(springs::element(self.springs));
+        let Ok(run) = value else { return Vec::new() };
+        files(names.map(|stem| history_file(at.study, self.name, &stem)), artefact, run, &self.key(at))
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -177,6 +231,49 @@ impl Stage for SimulateSolid<'_> {
 }
 
 impl Pipeline<'_> {
+    /// A load case on the simple model as an artefact.
+    fn simple_run(
+        &mut self,
+        name: &str,
+        scenario: &StudyScenario,
+        springs: &SpringsRecord,
+    ) -> Result<Artefact> {
+        let used = springs::springs(springs)?;
+        let geometry = self.geometry()?;
+        let (history, tried) =
+            stages::simulate(self.study, &geometry, &used, scenario, self.resources.monitor)
+                .map_err(|error| self.study.in_scenario(name, error))?;
+        let runs_with = format!("simple model: the {} contact element", springs::element(springs).name());
+        let notes = [runs_with].into_iter().chain(springs::range_note(springs, &history)).collect();
+        let record = RunRecord::new(&history, Some(springs), tried.worth, notes);
+        Ok(artefact(&history, &record, tried.disturbed.as_ref()))
+    }
+
+    /// The load case in the contact element that the study has not chosen, as far as it can run beside `springs`. Nothing of it is an error of the study.
+    ///
+    /// # Errors
+    /// An interruption, and files that cannot be written or removed.
+    pub(super) fn other_element(
+        &mut self,
+        name: &str,
+        scenario: &StudyScenario,
+        springs: &SpringsRecord,
+        laws: Option<&StiffnessByAngleRecord>,
+    ) -> Result<Other> {
+        let chosen = springs::element(springs);
+        let element = chosen.other();
+        let run = match springs::in_other_element(springs, laws) {
+            Ok(springs) => self.get(&SimulateOther { name, scenario, springs: &springs })?,
+            Err(reason) => Err(reason),
+        };
+        // what an earlier command has left of an element that does not run beside this one
+        let gone = [Some(chosen), run.is_err().then_some(element)].into_iter().flatten();
+        let gone: Vec<String> =
+            gone.flat_map(of_element).map(|stem| history_file(self.study, name, &stem)).collect();
+        self.results.withdraw(&gone, &OF_THE_RUNS)?;
+        Ok(Other { element, run })
+    }
+
     /// The runs on the solids that the store does not have, as far as that can be said now.
     pub(super) fn solid_work(&mut self) -> Result<Work> {
         let mut work = Work::of(self.study, false, true);

@@ -3,7 +3,7 @@
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::history::{Ending, History};
 
-use super::runs::{Run, SIMPLE, SOLID};
+use super::runs::{Other, Run, SIMPLE, SOLID, of_element};
 use super::verdict::{Runs, inputs};
 use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
@@ -19,6 +19,12 @@ use crate::study::{Study, StudyScenario};
 /// A time further from that of the study than this share of a step belongs to another run. Twelve digits are written,
 /// so that a time after a million steps is right to a hundred-thousandth of a step.
 const OTHER_STEP: f64 = 1e-3;
+
+/// Springs of the simple model, and the laws by contact angle beside them.
+pub(super) type SpringsAndLaws = (SpringsRecord, Option<StiffnessByAngleRecord>);
+
+/// A run of the simple model with its springs.
+pub(super) type SimpleRun = (Run, SpringsAndLaws);
 
 /// What the report needs.
 pub(super) struct Stored {
@@ -38,8 +44,13 @@ impl Pipeline<'_> {
     }
 
     /// The folder's springs as the simple model runs with them.
-    pub(super) fn stored_springs(&self) -> Result<SpringsRecord> {
-        springs::own(self.study, &self.stored_stiffness()?, self.stored_by_angle()?.as_ref())
+    pub(super) fn stored_springs(&self) -> Result<SpringsAndLaws> {
+        self.springs_of(&self.stored_stiffness()?)
+    }
+
+    fn springs_of(&self, stiffness: &StiffnessRecord) -> Result<SpringsAndLaws> {
+        let laws = self.stored_by_angle()?;
+        Ok((springs::own(self.study, stiffness, laws.as_ref())?, laws))
     }
 
     /// The folder's laws by contact angle, if the study wants them.
@@ -66,8 +77,8 @@ impl Pipeline<'_> {
         Ok(patches)
     }
 
-    /// The runs of the simple model, and the study's springs if one of them ran with them.
-    pub(super) fn stored_simple_runs(&self) -> Result<(Option<StiffnessRecord>, Vec<Run>)> {
+    /// The runs of the simple model with their springs, and the study's springs if one of them ran with them.
+    pub(super) fn stored_simple_runs(&self) -> Result<(Option<StiffnessRecord>, Vec<SimpleRun>)> {
         let all_from_files = !self.study.scenarios.is_empty()
             && self.study.scenarios.keys().all(|name| {
                 let run = self
@@ -93,16 +104,40 @@ impl Pipeline<'_> {
         stiffness: Option<&StiffnessRecord>,
         name: &str,
         scenario: &StudyScenario,
-    ) -> Result<Run> {
+    ) -> Result<SimpleRun> {
         let files = SIMPLE.map(|stem| history_file(self.study, name, stem));
         let noted = self.results.entry(&files[0]).and_then(|entry| entry.run).filter(from_file);
         let springs = match (noted.and_then(|run| run.springs), stiffness) {
-            (Some(springs), _) => springs,
-            (None, Some(stiffness)) => springs::own(self.study, stiffness, self.stored_by_angle()?.as_ref())?,
+            (Some(springs), _) => (springs, None),
+            (None, Some(stiffness)) => self.springs_of(stiffness)?,
             (None, None) => self.stored_springs()?,
         };
+        let key = self.study.keys.simple(name, &springs.0);
+        Ok((self.stored_run(&files, scenario, &key, "simulate")?, springs))
+    }
+
+    /// The run in the contact element that the study has not chosen, or why the verdict has none.
+    fn stored_other(
+        &self,
+        name: &str,
+        scenario: &StudyScenario,
+        (springs, laws): &SpringsAndLaws,
+        verdict: &VerificationRecord,
+    ) -> Result<Other> {
+        let element = springs::element(springs).other();
+        let of = |missing: String| Other { element, run: Err(missing) };
+        let springs = match springs::in_other_element(springs, laws.as_ref()) {
+            Ok(springs) => springs,
+            Err(reason) => return Ok(of(reason)),
+        };
+        let judged = verdict.scenarios.iter().find(|judged| judged.scenario == name);
+        let judged = judged.and_then(|s| s.elements.iter().find(|judged| judged.element == element.name()));
+        if let Some(reason) = judged.and_then(|judged| judged.missing.clone()) {
+            return Ok(of(reason));
+        }
+        let files = of_element(element).map(|stem| history_file(self.study, name, &stem));
         let key = self.study.keys.simple(name, &springs);
-        self.stored_run(&files, scenario, &key, "simulate")
+        Ok(Other { element, run: Ok(self.stored_run(&files, scenario, &key, "simulate")?) })
     }
 
     /// A run of the solid model.
@@ -171,7 +206,7 @@ impl Pipeline<'_> {
         let load_curve = faults.note("calibrate", self.stored_load_curve());
         let patches = faults.note("calibrate", self.stored_patches());
         let by_angle = faults.note("calibrate", self.stored_by_angle());
-        let mut runs = Vec::new();
+        let mut found = Vec::new();
         let mut any_calibrated = self.study.scenarios.is_empty();
         for (name, scenario) in &self.study.scenarios {
             // Without springs every history would be stale for the same reason.
@@ -182,12 +217,20 @@ impl Pipeline<'_> {
                 true => faults.note("verify", self.stored_solid_run(name, scenario)).map(Some),
                 false => Some(None),
             };
-            if let (Some(simple), Some(solid)) = (simple, solid) {
+            if let (Some((simple, springs)), Some(solid)) = (simple, solid) {
                 any_calibrated |= !from_file(&simple.record);
-                runs.push((name.clone(), Runs { simple, solid }));
+                found.push((name, scenario, springs, simple, solid));
             }
         }
         let verdict = faults.note("verify", self.stored_verdict(any_calibrated));
+        let mut runs = Vec::new();
+        for (name, scenario, springs, simple, solid) in found {
+            let Some(verdict) = &verdict else { break };
+            let other = self.stored_other(name, scenario, &springs, verdict);
+            if let Some(other) = faults.note("simulate", other) {
+                runs.push((name.clone(), Runs { simple, other, solid }));
+            }
+        }
         match (stiffness, load_curve, patches, by_angle, verdict) {
             (Some(stiffness), Some(load_curve), Some(patches), Some(by_angle), Some(verdict))
                 if faults.is_empty() =>

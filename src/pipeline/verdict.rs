@@ -6,19 +6,23 @@ use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
-use super::runs::{Run, SIMPLE, SOLID};
+use super::runs::{Other, Run, SIMPLE, SOLID, of_element};
 use super::stage::{Made, Stage};
 use super::{OF_THE_VERDICT, Pipeline, STIFFNESS, VERIFICATION, history_file, part_json};
 use crate::output::to_json;
-use crate::records::{HubDeviationRecord, ScenarioVerdict, StiffnessRecord, VerificationRecord};
+use crate::records::{
+    ElementDifferences, ElementVerdict, HubDeviationRecord, ScenarioVerdict, StiffnessRecord,
+    VerificationRecord,
+};
 use crate::results::{NewFile, Results};
 use crate::store::{Address, Artefact};
-use crate::study::Study;
+use crate::study::{ContactElementKey, Study};
 use crate::verify::{self, Line};
 
-/// Both runs of a scenario.
+/// The runs of a scenario: the simple model with the study's contact element, the same with the other one, and the solid model.
 pub(super) struct Runs {
     pub simple: Run,
+    pub other: Other,
     pub solid: Option<Run>,
 }
 
@@ -46,11 +50,32 @@ impl Stage for Verify<'_> {
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
         let study = at.study;
         let mut scenarios = Vec::new();
-        for (name, Runs { simple, solid }) in self.runs {
-            let comparison = solid
-                .as_ref()
-                .map(|solid| verify::compare(&simple.model(), &solid.model(), &study.limits))
-                .transpose()?;
+        for (name, Runs { simple, other, solid }) in self.runs {
+            let compared = |run: &Run| {
+                let solid = solid.as_ref()?;
+                Some(verify::compare(&run.model(), &solid.model(), &study.limits))
+            };
+            let comparison = compared(simple).transpose()?;
+            let own = ElementVerdict {
+                element: other.element.other().name().into(),
+                run: None,
+                missing: None,
+                differences: comparison.as_ref().map(ElementDifferences::from),
+            };
+            let other = match &other.run {
+                Ok(run) => ElementVerdict {
+                    element: other.element.name().into(),
+                    run: Some(run.record.clone()),
+                    missing: None,
+                    differences: compared(run).transpose()?.as_ref().map(ElementDifferences::from),
+                },
+                Err(reason) => ElementVerdict {
+                    element: other.element.name().into(),
+                    run: None,
+                    missing: Some(reason.clone()),
+                    differences: None,
+                },
+            };
             let (lines, not_applicable, compared) = match comparison {
                 Some(c) => (c.lines, c.not_applicable, Some(c.compared)),
                 None => (verify::run_lines(&simple.history, None), Vec::new(), None),
@@ -62,6 +87,7 @@ impl Stage for Verify<'_> {
                 lines,
                 not_applicable,
                 compared,
+                elements: vec![own, other],
             });
         }
         let mut verdict = VerificationRecord {
@@ -108,7 +134,10 @@ pub(super) fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool)
             [file].into_iter().chain(known.then_some(disturbed)).collect()
         };
         let solid = if scenario.solid { files(SOLID) } else { Vec::new() };
-        files(SIMPLE).into_iter().chain(solid)
+        // those of the element that does not run are not there
+        let others = [ContactElementKey::Condensed, ContactElementKey::Published].map(of_element);
+        let others = others.iter().flat_map(|[file, disturbed]| files([file, disturbed]));
+        files(SIMPLE).into_iter().chain(others.collect::<Vec<_>>()).chain(solid)
     });
     let stiffness = with_stiffness.then(|| STIFFNESS.to_owned());
     stiffness

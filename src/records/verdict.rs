@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::RunRecord;
-use crate::verify::{Compared, Line, NotApplicable};
+use crate::verify::{Compared, Comparison, Line, NotApplicable};
 
 /// `verification.json`: the verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,6 +44,63 @@ pub struct ScenarioVerdict {
     /// The quantities that were compared, if both models ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
+    /// Both contact elements of the simple model, that of the study first. The lines are on that one alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub elements: Vec<ElementVerdict>,
+}
+
+/// A contact element of the simple model on one load case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ElementVerdict {
+    /// `condensed` or `published`.
+    pub element: String,
+    /// The run of the element that the study has not chosen; that of the chosen one is `simple`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub run: Option<RunRecord>,
+    /// Why the element has no run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<String>,
+    /// How far it is from the solid, if both ran.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub differences: Option<ElementDifferences>,
+}
+
+/// Differences of an element from the solid model, as the lines of a verdict have them; as long as the motion of the solid is determined.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ElementDifferences {
+    /// Vertical force, RMS over the solid's peak.
+    pub vertical_rms: Option<f64>,
+    /// Lateral force, RMS over the solid's peak.
+    pub lateral_rms: Option<f64>,
+    /// Averaged Q/P, RMS.
+    pub ratio_rms: Option<f64>,
+    /// Averaged Q/P, largest.
+    pub ratio_max: Option<f64>,
+    /// Separations that only one of the two has.
+    pub separations_unmatched: Option<f64>,
+    /// By how much separations of both begin at another time at most, s; none where there are none.
+    pub separation_begin_s: Option<f64>,
+    /// By how much they end at another time at most, s.
+    pub separation_end_s: Option<f64>,
+    /// Over what time forces were compared, s.
+    pub over_s: Option<[f64; 2]>,
+}
+
+impl From<&Comparison> for ElementDifferences {
+    fn from(comparison: &Comparison) -> Self {
+        let line = |quantity: &str| comparison.lines.iter().find(|line| line.quantity == quantity);
+        let value = |quantity: &str| line(quantity)?.value;
+        Self {
+            vertical_rms: value("vertical_rms"),
+            lateral_rms: value("lateral_rms"),
+            ratio_rms: value("ratio_rms"),
+            ratio_max: value("ratio_max"),
+            separations_unmatched: value("separations_unmatched"),
+            separation_begin_s: value("separation_begin_s"),
+            separation_end_s: value("separation_end_s"),
+            over_s: line("vertical_rms").and_then(|line| line.over_s),
+        }
+    }
 }
 
 impl VerificationRecord {

@@ -2,7 +2,6 @@
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
-use railspring_calibrate::history::{ContactMode, History};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
@@ -10,13 +9,12 @@ use crate::records::{
     BandPointRecord, ComplianceRecord, HorizontalRecord, LoadCurveRow, PatchRecord, ReferenceRecord,
     StiffnessRecord, TangentRecord,
 };
-use crate::verify::{Carrying, averaged_ratio};
 
 use super::legend::{Entry, draw_legend, legend_height};
 use super::panel::{Panel, stacked};
 use super::plot::{
-    BLUE, DARK, DARK_RED, Dash, Drawn, GREY, LIGHT, Marker, ORANGE, PALE_BLUE, RED, Series, frame, label,
-    nice_range, nice_step, px, stroke, svg, tick,
+    BLUE, DARK, Dash, GREY, LIGHT, Marker, ORANGE, RED, Series, frame, label, nice_range, px, stroke, svg,
+    tick,
 };
 use super::tables::number;
 
@@ -24,10 +22,6 @@ use super::tables::number;
 pub const WIDTH: u32 = 860;
 /// Points of a smooth curve.
 const CURVE_POINTS: usize = 160;
-/// Wheel contacts nearer to the flange than this lateral position are counted as flange contacts, m:
-/// the tread of the standard profiles ends there.
-const FLANGE_SIDE: f64 = -0.026;
-
 /// Tangent stiffness over load: the solid, the fitted laws, Hertz and the published law.
 pub fn law(stiffness: &StiffnessRecord) -> String {
     let largest = stiffness.law.range_kn[1];
@@ -209,142 +203,6 @@ pub fn subsurface(rows: &[LoadCurveRow], patches: &[PatchRecord]) -> Option<Stri
     ))
 }
 
-/// P and Q of both models over time.
-pub fn forces(simple: &History, solid: Option<&History>) -> String {
-    let panel =
-        |symbol: &str, name: &str, value: fn(&railspring_calibrate::history::HistoryRow) -> f64| Panel {
-            x_label: "time, s".into(),
-            y_label: format!("{name} {symbol}, kN"),
-            from_zero: true,
-            series: both(simple, solid, |history| {
-                history.rows.iter().map(|row| (row.time, value(row) / KILONEWTON)).collect()
-            }),
-        };
-    stacked(
-        WIDTH,
-        240,
-        &[
-            panel("P", "vertical force", |row| row.vertical_force),
-            panel("Q", "lateral force", |row| row.lateral_force),
-        ],
-    )
-}
-
-/// Q/P averaged over the window, of both models, where the averaged P of each carries it.
-pub fn ratio(simple: &History, solid: Option<&History>, window: f64, carrying: &[Carrying; 2]) -> String {
-    let points = |history: &History, carrying: &Carrying| {
-        let ratios = averaged_ratio(history, window, carrying);
-        history.rows.iter().zip(ratios).map(|(row, ratio)| (row.time, ratio.unwrap_or(f64::NAN))).collect()
-    };
-    let series = beside(points(simple, &carrying[0]), solid.map(|solid| points(solid, &carrying[1])));
-    stacked(
-        WIDTH,
-        280,
-        &[Panel {
-            x_label: "time, s".into(),
-            y_label: format!("Q/P averaged over {} ms", round(window * 1e3)),
-            from_zero: true,
-            series,
-        }],
-    )
-}
-
-/// Lateral and vertical displacement of the wheel centre, of both models.
-pub fn wheel(simple: &History, solid: Option<&History>) -> String {
-    let panel = |name: &str, value: fn(&railspring_calibrate::history::HistoryRow) -> f64| Panel {
-        x_label: "time, s".into(),
-        y_label: name.into(),
-        from_zero: true,
-        series: both(simple, solid, |history| {
-            history.rows.iter().map(|row| (row.time, value(row) / MILLIMETRE)).collect()
-        }),
-    };
-    stacked(
-        WIDTH,
-        220,
-        &[
-            panel("wheel to the field side, mm", |row| row.wheel_y),
-            panel("wheel down, mm", |row| row.wheel_z),
-        ],
-    )
-}
-
-/// Contact modes of tread and flange over time, of both models.
-pub fn modes(simple: &History, solid: Option<&History>) -> String {
-    const ROW: u32 = 24;
-    const LEFT: u32 = 112;
-    let entries =
-        [Entry::patch("sticking", DARK), Entry::patch("sliding", ORANGE), Entry::patch("separated", WHITE)];
-    let models: Vec<(&str, &History)> =
-        [Some(("simple", simple)), solid.map(|solid| ("solid", solid))].into_iter().flatten().collect();
-    let top = legend_height(WIDTH, &entries);
-    let body = models.len() as u32 * (2 * ROW + 8);
-    let last = models.iter().filter_map(|(_, history)| history.rows.last()).map(|row| row.time);
-    let end = last.fold(0.0, f64::max);
-    // A run without a step still needs an axis of some length.
-    let end = if end > 0.0 { end } else { 1.0 };
-    let step = nice_step(end / 8.0);
-    svg(WIDTH, top + body + 46, |root| {
-        let (legend, rest) = root.split_vertically(px(top));
-        draw_legend(&legend, WIDTH, &entries)?;
-        let x_of = |time: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 20)) * time / end) as i32;
-        let text = |content: String, at: (i32, i32), horizontal, vertical, size| -> Drawn {
-            rest.draw(&Text::new(content, at, label(size, horizontal, vertical)))?;
-            Ok(())
-        };
-        let mut y = 0;
-        for (name, history) in &models {
-            for (region, on_flange) in [("tread", false), ("flange", true)] {
-                let (a, b) = (px(y + 2), px(y + ROW - 2));
-                text(
-                    format!("{name}, {region}"),
-                    (px(LEFT - 8), (a + b) / 2),
-                    HPos::Right,
-                    VPos::Center,
-                    12,
-                )?;
-                for (mode, begin, end) in spans(history, on_flange) {
-                    let color = match mode {
-                        ContactMode::Stick => DARK,
-                        ContactMode::Slip => ORANGE,
-                        ContactMode::Separated => continue,
-                    };
-                    rest.draw(&Rectangle::new([(x_of(begin), a), (x_of(end), b)], color.filled()))?;
-                }
-                rest.draw(&frame([(x_of(0.0), a), (x_of(end), b)], stroke(GREY, 7)))?;
-                y += ROW;
-            }
-            y += 8;
-        }
-        let base = px(y);
-        rest.draw(&PathElement::new([(x_of(0.0), base), (x_of(end), base)], stroke(BLACK, 8)))?;
-        for n in 0..=(end / step + 1e-9).floor() as usize {
-            let time = n as f64 * step;
-            rest.draw(&PathElement::new([(x_of(time), base), (x_of(time), base + px(4))], stroke(BLACK, 8)))?;
-            text(tick(time, step), (x_of(time), base + px(7)), HPos::Center, VPos::Top, 11)?;
-        }
-        text("time, s".into(), ((x_of(0.0) + x_of(end)) / 2, base + px(24)), HPos::Center, VPos::Top, 12)
-    })
-}
-
-/// Times of equal mode on the tread or the flange: (mode, begin, end).
-fn spans(history: &History, on_flange: bool) -> Vec<(ContactMode, f64, f64)> {
-    let mut spans: Vec<(ContactMode, f64, f64)> = Vec::new();
-    for pair in history.rows.windows(2) {
-        let here = || pair[1].contacts.iter().filter(|c| (c.wheel.x < FLANGE_SIDE) == on_flange);
-        let mode = match here().next() {
-            None => ContactMode::Separated,
-            Some(_) if here().any(|c| c.mode == ContactMode::Stick) => ContactMode::Stick,
-            Some(_) => ContactMode::Slip,
-        };
-        match spans.last_mut() {
-            Some(last) if last.0 == mode => last.2 = pair[1].time,
-            _ => spans.push((mode, pair[0].time, pair[1].time)),
-        }
-    }
-    spans
-}
-
 /// Where the compliance sits, one bar per load.
 pub fn compliance(rows: &[ComplianceRecord]) -> String {
     let rows = &some_loads(rows);
@@ -467,22 +325,6 @@ pub fn horizontal_caption(horizontal: &HorizontalRecord) -> String {
         false => "",
     };
     format!("Horizontal stiffness under sticking at several preloads, and the constant in use.{bars}")
-}
-
-/// Curves of both models; the solid's is broad and pale, so that the simple one's can be seen on it.
-fn both(
-    simple: &History,
-    solid: Option<&History>,
-    points: impl Fn(&History) -> Vec<(f64, f64)>,
-) -> Vec<Series> {
-    beside(points(simple), solid.map(points))
-}
-
-/// Curves of the simple and of the solid model, the latter below.
-fn beside(simple: Vec<(f64, f64)>, solid: Option<Vec<(f64, f64)>>) -> Vec<Series> {
-    let dash = if solid.is_some() { Dash::Dashed } else { Dash::Solid };
-    let solid = solid.map(|points| Series::line("solid model", points, PALE_BLUE, Dash::Solid).broad());
-    solid.into_iter().chain([Series::line("simple model", simple, DARK_RED, dash)]).collect()
 }
 
 fn reference_style(reference: &str) -> (Marker, RGBColor) {

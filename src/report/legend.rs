@@ -32,7 +32,7 @@ impl Entry {
             color: series.color,
             dash: series.sample.unwrap_or(series.dash),
             marker: series.marker,
-            filled: false,
+            filled: series.filled,
             width: series.width + 2,
         }
     }

@@ -9,6 +9,7 @@ pub mod panel;
 mod tables;
 mod html;
 mod figures;
+mod load_case;
 mod by_angle;
 mod positions;
 mod patches;
@@ -26,11 +27,22 @@ use crate::records::{
     VerificationRecord,
 };
 
-use crate::verify::Carrying;
+use crate::verify::{Band, Carrying};
 
 pub use positions::ProfilePair;
 
-/// Both runs of one scenario.
+/// A run of a model, as figures show it.
+#[derive(Debug, Clone, Copy)]
+pub struct ModelRun<'a> {
+    /// What figures call it: `solid`, or the contact element of the simple model.
+    pub name: &'a str,
+    /// The run.
+    pub history: &'a History,
+    /// Where its averaged P carries Q/P.
+    pub carrying: Carrying,
+}
+
+/// The runs of one scenario.
 #[derive(Debug, Clone)]
 pub struct ScenarioRun<'a> {
     /// Name of the scenario.
@@ -39,12 +51,12 @@ pub struct ScenarioRun<'a> {
     pub description: &'a str,
     /// Times of the pictures of the contact positions, s.
     pub snapshots: &'a [f64],
-    /// The simple model's run.
-    pub simple: &'a History,
+    /// The simple model's runs: with the study's contact element, then with the other one, if that ran.
+    pub elements: Vec<ModelRun<'a>>,
     /// The solid model's run, if it ran.
-    pub solid: Option<&'a History>,
-    /// Where the averaged P of the simple and of the solid model carries Q/P.
-    pub carrying: [Carrying; 2],
+    pub solid: Option<ModelRun<'a>>,
+    /// What the solid's run is worth at each of its times, if that is known.
+    pub band: Option<Band>,
 }
 
 /// Everything the report shows.
@@ -170,41 +182,50 @@ pub fn build(data: &ReportData<'_>) -> Report {
 }
 
 fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collector) -> Value {
-    let both = if run.solid.is_some() { " of both models" } else { " of the simple model" };
-    let compared = data.verdict.scenarios.iter().find(|s| s.scenario == run.name);
-    let until = compared.and_then(|s| s.compared.as_ref()?.pointwise_until_s);
+    let judged = data.verdict.scenarios.iter().find(|s| s.scenario == run.name);
+    let until = judged.and_then(|s| s.compared.as_ref()?.pointwise_until_s);
     let until = until.map_or_else(String::new, |time| {
         format!(
             " From {} ms on the motion of the solid is not determined, and statistics are compared.",
             tables::number(1e3 * time)
         )
     });
+    let band = load_case::band_caption(run);
     let mut figures = Vec::new();
     let mut add = |kind: &str, svg: String, caption: String| {
         figures.push(collected.add(&format!("{kind}-{}", run.name), svg, caption));
     };
     add(
         "forces",
-        figures::forces(run.simple, run.solid),
-        format!("Vertical and lateral force of the wheel on the rail{both}.{until}"),
+        load_case::forces(run),
+        format!("Vertical and lateral force of the wheel on the rail.{band}{until}"),
     );
     add(
         "ratio",
-        figures::ratio(run.simple, run.solid, data.ratio_window, &run.carrying),
+        load_case::ratio(run, data.ratio_window),
         format!(
-            "Derailment coefficient Q/P{both}: Q and P averaged over a window of time before they are divided. Gaps: too little vertical force in the window for a ratio, beside what the forces are worth.{until}"
+            "Derailment coefficient Q/P: Q and P averaged over a window of time before they are divided. Gaps: too little vertical force in the window for a ratio, beside what the forces are worth.{band}{until}"
         ),
     );
-    add("wheel", figures::wheel(run.simple, run.solid), format!("Displacement of the wheel centre{both}."));
-    add("modes", figures::modes(run.simple, run.solid), format!("Contact modes on tread and flange{both}."));
-    add(
-        "positions",
-        positions::positions(data.profiles, run.snapshots, run.simple, run.solid),
-        "Contact positions on the two profiles, seen along the track, field side to the right. Wheel and rail as the simple model has them; the rail's own deflection is not drawn.".into(),
-    );
+    add("wheel", load_case::wheel(run), "Displacement of the wheel centre.".into());
+    add("modes", load_case::modes(run), "Contact modes on tread and flange.".into());
+    for (n, element) in run.elements.iter().enumerate() {
+        let kind = if n == 0 { "positions".into() } else { format!("positions_{}", element.name) };
+        add(
+            &kind,
+            positions::positions(data.profiles, run.snapshots, element, run.solid.as_ref()),
+            format!(
+                "Contact positions on the two profiles, seen along the track, field side to the right. Wheel and rail as the simple model with the {} element has them; the rail's own deflection is not drawn.",
+                element.name
+            ),
+        );
+    }
     json!({
         "name": run.name,
         "description": run.description,
+        "models": run.elements.iter().chain(&run.solid).map(|of| of.name).collect::<Vec<_>>(),
+        "elements": judged.map(tables::elements),
+        "missing": judged.map(tables::missing_elements),
         "figures": figures,
         "endings": tables::endings(run),
         "separations": tables::separations(run),

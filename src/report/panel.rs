@@ -327,6 +327,10 @@ fn label_width(y: &Axis) -> u32 {
 /// Draws one curve.
 fn draw_series(area: &Area<'_>, chart: &mut Chart<'_, '_>, series: &Series) -> Drawn {
     let style = stroke(series.color, series.width);
+    if series.filled {
+        chart.draw_series([Polygon::new(series.points.clone(), series.color.filled())])?;
+        return Ok(());
+    }
     let pieces =
         series.points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|piece| !piece.is_empty());
     for piece in pieces {

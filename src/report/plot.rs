@@ -86,6 +86,8 @@ pub struct Series {
     pub width: u32,
     /// Texts beside the points, in their order; none for points beyond the last.
     pub labels: Vec<String>,
+    /// Whether the points are the outline of an area, which is filled.
+    pub filled: bool,
 }
 
 /// Usual width of a line, tenths of a pixel.
@@ -103,7 +105,22 @@ impl Series {
             sample: None,
             width: LINE,
             labels: Vec::new(),
+            filled: false,
         }
+    }
+
+    /// The area between a lower and an upper curve, (x, ends) in the order of x, one series for each part without a gap; the first is in the legend.
+    pub fn band(name: &str, ends: &[(f64, [f64; 2])], color: RGBColor) -> Vec<Self> {
+        let pieces = ends.split(|(x, ends)| !(x.is_finite() && ends.iter().all(|y| y.is_finite())));
+        let outline = |piece: &[(f64, [f64; 2])]| -> Vec<(f64, f64)> {
+            let side = |k: usize| piece.iter().map(move |(x, ends)| (*x, ends[k]));
+            side(0).chain(side(1).rev()).collect()
+        };
+        let areas = pieces.filter(|piece| piece.len() > 1).enumerate().map(|(n, piece)| {
+            let name = if n == 0 { name } else { "" };
+            Self { filled: true, ..Self::line(name, outline(piece), color, Dash::None) }
+        });
+        areas.collect()
     }
 
     /// Markers without a line.
@@ -117,17 +134,23 @@ impl Series {
             sample: None,
             width: LINE,
             labels: Vec::new(),
+            filled: false,
         }
     }
 
     /// Markers joined by a line.
     pub fn joined(name: &str, points: Vec<(f64, f64)>, color: RGBColor, dash: Dash, marker: Marker) -> Self {
-        Self { name: name.into(), points, color, dash, marker, sample: None, width: LINE, labels: Vec::new() }
+        Self { dash, ..Self::marks(name, points, color, marker) }
     }
 
     /// The same with a broad line, for what other curves are laid over.
     pub fn broad(self) -> Self {
         Self { width: 32, ..self }
+    }
+
+    /// The same with a thin line, for what lies on an area that is little broader.
+    pub fn thin(self) -> Self {
+        Self { width: 7, ..self }
     }
 
     /// The same with a text beside each point.

@@ -6,6 +6,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use railspring_calibrate::history::{ContactMode, History, HistoryRow};
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
+use super::ModelRun;
 use super::figures::{WIDTH, round};
 use super::legend::{Entry, draw_legend, legend_height};
 use super::plot::{
@@ -48,15 +49,22 @@ const DEPTH_MM: f64 = 46.0;
 /// What is seen above the top of the rail, mm.
 const ABOVE_MM: f64 = 30.0;
 
-/// One picture for each time: the profiles where the simple model has them, the contacts of both models.
-pub fn positions(profiles: &ProfilePair, times: &[f64], simple: &History, solid: Option<&History>) -> String {
+/// One picture for each time: the profiles where the simple model with an element has them, its contacts and those of the solid.
+pub fn positions(
+    profiles: &ProfilePair,
+    times: &[f64],
+    element: &ModelRun<'_>,
+    solid: Option<&ModelRun<'_>>,
+) -> String {
+    let (simple, solid) = (element.history, solid.map(|solid| solid.history));
+    let name = |text: &str| format!("contact, {text}");
     let mut entries = vec![
         Entry::of(&Series::line("rail", vec![], GREY, Dash::Solid)),
         Entry::of(&Series::line("wheel", vec![], DARK, Dash::Solid)),
-        Entry::of(&Series::marks("contact, simple model", vec![], RED, Marker::Disc)),
+        Entry::of(&Series::marks(&name(&format!("{} element", element.name)), vec![], RED, Marker::Disc)),
     ];
     if solid.is_some() {
-        entries.push(Entry::of(&Series::marks("contact, solid model", vec![], BLUE, Marker::Square)));
+        entries.push(Entry::of(&Series::marks(&name("solid model"), vec![], BLUE, Marker::Square)));
     }
     if nearest(simple, times.iter().copied().fold(f64::INFINITY, f64::min)).is_some_and(|row| row.time == 0.0)
     {
@@ -70,7 +78,7 @@ pub fn positions(profiles: &ProfilePair, times: &[f64], simple: &History, solid:
         draw_legend(&legend, WIDTH, &entries)?;
         for (area, time) in rest.split_evenly((rows, columns)).iter().zip(times) {
             if let Some(row) = nearest(simple, *time) {
-                picture(area, profiles, row, solid.and_then(|solid| nearest(solid, *time)))?;
+                picture(area, profiles, (element.name, row), solid.and_then(|solid| nearest(solid, *time)))?;
             }
         }
         Ok(())
@@ -82,7 +90,12 @@ fn nearest(history: &History, time: f64) -> Option<&HistoryRow> {
     history.rows.iter().min_by(|a, b| (a.time - time).abs().total_cmp(&(b.time - time).abs()))
 }
 
-fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Option<&HistoryRow>) -> Drawn {
+fn picture(
+    area: &Area<'_>,
+    profiles: &ProfilePair,
+    (element, row): (&str, &HistoryRow),
+    solid: Option<&HistoryRow>,
+) -> Drawn {
     let (width, height) = area.dim_in_pixel();
     let (title, bottom) = (px(40), px(58));
     let rail = fine(profiles.rail.iter().map(|p| profiles.rail_to_world(p)));
@@ -145,7 +158,7 @@ fn picture(area: &Area<'_>, profiles: &ProfilePair, row: &HistoryRow, solid: Opt
         mark(area, Marker::Circle, BLACK, to_pixel(&profiles.touch))?;
     }
     let below = height as i32 - bottom + px(8);
-    centre(below, format!("simple: {}", in_words(row)), 11)?;
+    centre(below, format!("{element}: {}", in_words(row)), 11)?;
     if let Some(solid) = solid {
         centre(below + px(16), format!("solid: {}", in_words(solid)), 11)?;
     }

@@ -1,9 +1,12 @@
 //! The tables of the report.
 
-use railspring_calibrate::history::{Ending, History};
+use railspring_calibrate::history::Ending;
 use serde::Serialize;
 
-use crate::records::{BandPointRecord, ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord};
+use crate::records::{
+    BandPointRecord, ElementVerdict, ResolvedKey, RunRecord, ScenarioVerdict, StiffnessRecord,
+    VerificationRecord,
+};
 use crate::verify::{self, HeldBy, Kind, Line};
 
 use super::ScenarioRun;
@@ -86,12 +89,45 @@ pub(super) fn models(verdict: &VerificationRecord) -> Vec<[String; 3]> {
 
 /// How the runs ended, where one did not reach its end.
 pub(super) fn endings(run: &ScenarioRun<'_>) -> Vec<String> {
-    [("Simple model", Some(run.simple)), ("Solid model", run.solid)]
-        .into_iter()
-        .filter_map(|(name, history)| Some((name, history?.ending)))
-        .filter(|(_, ending)| *ending != Ending::Completed)
+    let elements = run.elements.iter().map(|of| (format!("Simple model, {} element", of.name), of));
+    let solid = run.solid.iter().map(|of| ("Solid model".into(), of));
+    let ends = elements.chain(solid).map(|(name, of)| (name, of.history.ending));
+    ends.filter(|(_, ending)| *ending != Ending::Completed)
         .map(|(name, ending)| format!("{name}: {ending}"))
         .collect()
+}
+
+/// Both contact elements beside the solid, as rows of text; none without a solid run.
+pub(super) fn elements(judged: &ScenarioVerdict) -> Vec<Vec<String>> {
+    let none = || "\u{2013}".to_string();
+    let percent = |value: Option<f64>| value.map_or_else(none, |v| format!("{:.1} %", 1e2 * v));
+    let plain = |value: Option<f64>| value.map_or_else(none, number);
+    let time = |value: Option<f64>| value.map_or_else(none, |v| format!("{} ms", number(1e3 * v)));
+    let row = |(n, of): (usize, &ElementVerdict)| {
+        let d = of.differences?;
+        let name = if n == 0 { format!("{} (the study's)", of.element) } else { of.element.clone() };
+        Some(vec![
+            name,
+            percent(d.vertical_rms),
+            percent(d.lateral_rms),
+            plain(d.ratio_rms),
+            plain(d.ratio_max),
+            plain(d.separations_unmatched),
+            time(d.separation_begin_s),
+            time(d.separation_end_s),
+            d.over_s.map_or_else(none, |over| over.map(|t| number(1e3 * t)).join(" to ") + " ms"),
+        ])
+    };
+    judged.elements.iter().enumerate().filter_map(row).collect()
+}
+
+/// Why an element did not run, a sentence for each that did not.
+pub(super) fn missing_elements(judged: &ScenarioVerdict) -> Vec<String> {
+    let sentence = |of: &ElementVerdict| {
+        let reason = of.missing.as_ref()?;
+        Some(format!("The {} element has no run: {reason}.", of.element))
+    };
+    judged.elements.iter().filter_map(sentence).collect()
 }
 
 fn line_text(subject: &str, line: &Line) -> LineText {
@@ -123,38 +159,29 @@ fn line_text(subject: &str, line: &Line) -> LineText {
     }
 }
 
-/// The separations of both models, as rows of text.
-pub(super) fn separations(run: &ScenarioRun<'_>) -> Vec<[String; 3]> {
-    let of = |history: &History| verify::separations(history, 0.0);
+/// The separations of all models, as rows of text: number, then one column for each model.
+pub(super) fn separations(run: &ScenarioRun<'_>) -> Vec<Vec<String>> {
     let times = |s: Option<&verify::Separation>| match s {
         Some(s) => format!("{:.1} to {:.1} ms", s.begin_s * 1e3, s.end_s * 1e3),
         None => "none".into(),
     };
-    let simple = of(run.simple);
-    let solid = run.solid.map(of);
-    let rows = simple.len().max(solid.as_ref().map_or(0, Vec::len));
-    (0..rows)
-        .map(|n| {
-            let solid = match &solid {
-                Some(solid) => times(solid.get(n)),
-                None => "not run".into(),
-            };
-            [(n + 1).to_string(), times(simple.get(n)), solid]
-        })
-        .collect()
+    let models = run.elements.iter().chain(&run.solid);
+    let all: Vec<Vec<verify::Separation>> = models.map(|of| verify::separations(of.history, 0.0)).collect();
+    let rows = all.iter().map(Vec::len).max().unwrap_or(0);
+    let row = |n: usize| {
+        let number = (n + 1).to_string();
+        [number].into_iter().chain(all.iter().map(|of| times(of.get(n)))).collect()
+    };
+    (0..rows).map(row).collect()
 }
 
-/// The fractions of time in each mode, as rows of text.
-pub(super) fn modes(run: &ScenarioRun<'_>) -> Vec<[String; 3]> {
-    let simple = verify::mode_fractions(run.simple);
-    let solid = run.solid.map(verify::mode_fractions);
+/// The fractions of time in each mode, as rows of text: mode, then one column for each model.
+pub(super) fn modes(run: &ScenarioRun<'_>) -> Vec<Vec<String>> {
+    let models = run.elements.iter().chain(&run.solid);
+    let all: Vec<verify::ModeFractions> = models.map(|of| verify::mode_fractions(of.history)).collect();
     let percent = |value: f64| format!("{:.1} %", value * 100.0);
     let row = |name: &str, value: fn(&verify::ModeFractions) -> f64| {
-        [
-            name.into(),
-            percent(value(&simple)),
-            solid.as_ref().map_or_else(|| "not run".into(), |s| percent(value(s))),
-        ]
+        [name.to_string()].into_iter().chain(all.iter().map(|of| percent(value(of)))).collect()
     };
     vec![row("sticking", |m| m.stick), row("sliding", |m| m.slip), row("separated", |m| m.separated)]
 }

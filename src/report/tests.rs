@@ -3,8 +3,8 @@
 use super::crosscheck::Crosscheck;
 use super::samples;
 use super::*;
-use crate::records::{RunRecord, ScenarioVerdict};
-use crate::verify::{Carrying, Limits, ModelRun, Spread, Worth, compare};
+use crate::records::{ElementVerdict, RunRecord, ScenarioVerdict};
+use crate::verify::{self, Band, Limits, Spread, Worth, compare};
 
 fn build_sample() -> Report {
     let (record, sections) = (samples::crosscheck(), samples::sections());
@@ -12,7 +12,7 @@ fn build_sample() -> Report {
 }
 
 fn build_with(crosscheck: Crosscheck<'_>) -> Report {
-    let (simple, solid) = (samples::history(0.001), samples::history(0.0));
+    let (simple, solid, other) = (samples::history(0.001), samples::history(0.0), samples::history(0.004));
     let stiffness = samples::stiffness();
     let verdict = verdict(&simple, &solid);
     let (load_curve, profiles) = (samples::load_curve(), samples::profiles());
@@ -32,9 +32,9 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
             name: "sample",
             description: "Constant lateral force.",
             snapshots: &[0.0, 0.01, 0.2],
-            simple: &simple,
-            solid: Some(&solid),
-            carrying: [Carrying::EXACT; 2],
+            elements: vec![drawn("condensed", &simple), drawn("published", &other)],
+            solid: Some(drawn("solid", &solid)),
+            band: Some(band(&solid)),
         }],
         ratio_window: 0.024,
         verdict: &verdict,
@@ -43,15 +43,40 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
     })
 }
 
-fn verdict(simple: &History, solid: &History) -> VerificationRecord {
-    // undetermined from 0.1 s on, where the disturbed run of the solid is another one
+fn drawn<'a>(name: &'a str, history: &'a History) -> ModelRun<'a> {
+    ModelRun { name, history, carrying: Carrying::EXACT }
+}
+
+/// The disturbed run of the solid, which is another one from 0.1 s on.
+fn disturbed(solid: &History) -> (History, Spread) {
     let late = samples::history(0.002);
     let rows = |of: &History, rows: std::ops::Range<usize>| of.rows[rows].to_vec();
     let disturbed = History { rows: [rows(solid, 0..200), rows(&late, 200..551)].concat(), ..late };
     let spread = Spread::between(solid, &disturbed, "lateral force").unwrap();
+    (disturbed, spread)
+}
+
+fn band(solid: &History) -> Band {
+    let (disturbed, spread) = disturbed(solid);
+    let run = verify::ModelRun { disturbed: Some((&disturbed, &spread)), ..verify::ModelRun::alone(solid) };
+    Band::around(&run, &Limits::default()).unwrap()
+}
+
+fn verdict(simple: &History, solid: &History) -> VerificationRecord {
+    let (disturbed, spread) = disturbed(solid);
     let worth = |spread| Worth { steps: Err("made up".into()), spread };
-    let model = ModelRun { disturbed: Some((&disturbed, &spread)), ..ModelRun::alone(solid) };
-    let comparison = compare(&ModelRun::alone(simple), &model, &Limits::default()).unwrap();
+    let alone = verify::ModelRun::alone;
+    let model = verify::ModelRun { disturbed: Some((&disturbed, &spread)), ..alone(solid) };
+    let comparison = compare(&alone(simple), &model, &Limits::default()).unwrap();
+    let published = samples::history(0.004);
+    let element = |element: &str, comparison: &verify::Comparison| ElementVerdict {
+        element: element.into(),
+        run: None,
+        missing: None,
+        differences: Some(comparison.into()),
+    };
+    let of_published = compare(&alone(&published), &model, &Limits::default()).unwrap();
+    let elements = vec![element("condensed", &comparison), element("published", &of_published)];
     let unknown = worth(Err("made up".into()));
     let scenario = ScenarioVerdict {
         scenario: "sample".into(),
@@ -60,6 +85,7 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
         lines: comparison.lines,
         not_applicable: comparison.not_applicable,
         compared: Some(comparison.compared),
+        elements,
     };
     VerificationRecord {
         study: "sample".into(),
@@ -85,7 +111,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
         }
     }
     assert_eq!(report.html.matches("<figure>").count(), report.figures.len());
-    assert_eq!(report.figures.len(), 19);
+    assert_eq!(report.figures.len(), 20);
     assert!(!report.html.contains("could not be written"), "{}", report.html);
     assert!(!report.html.contains("figure failed"));
     for outside in ["src=\"", "@import", "url("] {
@@ -99,7 +125,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
         "verification",
         "P, RMS difference over the solid",
         "solid model itself",
-        "of both models. From 100 ms on the motion of the solid is not determined",
+        "of the wheel on the rail. Band: what the solid is worth itself, the change at each instant with an input that is 0.1 % larger, up to 275 ms. From 100 ms on the motion of the solid is not determined",
         "<td>0 to 99.5 ms</td>",
         "<td>100 to 275 ms</td>",
         "peak memory",
@@ -117,7 +143,7 @@ fn the_chapter_says_what_is_missing() {
         (Crosscheck::Stale, "of another study"),
     ] {
         let report = build_with(state);
-        assert_eq!(report.figures.len(), 14);
+        assert_eq!(report.figures.len(), 15);
         assert!(report.html.contains(word) && report.html.contains("railspring crosscheck"), "{word}");
         assert!(!report.html.contains("href=\""), "{word}");
     }
@@ -158,13 +184,31 @@ fn short_histories_are_drawn() {
     for rows in [1, 2, 3] {
         let mut short = full.clone();
         short.rows.truncate(rows);
-        for (simple, solid) in [(&short, Some(&full)), (&full, Some(&short)), (&short, None)] {
+        for (simple, other, solid) in [
+            (&short, Some(&full), Some(&full)),
+            (&full, Some(&short), Some(&short)),
+            (&full, None, Some(&full)),
+            (&short, None, None),
+        ] {
+            let solid = solid.map(|solid| drawn("solid", solid));
+            let elements: Vec<ModelRun<'_>> = [drawn("condensed", simple)]
+                .into_iter()
+                .chain(other.map(|other| drawn("published", other)))
+                .collect();
+            let run = ScenarioRun {
+                name: "sample",
+                description: "",
+                snapshots: &[],
+                elements,
+                solid,
+                band: solid.filter(|solid| solid.history.rows.len() > 3).map(|solid| band(solid.history)),
+            };
             let figures = [
-                figures::forces(simple, solid),
-                figures::ratio(simple, solid, 0.024, &[Carrying::EXACT; 2]),
-                figures::wheel(simple, solid),
-                figures::modes(simple, solid),
-                positions::positions(&samples::profiles(), &[0.0, 0.2], simple, solid),
+                load_case::forces(&run),
+                load_case::ratio(&run, 0.024),
+                load_case::wheel(&run),
+                load_case::modes(&run),
+                positions::positions(&samples::profiles(), &[0.0, 0.2], &run.elements[0], solid.as_ref()),
             ];
             for svg in figures {
                 assert!(
@@ -219,4 +263,40 @@ fn the_page_says_what_the_law_is_worth() {
         let lines = |svg: String| svg.matches("<polyline").count();
         assert_eq!(lines(figure(&stiffness)) - lines(figure(&bare)), 3 * 24);
     }
+}
+
+/// Goal: the page has the differences of both elements from the solid beside each other, those of the study's element first and as its lines have them; of an
+/// element that did not run it has the reason, and no row.
+#[test]
+fn both_elements_stand_beside_the_solid() {
+    let (simple, solid) = (samples::history(0.001), samples::history(0.0));
+    let mut judged = verdict(&simple, &solid).scenarios.remove(0);
+    let line = |quantity: &str| judged.lines.iter().find(|line| line.quantity == quantity).unwrap();
+    let [own, other] = [0, 1].map(|n| judged.elements[n].differences.unwrap());
+    for (value, quantity) in [
+        (own.vertical_rms, "vertical_rms"),
+        (own.lateral_rms, "lateral_rms"),
+        (own.ratio_max, "ratio_max"),
+        (own.separations_unmatched, "separations_unmatched"),
+    ] {
+        assert!(value.is_some() && value == line(quantity).value, "{quantity}");
+    }
+    assert_eq!(own.over_s, line("vertical_rms").over_s);
+    // it lags four times as far behind
+    assert!(other.vertical_rms > own.vertical_rms, "{other:?}");
+    let rows = tables::elements(&judged);
+    assert_eq!([&rows[0][0], &rows[1][0]], ["condensed (the study's)", "published"]);
+    assert_eq!(rows[1][1], format!("{:.1} %", 1e2 * other.vertical_rms.unwrap()));
+    assert!(build_sample().html.contains("<td>condensed (the study&#x27;s)</td>"));
+    judged.elements[1] = ElementVerdict {
+        run: None,
+        missing: Some("step 7 does not converge".into()),
+        differences: None,
+        ..judged.elements[1].clone()
+    };
+    assert_eq!(tables::elements(&judged).len(), 1);
+    assert_eq!(
+        tables::missing_elements(&judged),
+        ["The published element has no run: step 7 does not converge."]
+    );
 }

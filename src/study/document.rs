@@ -446,6 +446,14 @@ impl ContactElementKey {
             Self::Published => "published",
         }
     }
+
+    /// The one of both that this one is not.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Condensed => Self::Published,
+            Self::Published => Self::Condensed,
+        }
+    }
 }
 
 /// Matrix of a sliding contact.

@@ -270,9 +270,9 @@ impl Study {
         })
     }
 
-    /// Whether the simple model runs with the condensed element.
+    /// Whether the condensed element is made: the simple model runs with it, or it stands beside the published one.
     pub fn wants_condensed(&self) -> bool {
-        self.element() == ContactElementKey::Condensed && !self.scenarios.is_empty()
+        self.wants_by_angle() && !self.scenarios.is_empty()
     }
 
     /// Modes that the bodies are condensed with: those that reduced runs begin with, and the condensed element has; none where there is

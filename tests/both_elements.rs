@@ -1,0 +1,113 @@
+//! The contact element that a study has not chosen: it runs beside the other one as if it were chosen, and what becomes of it is no error of the study.
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+/// A lateral force (kN) that throws the wheel over the rail; the iterations of the published element end there, those of the condensed one go on until
+/// the wheel has left.
+const HARD_KN: f64 = 3000.0;
+
+/// The coarse study with laws by contact angle, an element, and a load case of a lateral force, kN.
+fn study(element: &str, steps: usize, lateral_kn: f64) -> String {
+    let coarse = include_str!("studies/coarse.toml").replace("shifts_mm = []", "shifts_mm = [0]");
+    let load_case = format!(
+        "[scenario.one]\nsteps = {steps}\nsolid = false\nvertical_force = {{ mean_kn = 10 }}\nlateral_force = {{ mean_kn = {lateral_kn} }}\n"
+    );
+    format!("{coarse}\n[simulation]\nelement = \"{element}\"\n{load_case}")
+}
+
+/// A command on a study in `root`, with the store and the output folder there.
+fn railspring(root: &Path, command: &str, study: &str) -> Output {
+    std::fs::write(root.join("study.toml"), study).unwrap();
+    let mut all = Command::cargo_bin("railspring").unwrap();
+    all.current_dir(root).env("RAILSPRING_CACHE", root.join("cache"));
+    all.args([command, "study.toml", "-o", "out", "--quiet"]).output().unwrap()
+}
+
+fn done(root: &Path, command: &str, study: &str) {
+    let output = railspring(root, command, study);
+    let said = String::from_utf8_lossy(&output.stderr);
+    // 1: the coarse study does not keep all limits
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{command}: {said}");
+}
+
+fn read(root: &Path, file: &str) -> String {
+    std::fs::read_to_string(root.join("out").join(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
+}
+
+fn json(root: &Path, file: &str) -> Value {
+    serde_json::from_str(&read(root, file)).unwrap()
+}
+
+/// Goal: the histories of either element, that of the disturbed run too, are the same bytes whether the study has chosen it or not; what an earlier choice has
+/// left goes, with verdict and report; an edited history of the other element is refused by the report with its name, and is made again.
+#[test]
+fn the_other_element_runs_as_if_it_were_chosen() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    let condensed = study("condensed", 20, 20.0);
+    done(root, "run", &condensed);
+    let names = ["history.csv", "history_disturbed.csv"];
+    let others = |element: &str| {
+        [format!("history_{element}.csv"), format!("history_{element}_disturbed.csv")]
+            .map(|name| read(root, &name))
+    };
+    let chosen = names.map(|name| read(root, name));
+    let other = others("published");
+    assert!(chosen[0] != other[0] && chosen[0].lines().count() == other[0].lines().count());
+    let verdict = json(root, "verification.json");
+    assert_eq!(verdict["scenarios"][0]["elements"][1]["run"]["ending"], "completed");
+    assert!(verdict["inputs"]["history_published_disturbed.csv"].is_string(), "{verdict}");
+
+    let edited = other[0].replacen("0.0005,", "0.0006,", 1);
+    std::fs::write(root.join("out/history_published.csv"), edited).unwrap();
+    let refused = railspring(root, "report", &condensed);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        refused.status.code() == Some(2) && said.contains("history_published.csv (another content"),
+        "{said}"
+    );
+    done(root, "simulate", &condensed);
+    assert_eq!(others("published"), other);
+
+    let published = study("published", 20, 20.0);
+    done(root, "simulate", &published);
+    assert_eq!(names.map(|name| read(root, name)), other);
+    assert_eq!(others("condensed"), chosen);
+    for gone in
+        ["history_published.csv", "history_published_disturbed.csv", "verification.json", "report.html"]
+    {
+        assert!(!root.join("out").join(gone).exists(), "{gone}");
+    }
+}
+
+/// Goal: an element that does not come to its end is no error of the study: the verdict and the report say why, there is no history of it, and the report
+/// made again from the files says the same. Where it is the study's own element, the command fails.
+#[test]
+fn an_element_that_fails_is_said() {
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    // a history of the other element is there from a load case that it runs
+    done(root, "run", &study("condensed", 60, 20.0));
+    assert!(root.join("out/history_published.csv").exists());
+    let hard = study("condensed", 60, HARD_KN);
+    done(root, "run", &hard);
+    let reason = json(root, "verification.json")["scenarios"][0]["elements"][1]["missing"].clone();
+    let reason = reason.as_str().unwrap();
+    assert!(reason.starts_with("moving solver, step "), "{reason}");
+    assert!(!root.join("out/history_published.csv").exists());
+    let page = read(root, "report.html");
+    assert!(page.contains(&format!("The published element has no run: {reason}.")), "{page}");
+    std::fs::remove_file(root.join("out/report.html")).unwrap();
+    // as it was taken from the store, so it is from the files
+    for command in ["simulate", "verify", "report"] {
+        done(root, command, &hard);
+    }
+    let part = |page: String| page.split("<section id=\"measured\">").next().unwrap().to_string();
+    assert_eq!(part(read(root, "report.html")), part(page));
+    let failed = railspring(root, "simulate", &study("published", 60, HARD_KN));
+    assert_eq!(failed.status.code(), Some(3), "{}", String::from_utf8_lossy(&failed.stderr));
+}
