@@ -27,7 +27,9 @@ use crate::estimate::{Resources, Work};
 use crate::measure::{Stopwatch, begin};
 use crate::output::OutputFolder;
 pub use crate::records::BY_ANGLE;
-use crate::records::{LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, VerificationRecord};
+use crate::records::{
+    LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord,
+};
 use crate::results::{NewFile, Results, hash};
 use crate::springs;
 use crate::stages::{self, Calibration, Geometry, Meshes, MovingBodies};
@@ -128,7 +130,7 @@ impl<'a> Pipeline<'a> {
         self.measured.stages.clear();
         self.check_calibration()?;
         let calibration = self.calibration()?;
-        let by_angle = self.by_angle()?;
+        let by_angle = self.by_angle(&calibration.stiffness)?;
         let mut runs = Vec::new();
         // without load cases the law need not suit the simple model
         if !self.study.scenarios.is_empty() {
@@ -157,9 +159,9 @@ impl<'a> Pipeline<'a> {
     /// Those of the stages.
     pub fn calibrate(mut self) -> Result<bool> {
         self.check_calibration()?;
-        let has_all_loads = self.calibration()?.stiffness.loads_left_out() == 0;
-        self.by_angle()?;
-        Ok(has_all_loads)
+        let stiffness = self.calibration()?.stiffness;
+        self.by_angle(&stiffness)?;
+        Ok(stiffness.loads_left_out() == 0)
     }
 
     /// The calibration; says what its law is worth, and which loads it does not have.
@@ -172,8 +174,8 @@ impl<'a> Pipeline<'a> {
     }
 
     /// The laws by contact angle, if the study wants them.
-    fn by_angle(&mut self) -> Result<Option<StiffnessByAngleRecord>> {
-        self.study.wants_by_angle().then(|| self.get(&ByAngle)).transpose()
+    fn by_angle(&mut self, stiffness: &StiffnessRecord) -> Result<Option<StiffnessByAngleRecord>> {
+        self.study.wants_by_angle().then(|| self.get(&ByAngle { stiffness })).transpose()
     }
 
     /// Says what was done to measured profiles, and checks that the study can be calibrated: friction, and room for the

@@ -111,3 +111,31 @@ fn an_element_that_fails_is_said() {
     let failed = railspring(root, "simulate", &study("published", 60, HARD_KN));
     assert_eq!(failed.status.code(), Some(3), "{}", String::from_utf8_lossy(&failed.stderr));
 }
+
+/// Source: the law against the rail's section and the horizontal stiffness of the calibration, and statics. Goal: the published element's hub at the fixed loads has the
+/// horizontal stiffness, the law's tangent at a vertical force that is the load but for friction along a normal of 1.4°, and no coupling, µm/kN. Accuracy: PENALTY of a contact node, and
+/// FRICTION.
+#[test]
+fn the_published_hub_has_the_calibrated_springs() {
+    /// PENALTY: 1e9 kN/m beside a spring of 1e6 kN/m.
+    const PENALTY: f64 = 1e-3;
+    /// FRICTION: a vertical force that is off by 0.5·sin 1.4° of the load, of which the tangent has less than a third.
+    const FRICTION: f64 = 4e-3;
+    let root = tempfile::tempdir().unwrap();
+    let root = root.path();
+    done(root, "calibrate", &study("condensed", 20, 20.0));
+    let (stiffness, laws) = (json(root, "stiffness.json"), json(root, "stiffness_by_angle.json"));
+    let number = |value: &Value| value.as_f64().unwrap();
+    let of_law = |key: &str| number(&stiffness["law"][key]);
+    let loads = laws["shifts"][0]["loads"].as_array().unwrap();
+    assert!(!loads.is_empty() && stiffness["reference"] == "beam");
+    for load in loads {
+        let hub = &load["published_hub_um_per_kn"];
+        let lateral = number(&hub[0]) * number(&stiffness["horizontal_kn_per_m"]) * 1e-6;
+        assert!((lateral - 1.0).abs() < PENALTY, "{load}");
+        assert_eq!(number(&hub[1]), 0.0);
+        let force = number(&load["force_kn"]) / of_law("f0_kn");
+        let tangent = of_law("a_kn_per_m") + of_law("b_kn_per_m") * force.powf(of_law("c"));
+        assert!((number(&hub[2]) * tangent * 1e-6 - 1.0).abs() < PENALTY + FRICTION, "{load}");
+    }
+}

@@ -139,8 +139,8 @@ fn every_file_is_there_and_nothing_else() {
     let (figures, files): (Vec<&String>, Vec<&String>) =
         results.keys().partition(|name| name.starts_with("figures"));
     assert_eq!(files, FILES);
-    // Nine of the springs, six of each scenario.
-    assert_eq!(figures.len(), 21, "{figures:?}");
+    // Ten of the springs, six of each scenario.
+    assert_eq!(figures.len(), 22, "{figures:?}");
     assert!(
         results["report.html"].contains("Scenario push") && !results["report.html"].contains("figure failed")
     );

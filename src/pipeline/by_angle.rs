@@ -5,15 +5,18 @@ use railspring_calibrate::error::Result;
 use super::stage::{Made, Stage};
 use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
 use crate::output::to_json;
-use crate::records::{StiffnessByAngleRecord, to_csv};
+use crate::records::{StiffnessByAngleRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
 use crate::stages::{self, Meshes};
 use crate::store::{Address, Artefact, Kind};
 
 /// The laws of the study's shifts, on the bodies of its calibration.
-pub(super) struct ByAngle;
+pub(super) struct ByAngle<'a> {
+    /// The springs of that calibration, which follow from the same inputs.
+    pub stiffness: &'a StiffnessRecord,
+}
 
-impl Stage for ByAngle {
+impl Stage for ByAngle<'_> {
     type Value = StiffnessByAngleRecord;
 
     fn name(&self) -> String {
@@ -57,7 +60,7 @@ impl Stage for ByAngle {
             at.go_on_with(meshes);
             Ok((element, coarser))
         };
-        let laws = stages::by_angle(study, &geometry, &bodies, coarser, monitor)?;
+        let laws = stages::by_angle(study, &geometry, &bodies, self.stiffness, coarser, monitor)?;
         // the runs on the solids take them next
         at.condensed = (study.modes() > 0).then_some(bodies);
         let rows = to_csv(&laws.rows());

@@ -95,6 +95,13 @@ pub struct FixedLoadRecord {
     /// Displacement of its hub along the contact normal against the rail's section, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub condensed_displacement_mm: Option<f64>,
+    /// The same flexibility of the published contact element with the calibrated law against the rail's section and the calibrated horizontal stiffness, if it has
+    /// both and carries the load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_hub_um_per_kn: Option<[f64; 3]>,
+    /// Displacement of its hub along the contact normal against the rail's section, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_displacement_mm: Option<f64>,
     /// Lateral stiffness of the sticking wheel against the rail's section, the vertical force constant, kN/m.
     pub horizontal_kn_per_m: f64,
     /// The same across the contact normal, the force along it constant, kN/m.

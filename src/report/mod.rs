@@ -11,6 +11,7 @@ mod html;
 mod figures;
 mod load_case;
 mod by_angle;
+mod statics;
 mod positions;
 mod patches;
 mod patch_section;
@@ -152,6 +153,9 @@ pub fn build(data: &ReportData<'_>) -> Report {
     }
     if let Some(laws) = data.by_angle {
         springs.push(collected.add("by_angle", by_angle::stiffness(laws), by_angle::caption(laws)));
+        if let Some(figure) = statics::statics(laws) {
+            springs.push(collected.add("statics", figure, statics::caption(laws)));
+        }
     }
     let scenarios: Vec<Value> =
         data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();

@@ -111,7 +111,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
         }
     }
     assert_eq!(report.html.matches("<figure>").count(), report.figures.len());
-    assert_eq!(report.figures.len(), 20);
+    assert_eq!(report.figures.len(), 21);
     assert!(!report.html.contains("could not be written"), "{}", report.html);
     assert!(!report.html.contains("figure failed"));
     for outside in ["src=\"", "@import", "url("] {
@@ -143,7 +143,7 @@ fn the_chapter_says_what_is_missing() {
         (Crosscheck::Stale, "of another study"),
     ] {
         let report = build_with(state);
-        assert_eq!(report.figures.len(), 15);
+        assert_eq!(report.figures.len(), 16);
         assert!(report.html.contains(word) && report.html.contains("railspring crosscheck"), "{word}");
         assert!(!report.html.contains("href=\""), "{word}");
     }

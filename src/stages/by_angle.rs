@@ -14,6 +14,7 @@ use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 use railspring_simulate::condensed::CondensedModel;
+use railspring_simulate::moving::{HubStatics, MovingModel, WheelSprings};
 
 use super::Geometry;
 use super::calibrate::{
@@ -22,7 +23,7 @@ use super::calibrate::{
 use super::error_band::{CoarserBodies, band_record, bodies_of};
 use crate::records::{
     AngleLawRecord, ElementRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord,
-    HubDeviationRecord, ShiftRecord, ShiftTouchRecord, StiffnessByAngleRecord,
+    HubDeviationRecord, ShiftRecord, ShiftTouchRecord, StiffnessByAngleRecord, StiffnessRecord,
 };
 use crate::study::Study;
 
@@ -41,7 +42,7 @@ pub fn loads_by_angle(study: &Study) -> Vec<f64> {
 }
 
 /// The laws of the pair at the shifts of the study on the condensed bodies of its calibration, with their error bands where the study wants
-/// them: `coarser` has the edge of the contact elements of those bodies, m, and the bodies of coarser meshes beside them, or why there are
+/// them, and the statics of both contact elements beside them, those of the published one with the calibrated springs `stiffness`: `coarser` has the edge of the contact elements of those bodies, m, and the bodies of coarser meshes beside them, or why there are
 /// none.
 ///
 /// # Errors
@@ -51,6 +52,7 @@ pub fn by_angle(
     study: &Study,
     geometry: &Geometry,
     bodies: &CondensedPair,
+    stiffness: &StiffnessRecord,
     coarser: impl FnOnce() -> Result<(f64, CoarserBodies)>,
     monitor: &dyn Monitor,
 ) -> Result<StiffnessByAngleRecord> {
@@ -87,12 +89,17 @@ pub fn by_angle(
     let entries = shifts.iter().zip(laws.into_iter().zip(bands));
     let mut records: Vec<ShiftRecord> =
         entries.map(|(shift, (law, band))| shift_record(study, *shift, law, band)).collect();
-    if let Some(element) = &element {
-        for ((record, tape_y), along) in records.iter_mut().zip(&places).zip(along) {
-            if let Some(along) = along {
-                enter_condensed(record, geometry, study, element, (*tape_y, along))?;
-            }
-        }
+    let springs = published_springs(stiffness);
+    for ((record, tape_y), along) in records.iter_mut().zip(&places).zip(along) {
+        let Some(along) = along else { continue };
+        let pair = geometry.pair.with_wheel_at(*tape_y)?;
+        let (beam, material) = (|| geometry.beam.clone(), &study.material);
+        let condensed =
+            element.as_ref().map(|element| CondensedModel::of_pair(&pair, beam(), material, element.clone()));
+        let published = springs.as_ref().map(|springs| {
+            MovingModel::of_pair(&pair, beam(), material, springs.clone(), stiffness.wheel_mass())
+        });
+        enter_statics(record, condensed.as_ref(), published.as_ref(), along, study.contact.friction);
     }
     let displacement = farthest(&records);
     Ok(StiffnessByAngleRecord {
@@ -265,22 +272,30 @@ fn hub_values(flexibility: &Matrix2<f64>) -> [f64; 3] {
     [(0, 0), (0, 1), (1, 1)].map(|at| flexibility[at] / MICROMETRE_PER_KILONEWTON)
 }
 
-/// Enters the hub's flexibility of the condensed element at the fixed loads of a shift, where it carries them.
-fn enter_condensed(
+/// Enters how the hubs of both contact elements stand under the fixed loads of a shift, where they carry them.
+fn enter_statics(
     record: &mut ShiftRecord,
-    geometry: &Geometry,
-    study: &Study,
-    element: &PairElement,
-    (tape_y, along): (f64, Vector2<f64>),
-) -> Result<()> {
-    let pair = geometry.pair.with_wheel_at(tape_y)?;
-    let model = CondensedModel::of_pair(&pair, geometry.beam.clone(), &study.material, element.clone());
+    condensed: Option<&CondensedModel>,
+    published: Option<&MovingModel>,
+    along: Vector2<f64>,
+    friction: f64,
+) {
+    let values = |at: HubStatics| (hub_values(&at.flexibility), at.displacement / MILLIMETRE);
     for load in &mut record.loads {
-        let pressed = model.pressed(along, load.force_kn * KILONEWTON, study.contact.friction).ok();
-        load.condensed_hub_um_per_kn = pressed.map(|pressed| hub_values(&pressed.flexibility));
-        load.condensed_displacement_mm = pressed.map(|pressed| pressed.displacement / MILLIMETRE);
+        let force = load.force_kn * KILONEWTON;
+        let of = condensed.and_then(|model| model.pressed(along, force, friction).ok()).map(values);
+        (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = of.unzip();
+        let of = published.and_then(|model| model.pressed(along, force, friction).ok()).map(values);
+        (load.published_hub_um_per_kn, load.published_displacement_mm) = of.unzip();
     }
-    Ok(())
+}
+
+/// The springs of the published element, if the calibration has them: the law against the rail's section and the horizontal stiffness.
+fn published_springs(stiffness: &StiffnessRecord) -> Option<WheelSprings> {
+    let beam = stiffness.references.iter().find(|law| law.reference == Reference::Beam.name())?;
+    let horizontal = stiffness.horizontal_kn_per_m? * KILONEWTON_PER_METRE;
+    let normal = StiffnessLaw::try_from(beam.law.constants).ok()?.into();
+    Some(WheelSprings { horizontal, normal, longitudinal: horizontal })
 }
 
 fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
@@ -305,6 +320,8 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
         hub_um_per_kn: hub_values(&fixed.flexibility),
         condensed_hub_um_per_kn: None,
         condensed_displacement_mm: None,
+        published_hub_um_per_kn: None,
+        published_displacement_mm: None,
         horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,
         tangential_kn_per_m: fixed.tangential_stiffness / KILONEWTON_PER_METRE,
         contact_area_mm2: beam.contact_area / SQUARE_MILLIMETRE,

@@ -16,7 +16,6 @@ mod statics;
 mod run;
 
 pub use model::CondensedModel;
-pub use statics::HubStatics;
 
 #[cfg(test)]
 mod tests;

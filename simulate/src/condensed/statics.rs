@@ -1,6 +1,6 @@
 //! The hub on its contact as statics have it.
 
-use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 use railspring_calibrate::element::Profiles;
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
@@ -8,15 +8,7 @@ use railspring_calibrate::error::{NumericsError, Result, StopReason};
 use super::contact::Contacts;
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
-
-/// A wheel pressed on the rail.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HubStatics {
-    /// Displacement of the hub along the direction in which it is pressed, against the rail's section, m.
-    pub displacement: f64,
-    /// Displacements y and z of the hub against the rail's section under small further forces, everything sticking, m/N.
-    pub flexibility: Matrix2<f64>,
-}
+use crate::moving::HubStatics;
 
 /// What a force may miss, relative.
 const SOLVER: f64 = 1e-9;

@@ -31,7 +31,7 @@ mod model;
 mod departure;
 mod run;
 
-pub use model::{InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
+pub use model::{HubStatics, InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
 pub use support::RailSupport;
 pub(crate) use support::{Rail, RailDynamics, RailLoad, RailState};
 pub use surface::SlidingMatrix;

@@ -1,6 +1,6 @@
 //! The moving solver: what a model consists of, and what a run gives.
 
-use nalgebra::Point2;
+use nalgebra::{Matrix2, Point2};
 
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::error::{InputError, Result};
@@ -44,6 +44,15 @@ impl InitialMotion {
         }
         Ok(())
     }
+}
+
+/// A wheel pressed on the rail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HubStatics {
+    /// Displacement of the hub along the direction in which it is pressed, against the rail's section, m.
+    pub displacement: f64,
+    /// Displacements y and z of the hub against the rail's section under small further forces, everything sticking, m/N.
+    pub flexibility: Matrix2<f64>,
 }
 
 /// A wheel on a rail, ready to run scenarios.

@@ -443,6 +443,8 @@ fn section_motion(solution: &Solution) -> SectionMotion {
     SectionMotion { displacement: displacement.into(), rotation: -solution.pose[4] }
 }
 
+mod statics;
+
 #[cfg(test)]
 pub(crate) mod tests;
 #[cfg(test)]
