@@ -299,10 +299,30 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
 
 /// The laws by contact angle beside a law file, of the study's own pair, for its condensed element.
 fn laws_beside(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
-    let beside = path.with_file_name(BY_ANGLE);
-    let name = beside.display().to_string();
+    laws_of(study, &path.with_file_name(BY_ANGLE))
+}
+
+/// The condensed element of a file with laws by contact angle of the study's own pair.
+///
+/// # Errors
+/// [`InputError`] whose key is the file, if it cannot be read, is of another pair or has no element.
+pub fn element_of(study: &Study, path: &Path) -> Result<PairElement> {
+    let laws = laws_of(study, path)?;
+    let element = laws.element.as_ref().ok_or_else(|| {
+        InputError::new(
+            path.display().to_string(),
+            "no `element`",
+            "laws by contact angle with a condensed element, which a study with load cases makes",
+            laws.element_missing.as_deref().unwrap_or("calibrate such a study"),
+        )
+    })?;
+    Ok(PairElement::from(element))
+}
+
+fn laws_of(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
+    let name = path.display().to_string();
     let laws: StiffnessByAngleRecord =
-        serde_json::from_str(&read_text(&beside, "calibrate")?).map_err(|cause| {
+        serde_json::from_str(&read_text(path, "calibrate")?).map_err(|cause| {
             let expected = "a stiffness_by_angle.json of `railspring calibrate`";
             InputError::new(
                 &name,

@@ -174,9 +174,9 @@ fn steps_of_the_moving_solver_are_timed_beside_other_programs() {
         .map(|time| (time["case"].as_str().unwrap(), time["elements"].as_u64().unwrap()))
         .collect();
     let bridge = "bridge of 25 m";
-    let expected =
-        [("load case 4.1", 20), (bridge, 20), (bridge, 40), (bridge, 80), ("rail", 20), ("rail", 100)];
-    assert_eq!(names, expected);
+    let load_cases = [("load case 4.1", 20), ("4.1 in sixteenths", 20)];
+    let rails = [(bridge, 20), (bridge, 40), (bridge, 80), ("rail", 20), ("rail", 100)];
+    assert_eq!(names, [&load_cases[..], &rails].concat());
     for time in times {
         let of = |key: &str| number(&time[key]);
         assert_eq!(time["element"], "published");
@@ -188,7 +188,7 @@ fn steps_of_the_moving_solver_are_timed_beside_other_programs() {
     let peer = |line: &&str| line.contains("OpenSees WheelRail") && line.contains("854 to 1106");
     let line = said.lines().find(peer).unwrap_or_else(|| panic!("{said}"));
     let ratio = line.rsplit("  ").next().unwrap();
-    let own = number(&times[2]["microseconds"]);
+    let own = number(&times[3]["microseconds"]);
     assert_eq!(ratio.trim(), format!("{:.0} to {:.0}", 854.0 / own, 1106.0 / own), "{line}");
     assert!(said.contains("not in this run") && said.trim_end().ends_with("out"), "{said}");
     let table = text("moving.csv");
@@ -203,4 +203,43 @@ fn steps_of_the_moving_solver_are_timed_beside_other_programs() {
     let (code, _, heard) = bench_of("moving", root.path(), &["--to", "10", "-o", "deep/out"]);
     assert!(code == Some(2) && heard.contains("20..=10000"), "{heard}");
     assert!(!root.path().join("deep").exists());
+}
+
+/// Goal: with laws by contact angle of the default pair, every case is timed with both contact elements in turn; a file without an element is refused with its name.
+#[test]
+fn both_contact_elements_are_timed() {
+    let root = tempfile::tempdir().unwrap();
+    let coarse = COARSE.replace("shifts_mm = []", "shifts_mm = [0, 6]");
+    let load_case = "[scenario.one]\nsteps = 3\nvertical_force = { mean_kn = 50 }\nlateral_force = {}\n";
+    let calibrate = |text: &str, out: &str| {
+        std::fs::write(root.path().join("study.toml"), text).unwrap();
+        let mut command = assert_cmd::Command::cargo_bin("railspring").unwrap();
+        command.current_dir(root.path()).env("RAILSPRING_CACHE", root.path().join("cache"));
+        let output = command.args(["calibrate", "study.toml", "-q", "-o", out]).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        format!("{out}/stiffness_by_angle.json")
+    };
+    let laws = calibrate(&format!("{coarse}\n{load_case}"), "laws");
+    let arguments = ["--to", "20", "--repeats", "1", "-o", "out", "--element", &laws];
+    let (code, _, heard) = bench_of("moving", root.path(), &arguments);
+    assert_eq!(code, Some(0), "{heard}");
+    let text = std::fs::read_to_string(root.path().join("out/moving.json")).unwrap();
+    let found: Value = serde_json::from_str(&text).unwrap();
+    let times = found["times"].as_array().unwrap();
+    let names: Vec<_> = times
+        .iter()
+        .map(|time| (time["case"].as_str().unwrap(), time["element"].as_str().unwrap()))
+        .collect();
+    let cases = ["load case 4.1", "4.1 in sixteenths", "bridge of 25 m", "rail"];
+    let both = cases.iter().flat_map(|case| [(*case, "published"), (*case, "condensed")]);
+    assert_eq!(names, both.collect::<Vec<_>>());
+    for time in times {
+        let in_sixteenths = time["case"] == cases[1];
+        assert_eq!(number(&time["steps"]) >= 8800.0, in_sixteenths, "{time}");
+        assert!(number(&time["microseconds"]) > 0.0 && number(&time["iterations"]) >= 1.0, "{time}");
+    }
+    let without = calibrate(&coarse, "bare");
+    let (code, _, heard) =
+        bench_of("moving", root.path(), &["--to", "20", "-o", "none", "--element", &without]);
+    assert!(code == Some(2) && heard.contains("bare/stiffness_by_angle.json = no `element`"), "{heard}");
 }

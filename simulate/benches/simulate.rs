@@ -1,22 +1,28 @@
 //! Time of one moving step: `cargo bench -p railspring-simulate`.
 //!
-//! S1002 on 60E1 with the published law: the published load case 4.1, a bridge of 25 m that the wheel crosses at 300 km/h, and a loaded wheel
-//! that rolls on a rigid rail and on rails of 20 to 10,000 elements of a decimetre. What the beam costs is the ratio to the rigid rail.
+//! S1002 on 60E1, the published element with the published law and a condensed one of round numbers: the published load case 4.1, a bridge of 25 m that the wheel crosses at
+//! 300 km/h, and a loaded wheel that rolls on a rigid rail and on rails of 20 to 10,000 elements of a decimetre. What the beam costs is the ratio to the rigid rail.
 
 use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
-use railspring_calibrate::beam::{BeamSection, End, RailBeam};
+use nalgebra::{Matrix3, Vector2, Vector3};
+use railspring_calibrate::beam::RailBeam;
+use railspring_calibrate::element::{ElasticWheel, PairElement, RimMode, StripPlace, StripStiffness};
+use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::Material;
-use railspring_simulate::moving::{MovingModel, RailSupport, WheelSprings};
+use railspring_simulate::cases::{GRAVITY, bridge, constant_lateral_force, crossing, rolling};
+use railspring_simulate::condensed::CondensedModel;
+use railspring_simulate::moving::{MovingModel, MovingRun, RailSupport, WheelSprings};
 
-const GRAVITY: f64 = 9.81;
+/// Mass of the wheel, kg.
+const MASS: f64 = 283.0;
 
 fn steel() -> Material {
     Material { damping: 6e-6, ..Material::STEEL }
@@ -27,76 +33,85 @@ fn pair() -> Pair {
     Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap()
 }
 
-fn model(pair: &Pair, beam: RailBeam) -> MovingModel {
-    let springs =
-        WheelSprings { horizontal: 6e8, normal: StiffnessLaw::published().into(), longitudinal: 6e8 };
-    MovingModel::of_pair(pair, beam, &steel(), springs, 283.0)
+/// Both contact elements on a rail.
+struct Models {
+    published: MovingModel,
+    condensed: CondensedModel,
 }
 
-/// The published load case 4.1.
-fn published() -> Scenario {
-    let suspension = Kelvin { stiffness: 1.2e6, damping: 4e4 };
-    Scenario {
-        suspended_mass: 6250.0,
-        vertical_suspension: suspension,
-        vertical_force: HarmonicForce { constant: 10e3, amplitude: 61.25e3, frequency: 10.0, phase: 0.0 },
-        lateral_suspension: suspension,
-        lateral_force: HarmonicForce::constant(20e3),
-        ..Scenario::new(550, 5e-4, 0.5)
+impl Models {
+    fn new(pair: &Pair, beam: RailBeam) -> Self {
+        let springs =
+            WheelSprings { horizontal: 6e8, normal: StiffnessLaw::published().into(), longitudinal: 6e8 };
+        Self {
+            published: MovingModel::of_pair(pair, beam.clone(), &steel(), springs, MASS),
+            condensed: CondensedModel::of_pair(pair, beam, &steel(), element(pair)),
+        }
+    }
+
+    fn on_rigid_ground(mut self) -> Self {
+        self.published.support = RailSupport::Rigid;
+        self.condensed.support = RailSupport::Rigid;
+        self
+    }
+
+    /// Starts where the weight of a load case has pressed the wheel.
+    fn settled(mut self, scenario: &Scenario) -> Self {
+        let weight = (MASS + scenario.suspended_mass) * GRAVITY;
+        self.published.initial.displacement[1] = StiffnessLaw::published().displacement(weight);
+        let pressed = self.condensed.pressed(Vector2::y(), weight, scenario.friction).unwrap();
+        self.condensed.initial.displacement[1] = pressed.displacement;
+        self
     }
 }
 
-/// A loaded wheel at `speed` (m/s), and where its weight has pressed it.
-fn rolling(mut model: MovingModel, speed: f64, start_x: Option<f64>) -> (MovingModel, Scenario) {
-    let scenario = Scenario {
-        gravity: GRAVITY,
-        suspended_mass: 6250.0,
-        vertical_suspension: Kelvin { stiffness: 1.2e6, damping: 4e4 },
-        speed,
-        start_x,
-        ..Scenario::new(600, 2.5e-4, 0.5)
+/// A condensed element with as many modes as a solid wheel has, and round numbers of its size.
+fn element(pair: &Pair) -> PairElement {
+    let mode = |n: u32| {
+        let (hertz, sign) = (160.0 * f64::from(n), if n.is_multiple_of(2) { 1.0 } else { -1.0 });
+        RimMode {
+            square: (std::f64::consts::TAU * hertz).powi(2),
+            rim: Vector3::new(0.06 * sign, 0.01, -0.5 * sign),
+            coupling: Vector3::new(2.0, 2.0 * sign, -0.3),
+        }
     };
-    model.initial.displacement[1] = StiffnessLaw::published().displacement((283.0 + 6250.0) * GRAVITY);
-    (model, scenario)
+    let strips = StripPlace { rail_s: 0.0, modulus: 1.2e11, tangential: 0.85 };
+    PairElement {
+        wheel: ElasticWheel {
+            mass: Matrix3::from_diagonal(&Vector3::new(MASS, MASS, 19.0)),
+            hub: [0.0, -pair.wheel.radius],
+            modes: (1..=12).map(mode).collect(),
+            rest: Matrix3::from_diagonal(&Vector3::new(1.5e-10, 1e-10, 5e-8)),
+        },
+        head: Matrix3::from_diagonal(&Vector3::new(6e-9, 6e-11, 6e-7)),
+        strips: StripStiffness { places: vec![strips], misfit: 0.0 },
+        misfit: [0.0; 2],
+    }
 }
 
-fn bridge() -> RailBeam {
-    let (bending, mass) = (3.5e10 * 1.3901, 18_358.0);
-    let section = BeamSection {
-        axial: 1e12,
-        bending_y: bending,
-        bending_z: bending,
-        shear_y: f64::INFINITY,
-        shear_z: f64::INFINITY,
-        torsion: 1e12,
-        mass,
-        rotary_y: 0.0,
-        rotary_z: 0.0,
-        polar: mass,
-        centroid: [0.0; 2],
-    };
-    RailBeam::new(section, 25.0, 20, 0.0, [End::Pinned; 2]).unwrap()
-}
-
-fn timed(group: &mut BenchmarkGroup<WallTime>, name: &str, (model, scenario): (MovingModel, Scenario)) {
+/// Both elements on a load case.
+fn timed(group: &mut BenchmarkGroup<WallTime>, name: &str, models: &Models, scenario: &Scenario) {
     group.throughput(Throughput::Elements(scenario.steps as u64));
-    group.bench_function(name, |b| b.iter(|| model.run(&scenario, &Silent).unwrap()));
+    let mut of = |element: &str, run: &dyn Fn() -> Result<MovingRun>| {
+        group.bench_function(format!("{name}, {element}"), |b| b.iter(|| run().unwrap()));
+    };
+    of("published", &|| models.published.run(scenario, &Silent));
+    of("condensed", &|| models.condensed.run(scenario, &Silent));
 }
 
 fn moving(criterion: &mut Criterion) {
     let pair = pair();
     let mut group = criterion.benchmark_group("moving step");
     group.sample_size(10);
-    let stub = pair.beam(&steel(), 0.555, 20).unwrap();
-    timed(&mut group, "load case 4.1", (model(&pair, stub.clone()), published()));
-    timed(&mut group, "bridge", rolling(model(&pair, bridge()), 300.0 / 3.6, Some(0.0)));
-    let mut rigid = model(&pair, stub);
-    rigid.support = RailSupport::Rigid;
-    timed(&mut group, "rigid rail", rolling(rigid, 5.0, None));
+    let stub = || Models::new(&pair, pair.beam(&steel(), 0.555, 20).unwrap());
+    timed(&mut group, "load case 4.1", &stub(), &constant_lateral_force());
+    let on_bridge = Models::new(&pair, bridge(20).unwrap()).settled(&crossing());
+    timed(&mut group, "bridge", &on_bridge, &crossing());
+    timed(&mut group, "rigid rail", &stub().on_rigid_ground().settled(&rolling()), &rolling());
     for elements in [20, 100, 1000, 10_000] {
         let beam = pair.beam(&steel(), 0.1 * elements as f64, elements).unwrap();
         let name = format!("rail of {elements} elements");
-        timed(&mut group, &name, rolling(model(&pair, beam), 5.0, None));
+        timed(&mut group, &name, &Models::new(&pair, beam).settled(&rolling()), &rolling());
     }
     group.finish();
 }

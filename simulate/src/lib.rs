@@ -1,4 +1,5 @@
 #![doc = include_str!("../README.md")]
 
+pub mod cases;
 pub mod moving;
 pub mod condensed;

@@ -13,6 +13,7 @@ use crate::output::OutputFolder;
 use crate::records::{ScalingRecord, StepTimesRecord};
 use crate::report::{scaling, step_times as times_figure};
 use crate::scaling::{Sweep, sweep};
+use crate::springs;
 use crate::step_times::{PEERS_MADE, step_times};
 use crate::study::Study;
 
@@ -50,6 +51,9 @@ pub(super) struct MovingArgs {
     /// Runs of each case, of which the shortest counts
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeats: u16,
+    /// A stiffness_by_angle.json of the default study's pair, whose condensed contact element is timed beside the published one
+    #[arg(long, value_name = "FILE")]
+    element: Option<PathBuf>,
     /// Output folder
     #[arg(short, long, value_name = "DIR", default_value = "out/bench-moving")]
     output: PathBuf,
@@ -111,10 +115,11 @@ pub(super) fn run(command: &BenchCommand) -> Result<(), Failure> {
 
 /// Times steps of the moving solver on the profiles of a study.
 fn moving(args: &MovingArgs, study: &Study) -> Result<(), Error> {
+    let element = args.element.as_ref().map(|file| springs::element_of(study, file)).transpose()?;
     let folder = OutputFolder::create(&args.output)?;
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);
-    let record = step_times(study, args.to as usize, args.repeats.into(), &progress)?;
+    let record = step_times(study, element.as_ref(), args.to as usize, args.repeats.into(), &progress)?;
     progress.finish();
     folder.write_json(TIMES_RECORD, &record)?;
     folder.write(TIMES_TABLE, &record.csv())?;
@@ -131,13 +136,13 @@ fn moving(args: &MovingArgs, study: &Study) -> Result<(), Error> {
 /// A line for each case, and under it one for each time of another program.
 fn table(record: &StepTimesRecord) -> Vec<String> {
     let mut lines = vec![format!(
-        "{:<16}{:>9}  {:<48}{:>16}  {}",
+        "{:<18}{:>9}  {:<48}{:>16}  {}",
         "case", "elements", "program", "\u{b5}s a step", "times as long"
     )];
     for time in &record.times {
         let (case, elements) = (time.case.as_str(), time.elements);
         let own = format!("{} element, {:.1} iterations", time.element, time.iterations);
-        lines.push(format!("{case:<16}{elements:>9}  {own:<48}{:>16.1}", time.microseconds));
+        lines.push(format!("{case:<18}{elements:>9}  {own:<48}{:>16.1}", time.microseconds));
         for peer in record.peers_of(case, elements) {
             let range = |[least, most]: [f64; 2], digits: usize| match least == most {
                 true => format!("{least:.digits$}"),
@@ -145,7 +150,7 @@ fn table(record: &StepTimesRecord) -> Vec<String> {
             };
             let both = [peer.least_microseconds, peer.most_microseconds];
             let ratio = range(both.map(|peer| peer / time.microseconds), 0);
-            lines.push(format!("{:<25}  {:<48}{:>16}  {ratio}", "", peer.program, range(both, 0)));
+            lines.push(format!("{:<27}  {:<48}{:>16}  {ratio}", "", peer.program, range(both, 0)));
         }
     }
     lines.push(format!("{}, shortest of {} runs. {PEERS_MADE}.", record.clock, record.repeats));

@@ -4,15 +4,13 @@ use plotters::style::RGBColor;
 
 use super::figures::WIDTH;
 use super::panel::{Panel, stacked_logarithmic};
-use super::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
+use super::plot::{DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
 use crate::records::StepTimesRecord;
 
-/// Looks of the program's own curves and of those of others.
-const OWN: [(RGBColor, Dash, Marker); 3] = [
-    (DARK, Dash::Solid, Marker::Disc),
-    (BLUE, Dash::Solid, Marker::Triangle),
-    (RED, Dash::Solid, Marker::Square),
-];
+/// Looks of the program's own curves: a colour for each element, a marker for each case.
+const ELEMENTS: [RGBColor; 2] = [DARK, RED];
+const CASES: [Marker; 4] = [Marker::Disc, Marker::Circle, Marker::Triangle, Marker::Square];
+/// Those of others.
 const OTHERS: [(RGBColor, Dash, Marker); 3] = [
     (GREY, Dash::Dashed, Marker::Disc),
     (ORANGE, Dash::Dotted, Marker::Triangle),
@@ -22,11 +20,20 @@ const OTHERS: [(RGBColor, Dash, Marker); 3] = [
 /// Microseconds a step over the elements, with how the numbers of others were made.
 pub fn figure(record: &StepTimesRecord, peers_made: &str) -> String {
     let mut series = Vec::new();
-    let names = record.times.iter().map(|time| (time.case.as_str(), time.element.as_str()));
-    for ((case, element), (color, dash, marker)) in distinct(names).into_iter().zip(OWN.into_iter().cycle()) {
+    let names = || record.times.iter().map(|time| (time.case.as_str(), time.element.as_str()));
+    let place = |of: Vec<&str>, name: &str| of.iter().position(|known| *known == name).unwrap_or(0);
+    for (case, element) in distinct(names()) {
+        let color = ELEMENTS[place(distinct(names().map(|name| name.1)), element) % ELEMENTS.len()];
+        let marker = CASES[place(distinct(names().map(|name| name.0)), case) % CASES.len()];
         let of = record.times.iter().filter(|time| time.case == case && time.element == element);
         let points = of.map(|time| (time.elements as f64, time.microseconds)).collect();
-        series.push(Series::joined(&format!("{case}, {element} element"), points, color, dash, marker));
+        series.push(Series::joined(
+            &format!("{case}, {element} element"),
+            points,
+            color,
+            Dash::Solid,
+            marker,
+        ));
     }
     let programs = record.peers.iter().map(|peer| (peer.case.as_str(), peer.program.as_str()));
     for ((case, program), (color, dash, marker)) in
@@ -53,12 +60,12 @@ pub fn figure(record: &StepTimesRecord, peers_made: &str) -> String {
     stacked_logarithmic(WIDTH, 420, &[panel], &notes)
 }
 
-/// The pairs in their order, each once.
-fn distinct<'a>(pairs: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<(&'a str, &'a str)> {
+/// Names in their order, each once.
+fn distinct<T: PartialEq>(names: impl Iterator<Item = T>) -> Vec<T> {
     let mut known = Vec::new();
-    for pair in pairs {
-        if !known.contains(&pair) {
-            known.push(pair);
+    for name in names {
+        if !known.contains(&name) {
+            known.push(name);
         }
     }
     known

@@ -1,7 +1,8 @@
 use super::*;
+use crate::cases::simply_supported;
 use crate::moving::{InitialMotion, WheelSprings};
 use railspring_calibrate::analytic::{drop::drop, friction::Block};
-use railspring_calibrate::beam::{BeamSection, End, RailBeam, Torsion};
+use railspring_calibrate::beam::{RailBeam, Torsion};
 use railspring_calibrate::history::{ContactMode, HistoryRow};
 use railspring_calibrate::law::{NormalLaw, StiffnessLaw, TableLaw};
 use railspring_calibrate::monitor::Silent;
@@ -46,20 +47,7 @@ pub(super) fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
 
 /// A simply supported bridge without shear deflection: E (Pa), I (m⁴), mass per metre (kg/m), length (m), elements.
 pub(crate) fn bridge(young: f64, inertia: f64, density: f64, length: f64, elements: usize) -> RailBeam {
-    let section = BeamSection {
-        axial: 1e12,
-        bending_y: young * inertia,
-        bending_z: young * inertia,
-        shear_y: f64::INFINITY,
-        shear_z: f64::INFINITY,
-        torsion: 1e12,
-        mass: density,
-        rotary_y: 0.0,
-        rotary_z: 0.0,
-        polar: density,
-        centroid: [0.0, 0.0],
-    };
-    RailBeam::new(section, length, elements, 0.0, [End::Pinned; 2]).unwrap()
+    simply_supported(young * inertia, density, length, elements).unwrap()
 }
 
 /// A wheel alone, without forces.
