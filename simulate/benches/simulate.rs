@@ -1,7 +1,8 @@
 //! Time of one moving step: `cargo bench -p railspring-simulate`.
 //!
 //! S1002 on 60E1, the published element with the published law and a condensed one of round numbers: the published load case 4.1, a bridge of 25 m that the wheel crosses at
-//! 300 km/h, and a loaded wheel that rolls on a rigid rail and on rails of 20 to 10,000 elements of a decimetre. What the beam costs is the ratio to the rigid rail.
+//! 300 km/h, and a loaded wheel that rolls on a rigid rail and on rails of 20 to 10,000 elements of a decimetre. What the beam costs is the ratio to the rigid rail. A batch of load cases runs on
+//! one thread and on more.
 
 use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
@@ -14,12 +15,13 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::Material;
 use railspring_simulate::cases::{GRAVITY, bridge, constant_lateral_force, crossing, rolling};
 use railspring_simulate::condensed::CondensedModel;
 use railspring_simulate::moving::{MovingModel, MovingRun, RailSupport, WheelSprings};
+use rayon::prelude::*;
 
 /// Mass of the wheel, kg.
 const MASS: f64 = 283.0;
@@ -116,5 +118,32 @@ fn moving(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, moving);
+/// Two hundred load cases of 30 ms, each with another lateral force, on more and more threads.
+fn batch(criterion: &mut Criterion) {
+    const CASES: u64 = 200;
+    let pair = pair();
+    let models = Models::new(&pair, pair.beam(&steel(), 0.555, 20).unwrap());
+    let case = |n: u64| Scenario {
+        steps: 60,
+        lateral_force: HarmonicForce::constant(20e3 * n as f64 / CASES as f64),
+        ..constant_lateral_force()
+    };
+    let mut group = criterion.benchmark_group("batch of 200 load cases");
+    group.sample_size(10).throughput(Throughput::Elements(CASES));
+    let most = std::thread::available_parallelism().map_or(1, usize::from);
+    for threads in (0..).map(|n| 1 << n).take_while(|threads| *threads <= most) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut of = |element: &str, run: &(dyn Fn(&Scenario) -> Result<MovingRun> + Sync)| {
+            let all = || {
+                (0..CASES).into_par_iter().map(|n| run(&case(n)).unwrap().history.rows.len()).sum::<usize>()
+            };
+            group.bench_function(format!("{element}, {threads} threads"), |b| b.iter(|| pool.install(all)));
+        };
+        of("published", &|scenario| models.published.run(scenario, &Silent));
+        of("condensed", &|scenario| models.condensed.run(scenario, &Silent));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, moving, batch);
 criterion_main!(benches);

@@ -1,6 +1,7 @@
 //! A load case on the moving solver and on the transient solid model.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_calibrate::element::PairElement;
 use railspring_calibrate::error::{Error, Result, StopReason};
@@ -113,6 +114,40 @@ fn or_reason(run: Result<History>) -> Result<Other> {
 /// Why there is no run with a larger input.
 const NO_LOAD: &str = "the load case has no load";
 
+/// Runs of a load case at the same time.
+const RUNS: usize = 3;
+
+/// Progress of runs at the same time as that of one stage.
+struct Shared<'a> {
+    monitor: &'a dyn Monitor,
+    done: AtomicUsize,
+}
+
+/// The part of one run.
+struct Share<'a> {
+    of: &'a Shared<'a>,
+    done: AtomicUsize,
+}
+
+impl Shared<'_> {
+    fn share(&self) -> Share<'_> {
+        Share { of: self, done: AtomicUsize::new(0) }
+    }
+}
+
+impl Monitor for Share<'_> {
+    fn progress(&self, stage: &str, done: usize, total: usize) -> Result<()> {
+        let before = self.done.swap(done, Ordering::Relaxed);
+        let all = &self.of.done;
+        let all = all.fetch_add(done.saturating_sub(before), Ordering::Relaxed) + done.saturating_sub(before);
+        self.of.monitor.progress(stage, all, RUNS * total)
+    }
+
+    fn notice(&self, text: &str) {
+        self.of.monitor.notice(text);
+    }
+}
+
 /// The simple model under a load case, and what that run is worth.
 ///
 /// # Errors
@@ -125,16 +160,27 @@ pub fn simulate(
     monitor: &dyn Monitor,
 ) -> Result<(History, Tried)> {
     let model = SimpleModel::new(study, geometry, springs)?;
-    let run = |scenario: &Scenario| model.run(scenario, monitor);
+    let progress = Shared { monitor, done: AtomicUsize::new(0) };
+    let run = |scenario: &Scenario| model.run(scenario, &progress.share());
     let steps = InnerSteps::Equal(study.simulation.inner_steps);
     let scenario = Scenario { inner_steps: steps, ..scenario.scenario.clone() };
-    let history = run(&scenario)?;
     // steps of twice the length; where the history has no longer ones, of half the length
     let inner_steps = if steps.doubled() == steps { InnerSteps::Equal(2) } else { steps.doubled() };
-    let other = or_reason(run(&Scenario { inner_steps, ..scenario.clone() }))?;
-    let (larger, more_of) = match disturbed(&scenario) {
-        Some((larger, more_of)) => (or_reason(run(&larger))?, more_of),
-        None => (Err(NO_LOAD.into()), ""),
+    let larger = disturbed(&scenario);
+    // each run has a thread if there is one
+    let (history, (other, disturbed)) = rayon::join(
+        || run(&scenario),
+        || {
+            rayon::join(
+                || run(&Scenario { inner_steps, ..scenario.clone() }),
+                || larger.as_ref().map(|(larger, _)| run(larger)),
+            )
+        },
+    );
+    let (history, other) = (history?, or_reason(other)?);
+    let (larger, more_of) = match (disturbed, &larger) {
+        (Some(run), Some((_, more_of))) => (or_reason(run)?, *more_of),
+        _ => (Err(NO_LOAD.into()), ""),
     };
     let tried = Tried::new(&scenario, &history, (inner_steps, other), (more_of, larger));
     Ok((history, tried))

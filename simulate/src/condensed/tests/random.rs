@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Point2;
+use rayon::prelude::*;
 
 use railspring_calibrate::error::Error;
 use railspring_calibrate::history::Ending;
@@ -82,9 +83,11 @@ fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Sc
 /// error, nothing that is not finite, and no energy (J) that comes of nothing, beyond the limit of the verdict, 5 % of the largest that is stored, where the steps
 /// are sixteenths of 0.5 ms.
 #[test]
-#[ignore = "two minutes: cargo random-runs"]
+#[ignore = "45 seconds of the processor's time: cargo random-runs"]
 fn random_runs_end_in_a_result() {
     const DRIFT: f64 = 0.05;
+    const RUNS: usize = 10_000;
+    const CHUNK: usize = 250;
     let mut random = SplitMix(41);
     let models: Vec<CondensedModel> = [("60E1", "S1002"), ("54E1", "S1002")]
         .map(|(rail, wheel)| {
@@ -106,41 +109,46 @@ fn random_runs_end_in_a_result() {
     let mut classes: BTreeMap<String, usize> = BTreeMap::new();
     let mut wrong = Vec::new();
     let (mut halved, mut worst) = (0, [0.0_f64; 3]);
-    for number in 0..10_000 {
-        let (model, scenario) = case(&mut random, &models);
-        let inner = scenario.inner_steps.most();
-        let class = match model.run(&scenario, &Silent) {
-            Ok(run) => {
-                halved += usize::from(run.statistics.halved_steps > 0);
-                let rows = &run.history.rows;
-                let balances: Vec<_> = rows.iter().map(|row| row.energy.unwrap()).collect();
-                let stored = balances.iter().map(|b| b.stored()).fold(0.0, f64::max);
-                let gained = balances.iter().map(|b| b.drift).fold(0.0, f64::max) / stored.max(1.0);
-                let finite = rows.iter().all(|row| {
-                    [row.vertical_force, row.lateral_force, row.wheel_y, row.wheel_z]
-                        .iter()
-                        .all(|v| v.is_finite())
-                });
-                let of_inner = &mut worst[[1, 4, 16].iter().position(|n| *n == inner).unwrap()];
-                *of_inner = of_inner.max(gained);
-                match run.history.ending {
-                    _ if !finite => "not finite".to_owned(),
-                    _ if inner == 16 && gained > DRIFT => {
-                        wrong.push((number, gained));
-                        "energy".to_owned()
+    for chunk in 0..RUNS / CHUNK {
+        // drawn one after the other, run on all threads, and counted in their order
+        let cases: Vec<_> = (0..CHUNK).map(|_| case(&mut random, &models)).collect();
+        let runs: Vec<_> = cases.par_iter().map(|(model, scenario)| model.run(scenario, &Silent)).collect();
+        for (n, (run, (_, scenario))) in runs.into_iter().zip(&cases).enumerate() {
+            let number = chunk * CHUNK + n;
+            let inner = scenario.inner_steps.most();
+            let class = match run {
+                Ok(run) => {
+                    halved += usize::from(run.statistics.halved_steps > 0);
+                    let rows = &run.history.rows;
+                    let balances: Vec<_> = rows.iter().map(|row| row.energy.unwrap()).collect();
+                    let stored = balances.iter().map(|b| b.stored()).fold(0.0, f64::max);
+                    let gained = balances.iter().map(|b| b.drift).fold(0.0, f64::max) / stored.max(1.0);
+                    let finite = rows.iter().all(|row| {
+                        [row.vertical_force, row.lateral_force, row.wheel_y, row.wheel_z]
+                            .iter()
+                            .all(|v| v.is_finite())
+                    });
+                    let of_inner = &mut worst[[1, 4, 16].iter().position(|n| *n == inner).unwrap()];
+                    *of_inner = of_inner.max(gained);
+                    match run.history.ending {
+                        _ if !finite => "not finite".to_owned(),
+                        _ if inner == 16 && gained > DRIFT => {
+                            wrong.push((number, gained));
+                            "energy".to_owned()
+                        }
+                        Ending::Completed => "completed".to_owned(),
+                        Ending::Departed { departure, .. } => format!("{departure:?}"),
+                        Ending::EndOfSurface { end, .. } => format!("{end:?}"),
                     }
-                    Ending::Completed => "completed".to_owned(),
-                    Ending::Departed { departure, .. } => format!("{departure:?}"),
-                    Ending::EndOfSurface { end, .. } => format!("{end:?}"),
                 }
-            }
-            Err(Error::Numerics(error)) => {
-                wrong.push((number, f64::NAN));
-                format!("{:?}", error.reason)
-            }
-            Err(error) => error.to_string(),
-        };
-        *classes.entry(class).or_default() += 1;
+                Err(Error::Numerics(error)) => {
+                    wrong.push((number, f64::NAN));
+                    format!("{:?}", error.reason)
+                }
+                Err(error) => error.to_string(),
+            };
+            *classes.entry(class).or_default() += 1;
+        }
     }
     println!("{classes:?}, {halved} with halved steps, largest gain of energy {worst:?}");
     println!("{:?}", &wrong[..wrong.len().min(40)]);
@@ -148,5 +156,5 @@ fn random_runs_end_in_a_result() {
         .iter()
         .filter_map(|class| classes.get(*class))
         .sum();
-    assert_eq!(results, 10_000, "{classes:?}");
+    assert_eq!(results, RUNS, "{classes:?}");
 }
