@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use railspring_calibrate::error::{Error, Result, printable};
 use railspring_calibrate::monitor::Monitor;
 
@@ -17,7 +17,7 @@ static STOP: AtomicBool = AtomicBool::new(false);
 /// Most characters of a line.
 const LONGEST: usize = 2000;
 
-/// Shows how far the stages are.
+/// Shows how far the stages are: a bar for each that is under way, or lines.
 pub(super) struct Progress {
     style: Style,
     state: Mutex<State>,
@@ -32,10 +32,37 @@ enum Style {
 
 #[derive(Default)]
 struct State {
-    stage: String,
-    /// Tenths of the stage that were reported.
+    /// The stages that are under way: several may be at the same time.
+    stages: Vec<Stage>,
+    bars: MultiProgress,
+}
+
+/// A stage that is under way.
+struct Stage {
+    name: String,
+    /// Tenths that were reported.
     tenths: usize,
     bar: Option<ProgressBar>,
+}
+
+impl State {
+    /// The place of a stage, and whether it begins now.
+    fn place(&mut self, name: &str, begins: bool) -> (usize, bool) {
+        if let Some(known) = self.stages.iter().position(|stage| stage.name == name) {
+            if begins {
+                self.stages[known].tenths = 0;
+            }
+            return (known, begins);
+        }
+        self.stages.push(Stage { name: name.into(), tenths: 0, bar: None });
+        (self.stages.len() - 1, true)
+    }
+
+    fn clear(&mut self) {
+        for bar in self.stages.drain(..).filter_map(|stage| stage.bar) {
+            bar.finish_and_clear();
+        }
+    }
 }
 
 impl Progress {
@@ -56,11 +83,9 @@ impl Progress {
         Self { style, state: Mutex::new(State::default()) }
     }
 
-    /// Clears the bar.
+    /// Clears the bars.
     pub(super) fn finish(&self) {
-        if let Some(bar) = self.state.lock().expect("no thread panics while it reports").bar.take() {
-            bar.finish_and_clear();
-        }
+        self.state.lock().expect("no thread panics while it reports").clear();
     }
 }
 
@@ -73,37 +98,36 @@ impl Monitor for Progress {
             return Ok(());
         }
         let mut state = self.state.lock().expect("no thread panics while it reports");
-        let new_stage = state.stage != stage;
-        if new_stage {
-            state.stage = stage.to_string();
-            state.tenths = 0;
-        }
+        let (place, begins) = state.place(stage, done == 0);
+        let State { stages, bars } = &mut *state;
         let tenths = (10 * done).checked_div(total).unwrap_or(10);
+        let under_way = &mut stages[place];
         match self.style {
             Style::Bar => {
-                if new_stage && let Some(old) = state.bar.take() {
-                    old.finish_and_clear();
-                }
-                let bar = state.bar.get_or_insert_with(|| bar(stage));
+                let bar = under_way.bar.get_or_insert_with(|| bars.add(bar(stage)));
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             }
-            Style::Lines if new_stage || tenths > state.tenths => {
+            Style::Lines if begins || tenths > under_way.tenths => {
                 remark(&format!("{stage}: {done} of {total}"));
             }
             _ => {}
         }
-        state.tenths = tenths;
+        under_way.tenths = under_way.tenths.max(tenths);
+        if done >= total
+            && let Some(bar) = stages.remove(place).bar
+        {
+            bar.finish_and_clear();
+        }
         Ok(())
     }
 
     fn notice(&self, text: &str) {
-        let say = || remark(text);
         let state = self.state.lock().expect("no thread panics while it reports");
-        match (&self.style, &state.bar) {
-            (Style::Quiet, _) => {}
-            (_, Some(bar)) => bar.suspend(say),
-            (_, None) => say(),
+        match self.style {
+            Style::Quiet => {}
+            Style::Bar => state.bars.suspend(|| remark(text)),
+            Style::Lines => remark(text),
         }
     }
 }

@@ -51,7 +51,7 @@ pub(super) fn jacobian(nodes: &[Point3<f64>; 8], gradient: &SMatrix<f64, 3, 8>) 
 
 /// Strain-displacement matrix of functions with the physical gradients `g` (3×N), 6×3N.
 fn strain_displacement<const N: usize, const M: usize>(g: &SMatrix<f64, 3, N>) -> SMatrix<f64, 6, M> {
-    debug_assert_eq!(M, 3 * N);
+    const { assert!(M == 3 * N) };
     let mut b = SMatrix::<f64, 6, M>::zeros();
     for n in 0..N {
         let (x, y, z) = (g[(0, n)], g[(1, n)], g[(2, n)]);

@@ -21,6 +21,8 @@ const TOLERANCE: f64 = 3e-3;
 const MEASURED_TIME: f64 = 0.06;
 /// Share of the modes with which the change is measured.
 const FEWER: f64 = 0.75;
+/// What the run with these is called.
+const FEWER_MODES: &str = "fewer modes";
 /// A force is measured against its peak, and against this share of the other one's at least.
 const SMALLEST_PEAK: f64 = 0.05;
 
@@ -70,15 +72,16 @@ pub(super) fn run(
     let mut wanted = first.min(model.most_modes());
     loop {
         let (mut beside, mut of_other) = (None, None);
-        let run = rayon::in_place_scope(|scope| {
-            // the longest first
+        // on the threads of the pool alone: a run beside them would wait for these wherever it shares its own work
+        let run = rayon::scope(|scope| {
+            scope.spawn(|_| beside = Some(first_steps(model, wanted, scenario, monitor)));
+            // the longer one last, as a thread goes on with what came last
             if let Some(other) = other {
                 let stage = "second load case of the transient solid model";
                 let whole = move || Ok(some_modes(model, wanted, other, (stage, monitor))?.0.history);
                 let of_other = &mut of_other;
                 scope.spawn(move |_| *of_other = Some(or_reason(whole())));
             }
-            scope.spawn(|_| beside = Some(first_steps(model, wanted, scenario, monitor)));
             some_modes(model, wanted, scenario, ("transient solid model", monitor))
         });
         let ((run, modes), beside) = (run?, beside.expect("the scope has ended")?);
@@ -138,27 +141,28 @@ fn first_steps(
     scenario: &Scenario,
     monitor: &dyn Monitor,
 ) -> Result<FirstSteps> {
-    let of = |count: usize, scenario: &Scenario| -> Result<(History, [usize; 2])> {
-        let stage = "first time steps of the transient solid model";
-        let (run, modes) = some_modes(model, count, scenario, (stage, monitor))?;
+    let of = |count: usize, scenario: &Scenario, how: &str| -> Result<(History, [usize; 2])> {
+        let stage = format!("first time steps of the transient solid model, {how}");
+        let (run, modes) = some_modes(model, count, scenario, (&stage, monitor))?;
         Ok((run.history, modes))
     };
     let fewer = (FEWER * count as f64) as usize;
     let first = first_of(scenario);
-    let longer = longer_steps(&first, |longer| Ok(of(count, longer)?.0))?;
-    let (compared, all) = match (scenario.inner_steps, &longer) {
-        (InnerSteps::Adaptive(_), _) => {
-            let equal = Scenario { inner_steps: InnerSteps::Equal(1), ..first };
-            let (all, _) = of(count, &equal)?;
-            (equal, Some(all))
-        }
-        (InnerSteps::Equal(_), Some(Ok(_))) => {
-            (Scenario { inner_steps: first.inner_steps.doubled(), ..first }, None)
-        }
-        (InnerSteps::Equal(_), _) => (first, None),
+    let longer = || longer_steps(&first, |longer| Ok(of(count, longer, "longer steps")?.0));
+    if let InnerSteps::Adaptive(_) = scenario.inner_steps {
+        let equal = Scenario { inner_steps: InnerSteps::Equal(1), ..first.clone() };
+        let both = || rayon::join(|| of(count, &equal, "all modes"), || of(fewer, &equal, FEWER_MODES));
+        let (longer, (all, fewer)) = rayon::join(longer, both);
+        let (longer, (all, _), (fewer, modes)) = (longer?, all?, fewer?);
+        return Ok(FirstSteps { longer, all: Some(all), fewer, modes });
+    }
+    let longer = longer()?;
+    let compared = match longer {
+        Some(Ok(_)) => Scenario { inner_steps: first.inner_steps.doubled(), ..first },
+        _ => first,
     };
-    let (fewer, modes) = of(fewer, &compared)?;
-    Ok(FirstSteps { longer, all, fewer, modes })
+    let (fewer, modes) = of(fewer, &compared, FEWER_MODES)?;
+    Ok(FirstSteps { longer, all: None, fewer, modes })
 }
 
 /// The time steps of a scenario over which runs are compared.
