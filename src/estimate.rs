@@ -21,8 +21,8 @@ use crate::study::Study;
 use condensing::{NODE, VALUE};
 pub use condensing::{condensing, least_memory};
 use machine::available;
+use needs::{Beside, reference_memory, steps_in_each};
 pub use needs::{Estimate, StageEstimate};
-use needs::{reference_memory, steps_in_each};
 
 /// Bytes of a gibibyte.
 pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -120,6 +120,26 @@ impl Budget {
     }
 }
 
+/// What the memory has room for at the same time; without that, one is done after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Room {
+    /// The factors of all bodies of a calibration.
+    pub condensing: bool,
+    /// The stages that do not need each other.
+    pub stages: bool,
+}
+
+impl Room {
+    /// What is needed is wrong by this factor at most, and bodies may become larger as their contact zones do.
+    const MARGIN: f64 = 1.5;
+
+    fn of(estimate: &Estimate, budget: Budget) -> Self {
+        let Beside { condensing, stages } = estimate.beside;
+        let fits = |bytes: f64| budget.bytes().is_none_or(|(budget, _)| Self::MARGIN * bytes <= budget);
+        Self { condensing: fits(condensing), stages: fits(stages) }
+    }
+}
+
 /// What a command works with.
 #[derive(Clone, Copy)]
 pub struct Resources<'a> {
@@ -149,7 +169,8 @@ pub fn dry_run(study: &Study, work: &Work, resources: &Resources<'_>) -> Result<
     made(study, &geometry, options, work, resources).map(|(_, estimate)| estimate)
 }
 
-/// Meshes for `work`, which must be within the budget, the tool's own with `options`; the monitor gets what is expected.
+/// Meshes for `work`, which must be within the budget, the tool's own with `options`, and what there is room for at the same time; the
+/// monitor gets what is expected.
 ///
 /// # Errors
 /// Those of meshing, and sizes that the machine cannot hold.
@@ -159,10 +180,10 @@ pub fn meshes(
     options: MeshOptions,
     work: &Work,
     resources: &Resources<'_>,
-) -> Result<Meshes> {
+) -> Result<(Meshes, Room)> {
     let (meshes, estimate) = made(study, geometry, options, work, resources)?;
     resources.monitor.notice(&estimate.text());
-    Ok(meshes)
+    Ok((meshes, Room::of(&estimate, resources.budget)))
 }
 
 fn made(

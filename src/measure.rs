@@ -1,27 +1,55 @@
 //! Wall clock, memory, date and host of a run: the part of the results that
 //! differs from run to run.
 
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use crate::records::{MachineRecord, Measured, StageMeasure};
 
-/// Measures one stage.
+/// Measures one stage; several may run at the same time. The memory is that of the program, whichever stage holds it.
 #[derive(Debug)]
 pub struct Stopwatch {
     begun: Instant,
+    /// The largest memory before the peak was forgotten for a later stopwatch, MiB.
+    earlier: Arc<Mutex<f64>>,
+    /// What it was stopped at.
+    held: Option<(f64, Option<f64>)>,
 }
+
+/// The largest memory that each stopwatch has seen before.
+static RUNNING: Mutex<Vec<Weak<Mutex<f64>>>> = Mutex::new(Vec::new());
 
 impl Stopwatch {
     /// Starts the clock and forgets the peak of the memory so far, where the system allows it.
     pub fn start() -> Self {
+        let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+        let peak = peak_memory_mib().unwrap_or(0.0);
+        running.retain(|other| {
+            let Some(other) = other.upgrade() else { return false };
+            let mut earlier = other.lock().unwrap_or_else(PoisonError::into_inner);
+            *earlier = earlier.max(peak);
+            true
+        });
         // Linux resets the peak when 5 is written here; elsewhere the peak is that since the start.
         let _ = std::fs::write("/proc/self/clear_refs", "5");
-        Self { begun: Instant::now() }
+        let earlier = Arc::default();
+        running.push(Arc::downgrade(&earlier));
+        Self { begun: Instant::now(), earlier, held: None }
     }
 
     /// Seconds since the start, and the largest resident memory since then, MiB, where the system says.
     pub fn read(&self) -> (f64, Option<f64>) {
-        (self.begun.elapsed().as_secs_f64(), peak_memory_mib())
+        let now = || {
+            let earlier = *self.earlier.lock().unwrap_or_else(PoisonError::into_inner);
+            (self.begun.elapsed().as_secs_f64(), peak_memory_mib().map(|peak| peak.max(earlier)))
+        };
+        self.held.unwrap_or_else(now)
+    }
+
+    /// Stays as it is now.
+    #[must_use]
+    pub fn held(self) -> Self {
+        Self { held: Some(self.read()), ..self }
     }
 
     /// The measure of the stage; `key` is the hash of what its result was made from, `taken` whether the store had it.

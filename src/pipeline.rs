@@ -12,6 +12,7 @@ mod calibration;
 mod by_angle;
 mod crosscheck;
 mod runs;
+mod solid_runs;
 mod verdict;
 mod pages;
 mod stored;
@@ -23,7 +24,7 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::pair::CondensedPair;
 use serde::de::DeserializeOwned;
 
-use crate::estimate::{Resources, Work};
+use crate::estimate::{Resources, Room, Work};
 use crate::measure::{Stopwatch, begin};
 use crate::output::OutputFolder;
 pub use crate::records::BY_ANGLE;
@@ -37,9 +38,10 @@ use crate::store::{Artefact, Store};
 use crate::study::Study;
 
 use by_angle::ByAngle;
-use calibration::Calibrate;
+use calibration::{Calibrate, FoundOn};
 use pages::Report;
-use runs::{Simulate, SimulateSolid};
+use runs::{Other, Run, Simulate};
+use solid_runs::{Begun, SimulateSolid, SolidRuns};
 use stage::Reach;
 use stored::Stored;
 use verdict::{Runs, Verify};
@@ -88,10 +90,16 @@ pub struct Pipeline<'a> {
     geometry: Option<Arc<Geometry>>,
     meshes: Option<Meshes>,
     reach: Option<Reach>,
+    /// What there is room for at the same time.
+    room: Room,
+    /// The springs of a calibration that is not finished.
+    springs: Option<FoundOn>,
     /// The bodies of the calibration, for the laws by contact angle and for the runs on the solids.
-    condensed: Option<CondensedPair>,
+    condensed: Option<Arc<CondensedPair>>,
     /// The bodies of the last run on the solids.
     moving: Option<Moving>,
+    /// Runs on the solids that were made beside other stages.
+    begun: Begun<'a>,
 }
 
 impl<'a> Pipeline<'a> {
@@ -110,8 +118,11 @@ impl<'a> Pipeline<'a> {
             geometry: None,
             meshes: None,
             reach: None,
+            room: Room::default(),
+            springs: None,
             condensed: None,
             moving: None,
+            begun: Begun::new(false, resources.monitor),
         }
     }
 
@@ -129,19 +140,25 @@ impl<'a> Pipeline<'a> {
         springs::check_reference(self.study)?;
         self.measured.stages.clear();
         self.check_calibration()?;
-        let calibration = self.calibration()?;
-        let by_angle = self.by_angle(&calibration.stiffness)?;
-        let mut runs = Vec::new();
-        // without load cases the law need not suit the simple model
-        if !self.study.scenarios.is_empty() {
-            let springs = springs::own(self.study, &calibration.stiffness, by_angle.as_ref())?;
-            for (name, scenario) in &self.study.scenarios {
-                let simple = self.get(&Simulate { name, scenario, springs: &springs })?;
-                let other = self.other_element(name, scenario, &springs, by_angle.as_ref())?;
-                let solid =
-                    scenario.solid.then(|| self.get(&SimulateSolid { name, scenario })).transpose()?;
-                runs.push((name.clone(), Runs { simple, other, solid }));
+        let begun = Begun::new(!self.fresh, self.resources.monitor);
+        // all that is done is done by the threads of the pool
+        let done = rayon::scope(|scope| {
+            let begin = |runs: SolidRuns<'a>| {
+                let (store, begun) = (runs.store(), &begun);
+                scope.spawn(move |_| runs.all(store, begun));
+            };
+            let done = self.without_solids(&begin);
+            if done.is_err() {
+                begun.stop();
             }
+            done
+        });
+        let (calibration, by_angle, simple) = done?;
+        self.begun = begun;
+        let mut runs = Vec::new();
+        for ((name, scenario), (simple, other)) in self.study.scenarios.iter().zip(simple) {
+            let solid = scenario.solid.then(|| self.get(&SimulateSolid { name, scenario })).transpose()?;
+            runs.push((name.clone(), Runs { simple, other, solid }));
         }
         let verdict = self.get(&Verify { stiffness: Some(&calibration.stiffness), runs: &runs })?;
         self.report_stage(&Report {
@@ -151,6 +168,34 @@ impl<'a> Pipeline<'a> {
             verdict: &verdict,
         })?;
         Ok(verdict)
+    }
+
+    /// The stages but those on the solids in time. As soon as a calibration that is made has the springs, `begin` gets these runs: they need
+    /// its bodies, but neither its error bands and fields nor the laws by contact angle.
+    fn without_solids(
+        &mut self,
+        begin: &dyn Fn(SolidRuns<'a>),
+    ) -> Result<(Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>)> {
+        if self.calibrates()? {
+            let springs = self.found_springs()?;
+            if self.room.stages && springs.is_whole() && self.study.modes() > 0 {
+                begin(self.solid_runs_on(&springs)?);
+            }
+            self.springs = Some(springs);
+        }
+        let calibration = self.calibration()?;
+        let by_angle = self.by_angle(&calibration.stiffness)?;
+        let mut simple = Vec::new();
+        // without load cases the law need not suit the simple model
+        if !self.study.scenarios.is_empty() {
+            let springs = springs::own(self.study, &calibration.stiffness, by_angle.as_ref())?;
+            for (name, scenario) in &self.study.scenarios {
+                let run = self.get(&Simulate { name, scenario, springs: &springs })?;
+                let other = self.other_element(name, scenario, &springs, by_angle.as_ref())?;
+                simple.push((run, other));
+            }
+        }
+        Ok((calibration, by_angle, simple))
     }
 
     /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files; whether its springs have all loads.

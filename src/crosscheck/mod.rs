@@ -58,7 +58,7 @@ pub fn prepare(study: &Study, cases: &[Case], resources: &Resources<'_>) -> Resu
     let study = &between_elements(study);
     let geometry = stages::geometry(study)?;
     let (options, work) = (stages::mesh_options(study, &geometry), Work::of_crosscheck(purpose(cases)));
-    let meshes = estimate::meshes(study, &geometry, options, &work, resources)?;
+    let (meshes, _) = estimate::meshes(study, &geometry, options, &work, resources)?;
     let answers = stages::answers(study, &geometry, &meshes, resources.monitor)?;
     let fine = if cases.contains(&Case::SecondOrder) {
         let mut finer = study.clone();
@@ -93,7 +93,7 @@ pub fn export(
     let study = &between_elements(study);
     let geometry = stages::geometry(study)?;
     let (options, work) = (stages::mesh_options(study, &geometry), Work::of(study, true, false));
-    let meshes = estimate::meshes(study, &geometry, options, &work, resources)?;
+    let (meshes, _) = estimate::meshes(study, &geometry, options, &work, resources)?;
     let curve = stages::faceted(study, &geometry, &meshes, resources.monitor)?;
     let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {

@@ -88,6 +88,17 @@ pub struct Estimate {
     /// The calibration on the next finer meshes, where the study has a wanted error of meshes: how often they are refined is not known
     /// before, so that no refinement is among the stages.
     pub finer: Option<StageEstimate>,
+    /// Largest memory where stages that do not need each other are done at the same time, bytes.
+    pub(super) beside: Beside,
+}
+
+/// Memory of stages at the same time, bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Beside {
+    /// All bodies of the calibration factored together.
+    pub condensing: f64,
+    /// The fields and the error bands of the calibration, its laws by contact angle, and runs on the solids.
+    pub stages: f64,
 }
 
 /// Steps of the integration in a time step.
@@ -115,6 +126,7 @@ impl Estimate {
         let base = PROGRAM + NODE * (rail.mesh.nodes + wheel.mesh.nodes) as f64;
         let mut stages = Vec::new();
         let mut finer = None;
+        let mut beside = Beside::default();
         if work.calibrate {
             let candidates = Candidates::of(study, geometry, meshes);
             stages.push(calibration(study, [&rail, &wheel], candidates, base));
@@ -124,6 +136,11 @@ impl Estimate {
             if study.wants_error_band() {
                 stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
             }
+            let ways = ways_held(study);
+            let modes = study.modes() as f64;
+            beside.condensing =
+                base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
+            beside.stages = stages.iter().map(|stage| stage.memory).sum();
             if study.target_error.is_some() && meshes_are_ours(study) {
                 let options = meshes.options().refined(FINER);
                 let [finer_rail, finer_wheel] = resized(study, geometry, [&rail, &wheel], &options)?;
@@ -176,11 +193,15 @@ impl Estimate {
                 seconds,
             });
         }
+        // one load case after the other
+        let in_time = &stages[stages.len() - work.solids.len()..];
+        beside.stages += in_time.iter().map(|stage| stage.memory).fold(0.0, f64::max);
         Ok(Self {
             bodies: [rail.size, wheel.size],
             contact_nodes: [rail.mesh.contact, wheel.mesh.contact],
             stages,
             finer,
+            beside,
         })
     }
 

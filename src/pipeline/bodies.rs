@@ -14,23 +14,43 @@ use crate::store::{Artefact, Kind, Store};
 const BODY: &str = "body.safetensors";
 
 /// Where condensed bodies come from.
+#[derive(Clone, Copy)]
 pub(super) struct BodySource<'a> {
     store: Option<&'a Store>,
     /// Whether all are condensed anew.
     fresh: bool,
     /// Whether the rail is pressed on its foot as well.
     foot_held: bool,
+    /// Whether there is room for the factors of all of them at the same time.
+    together: bool,
     /// Name of the study, for lists.
     study: &'a str,
     monitor: &'a dyn Monitor,
 }
 
 impl<'a> Pipeline<'a> {
-    /// Where the condensed bodies of the study come from.
+    /// Where the condensed bodies of the study come from; those of refined meshes one after the other.
     pub(super) fn body_source(&self) -> BodySource<'a> {
         let Self { store, fresh, study, resources, .. } = self;
         let foot_held = study.calibration.foot_held;
-        BodySource { store: *store, fresh: *fresh, foot_held, study: &study.name, monitor: resources.monitor }
+        let together = self.room.condensing && study.target_error.is_none();
+        let monitor = resources.monitor;
+        BodySource { store: *store, fresh: *fresh, foot_held, together, study: &study.name, monitor }
+    }
+}
+
+impl<'a> BodySource<'a> {
+    /// The store, if there is one.
+    pub fn store(&self) -> Option<&'a Store> {
+        self.store
+    }
+
+    /// The same, which says to another monitor how far it is.
+    pub fn said_to<'b>(&self, monitor: &'b dyn Monitor) -> BodySource<'b>
+    where
+        'a: 'b,
+    {
+        BodySource { monitor, ..*self }
     }
 }
 
@@ -42,7 +62,7 @@ impl BodySource<'_> {
     pub fn condensed(&self, solids: &PairSolids<'_>, which: &str, modes: usize) -> Result<CondensedPair> {
         self.said(which, |say| {
             let get = |body| self.body(solids, body, modes, &|text| say(body, text));
-            let bodies = condense_all(self.monitor, PairBody::of_pair(self.foot_held), get)?;
+            let bodies = condense_all(self.monitor, PairBody::of_pair(self.foot_held), self.together, get)?;
             CondensedPair::new(solids.material, bodies)
         })
     }
@@ -52,15 +72,13 @@ impl BodySource<'_> {
     /// # Errors
     /// As [`Self::condensed`].
     pub fn moving(&self, solids: &PairSolids<'_>, modes: usize) -> Result<MovingBodies> {
-        self.monitor.progress("superelements", 0, 2)?;
-        let bodies = self.said("", |say| {
+        let [(_, wheel), (_, rail)] = self.said("", |say| {
             let get = |body| self.body(solids, body, modes, &|text| say(body, text));
-            // one after the other, so that there is one factor at a time
-            let wheel = get(PairBody::Wheel)?;
-            Ok([get(PairBody::RailOnEnds)?, wheel])
+            let bodies = [PairBody::Wheel, PairBody::RailOnEnds];
+            let bodies = condense_all(self.monitor, &bodies, self.together, get)?;
+            Ok(<[_; 2]>::try_from(bodies).expect("two bodies"))
         })?;
-        self.monitor.progress("superelements", 2, 2)?;
-        Ok(bodies)
+        Ok(MovingBodies::Own(Box::new([rail, wheel])))
     }
 
     /// What `make` makes; what it says of the bodies is said afterwards, in one order, whichever body is there first.

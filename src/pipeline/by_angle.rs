@@ -1,5 +1,7 @@
 //! The law by contact angle as a stage.
 
+use std::sync::Arc;
+
 use railspring_calibrate::error::Result;
 
 use super::stage::{Made, Stage};
@@ -43,7 +45,7 @@ impl Stage for ByAngle<'_> {
             None => {
                 let meshes = at.meshes(Pipeline::calibration_work)?;
                 let solids = stages::solids(study, &geometry, &meshes);
-                let bodies = at.body_source().condensed(&solids, "", study.modes())?;
+                let bodies = Arc::new(at.body_source().condensed(&solids, "", study.modes())?);
                 at.go_on_with(meshes);
                 bodies
             }

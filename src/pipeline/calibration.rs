@@ -1,5 +1,7 @@
 //! The calibration as a stage.
 
+use std::sync::Arc;
+
 use railspring_calibrate::error::{Error, InputError, Result, StopReason};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::pair::CondensedPair;
@@ -10,18 +12,48 @@ use super::{
     FIGURES, LOAD_CURVE, PATCHES, Pipeline, REPORT, STIFFNESS, VERIFICATION, load_curve, part_json, part_text,
 };
 use crate::estimate::Work;
+use crate::measure::Stopwatch;
 use crate::output::to_json;
-use crate::records::{PatchesRecord, StiffnessRecord, to_csv};
+use crate::records::{ErrorBandRecord, HorizontalBandRecord, PatchesRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Calibration, FieldFile, FoundSprings, Geometry, Meshes, Reached, Within};
+use crate::stages::{self, Calibration, Geometry, Meshes, PressedStudy, Reached, Within};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::Study;
 
 /// The springs of the study, its load curve, patches and fields.
 pub(super) struct Calibrate;
 
-/// A calibration, the files of its fields, its springs and the bodies that they are of.
-type Pressed = (Calibration, Vec<FieldFile>, FoundSprings, CondensedPair);
+/// The springs of a study on the meshes that they end with, before their fields and mostly before their error bands: all that runs on the
+/// solids need of a calibration.
+pub(super) struct FoundOn {
+    meshes: Meshes,
+    condensed: Arc<CondensedPair>,
+    pressed: PressedStudy,
+    /// Their bands, where these have said that the meshes are fine enough.
+    band: Option<Band>,
+    /// Whether larger contact zones were refused.
+    refused: bool,
+    /// The time of the calibration so far.
+    watch: Option<Stopwatch>,
+}
+
+impl FoundOn {
+    /// The meshes, and the bodies.
+    pub fn bodies(&self) -> (&Meshes, &Arc<CondensedPair>) {
+        (&self.meshes, &self.condensed)
+    }
+
+    /// Whether all loads are carried.
+    pub fn is_whole(&self) -> bool {
+        !self.refused && self.pressed.ended().is_none()
+    }
+}
+
+/// The error bands of laws and horizontal stiffness.
+type Band = (ErrorBandRecord, Option<HorizontalBandRecord>);
+
+/// Bodies with the springs that they have.
+type Pressed = (Arc<CondensedPair>, PressedStudy);
 
 /// What goes when springs or fields change: also the fields under other loads.
 const OF_THE_CALIBRATION: [&str; 4] = [VERIFICATION, REPORT, FIGURES, stages::FIELDS];
@@ -47,55 +79,29 @@ impl Stage for Calibrate {
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let geometry = at.geometry()?;
-        let mut meshes = at.meshes(Pipeline::calibration_work)?;
-        let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
-        let (source, modes) = (at.body_source(), study.modes());
-        let accept = |larger: &Meshes| {
-            budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
+        let springs = match at.springs.take() {
+            Some(springs) => springs,
+            None => at.found_springs()?,
         };
-        let press = |meshes: &Meshes| {
-            let solids = stages::solids(study, &geometry, meshes);
-            let condensed = source.condensed(&solids, "", modes)?;
-            let (calibration, fields, found) =
-                stages::calibrate(study, &geometry, meshes, &condensed, monitor)?;
-            Ok((calibration, fields, found, condensed))
+        let FoundOn { meshes, condensed, pressed, band, refused, watch } = springs;
+        at.watch = watch.or(at.watch.take());
+        let (study, geometry) = (at.study, at.geometry()?);
+        let fields = || stages::calibrate(study, &geometry, &meshes, &condensed, &pressed);
+        let band = || match band {
+            None if study.wants_error_band() => at.band(&geometry, &meshes, &condensed, &pressed).map(Some),
+            band => Ok(band),
         };
-        let condense = |coarser: &Meshes| {
-            let solids = stages::solids(study, &geometry, coarser);
-            source.condensed(&solids, " of coarser elements", 0)
-        };
-        let reached = |(calibration, ..): &Pressed| {
-            let Calibration { law_end, horizontal_failure, horizontal_end, .. } = calibration;
-            match [law_end, horizontal_failure, horizontal_end].into_iter().flatten().next() {
-                Some(Error::Numerics(cause)) => Reached::by(cause),
-                _ => None,
+        let (fields, band) = if at.room.stages { rayon::join(fields, band) } else { (fields(), band()) };
+        let ((mut calibration, fields), band) = (fields?, band?);
+        if let Some((band, horizontal)) = band {
+            calibration.stiffness.error_band = Some(band);
+            if let Some(record) = &mut calibration.stiffness.horizontal {
+                record.error_band = horizontal;
             }
-        };
-        let (calibration, fields, condensed, refused) = loop {
-            let Within { result, refused } =
-                stages::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
-                    .map_err(|error| uncarried(study, error))?;
-            let (mut calibration, fields, found, condensed) = result;
-            if study.wants_error_band() {
-                let (mut band, horizontal) =
-                    stages::error_band(study, &geometry, &meshes, &condensed, &found, condense, monitor)?;
-                if let Some(finer) =
-                    stages::finer_meshes(study, &geometry, &meshes, &mut band, accept, monitor)?
-                {
-                    meshes = finer;
-                    continue;
-                }
-                calibration.stiffness.error_band = Some(band);
-                if let Some(record) = &mut calibration.stiffness.horizontal {
-                    record.error_band = horizontal;
-                }
-            }
-            break (calibration, fields, condensed, refused);
-        };
-        let Calibration { stiffness, load_curve, patches, horizontal_failure, .. } = calibration;
+        }
+        let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
         let reach = at.go_on_with(meshes);
-        at.condensed = (study.wants_by_angle() || modes > 0).then_some(condensed);
+        at.condensed = (study.wants_by_angle() || study.modes() > 0).then_some(condensed);
         let mut artefact = Artefact::default()
             .with(REACH, to_json(&reach))
             .with(STIFFNESS, to_json(&stiffness))
@@ -107,7 +113,7 @@ impl Stage for Calibrate {
         let complete = horizontal_failure.is_none() && !refused;
         // what the calibration has finished is written; a study with a stiffness goes on with it
         let failure = horizontal_failure.filter(|_| study.simulation.horizontal.is_none());
-        Ok(Made { artefact, complete, failure })
+        Ok(Made { complete, failure, ..Made::whole(artefact) })
     }
 
     fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Calibration> {
@@ -133,6 +139,68 @@ impl Stage for Calibrate {
 
     fn outdates(&self) -> &'static [&'static str] {
         &OF_THE_CALIBRATION
+    }
+}
+
+impl Pipeline<'_> {
+    /// Whether the calibration is to be made, as far as the store says.
+    pub(super) fn calibrates(&mut self) -> Result<bool> {
+        let address = Calibrate.address(self)?;
+        Ok(self.fresh || !self.store.zip(address).is_some_and(|(store, address)| store.has(&address)))
+    }
+
+    /// The springs of the study, on meshes with zones as long and elements as fine as they have to be.
+    ///
+    /// # Errors
+    /// Those of the bodies and of pressing them.
+    pub(super) fn found_springs(&mut self) -> Result<FoundOn> {
+        let geometry = self.geometry()?;
+        let mut meshes = self.meshes(Pipeline::calibration_work)?;
+        let (study, monitor, budget) = (self.study, self.resources.monitor, self.resources.budget);
+        let (source, modes) = (self.body_source(), study.modes());
+        let accept = |larger: &Meshes| {
+            budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
+        };
+        let press = |meshes: &Meshes| {
+            let solids = stages::solids(study, &geometry, meshes);
+            let condensed = Arc::new(source.condensed(&solids, "", modes)?);
+            let pressed = stages::press(study, &geometry, &condensed, monitor)?;
+            Ok((condensed, pressed))
+        };
+        let reached = |(_, pressed): &Pressed| match pressed.ended() {
+            Some(Error::Numerics(cause)) => Reached::by(cause),
+            _ => None,
+        };
+        loop {
+            let Within { result: (condensed, pressed), refused } =
+                stages::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
+                    .map_err(|error| uncarried(study, error))?;
+            let mut band = None;
+            if study.wants_error_band() && study.target_error.is_some() {
+                let (band, _) = band.insert(self.band(&geometry, &meshes, &condensed, &pressed)?);
+                if let Some(finer) = stages::finer_meshes(study, &geometry, &meshes, band, accept, monitor)? {
+                    meshes = finer;
+                    continue;
+                }
+            }
+            return Ok(FoundOn { meshes, condensed, pressed, band, refused, watch: self.watch.take() });
+        }
+    }
+
+    fn band(
+        &self,
+        geometry: &Geometry,
+        meshes: &Meshes,
+        bodies: &CondensedPair,
+        pressed: &PressedStudy,
+    ) -> Result<Band> {
+        let (study, source) = (self.study, self.body_source());
+        let condense = |coarser: &Meshes| {
+            let solids = stages::solids(study, geometry, coarser);
+            source.condensed(&solids, " of coarser elements", 0)
+        };
+        let monitor = self.resources.monitor;
+        stages::error_band(study, geometry, meshes, bodies, pressed.found(), condense, monitor)
     }
 }
 

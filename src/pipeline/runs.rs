@@ -1,22 +1,17 @@
-//! The load cases as stages: a run of the simple model and one of the solid model.
+//! The load cases on the simple model as stages, and what the runs of both models have in common.
 
-use std::cell::RefCell;
 use std::path::Path;
-use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::history::{Ending, History};
-use railspring_calibrate::pair::PairBody;
-use railspring_calibrate::transient::TransientRun;
 
-use super::stage::{Made, REACH, Stage};
-use super::{Moving, OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};
-use crate::estimate::Work;
+use super::stage::{Made, Stage};
+use super::{OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};
 use crate::output::to_json;
 use crate::records::{RunRecord, SpringsRecord, StiffnessByAngleRecord, history_csv};
 use crate::results::NewFile;
 use crate::springs;
-use crate::stages::{self, Meshes, Reached, Tried, Within};
+use crate::stages;
 use crate::store::{Address, Artefact, Kind};
 use crate::study::{ContactElementKey, StudyScenario};
 use crate::verify::ModelRun;
@@ -79,12 +74,6 @@ pub(super) struct Other {
     pub element: ContactElementKey,
     /// Its run, or why there is none.
     pub run: std::result::Result<Run, String>,
-}
-
-/// A load case on the solid model.
-pub(super) struct SimulateSolid<'a> {
-    pub name: &'a str,
-    pub scenario: &'a StudyScenario,
 }
 
 impl Stage for Simulate<'_> {
@@ -161,75 +150,6 @@ impl Stage for SimulateOther<'_> {
     }
 }
 
-impl Stage for SimulateSolid<'_> {
-    type Value = Run;
-
-    fn name(&self) -> String {
-        format!("solid model, {}", self.name)
-    }
-
-    fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.solid(self.name)
-    }
-
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        let (reach, key) = (at.reach()?, self.key(at));
-        Ok(at.store.map(|store| store.address(Kind::SolidRun, &(key, reach))))
-    }
-
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let geometry = at.geometry()?;
-        let mut meshes = at.meshes(Pipeline::solid_work)?;
-        let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
-        let accept = |larger: &Meshes| {
-            budget.check(study, &geometry, larger, &Work::of(study, false, true)).map(|_| ())
-        };
-        let of_calibration =
-            at.condensed.take().map(|pair| (study.modes(), Arc::new([pair.rail_on_ends, pair.wheel])));
-        let moving = RefCell::new(of_calibration.or(at.moving.take()));
-        let source = at.body_source();
-        let run = |meshes: &Meshes| {
-            let solids = stages::solids(study, &geometry, meshes);
-            let bodies = |modes| {
-                let wanted = [PairBody::RailOnEnds, PairBody::Wheel].map(|body| solids.key(body));
-                let known = moving.take().filter(|(with, bodies): &Moving| {
-                    *with == modes && bodies.iter().zip(&wanted).all(|(body, key)| body.key == *key)
-                });
-                let bodies = match known {
-                    Some((_, bodies)) => bodies,
-                    None => Arc::new(source.moving(&solids, modes)?),
-                };
-                moving.replace(Some((modes, bodies.clone())));
-                Ok(bodies)
-            };
-            stages::simulate_solid(study, &geometry, meshes, &bodies, self.scenario, monitor)
-        };
-        let reached = |(run, _): &(TransientRun, Tried)| Reached::in_time(run.history.ending);
-        let Within { result: (run, tried), refused } =
-            stages::within_zones(study, &geometry, &mut meshes, monitor, accept, run, reached)
-                .map_err(|error| study.in_scenario(self.name, error))?;
-        at.moving = moving.into_inner();
-        let reach = at.go_on_with(meshes);
-        let record = RunRecord::of_solid(&run.history, run.reduction.as_ref(), tried.worth);
-        let artefact = artefact(&run.history, &record, tried.disturbed.as_ref());
-        Ok(Made { complete: !refused, ..Made::whole(artefact.with(REACH, to_json(&reach))) })
-    }
-
-    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Run> {
-        let run = run(artefact)?;
-        at.go_on_with_reach(artefact)?;
-        Ok(run)
-    }
-
-    fn files(&self, artefact: &Artefact, value: &Run, at: &Pipeline<'_>) -> Vec<NewFile> {
-        files(SOLID.map(|stem| history_file(at.study, self.name, stem)), artefact, value, &self.key(at))
-    }
-
-    fn outdates(&self) -> &'static [&'static str] {
-        &OF_THE_RUNS
-    }
-}
-
 impl Pipeline<'_> {
     /// A load case on the simple model as an artefact.
     fn simple_run(
@@ -273,29 +193,10 @@ impl Pipeline<'_> {
         self.results.withdraw(&gone, &OF_THE_RUNS)?;
         Ok(Other { element, run })
     }
-
-    /// The runs on the solids that the store does not have, as far as that can be said now.
-    pub(super) fn solid_work(&mut self) -> Result<Work> {
-        let mut work = Work::of(self.study, false, true);
-        if let (Some(store), false) = (self.store, self.fresh) {
-            let study = self.study;
-            for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
-                let address = SimulateSolid { name, scenario }.address(self)?;
-                if address.is_some_and(|address| store.has(&address)) {
-                    work.solids.retain(|(other, _)| other != name);
-                }
-            }
-        }
-        Ok(work)
-    }
-
-    /// The same with the calibration.
-    pub(super) fn calibration_work(&mut self) -> Result<Work> {
-        Ok(Work { calibrate: true, ..self.solid_work()? })
-    }
 }
 
-fn artefact(history: &History, record: &RunRecord, disturbed: Option<&History>) -> Artefact {
+/// A run as an artefact, with the one that has a larger input.
+pub(super) fn artefact(history: &History, record: &RunRecord, disturbed: Option<&History>) -> Artefact {
     let of = |artefact: Artefact, [rows, size]: [&str; 2], history, record| {
         artefact.with(rows, history_csv::write(history)).with(size, to_json(record))
     };
@@ -306,7 +207,8 @@ fn artefact(history: &History, record: &RunRecord, disturbed: Option<&History>) 
     }
 }
 
-fn run(artefact: &Artefact) -> Result<Run> {
+/// The run of an artefact.
+pub(super) fn run(artefact: &Artefact) -> Result<Run> {
     let (history, record) = part(artefact, [ROWS, RECORD])?;
     let has_other = artefact.part(DISTURBED[0]).is_some();
     let disturbed = has_other.then(|| Ok::<_, Error>(part(artefact, DISTURBED)?.0)).transpose()?;
@@ -322,7 +224,8 @@ fn part(artefact: &Artefact, [rows, size]: [&str; 2]) -> Result<(History, RunRec
     Ok((history, record))
 }
 
-fn files([name, other]: [String; 2], artefact: &Artefact, run: &Run, key: &str) -> Vec<NewFile> {
+/// The files of a run with their names.
+pub(super) fn files([name, other]: [String; 2], artefact: &Artefact, run: &Run, key: &str) -> Vec<NewFile> {
     let file = |name, part, record| {
         let rows = artefact.part(part).unwrap_or_default().to_vec();
         NewFile { run: Some(record), ..NewFile::new(name, rows, key) }

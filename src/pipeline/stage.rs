@@ -55,12 +55,14 @@ pub(super) struct Made {
     pub complete: bool,
     /// Why the command ends here all the same.
     pub failure: Option<Error>,
+    /// The time that it took beside other stages, of which it is measured and kept already.
+    pub elsewhere: Option<Stopwatch>,
 }
 
 impl Made {
     /// A complete result.
     pub fn whole(artefact: Artefact) -> Self {
-        Self { artefact, complete: true, failure: None }
+        Self { artefact, complete: true, failure: None, elsewhere: None }
     }
 }
 
@@ -120,10 +122,11 @@ impl Pipeline<'_> {
         let (artefact, value, failure) = match taken {
             Some((artefact, value)) => (artefact, value, None),
             None => {
-                let Made { artefact, complete, failure } = stage.make(self)?;
-                if let Some(address) = address.filter(|_| complete) {
+                let Made { artefact, complete, failure, elsewhere } = stage.make(self)?;
+                if let Some(address) = address.filter(|_| complete && elsewhere.is_none()) {
                     self.keep(&address, &stage.name(), &artefact);
                 }
+                self.watch = elsewhere.or(self.watch.take());
                 let value = stage.value(&artefact, self)?;
                 (artefact, value, failure)
             }
@@ -199,7 +202,8 @@ impl Pipeline<'_> {
         let work = work(self)?;
         let mut options = stages::mesh_options(study, &geometry);
         reach.apply(&mut options);
-        let meshes = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
+        let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
+        self.room = room;
         // Kept until there is a result: a study that is refused later leaves no file behind.
         self.measured.note(watch.stop("meshes", &study.keys.calibration, false));
         // The stage that needs them is measured without them.

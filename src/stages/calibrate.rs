@@ -10,12 +10,13 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, SeriesBeam};
+use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, PairStates, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 use rayon::prelude::*;
+use std::sync::Arc;
 
 use super::bodies::rail_in_use;
 use super::fields::{PressedSolids, field_files};
@@ -39,6 +40,28 @@ pub struct FoundSprings {
     pub horizontal: Option<HorizontalCalibration>,
 }
 
+/// A pair under the loads of a study, with its laws and its horizontal stiffness. It borrows nothing.
+pub struct PressedStudy {
+    beam: SeriesBeam,
+    states: Arc<PairStates>,
+    found: FoundSprings,
+    horizontal_failure: Option<Error>,
+    /// Why there are not all loads, preloads or springs.
+    ended: Option<Error>,
+}
+
+impl PressedStudy {
+    /// The springs as they were found.
+    pub fn found(&self) -> &FoundSprings {
+        &self.found
+    }
+
+    /// Why laws or horizontal stiffness end before their largest load, or why there is no horizontal stiffness.
+    pub fn ended(&self) -> Option<&Error> {
+        self.ended.as_ref()
+    }
+}
+
 /// What the calibration hands on.
 pub struct Calibration {
     /// `stiffness.json`.
@@ -49,16 +72,12 @@ pub struct Calibration {
     pub patches: PatchesRecord,
     /// Why the horizontal stiffness is missing, if it is.
     pub horizontal_failure: Option<Error>,
-    /// Why the laws end before the largest load, if they do.
-    pub law_end: Option<Error>,
-    /// Why the horizontal stiffness has not all preloads, if so.
-    pub horizontal_end: Option<Error>,
 }
 
 impl Calibration {
     /// One that was kept: a store and an output folder keep what is finished, with the reasons of what is not in its record.
     pub fn kept(stiffness: StiffnessRecord, load_curve: Vec<LoadCurveRow>, patches: PatchesRecord) -> Self {
-        Self { stiffness, load_curve, patches, horizontal_failure: None, law_end: None, horizontal_end: None }
+        Self { stiffness, load_curve, patches, horizontal_failure: None }
     }
 }
 
@@ -88,28 +107,55 @@ pub fn contact_conditions(study: &Study) -> ContactConditions {
     }
 }
 
-/// The load curve, the laws and the horizontal stiffness, the files of the fields, and the springs as they were found.
+/// The pair under the loads of a study: the laws and the horizontal stiffness.
 ///
 /// Laws and a horizontal stiffness that end before the largest load, and a horizontal stiffness without an answer, are no error here: what
 /// is finished is worth keeping.
 ///
 /// # Errors
 /// A load that cannot be carried, a rail too short to be a beam, and numerics without an answer.
-pub fn calibrate(
+pub fn press(
     study: &Study,
     geometry: &Geometry,
-    meshes: &Meshes,
     bodies: &CondensedPair,
     monitor: &dyn Monitor,
-) -> Result<(Calibration, Vec<FieldFile>, FoundSprings)> {
+) -> Result<PressedStudy> {
     let pair = &geometry.pair;
     let beam = SeriesBeam::new(pair, bodies, &geometry.beam)?;
     let contact = contact_conditions(study);
     let pressed = bodies.press(pair, contact, &study.calibration.loads, monitor)?;
     let laws = pressed.laws()?;
     let reference = Reference::from(study.calibration.reference);
+    let horizontal = pressed.horizontal(reference, &study.calibration.horizontal_preloads, monitor);
+    let (horizontal, horizontal_failure) = match horizontal {
+        Ok(horizontal) => (Some(horizontal), None),
+        Err(Error::Interrupted) => return Err(Error::Interrupted),
+        Err(failure) => (None, Some(failure)),
+    };
+    let horizontal_end = horizontal.as_ref().and_then(|horizontal| horizontal.ended.clone());
+    let ended = pressed.ended().cloned().or(horizontal_failure.clone()).or(horizontal_end);
+    let (states, found) = (pressed.into_states(), FoundSprings { laws, horizontal });
+    Ok(PressedStudy { beam, states, found, horizontal_failure, ended })
+}
+
+/// The load curve, the laws and the horizontal stiffness as records, and the files of the fields.
+///
+/// # Errors
+/// Numerics without an answer.
+pub fn calibrate(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    bodies: &CondensedPair,
+    pressed: &PressedStudy,
+) -> Result<(Calibration, Vec<FieldFile>)> {
+    let pair = &geometry.pair;
+    let PressedStudy { beam, states, found: FoundSprings { laws, horizontal }, horizontal_failure, .. } =
+        pressed;
+    let pressed = bodies.pressed(pair, contact_conditions(study), states.clone());
+    let reference = Reference::from(study.calibration.reference);
     let in_use = laws.get(reference).expect("the law in use is made");
-    let in_series = (reference != Reference::Foot).then_some(&beam);
+    let in_series = (reference != Reference::Foot).then_some(beam);
     let states = pressed.states(reference)?;
     let pressed_solids = PressedSolids {
         states,
@@ -117,28 +163,16 @@ pub fn calibrate(
         solids: solids(study, geometry, meshes),
         carried: in_series.map_or_else(Matrix2::zeros, |beam| beam.solid),
     };
-    // the insides are factored beside the contact
-    let (horizontal, fields) = rayon::join(
-        || pressed.horizontal(reference, &study.calibration.horizontal_preloads, monitor),
-        || field_files(&pressed_solids, geometry, meshes, &study.output),
-    );
-    let fields = fields?;
-    let (horizontal, horizontal_failure) = match horizontal {
-        Ok(horizontal) => (Some(horizontal), None),
-        Err(Error::Interrupted) => return Err(Error::Interrupted),
-        Err(failure) => (None, Some(failure)),
-    };
+    let fields = field_files(&pressed_solids, geometry, meshes, &study.output)?;
     let stiffness = horizontal.as_ref().map(|h| h.stiffness);
     let poisson = study.material.poisson;
     let below: Vec<Option<Subsurface>> =
         states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
-    let law_end = pressed.ended().cloned();
-    let horizontal_end = horizontal.as_ref().and_then(|horizontal| horizontal.ended.clone());
     let record = StiffnessRecord {
         study: study.name.clone(),
         reference: reference.name().into(),
         law: law_record(&in_use.fit),
-        law_end: law_end.as_ref().map(|reason| load_end(&study.calibration.loads, states.len(), reason)),
+        law_end: pressed.ended().map(|reason| load_end(&study.calibration.loads, states.len(), reason)),
         horizontal_kn_per_m: stiffness.map(|k| k / KILONEWTON_PER_METRE),
         horizontal: horizontal.as_ref().map(horizontal_record),
         horizontal_end: horizontal.as_ref().and_then(|horizontal| {
@@ -146,7 +180,7 @@ pub fn calibrate(
             horizontal.ended.as_ref().map(|reason| load_end(preloads, horizontal.points.len(), reason))
         }),
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
-        beam: beam_record(&beam, geometry, &laws.beam, stiffness.filter(|_| in_series.is_some())),
+        beam: beam_record(beam, geometry, &laws.beam, stiffness.filter(|_| in_series.is_some())),
         references: laws.iter().map(|(_, law)| reference_record(law)).collect::<Result<_>>()?,
         error_band: None,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
@@ -199,9 +233,8 @@ pub fn calibrate(
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
-    let calibration =
-        Calibration { stiffness: record, load_curve, patches, horizontal_failure, law_end, horizontal_end };
-    Ok((calibration, fields, FoundSprings { laws, horizontal }))
+    let horizontal_failure = horizontal_failure.clone();
+    Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure }, fields))
 }
 
 /// The end of ascending `loads` (N) after the first `carried` ones.

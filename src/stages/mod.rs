@@ -17,7 +17,9 @@ mod simulate;
 
 pub use bodies::solids;
 pub use by_angle::{by_angle, loads_by_angle, shifts};
-pub use calibrate::{Calibration, FoundSprings, calibrate, check_friction, contact_conditions};
+pub use calibrate::{
+    Calibration, FoundSprings, PressedStudy, calibrate, check_friction, contact_conditions, press,
+};
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use error_band::{
     CoarserBodies, FINER, check_target, coarser_bodies, coarser_options, error_band, finer_meshes,

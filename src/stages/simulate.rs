@@ -8,6 +8,7 @@ use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::CondensedPair;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::CondensedBody;
@@ -190,7 +191,22 @@ pub fn simulate(
 const MOST_MODES: usize = 4 * START_MODES;
 
 /// The rail between its ends and the wheel, with modes.
-pub type MovingBodies = [CondensedBody; 2];
+pub enum MovingBodies {
+    /// Those of a calibration.
+    OfCalibration(Arc<CondensedPair>),
+    /// By themselves.
+    Own(Box<[CondensedBody; 2]>),
+}
+
+impl MovingBodies {
+    /// Rail and wheel.
+    pub fn both(&self) -> [&CondensedBody; 2] {
+        match self {
+            Self::OfCalibration(pair) => [&pair.rail_on_ends, &pair.wheel],
+            Self::Own(bodies) => bodies.each_ref(),
+        }
+    }
+}
 
 /// The solid model under the same load case, and what that run is worth; `bodies` gives those of the meshes with so many modes.
 ///
@@ -217,8 +233,7 @@ pub fn simulate_solid(
     let larger = disturbed(&scenario);
     let with = |modes, count| {
         let bodies = bodies(modes)?;
-        let [rail, wheel] = &*bodies;
-        let model = TransientModel::reduced(pair, [rail, wheel], count, material, contact);
+        let model = TransientModel::reduced(pair, bodies.both(), count, material, contact);
         match &larger {
             Some((larger, _)) => model.run_beside(&scenario, larger, monitor),
             None => model.run(&scenario, monitor),

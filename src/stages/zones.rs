@@ -348,11 +348,11 @@ mod tests {
         let mut meshes = stages::meshes(&study, &geometry, options, None, &notes).unwrap();
         let press = |meshes: &Meshes| {
             let solids = stages::solids(&study, &geometry, meshes);
-            let bodies = condense_all(&notes, PairBody::of_pair(false), |body| {
+            let bodies = condense_all(&notes, PairBody::of_pair(false), true, |body| {
                 solids.condense(body, solids.key(body))
             })?;
             let condensed = CondensedPair::new(study.material, bodies)?;
-            stages::calibrate(&study, &geometry, meshes, &condensed, &notes)
+            stages::press(&study, &geometry, &condensed, &notes)
         };
         let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
         assert_eq!(SurfaceEnd::of(cause.reason), Some(SurfaceEnd::ContactZone));

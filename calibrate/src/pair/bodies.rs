@@ -14,6 +14,9 @@ use crate::monitor::Monitor;
 use crate::solid::{Formulation, Material};
 use crate::superelement::{CondensedBody, SectionMotion};
 use faer::Mat;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How wheel and rail meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,26 +116,28 @@ impl PairMeshes {
         let (rail, wheel, orders) = (&self.rail, &self.wheel, &Orders::default());
         let solids = PairSolids { pair, rail, wheel, material, element, orders };
         let condense = |body| solids.condense_in_time(body, solids.key(body), modes);
-        CondensedPair::new(material, condense_all(monitor, bodies, condense)?)
+        CondensedPair::new(material, condense_all(monitor, bodies, false, condense)?)
     }
 }
 
-/// The `bodies`, each as `get` has it, one after the other, so that there is one factor at a time.
+/// The `bodies`, each as `get` has it: at the same time if there is room for the factors `together`, or else one after the other.
 ///
 /// # Errors
 /// Those of `get`, and an interruption.
-pub fn condense_all<T>(
+pub fn condense_all<T: Send>(
     monitor: &dyn Monitor,
     bodies: &[PairBody],
-    get: impl Fn(PairBody) -> Result<T>,
+    together: bool,
+    get: impl Fn(PairBody) -> Result<T> + Sync,
 ) -> Result<Vec<(PairBody, T)>> {
+    let done = AtomicUsize::new(0);
     let report = |done| monitor.progress("superelements", done, bodies.len());
     report(0)?;
-    let one = |(i, &body): (usize, &PairBody)| {
+    let one = |&body: &PairBody| {
         let condensed = get(body)?;
-        report(i + 1).map(|()| (body, condensed))
+        report(done.fetch_add(1, Ordering::Relaxed) + 1).map(|()| (body, condensed))
     };
-    bodies.iter().enumerate().map(one).collect()
+    if together { bodies.par_iter().map(one).collect() } else { bodies.iter().map(one).collect() }
 }
 
 impl CondensedPair {
@@ -225,7 +230,17 @@ impl CondensedPair {
             on_section.truncate(carried);
             on_foot
         });
-        Ok(PressedPair { pair, bodies: self, contact, on_foot, on_section, ended })
+        Ok(self.pressed(pair, contact, Arc::new(PairStates { on_foot, on_section, ended })))
+    }
+
+    /// The pair in `states` that it was pressed into.
+    pub fn pressed<'a>(
+        &'a self,
+        pair: &'a Pair,
+        contact: ContactConditions,
+        states: Arc<PairStates>,
+    ) -> PressedPair<'a> {
+        PressedPair { pair, bodies: self, contact, states }
     }
 
     /// The wheel in place on the rail, pressed downwards, with what the reference fixes of the rail.
@@ -261,31 +276,41 @@ fn no_foot() -> InputError {
 /// The laws of a pair.
 pub type Laws = ByReference<NormalCalibration>;
 
-/// The states of a pair under its loads.
-pub struct PressedPair<'a> {
-    pair: &'a Pair,
-    bodies: &'a CondensedPair,
-    contact: ContactConditions,
+/// The states of a pair under its loads. They borrow nothing.
+pub struct PairStates {
     on_foot: Option<Vec<Pressed>>,
     on_section: Vec<Pressed>,
     ended: Option<Error>,
 }
 
+/// A pair in its states under its loads.
+pub struct PressedPair<'a> {
+    pair: &'a Pair,
+    bodies: &'a CondensedPair,
+    contact: ContactConditions,
+    states: Arc<PairStates>,
+}
+
 impl PressedPair<'_> {
+    /// The states by themselves ([`CondensedPair::pressed`]).
+    pub fn into_states(self) -> Arc<PairStates> {
+        self.states
+    }
+
     /// The states under the loads, with what the reference fixes of the rail.
     ///
     /// # Errors
     /// As [`CondensedPair::rail`].
     pub fn states(&self, reference: Reference) -> Result<&[Pressed]> {
         match reference {
-            Reference::Beam | Reference::Local => Ok(&self.on_section),
-            Reference::Foot => self.on_foot.as_deref().ok_or_else(|| no_foot().into()),
+            Reference::Beam | Reference::Local => Ok(&self.states.on_section),
+            Reference::Foot => self.states.on_foot.as_deref().ok_or_else(|| no_foot().into()),
         }
     }
 
     /// Why there are states only up to the load before the largest wanted ones, if so.
     pub fn ended(&self) -> Option<&Error> {
-        self.ended.as_ref()
+        self.states.ended.as_ref()
     }
 
     /// Fits the normal law of a reference.
@@ -301,7 +326,7 @@ impl PressedPair<'_> {
     /// # Errors
     /// Those of [`Self::fit`].
     pub fn laws(&self) -> Result<Laws> {
-        let foot = self.on_foot.as_ref().map(|_| self.fit(Reference::Foot)).transpose()?;
+        let foot = self.states.on_foot.as_ref().map(|_| self.fit(Reference::Foot)).transpose()?;
         Ok(Laws { foot, beam: self.fit(Reference::Beam)?, local: self.fit(Reference::Local)? })
     }
 

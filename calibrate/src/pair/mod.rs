@@ -20,7 +20,9 @@ mod error_band;
 mod horizontal_band;
 mod series_beam;
 
-pub use bodies::{CondensedPair, ContactBody, ContactConditions, Laws, PressedPair, condense_all};
+pub use bodies::{
+    CondensedPair, ContactBody, ContactConditions, Laws, PairStates, PressedPair, condense_all,
+};
 pub use by_shift::{
     AngleLaw, AngleSettings, FixedLoad, PressDirection, ShiftLaw, TouchPoint, law_by_shift, loads_in_turn,
 };
