@@ -332,6 +332,21 @@ mod tests {
         assert!((said.memory / counted.memory - 1.0).abs() < MODEL, "{said:?} {counted:?}");
     }
 
+    /// Goal: what is not refused but has no room beside other stages is done one after the other, and both bodies are condensed together from less memory on than
+    /// all stages beside each other take; with plenty, both are.
+    #[test]
+    fn a_tight_memory_leaves_no_room_beside_others() {
+        let coarse = study(COARSE);
+        let need = estimate(&coarse, Some(64.0)).unwrap();
+        let room = |limit: f64| Room::of(&need, Budget::new(Some(limit / GIB)));
+        assert_eq!(room(1.001 * need.memory()), Room::default());
+        assert_eq!(room(64.0 * GIB), Room { condensing: true, stages: true });
+        let Beside { condensing, stages } = need.beside;
+        assert!(condensing > need.memory() && stages > need.memory(), "{:?}", need.beside);
+        let least = Room::MARGIN * condensing.min(stages);
+        assert_ne!(room(1.001 * least), Room::default());
+    }
+
     /// Goal: a study that needs more than there is is refused by the first look (elements of 0.2 mm, which no machine
     /// holds) and by the count (a limit just below the need), with keys, numbers and sizes that would do.
     #[test]

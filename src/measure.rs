@@ -158,6 +158,24 @@ mod tests {
         assert!(machine().cores > 0);
     }
 
+    /// Goal: a stopwatch that runs beside a later one still knows the peak of before, MiB, and one that is held stays as it was. Exact: the block alone is
+    /// larger than what is asked for.
+    #[test]
+    fn a_later_stopwatch_takes_no_peak_from_an_earlier_one() {
+        const BLOCK: usize = 256;
+        let first = Stopwatch::start();
+        if first.read().1.is_none() {
+            return;
+        }
+        drop(std::hint::black_box(vec![1_u8; BLOCK << 20]));
+        let second = Stopwatch::start();
+        assert!(first.read().1.unwrap() > BLOCK as f64, "{:?} {:?}", first.read(), second.read());
+        let second = second.held();
+        let read = second.read();
+        drop(std::hint::black_box(vec![1_u8; BLOCK << 20]));
+        assert_eq!(second.read(), read);
+    }
+
     /// Goal: the time of a thread that computes grows by no more than the wall clock, s, and that of a thread that waits stands. Accuracy: MODEL, what a step of
     /// the system's own takes, 2 ms.
     #[test]

@@ -77,6 +77,9 @@ const OF_THE_VERDICT: [&str; 2] = [REPORT, FIGURES];
 /// Bodies of a run on the solids, and the modes that were asked for.
 type Moving = (usize, Arc<MovingBodies>);
 
+/// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.
+type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>);
+
 /// A study on its way through the stages.
 pub struct Pipeline<'a> {
     study: &'a Study,
@@ -172,10 +175,7 @@ impl<'a> Pipeline<'a> {
 
     /// The stages but those on the solids in time. As soon as a calibration that is made has the springs, `begin` gets these runs: they need
     /// its bodies, but neither its error bands and fields nor the laws by contact angle.
-    fn without_solids(
-        &mut self,
-        begin: &dyn Fn(SolidRuns<'a>),
-    ) -> Result<(Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>)> {
+    fn without_solids(&mut self, begin: &dyn Fn(SolidRuns<'a>)) -> Result<WithoutSolids> {
         if self.calibrates()? {
             let springs = self.found_springs()?;
             if self.room.stages && springs.is_whole() && self.study.modes() > 0 {

@@ -46,9 +46,10 @@ struct Stage {
 }
 
 impl State {
-    /// The place of a stage, and whether it begins now.
-    fn place(&mut self, name: &str, begins: bool) -> (usize, bool) {
+    /// The place of a stage that is not `done` with anything, or is, and whether it begins now: anew if more was reported of it.
+    fn place(&mut self, name: &str, done: usize) -> (usize, bool) {
         if let Some(known) = self.stages.iter().position(|stage| stage.name == name) {
+            let begins = done == 0 && self.stages[known].tenths > 0;
             if begins {
                 self.stages[known].tenths = 0;
             }
@@ -98,7 +99,7 @@ impl Monitor for Progress {
             return Ok(());
         }
         let mut state = self.state.lock().expect("no thread panics while it reports");
-        let (place, begins) = state.place(stage, done == 0);
+        let (place, begins) = state.place(stage, done);
         let State { stages, bars } = &mut *state;
         let tenths = (10 * done).checked_div(total).unwrap_or(10);
         let under_way = &mut stages[place];
@@ -136,4 +137,26 @@ fn bar(stage: &str) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg:32} {wide_bar} {pos}/{len} {elapsed}")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(0).with_style(style).with_message(printable(stage.into(), LONGEST))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: of two stages under way at the same time each is new once, and again when it begins anew after more was reported of it.
+    #[test]
+    fn stages_at_the_same_time_are_each_new_once() {
+        let mut state = State::default();
+        assert_eq!(state.place("run", 0), (0, true));
+        assert_eq!(state.place("law", 0), (1, true));
+        assert_eq!(
+            [state.place("run", 0), state.place("run", 1), state.place("law", 1)],
+            [(0, false), (0, false), (1, false)]
+        );
+        state.stages[0].tenths = 3;
+        assert_eq!(
+            [state.place("run", 4), state.place("run", 0), state.place("law", 0)],
+            [(0, false), (0, true), (1, false)]
+        );
+    }
 }

@@ -62,9 +62,15 @@ impl BodySource<'_> {
     pub fn condensed(&self, solids: &PairSolids<'_>, which: &str, modes: usize) -> Result<CondensedPair> {
         self.said(which, |say| {
             let get = |body| self.body(solids, body, modes, &|text| say(body, text));
-            let bodies = condense_all(self.monitor, PairBody::of_pair(self.foot_held), self.together, get)?;
+            let said = (&*format!("superelements{which}"), self.monitor);
+            let bodies = condense_all(said, PairBody::of_pair(self.foot_held), self.together, get)?;
             CondensedPair::new(solids.material, bodies)
         })
+    }
+
+    /// Whether there is room for the factors of all bodies at the same time.
+    pub fn together(&self) -> bool {
+        self.together
     }
 
     /// The bodies of `solids` that move in runs in time, with `modes` modes.
@@ -75,7 +81,7 @@ impl BodySource<'_> {
         let [(_, wheel), (_, rail)] = self.said("", |say| {
             let get = |body| self.body(solids, body, modes, &|text| say(body, text));
             let bodies = [PairBody::Wheel, PairBody::RailOnEnds];
-            let bodies = condense_all(self.monitor, &bodies, self.together, get)?;
+            let bodies = condense_all(("superelements", self.monitor), &bodies, self.together, get)?;
             Ok(<[_; 2]>::try_from(bodies).expect("two bodies"))
         })?;
         Ok(MovingBodies::Own(Box::new([rail, wheel])))

@@ -9,7 +9,7 @@ use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
 use crate::output::to_json;
 use crate::records::{StiffnessByAngleRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Meshes};
+use crate::stages;
 use crate::store::{Address, Artefact, Kind};
 
 /// The laws of the study's shifts, on the bodies of its calibration.
@@ -53,11 +53,7 @@ impl Stage for ByAngle<'_> {
         // with the zones of the calibration, with which the runs on the solids go on
         let coarser = || {
             let meshes = at.meshes(Pipeline::calibration_work)?;
-            let condense = |coarser: &Meshes| {
-                let solids = stages::solids(study, &geometry, coarser);
-                at.body_source().condensed(&solids, " of coarser elements", 0)
-            };
-            let coarser = stages::coarser_bodies(study, &geometry, &meshes, condense)?;
+            let coarser = at.coarser(&geometry, &meshes)?;
             let element = meshes.contact_element();
             at.go_on_with(meshes);
             Ok((element, coarser))

@@ -16,7 +16,7 @@ use crate::measure::Stopwatch;
 use crate::output::to_json;
 use crate::records::{ErrorBandRecord, HorizontalBandRecord, PatchesRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
-use crate::stages::{self, Calibration, Geometry, Meshes, PressedStudy, Reached, Within};
+use crate::stages::{self, Calibration, CoarserBodies, Geometry, Meshes, PressedStudy, Reached, Within};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::Study;
 
@@ -29,6 +29,8 @@ pub(super) struct FoundOn {
     meshes: Meshes,
     condensed: Arc<CondensedPair>,
     pressed: PressedStudy,
+    /// The bodies of coarser meshes, if they were condensed beside the others.
+    coarser: Option<CoarserBodies>,
     /// Their bands, where these have said that the meshes are fine enough.
     band: Option<Band>,
     /// Whether larger contact zones were refused.
@@ -52,8 +54,8 @@ impl FoundOn {
 /// The error bands of laws and horizontal stiffness.
 type Band = (ErrorBandRecord, Option<HorizontalBandRecord>);
 
-/// Bodies with the springs that they have.
-type Pressed = (Arc<CondensedPair>, PressedStudy);
+/// Bodies with the springs that they have, and those of coarser meshes.
+type Pressed = (Arc<CondensedPair>, PressedStudy, Option<CoarserBodies>);
 
 /// What goes when springs or fields change: also the fields under other loads.
 const OF_THE_CALIBRATION: [&str; 4] = [VERIFICATION, REPORT, FIGURES, stages::FIELDS];
@@ -83,12 +85,14 @@ impl Stage for Calibrate {
             Some(springs) => springs,
             None => at.found_springs()?,
         };
-        let FoundOn { meshes, condensed, pressed, band, refused, watch } = springs;
+        let FoundOn { meshes, condensed, pressed, coarser, band, refused, watch } = springs;
         at.watch = watch.or(at.watch.take());
         let (study, geometry) = (at.study, at.geometry()?);
         let fields = || stages::calibrate(study, &geometry, &meshes, &condensed, &pressed);
         let band = || match band {
-            None if study.wants_error_band() => at.band(&geometry, &meshes, &condensed, &pressed).map(Some),
+            None if study.wants_error_band() => {
+                at.band(&geometry, &meshes, &condensed, &pressed, coarser).map(Some)
+            }
             band => Ok(band),
         };
         let (fields, band) = if at.room.stages { rayon::join(fields, band) } else { (fields(), band()) };
@@ -163,44 +167,58 @@ impl Pipeline<'_> {
         };
         let press = |meshes: &Meshes| {
             let solids = stages::solids(study, &geometry, meshes);
-            let condensed = Arc::new(source.condensed(&solids, "", modes)?);
+            let condensed = || source.condensed(&solids, "", modes);
+            let (condensed, coarser) = if source.together() && study.wants_error_band() {
+                let (condensed, coarser) = rayon::join(condensed, || self.coarser(&geometry, meshes));
+                (condensed?, Some(coarser?))
+            } else {
+                (condensed()?, None)
+            };
             let pressed = stages::press(study, &geometry, &condensed, monitor)?;
-            Ok((condensed, pressed))
+            Ok((Arc::new(condensed), pressed, coarser))
         };
-        let reached = |(_, pressed): &Pressed| match pressed.ended() {
+        let reached = |(_, pressed, _): &Pressed| match pressed.ended() {
             Some(Error::Numerics(cause)) => Reached::by(cause),
             _ => None,
         };
         loop {
-            let Within { result: (condensed, pressed), refused } =
+            let Within { result: (condensed, pressed, coarser), refused } =
                 stages::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
                     .map_err(|error| uncarried(study, error))?;
             let mut band = None;
             if study.wants_error_band() && study.target_error.is_some() {
-                let (band, _) = band.insert(self.band(&geometry, &meshes, &condensed, &pressed)?);
+                let (band, _) = band.insert(self.band(&geometry, &meshes, &condensed, &pressed, None)?);
                 if let Some(finer) = stages::finer_meshes(study, &geometry, &meshes, band, accept, monitor)? {
                     meshes = finer;
                     continue;
                 }
             }
-            return Ok(FoundOn { meshes, condensed, pressed, band, refused, watch: self.watch.take() });
+            let watch = self.watch.take();
+            return Ok(FoundOn { meshes, condensed, pressed, coarser, band, refused, watch });
         }
     }
 
+    /// The bodies of coarser meshes.
+    pub(super) fn coarser(&self, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
+        let (study, source) = (self.study, self.body_source());
+        stages::coarser_bodies(study, geometry, meshes, |coarser| {
+            let solids = stages::solids(study, geometry, coarser);
+            source.condensed(&solids, " of coarser elements", 0)
+        })
+    }
+
+    /// The error bands; `coarser` are the bodies of coarser meshes, if they are there.
     fn band(
         &self,
         geometry: &Geometry,
         meshes: &Meshes,
         bodies: &CondensedPair,
         pressed: &PressedStudy,
+        coarser: Option<CoarserBodies>,
     ) -> Result<Band> {
-        let (study, source) = (self.study, self.body_source());
-        let condense = |coarser: &Meshes| {
-            let solids = stages::solids(study, geometry, coarser);
-            source.condensed(&solids, " of coarser elements", 0)
-        };
+        let coarser = coarser.map_or_else(|| self.coarser(geometry, meshes), Ok)?;
         let monitor = self.resources.monitor;
-        stages::error_band(study, geometry, meshes, bodies, pressed.found(), condense, monitor)
+        stages::error_band(self.study, geometry, meshes, bodies, pressed.found(), &coarser, monitor)
     }
 }
 

@@ -45,10 +45,11 @@ impl Stage for SimulateSolid<'_> {
         Ok(at.store.map(|store| self.kept_at(at.study, store, reach)))
     }
 
+    fn begun(&self, at: &Pipeline<'_>) -> Option<Result<Made>> {
+        at.begun.take(self.name)
+    }
+
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        if let Some(begun) = at.begun.take(self.name) {
-            return begun;
-        }
         let mut runs = at.solid_runs(Pipeline::solid_work)?;
         let made = runs.run(self.name, self.scenario, at.resources.monitor)?;
         at.moving = runs.moving;

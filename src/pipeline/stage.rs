@@ -30,6 +30,11 @@ pub(super) trait Stage {
     /// Where the store keeps it; `None` for what is made from its inputs sooner than it is read.
     fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>>;
 
+    /// What was made of it beside other stages.
+    fn begun(&self, _: &Pipeline<'_>) -> Option<Result<Made>> {
+        None
+    }
+
     /// Makes it.
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made>;
 
@@ -114,15 +119,17 @@ impl Pipeline<'_> {
     pub(super) fn get<S: Stage>(&mut self, stage: &S) -> Result<S::Value> {
         self.watch = Some(Stopwatch::start());
         let address = stage.address(self)?;
+        let begun = stage.begun(self).transpose()?;
         let taken = match &address {
-            Some(address) if !self.fresh => self.take(stage, address),
+            Some(address) if !self.fresh && begun.is_none() => self.take(stage, address),
             _ => None,
         };
         let is_taken = taken.is_some();
         let (artefact, value, failure) = match taken {
             Some((artefact, value)) => (artefact, value, None),
             None => {
-                let Made { artefact, complete, failure, elsewhere } = stage.make(self)?;
+                let made = begun.map_or_else(|| stage.make(self), Ok)?;
+                let Made { artefact, complete, failure, elsewhere } = made;
                 if let Some(address) = address.filter(|_| complete && elsewhere.is_none()) {
                     self.keep(&address, &stage.name(), &artefact);
                 }

@@ -93,8 +93,8 @@ pub fn bodies_of(coarser: &CoarserBodies) -> Option<&CondensedPair> {
     coarser.as_ref().ok().map(|coarser| &coarser.bodies)
 }
 
-/// The bands of the laws of `bodies` on `meshes`, and of the horizontal stiffness, if there is one: on a grid of half the spacing, and on coarser
-/// meshes, whose bodies `condense` has. A part that does not come to an answer is missing and takes nothing from the springs.
+/// The bands of the laws of `bodies` on `meshes`, and of the horizontal stiffness, if there is one: on a grid of half the spacing, and on the bodies of
+/// `coarser` meshes. A part that does not come to an answer is missing and takes nothing from the springs.
 ///
 /// # Errors
 /// An interruption.
@@ -104,17 +104,16 @@ pub fn error_band(
     meshes: &Meshes,
     bodies: &CondensedPair,
     found: &FoundSprings,
-    condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
+    coarser: &CoarserBodies,
     monitor: &dyn Monitor,
 ) -> Result<(ErrorBandRecord, Option<HorizontalBandRecord>)> {
-    let coarser = coarser_bodies(study, geometry, meshes, condense)?;
     let (pair, contact) = (&geometry.pair, contact_conditions(study));
     let solid = Solid::of_calibration(pair, bodies, contact, &found.laws);
-    let changed = solid.changed(bodies_of(&coarser), monitor)?;
-    let band = band_record(&solid.points, changed, meshes.contact_element(), &coarser);
+    let changed = solid.changed(bodies_of(coarser), monitor)?;
+    let band = band_record(&solid.points, changed, meshes.contact_element(), coarser);
     let Some(found) = &found.horizontal else { return Ok((band, None)) };
     let reference = Reference::from(study.calibration.reference);
-    let changes = match &coarser {
+    let changes = match coarser {
         Ok(Coarser { bodies, .. }) => {
             match horizontal_changes(pair, bodies, contact, reference, &found.points, monitor) {
                 Err(Error::Interrupted) => return Err(Error::Interrupted),

@@ -348,7 +348,7 @@ mod tests {
         let mut meshes = stages::meshes(&study, &geometry, options, None, &notes).unwrap();
         let press = |meshes: &Meshes| {
             let solids = stages::solids(&study, &geometry, meshes);
-            let bodies = condense_all(&notes, PairBody::of_pair(false), true, |body| {
+            let bodies = condense_all(("superelements", &notes), PairBody::of_pair(false), true, |body| {
                 solids.condense(body, solids.key(body))
             })?;
             let condensed = CondensedPair::new(study.material, bodies)?;

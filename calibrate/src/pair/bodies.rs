@@ -116,22 +116,23 @@ impl PairMeshes {
         let (rail, wheel, orders) = (&self.rail, &self.wheel, &Orders::default());
         let solids = PairSolids { pair, rail, wheel, material, element, orders };
         let condense = |body| solids.condense_in_time(body, solids.key(body), modes);
-        CondensedPair::new(material, condense_all(monitor, bodies, false, condense)?)
+        CondensedPair::new(material, condense_all(("superelements", monitor), bodies, false, condense)?)
     }
 }
 
-/// The `bodies`, each as `get` has it: at the same time if there is room for the factors `together`, or else one after the other.
+/// The `bodies`, each as `get` has it: at the same time if there is room for the factors `together`, or else one after the other. `stage`
+/// names the work to `monitor`.
 ///
 /// # Errors
 /// Those of `get`, and an interruption.
 pub fn condense_all<T: Send>(
-    monitor: &dyn Monitor,
+    (stage, monitor): (&str, &dyn Monitor),
     bodies: &[PairBody],
     together: bool,
     get: impl Fn(PairBody) -> Result<T> + Sync,
 ) -> Result<Vec<(PairBody, T)>> {
     let done = AtomicUsize::new(0);
-    let report = |done| monitor.progress("superelements", done, bodies.len());
+    let report = |done| monitor.progress(stage, done, bodies.len());
     report(0)?;
     let one = |&body: &PairBody| {
         let condensed = get(body)?;
