@@ -10,7 +10,7 @@ use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::{PlacedRail, TrackGeometry};
 use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::step_control::InnerSteps;
 
@@ -283,15 +283,7 @@ pub(super) fn elastic() -> CondensedModel {
 
 /// The published load case 4.1 over 100 steps.
 pub(super) fn published() -> Scenario {
-    let suspension = Kelvin { stiffness: 1.2e6, damping: 4e4 };
-    Scenario {
-        suspended_mass: 6250.0,
-        vertical_suspension: suspension,
-        vertical_force: HarmonicForce { constant: 10e3, amplitude: 61.25e3, frequency: 10.0, phase: 0.0 },
-        lateral_force: HarmonicForce::constant(20e3),
-        inner_steps: InnerSteps::Equal(16),
-        ..quiet(100, 5e-4)
-    }
+    Scenario { steps: 100, inner_steps: InnerSteps::Equal(16), ..crate::cases::constant_lateral_force() }
 }
 
 /// Goal: what is mirrored about the vertical has the mirrored forces (N), flange, two contacts and a free rotation included.

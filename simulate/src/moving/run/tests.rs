@@ -377,15 +377,7 @@ pub(super) fn published() -> MovingModel {
 
 /// The publication's load cases 4.1 and 4.2, the vertical force pushing down first.
 pub(super) fn published_scenario(lateral_force: HarmonicForce) -> Scenario {
-    let suspension = Kelvin { stiffness: 1.2e6, damping: 4e4 };
-    Scenario {
-        suspended_mass: 6250.0,
-        vertical_suspension: suspension,
-        vertical_force: HarmonicForce { constant: 10e3, amplitude: 61.25e3, frequency: 10.0, phase: 0.0 },
-        lateral_suspension: suspension,
-        lateral_force,
-        ..quiet(550, 5e-4)
-    }
+    Scenario { lateral_force, ..crate::cases::constant_lateral_force() }
 }
 
 /// Source: publication, section 4.1, and an estimate with rigid profiles. Goal: a picture, not numbers: the wheel shifts 6.7 mm, climbs
