@@ -33,7 +33,7 @@ mod sweeps;
 mod solver;
 mod subsurface;
 
-pub use compliance::{BodyCompliance, Compliance, NodalCompliance, PenaltySprings, total};
+pub use compliance::{BodyCompliance, Compliance, NodalCompliance, PenaltySprings, Terms, total};
 pub use half_space::HalfSpace;
 pub(crate) use half_space::{add_half_spaces, displacement_far_from};
 pub(crate) use hybrid::{Hybrid, Share, Shares};

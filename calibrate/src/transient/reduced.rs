@@ -8,7 +8,7 @@
 mod tests;
 
 use super::body::{BodyLoad, ElasticBody, Flexible, Interface};
-use crate::contact::NodalCompliance;
+use crate::contact::{NodalCompliance, Terms};
 use crate::energy::PartEnergy;
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::linear_part::{LinearPart, LinearStep};
@@ -271,27 +271,28 @@ impl NodalCompliance for ReducedBody<'_> {
         self.shapes.nrows()
     }
 
-    fn between(&self, coordinates: &[usize]) -> Mat<f64> {
-        let (contact, stiffening) = (self.contact_rows(), self.stiffening());
-        let mut part = Mat::from_fn(coordinates.len(), coordinates.len(), |i, j| {
-            let (row, column) = (coordinates[i], coordinates[j]);
-            if row < contact && column < contact {
-                self.body.compliance[(row, column)] / stiffening
-            } else {
-                0.0
-            }
-        });
-        let of =
-            |all: &Mat<f64>| Mat::from_fn(coordinates.len(), all.ncols(), |i, k| all[(coordinates[i], k)]);
-        let (half, shapes) = (of(&self.half), of(&self.shapes));
-        matmul(part.as_mut(), Accum::Add, half.as_ref(), shapes.transpose(), 1.0, Par::Seq);
-        part
+    fn terms(&self) -> Terms<'_> {
+        let (matrix, factor) = (&self.body.compliance, 1.0 / self.stiffening());
+        Terms { matrix, factor, product: Some([&self.half, &self.shapes]) }
     }
 }
 
 impl Flexible for ReducedBody<'_> {
     fn kept(&self) -> &Mat<f64> {
-        self.flexibility.get_or_init(|| self.between(&(0..self.coordinates()).collect::<Vec<_>>()))
+        self.flexibility.get_or_init(|| {
+            let (contact, stiffening) = (self.contact_rows(), self.stiffening());
+            let size = self.coordinates();
+            let mut all = Mat::from_fn(size, size, |row, column| {
+                if row < contact && column < contact {
+                    self.body.compliance[(row, column)] / stiffening
+                } else {
+                    0.0
+                }
+            });
+            let (half, shapes) = (self.half.as_ref(), self.shapes.transpose());
+            matmul(all.as_mut(), Accum::Add, half, shapes, 1.0, Par::Seq);
+            all
+        })
     }
 
     fn under(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64> {
