@@ -126,7 +126,12 @@ impl Factor {
                 1.0,
                 Par::Seq,
             );
-            let gathered = Mat::from_fn(below.nrows(), count, |i, j| columns[(node.pattern()[i], j)]);
+            let mut gathered = Mat::zeros(below.nrows(), count);
+            for n in 0..count {
+                let column = columns.col(n).try_as_col_major().expect("column major").as_slice();
+                let values = gathered.col_as_slice_mut(n).iter_mut().zip(node.pattern());
+                values.for_each(|(value, row)| *value = column[*row]);
+            }
             matmul(rows, Accum::Add, below.transpose(), gathered.as_ref(), 1.0, Par::Seq);
         }
         product

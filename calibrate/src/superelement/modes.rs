@@ -23,6 +23,7 @@ use faer::linalg::matmul::matmul;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 use nalgebra::{DMatrix, Matrix6, Point3, SymmetricEigen, Vector3};
+use std::ops::Range;
 
 /// A direction is spanned already if less than this share of it is left beside the others.
 const SPANNED: f64 = 1e-5;
@@ -118,10 +119,11 @@ impl Superelement<'_> {
         let coupling =
             DMatrix::from_fn(6, kept, |motion, mode| dot(&inertia[motion], vectors.col_as_slice(mode)));
         let roots = self.roots(vectors);
-        let energy = |i: usize, j: usize| dot(roots.col_as_slice(i), roots.col_as_slice(j));
+        let mut stiffness = Mat::zeros(kept, kept);
+        matmul(stiffness.as_mut(), Accum::Replace, roots.transpose(), roots.as_ref(), 1.0, Par::Seq);
         Ok(Modes {
             contact: shapes,
-            stiffness: DMatrix::from_fn(kept, kept, |i, j| energy(i.min(j), i.max(j))),
+            stiffness: DMatrix::from_fn(kept, kept, |i, j| stiffness[(i.min(j), i.max(j))]),
             coupling,
             rigid: Matrix6::from_fn(|i, k| {
                 0.5 * (dot(&impulses[i], &moved[k]) + dot(&impulses[k], &moved[i]))
@@ -132,9 +134,10 @@ impl Superelement<'_> {
 
     /// The products of [`Factor::root_times`], which take the place of the vectors.
     fn roots(&self, mut vectors: Mat<f64>) -> Mat<f64> {
-        const AT_ONCE: usize = 8;
-        for first in (0..vectors.ncols()).step_by(AT_ONCE) {
-            let mut some = vectors.subcols_mut(first, AT_ONCE.min(vectors.ncols() - first));
+        // what a pass over the factor takes is the time to read it
+        const TOGETHER: usize = 32;
+        for first in (0..vectors.ncols()).step_by(TOGETHER) {
+            let mut some = vectors.subcols_mut(first, TOGETHER.min(vectors.ncols() - first));
             let products = self.factor.root_times(some.as_ref());
             some.copy_from(&products);
         }
@@ -236,19 +239,44 @@ impl InteriorMass {
     /// Mass times vectors by equation, in the equations of these nodes.
     fn times(&self, vectors: MatRef<'_, f64>) -> Mat<f64> {
         let mut products = Mat::zeros(3 * (self.starts.len() - 1), vectors.ncols());
-        for n in 0..vectors.ncols() {
-            let vector = vectors.col(n).try_as_col_major().expect("whole columns").as_slice();
-            let (to, _) = products.col_as_slice_mut(n).as_chunks_mut::<3>();
-            for (sum, row) in to.iter_mut().zip(self.starts.windows(2)) {
-                for &(place, value) in &self.entries[row[0]..row[1]] {
-                    let at = 3 * place as usize;
-                    (0..3).for_each(|d| sum[d] += value * vector[at + d]);
-                }
+        for first in (0..vectors.ncols()).step_by(AT_ONCE) {
+            let some = first..vectors.ncols().min(first + AT_ONCE);
+            match some.len() {
+                AT_ONCE => self.put_products::<AT_ONCE>(vectors, some, &mut products),
+                _ => some.for_each(|n| self.put_products::<1>(vectors, n..n + 1, &mut products)),
             }
         }
         products
     }
+
+    /// Products of `N` vectors by their numbers; each value of the mass is read once for all of them.
+    fn put_products<const N: usize>(
+        &self,
+        vectors: MatRef<'_, f64>,
+        numbers: Range<usize>,
+        products: &mut Mat<f64>,
+    ) {
+        let of: [&[f64]; N] = std::array::from_fn(|n| {
+            vectors.col(numbers.start + n).try_as_col_major().expect("whole columns").as_slice()
+        });
+        for (row, ends) in self.starts.windows(2).enumerate() {
+            let mut sums = [[0.0; 3]; N];
+            for &(place, value) in &self.entries[ends[0]..ends[1]] {
+                let at = 3 * place as usize;
+                for n in 0..N {
+                    (0..3).for_each(|d| sums[n][d] += value * of[n][at + d]);
+                }
+            }
+            for n in 0..N {
+                let to = products.col_as_slice_mut(numbers.start + n);
+                to[3 * row..3 * row + 3].copy_from_slice(&sums[n]);
+            }
+        }
+    }
 }
+
+/// Vectors at once in a product with the mass.
+const AT_ONCE: usize = 4;
 
 /// The contact nodes, which follow the others. They have no mass, so that nothing in the orthogonality of the modes holds them: left alone, the
 /// rounding of their displacements grows from block to block. B. Nour-Omid, B.N. Parlett, T. Ericsson, P.S. Jensen, "How to implement
