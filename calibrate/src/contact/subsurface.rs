@@ -233,59 +233,79 @@ fn at_surface(loaded: &[Loaded], depth: f64, poisson: f64) -> Subsurface {
 
 /// Stress at an `offset` and `depth` from a concentrated force: into the body, along 1 and along 2, N.
 fn concentrated(offset: Vector2<f64>, depth: f64, poisson: f64, [p, q1, q2]: [f64; 3]) -> PatchStress {
-    let mut stress = boussinesq(offset, depth, poisson).map(|s| p * s);
+    let powers = Powers::new(offset, depth);
+    let mut stress = boussinesq(offset, depth, &powers, poisson).map(|s| p * s);
     if q1 != 0.0 {
-        stress.iter_mut().zip(cerruti(offset, depth, poisson)).for_each(|(s, v)| *s += q1 * v);
+        let unit = cerruti(offset, depth, &powers, poisson);
+        stress.iter_mut().zip(unit).for_each(|(s, v)| *s += q1 * v);
     }
     if q2 != 0.0 {
-        let [aa, bb, cc, ab, bc, ca] = cerruti(offset.yx(), depth, poisson);
+        let [aa, bb, cc, ab, bc, ca] = cerruti(offset.yx(), depth, &powers, poisson);
         stress.iter_mut().zip([bb, aa, cc, ab, ca, bc]).for_each(|(s, v)| *s += q2 * v);
     }
     stress
 }
 
+/// Powers of the distance ρ from a force and of its sum with the depth z, which the forces in all directions share: they are asked for
+/// millions of times, and a division takes as long as ten products.
+struct Powers {
+    /// ρ, m.
+    distance: f64,
+    /// 1/ρ, 1/ρ³, 1/ρ⁵.
+    inverse: [f64; 3],
+    /// 1/(ρ + z) and its square.
+    with_depth: [f64; 2],
+}
+
+impl Powers {
+    fn new(offset: Vector2<f64>, z: f64) -> Self {
+        let distance = (offset.norm_squared() + z * z).sqrt();
+        let (first, sum) = (1.0 / distance, 1.0 / (distance + z));
+        let third = first * first * first;
+        Self { distance, inverse: [first, third, third * first * first], with_depth: [sum, sum * sum] }
+    }
+}
+
 /// Johnson (3.20), for a unit force.
-fn boussinesq(offset: Vector2<f64>, z: f64, poisson: f64) -> PatchStress {
+fn boussinesq(offset: Vector2<f64>, z: f64, powers: &Powers, poisson: f64) -> PatchStress {
     let (x, y) = (offset.x, offset.y);
-    let rho = offset.norm().hypot(z);
+    let Powers { distance: rho, inverse: [first, third, fifth], with_depth: [sum, square] } = *powers;
     let compressible = 1.0 - 2.0 * poisson;
     // (1 - z/ρ)/r² = 1/(ρ·(ρ + z)), which has its value below the force, too
-    let g = 1.0 / (rho * (rho + z));
+    let g = first * sum;
     // {(1 - z/ρ)(x² - y²)/r² + z·y²/ρ³}/r², where 1/r² goes out: y²·(z/ρ³ - 2g)/r² + g, and z/ρ³ - 2g = -r²·h
-    let h = (2.0 * rho + z) / (rho.powi(3) * (rho + z).powi(2));
-    let normal = |along: f64, across: f64| {
-        compressible * (g - across * across * h) - 3.0 * z * along * along / rho.powi(5)
-    };
-    let shear = 3.0 * z * z / rho.powi(5);
+    let h = (2.0 * rho + z) * third * square;
+    let normal =
+        |along: f64, across: f64| compressible * (g - across * across * h) - 3.0 * z * along * along * fifth;
+    let shear = 3.0 * z * z * fifth;
     [
         normal(x, y),
         normal(y, x),
-        -3.0 * z.powi(3) / rho.powi(5),
-        compressible * x * y * h - 3.0 * x * y * z / rho.powi(5),
+        -shear * z,
+        compressible * x * y * h - 3.0 * x * y * z * fifth,
         -shear * y,
         -shear * x,
     ]
-    .map(|s| s / (2.0 * PI))
+    .map(|s| s * (0.5 / PI))
 }
 
 /// Johnson (3.76), for a unit force along the first axis.
-fn cerruti(offset: Vector2<f64>, z: f64, poisson: f64) -> PatchStress {
+fn cerruti(offset: Vector2<f64>, z: f64, powers: &Powers, poisson: f64) -> PatchStress {
     let (x, y) = (offset.x, offset.y);
-    let rho = offset.norm().hypot(z);
+    let Powers { inverse: [first, third, fifth], with_depth: [sum, square], .. } = *powers;
     let compressible = 1.0 - 2.0 * poisson;
-    let sum = rho + z;
-    let common = 1.0 / (rho.powi(3) * sum.powi(2)) + 2.0 / (rho.powi(2) * sum.powi(3));
-    let straight = 1.0 / (rho * sum.powi(2));
-    let far = 3.0 / rho.powi(5);
+    let common = square * (third + 2.0 * first * first * sum);
+    let straight = first * square;
+    let far = 3.0 * fifth;
     [
-        -far * x.powi(3) + compressible * (x / rho.powi(3) - 3.0 * x * straight + x.powi(3) * common),
-        -far * x * y * y + compressible * (x / rho.powi(3) - x * straight + x * y * y * common),
+        -far * x * x * x + compressible * (x * third - 3.0 * x * straight + x * x * x * common),
+        -far * x * y * y + compressible * (x * third - x * straight + x * y * y * common),
         -far * x * z * z,
         -far * x * x * y + compressible * (x * x * y * common - y * straight),
         -far * x * y * z,
         -far * x * x * z,
     ]
-    .map(|s| s / (2.0 * PI))
+    .map(|s| s * (0.5 / PI))
 }
 
 #[cfg(test)]
