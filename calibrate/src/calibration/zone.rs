@@ -68,8 +68,11 @@ fn nodes_around(surface: &Surface, loads: &[(Point2<f64>, f64)]) -> Vec<ZoneNode
     let columns = grid.along_track.len();
     let mut weights = vec![0.0; grid.along_profile.len() * columns];
     let half = half_length(&grid.along_profile);
+    let lines = surface.unit_lines();
+    let mut track = lines.clone();
     for (at, force) in loads {
-        let track = surface.lines_at(at.x);
+        let over = surface.lines_over(at.x);
+        track.iter_mut().zip(&lines).for_each(|(x, line)| *x = over * line);
         let along: Vec<(usize, f64)> = hats(&track, at.y, half_length(&track)).collect();
         for (i, u) in hats(&grid.along_profile, at.x, half) {
             for &(k, v) in &along {
@@ -147,13 +150,19 @@ pub(crate) struct Placed<'s> {
 }
 
 impl<'s> Placed<'s> {
-    /// The surfaces of rail and wheel at rest, in `places`, with the displacements of their contact nodes (`3·node + axis`, m).
-    pub fn new(places: Places, at_rest: [&Surface<'s>; 2], displacement: [&[f64]; 2]) -> Self {
+    /// The surfaces of rail and wheel at rest, in `places`, with the displacements of their contact nodes (`3·node + axis`, m). `nodes` are
+    /// where these are at rest ([`Surface::node`]).
+    pub fn new(
+        places: Places,
+        at_rest: [&Surface<'s>; 2],
+        nodes: [&[Point2<f64>]; 2],
+        displacement: [&[f64]; 2],
+    ) -> Self {
         let rest = |body: usize| {
             let motion = &places.0[body];
             let mut rest = displacement[body].to_vec();
-            for (node, nodal) in rest.chunks_exact_mut(3).take(at_rest[body].grid.nodes.len()).enumerate() {
-                let moved = motion.displacement(&at_rest[body].node(node));
+            for (node, nodal) in nodes[body].iter().zip(rest.chunks_exact_mut(3)) {
+                let moved = motion.displacement(node);
                 nodal[1] -= moved.x;
                 nodal[2] -= moved.y;
             }

@@ -127,6 +127,9 @@ impl<'a> Pairing<'a> {
         wanted: impl Fn(&Self, &Line, (usize, usize)) -> bool,
     ) -> Vec<ContactPoint> {
         let mut pairing = Self::candidates(base, opposing, wanted);
+        for point in &mut pairing.points {
+            (point.base, point.opposing) = (Vec::with_capacity(9), Vec::with_capacity(25));
+        }
         for i in 0..base.grid.along_profile.len() - 1 {
             pairing.integrate_row(i);
         }
@@ -161,8 +164,8 @@ impl<'a> Pairing<'a> {
                         area: 0.0,
                         normal: Vector2::zeros(),
                         at_edge: i == 0 || k == 0 || i + 1 == rows || k + 1 == columns,
-                        base: Vec::with_capacity(9),
-                        opposing: Vec::with_capacity(25),
+                        base: Vec::new(),
+                        opposing: Vec::new(),
                     });
                 }
             }

@@ -58,21 +58,28 @@ impl ContactPoint {
     }
 
     /// Displacement weights of one body in direction 0 (normal), 1 (lateral tangent), 2 (along the track):
-    /// `(3·node + axis, weight)`.
+    /// `(3·node + axis, weight)` of the axes that the direction has.
     pub fn row(&self, side: Side, direction: usize) -> impl Iterator<Item = (usize, f64)> {
+        let axes = if direction < 2 { 2 } else { 1 };
         self.weights(side).iter().flat_map(move |w| {
-            let vector = match direction {
-                0 => Vector3::new(0.0, w.normal.x, w.normal.y),
-                1 => Vector3::new(0.0, -w.normal.y, w.normal.x),
-                _ => Vector3::new(w.scalar, 0.0, 0.0),
+            let of_axes = match direction {
+                0 => [(1, w.normal.x), (2, w.normal.y)],
+                1 => [(1, -w.normal.y), (2, w.normal.x)],
+                _ => [(0, w.scalar), (0, 0.0)],
             };
-            (0..3).map(move |axis| (3 * w.node + axis, vector[axis]))
+            of_axes.into_iter().take(axes).map(move |(axis, weight)| (3 * w.node + axis, weight))
         })
     }
 
     /// Mean of nodal displacements (`3·node + axis`, m) of one body over the patch, in a direction as of [`Self::row`].
     pub fn displacement(&self, side: Side, direction: usize, nodal: &[f64]) -> f64 {
-        self.row(side, direction).map(|(dof, w)| w * nodal[dof]).sum()
+        let weights = self.weights(side).iter();
+        let across = |w: &NodeWeight| Vector2::new(nodal[3 * w.node + 1], nodal[3 * w.node + 2]);
+        match direction {
+            0 => weights.map(|w| w.normal.dot(&across(w))).sum(),
+            1 => weights.map(|w| w.normal.perp(&across(w))).sum(),
+            _ => weights.map(|w| w.scalar * nodal[3 * w.node]).sum(),
+        }
     }
 
     /// World direction: 0 normal (out of the base), 1 lateral tangent, 2 along the track.

@@ -136,15 +136,20 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// As [`Self::x`], of all lines of the grid along the track.
-    pub(crate) fn lines_at(&self, s: f64) -> Vec<f64> {
-        let lines = &self.grid.along_track;
+    /// x of all lines of the grid along the track over what [`Self::lines_over`] is at an arc length.
+    pub(crate) fn unit_lines(&self) -> Vec<f64> {
+        let lines = self.grid.along_track.iter();
         match self.shape {
-            Shape::Extruded => lines.clone(),
-            Shape::Revolved { radius } => {
-                let radius = radius + self.curve.point(s).y;
-                lines.iter().map(|t| radius * t.sin()).collect()
-            }
+            Shape::Extruded => lines.copied().collect(),
+            Shape::Revolved { .. } => lines.map(|t| t.sin()).collect(),
+        }
+    }
+
+    /// What the [`Self::unit_lines`] are multiplied by at the arc length `s`: the radius there of what is revolved.
+    pub(crate) fn lines_over(&self, s: f64) -> f64 {
+        match self.shape {
+            Shape::Extruded => 1.0,
+            Shape::Revolved { radius } => radius + self.curve.point(s).y,
         }
     }
 

@@ -17,7 +17,7 @@ use crate::contact::{ContactPoint, Factors, HalfSpace, Lattice, Problem, Side, S
 use crate::error::{Error, NumericsError, Result, StopReason};
 use crate::newmark::Newmark;
 use crate::scenario::Scenario;
-use nalgebra::Vector2;
+use nalgebra::{Point2, Vector2};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -66,6 +66,8 @@ const GRID_CHANGES: usize = 2 * WIDENINGS;
 /// What the contact of every step of a run has in common.
 pub(super) struct StepContact<'m> {
     model: &'m TransientModel<'m>,
+    /// Contact nodes of rail and wheel at rest, m.
+    nodes: [Vec<Point2<f64>>; 2],
     friction: f64,
     time_step: f64,
     /// Half-spaces of both bodies in a step: stiffer than at rest by what the damping adds.
@@ -85,8 +87,11 @@ impl<'m> StepContact<'m> {
         let half_spaces = HalfSpace::both(&model.material)
             .map(|body| HalfSpace { shear_modulus: stiffening * body.shear_modulus, ..body });
         let kept = [damping * scheme.velocity / stiffening, damping / stiffening];
+        let nodes = [&model.rail_surface, &model.wheel_surface]
+            .map(|surface| (0..surface.grid.nodes.len()).map(|node| surface.node(node)).collect());
         Self {
             model,
+            nodes,
             friction: scenario.friction,
             time_step: scheme.step(),
             half_spaces,
@@ -149,7 +154,8 @@ impl<'m> StepContact<'m> {
 
     /// The bodies in their `places`, with what they move beyond these without contact forces.
     fn placed(&self, places: Places, [rail, wheel]: [&Interface; 2]) -> Placed<'m> {
-        Placed::new(places, self.surfaces_at_rest(), [rail.free, wheel.free])
+        let nodes = self.nodes.each_ref().map(Vec::as_slice);
+        Placed::new(places, self.surfaces_at_rest(), nodes, [rail.free, wheel.free])
     }
 
     /// A `solved` contact with the nodes around its patch, those of the last one where it has none or after [`ZONE_LIMIT`] pairings.
