@@ -39,6 +39,8 @@ struct State {
     wheel: WheelState,
     rail: Option<RailState>,
     spring_force: f64,
+    /// Forces on the section of the rail in directions 1, 2 and moment 3.
+    on_rail: Vector3<f64>,
     /// Friction limits of the rail nodes, N.
     limits: Vec<f64>,
     ledger: EnergyLedger,
@@ -237,6 +239,7 @@ impl<'a> Run<'a> {
             wheel,
             rail,
             spring_force: solution.spring_force.y,
+            on_rail: solution.on_rail(),
             limits: self.limits(&solution),
         };
         Ok((state, solution))
@@ -342,7 +345,11 @@ impl<'a> Run<'a> {
         let torsion = |time: f64| self.rail_load(time).torsion;
         let of_rail = match (&self.rail, &state.rail, &moved_rail) {
             (Some(dynamics), Some(before), Some(after)) => {
-                dynamics.energy(before, after, 0.5 * (torsion(time - step) + torsion(time)), step)
+                let times = [time - step, time];
+                let x = times.map(|time| self.rail_load(time).x);
+                let driven = dynamics.driven([before, after], x, [state.on_rail, on_rail]);
+                let driven = PartEnergy { work: driven, ..PartEnergy::default() };
+                dynamics.energy(before, after, 0.5 * (torsion(times[0]) + torsion(times[1])), step) + driven
             }
             _ => PartEnergy::default(),
         };
@@ -353,6 +360,7 @@ impl<'a> Run<'a> {
             wheel: moved_wheel,
             rail: moved_rail,
             spring_force: solution.spring_force.y,
+            on_rail,
             limits: self.limits(&solution),
         };
         if !next.is_finite() {
