@@ -332,6 +332,9 @@ fn laws_of(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
             )
         })?;
     accepted_pair(study, &name, Some(&laws.pair))?;
+    if let Some(element) = &laws.element {
+        element.check(&name)?;
+    }
     Ok(laws)
 }
 

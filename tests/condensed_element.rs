@@ -28,7 +28,6 @@ load_max_kn = 120
 load_count = 6
 error_band = false
 horizontal_preloads_kn = [40]
-shifts_mm = [-3, 0, 2, 4, 6, 7]
 [scenario.strike]
 steps = 120
 time_step_s = 0.0005
@@ -50,16 +49,47 @@ const RATIO: f64 = 0.03;
 const SEPARATION: f64 = 1e-3;
 /// MODEL: half of the 8 % by which a section that moves without distortion misses the head where the wheel stands on its edge.
 const DISPLACEMENT: f64 = 0.04;
-/// MODEL: the sections' misfit and that of the strips, of the lateral flexibility.
-const LATERAL: f64 = 0.01;
+/// MODEL: a strip has one tangential stiffness for all loads, between 20 and 120 kN the solid's contact has one that is a tenth different, and the contact has a
+/// quarter of the hub's lateral flexibility.
+const LATERAL: f64 = 0.025;
 
 fn json(root: &Path, name: &str) -> Value {
     serde_json::from_slice(&fs::read(root.join("out").join(name)).unwrap()).unwrap()
 }
 
-/// Source: the solid model on the same bodies. Goal: P and Q (RMS over the solid's peak), averaged Q/P (RMS), begin and end of the separations (s) over
-/// 60 ms; displacement of the hub along the contact normal (over that under the largest load) and its lateral flexibility at five places and
-/// loads of 20 to 120 kN; not that at 6 mm, where a second contact comes in at another load. Accuracy: MODEL.
+/// P and Q of a history, kN.
+fn forces(root: &Path, name: &str) -> Vec<[f64; 2]> {
+    let mut reader = csv::Reader::from_path(root.join("out").join(name)).unwrap();
+    let columns =
+        ["p_kn", "q_kn"].map(|name| reader.headers().unwrap().iter().position(|h| h == name).unwrap());
+    reader.records().map(|row| columns.map(|i| row.as_ref().unwrap()[i].parse().unwrap())).collect()
+}
+
+/// Their means over 24 ms before every step.
+fn averaged(rows: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    const STEPS: usize = 48;
+    let mean = |to: usize| {
+        let from = to.saturating_sub(STEPS);
+        let sum = |i: usize| (from..to).map(|n| 0.5 * (rows[n][i] + rows[n + 1][i])).sum::<f64>();
+        [0, 1].map(|i| sum(i) / (to - from) as f64)
+    };
+    (1..rows.len()).map(mean).collect()
+}
+
+/// Averaged Q/P against the solid's, RMS, where P exceeds a tenth of its peak.
+fn ratio(root: &Path) -> f64 {
+    let (simple, solid) = (forces(root, "history.csv"), forces(root, "solid_history.csv"));
+    let peak = solid.iter().map(|[p, _]| *p).fold(0.0, f64::max);
+    let (simple, solid) = (averaged(&simple), averaged(&solid));
+    let carried = simple.iter().zip(&solid).filter(|(a, b)| a[0].min(b[0]) > 0.1 * peak);
+    let off: Vec<f64> = carried.map(|(a, b)| a[1] / a[0] - b[1] / b[0]).collect();
+    assert!(off.len() > 40, "{}", off.len());
+    (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt()
+}
+
+/// Source: the solid model on the same bodies. Goal: P and Q (RMS over the solid's peak), averaged Q/P (RMS) where P exceeds a tenth of its peak, begin and end of the separations (s) over
+/// 60 ms; displacement of the hub along the contact normal (over that under the largest load) and its lateral flexibility at ten places and
+/// loads of 20 to 120 kN. Accuracy: MODEL.
 #[test]
 fn the_condensed_element_follows_the_solid() {
     let root = tempfile::tempdir().unwrap();
@@ -82,19 +112,20 @@ fn the_condensed_element_follows_the_solid() {
     for (quantity, most) in [
         ("vertical_rms", FORCES),
         ("lateral_rms", FORCES),
-        ("ratio_rms", RATIO),
         ("separation_begin_s", SEPARATION),
         ("separation_end_s", SEPARATION),
         ("separations_unmatched", 0.0),
     ] {
         assert!(value(quantity) <= most, "{quantity}: {} of {most}", value(quantity));
     }
+    let ratio = ratio(root.path());
+    assert!(ratio < RATIO, "{ratio}");
     let laws = json(root.path(), "stiffness_by_angle.json");
     let displacement = laws["element"]["displacement"]["max_rel_error"].as_f64().unwrap();
     assert!(displacement < DISPLACEMENT, "{displacement}");
-    let loads = laws["shifts"].as_array().unwrap().iter().filter(|shift| shift["shift_mm"] != 6.0);
-    let loads: Vec<&Value> = loads.flat_map(|shift| shift["loads"].as_array().unwrap()).collect();
-    assert!(loads.len() > 20, "{}", loads.len());
+    let shifts = laws["shifts"].as_array().unwrap().iter();
+    let loads: Vec<&Value> = shifts.filter_map(|shift| shift["loads"].as_array()).flatten().collect();
+    assert!(loads.len() > 40, "{}", loads.len());
     for load in loads {
         let lateral = |of: &str| load[of][0].as_f64().unwrap_or(f64::NAN);
         let off = lateral("condensed_hub_um_per_kn") / lateral("hub_um_per_kn") - 1.0;

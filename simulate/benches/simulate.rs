@@ -9,7 +9,9 @@ use criterion::{
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
 use railspring_calibrate::beam::RailBeam;
-use railspring_calibrate::element::{ElasticWheel, PairElement, RimMode, StripPlace, StripStiffness};
+use railspring_calibrate::element::{
+    ElasticWheel, Influence, PairElement, RimMode, StripModulus, StripPlace, StripStiffness,
+};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
@@ -77,7 +79,8 @@ fn element(pair: &Pair) -> PairElement {
             coupling: Vector3::new(2.0, 2.0 * sign, -0.3),
         }
     };
-    let strips = StripPlace { rail_s: 0.0, modulus: 1.2e11, tangential: 0.85 };
+    let modulus = StripModulus { normal: 2.5e11, hardening: 0.0, tangential: 1e11, relief: 1.0 };
+    let relieving = Influence { flexibility: 2.8e-12 };
     PairElement {
         wheel: ElasticWheel {
             mass: Matrix3::from_diagonal(&Vector3::new(MASS, MASS, 19.0)),
@@ -86,7 +89,7 @@ fn element(pair: &Pair) -> PairElement {
             rest: Matrix3::from_diagonal(&Vector3::new(1.5e-10, 1e-10, 5e-8)),
         },
         head: Matrix3::from_diagonal(&Vector3::new(6e-9, 6e-11, 6e-7)),
-        strips: StripStiffness { places: vec![strips], misfit: 0.0 },
+        strips: StripStiffness::new(vec![StripPlace { rail_s: 0.0, modulus }], relieving, 0.0),
         misfit: [0.0; 2],
     }
 }

@@ -1,12 +1,18 @@
 //! The condensed contact element, in `stiffness_by_angle.json`: what the simple model knows of the solids.
 
 use nalgebra::{Matrix3, Vector3};
-use railspring_calibrate::element::{ElasticWheel, PairElement, RimMode, StripPlace, StripStiffness};
+use railspring_calibrate::element::{
+    ElasticWheel, Influence, PairElement, RimMode, StripModulus, StripPlace, StripStiffness,
+};
+use railspring_calibrate::error::InputError;
 use railspring_calibrate::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 
 /// One GPa in Pa.
 const GIGAPASCAL: f64 = 1e9;
+
+/// One µm·mm/kN in m²/N.
+const MICROMETRE_MILLIMETRE_PER_KILONEWTON: f64 = 1e-12;
 
 /// The condensed contact element. Motions are displacements y and z (m) and the rotation about x (rad), forces those in y and z (N) and the
 /// torque about x (N·m); of the wheel about the origin of its profile, of the rail's head about the line of shear centres.
@@ -18,6 +24,8 @@ pub struct ElementRecord {
     pub head: [[f64; 3]; 3],
     /// Stiffness of the contact's strips along the rail.
     pub strips: Vec<StripRecord>,
+    /// Displacement of a surface at a distance from a load, times that: what contacts relieve each other, µm·mm/kN.
+    pub relief_um_mm_per_kn: f64,
     /// Largest deviation of a contact force from that of the solid at the same approach, relative.
     pub strips_max_rel_error: f64,
     /// The hub's displacement along the contact normal against the solid's, where it is farthest from it; none where no place and load has both.
@@ -68,10 +76,14 @@ pub struct RimModeRecord {
 pub struct StripRecord {
     /// Arc length on the rail's running surface, mm.
     pub rail_s_mm: f64,
-    /// Force per length and penetration, GPa.
+    /// Force per length and penetration, GPa, where that is small.
     pub modulus_gpa: f64,
-    /// Tangential stiffness of a contact over its normal one.
-    pub tangential_ratio: f64,
+    /// Share by which it grows where the penetration is large.
+    pub hardening: f64,
+    /// Force per length and tangential displacement, GPa.
+    pub tangential_gpa: f64,
+    /// Share of what a contact's loads take off the penetrations.
+    pub relief: f64,
 }
 
 fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
@@ -80,6 +92,68 @@ fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
 
 fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| rows[i][j])
+}
+
+impl ElementRecord {
+    /// Whether a file can have this element: strips whose places are equally far apart, and what is stiff or heavy is so.
+    ///
+    /// # Errors
+    /// [`InputError`] with the `file` and the key in it.
+    pub fn check(&self, file: &str) -> Result<(), InputError> {
+        let remedy = "calibrate again, or take simulation.element = \"published\"";
+        let wrong = |key: String, value: String, expected: &str| {
+            Err(InputError::new(format!("{file}: element.{key}"), value, expected, remedy))
+        };
+        let Some((first, last)) = self.strips.first().zip(self.strips.last()) else {
+            return wrong("strips".into(), "[]".into(), "the strips at one place of the rail at least");
+        };
+        let parts = (self.strips.len() - 1).max(1) as f64;
+        let apart = (last.rail_s_mm - first.rail_s_mm) / parts;
+        for (i, strip) in self.strips.iter().enumerate() {
+            let key = |name: &str| format!("strips[{i}].{name}");
+            let expected = first.rail_s_mm + apart * i as f64;
+            let before = self.strips[..i].last().map(|before| before.rail_s_mm);
+            if let Some(before) = before.filter(|before| strip.rail_s_mm <= *before) {
+                let expected = format!("more than {before} mm, the place before");
+                return wrong(key("rail_s_mm"), strip.rail_s_mm.to_string(), &expected);
+            }
+            if (strip.rail_s_mm - expected).abs() > 1e-6 * apart.abs() {
+                let expected = format!("places that are equally far apart, here {expected} mm");
+                return wrong(key("rail_s_mm"), strip.rail_s_mm.to_string(), &expected);
+            }
+            for (name, value, least) in [
+                ("modulus_gpa", strip.modulus_gpa, f64::MIN_POSITIVE),
+                ("tangential_gpa", strip.tangential_gpa, f64::MIN_POSITIVE),
+                ("relief", strip.relief, 0.0),
+            ] {
+                if value < least {
+                    let expected = if least > 0.0 { "more than 0" } else { "0 or more" };
+                    return wrong(key(name), value.to_string(), expected);
+                }
+            }
+            if strip.hardening <= -1.0 {
+                return wrong(
+                    key("hardening"),
+                    strip.hardening.to_string(),
+                    "more than -1: a strip that resists",
+                );
+            }
+        }
+        if self.relief_um_mm_per_kn < 0.0 {
+            return wrong("relief_um_mm_per_kn".into(), self.relief_um_mm_per_kn.to_string(), "0 or more");
+        }
+        for (i, mode) in self.wheel.modes.iter().enumerate() {
+            if mode.square_per_s2 <= 0.0 {
+                let key = format!("wheel.modes[{i}].square_per_s2");
+                return wrong(key, mode.square_per_s2.to_string(), "more than 0: a mode that swings");
+            }
+        }
+        if matrix(&self.wheel.mass).cholesky().is_none() {
+            let mass = format!("{:?}", self.wheel.mass);
+            return wrong("wheel.mass".into(), mass, "a mass in all directions (a positive definite matrix)");
+        }
+        Ok(())
+    }
 }
 
 impl From<&PairElement> for ElementRecord {
@@ -93,8 +167,10 @@ impl From<&PairElement> for ElementRecord {
         };
         let strip = |place: &StripPlace| StripRecord {
             rail_s_mm: place.rail_s / MILLIMETRE,
-            modulus_gpa: place.modulus / GIGAPASCAL,
-            tangential_ratio: place.tangential,
+            modulus_gpa: place.modulus.normal / GIGAPASCAL,
+            hardening: place.modulus.hardening,
+            tangential_gpa: place.modulus.tangential / GIGAPASCAL,
+            relief: place.modulus.relief,
         };
         Self {
             wheel: ElasticWheelRecord {
@@ -104,7 +180,8 @@ impl From<&PairElement> for ElementRecord {
                 rest: rows(&wheel.rest),
             },
             head: rows(head),
-            strips: strips.places.iter().map(strip).collect(),
+            strips: strips.places().iter().map(strip).collect(),
+            relief_um_mm_per_kn: strips.influence.flexibility / MICROMETRE_MILLIMETRE_PER_KILONEWTON,
             strips_max_rel_error: strips.misfit,
             displacement: None,
             section_misfit: *misfit,
@@ -122,8 +199,12 @@ impl From<&ElementRecord> for PairElement {
         };
         let place = |strip: &StripRecord| StripPlace {
             rail_s: strip.rail_s_mm * MILLIMETRE,
-            modulus: strip.modulus_gpa * GIGAPASCAL,
-            tangential: strip.tangential_ratio,
+            modulus: StripModulus {
+                normal: strip.modulus_gpa * GIGAPASCAL,
+                hardening: strip.hardening,
+                tangential: strip.tangential_gpa * GIGAPASCAL,
+                relief: strip.relief,
+            },
         };
         Self {
             wheel: ElasticWheel {
@@ -133,10 +214,11 @@ impl From<&ElementRecord> for PairElement {
                 rest: matrix(&wheel.rest),
             },
             head: matrix(head),
-            strips: StripStiffness {
-                places: strips.iter().map(place).collect(),
-                misfit: record.strips_max_rel_error,
-            },
+            strips: StripStiffness::new(
+                strips.iter().map(place).collect(),
+                Influence { flexibility: record.relief_um_mm_per_kn * MICROMETRE_MILLIMETRE_PER_KILONEWTON },
+                record.strips_max_rel_error,
+            ),
             misfit: record.section_misfit,
         }
     }

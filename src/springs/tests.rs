@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, HistoryRow};
 
 use super::*;
-use crate::records::ElasticWheelRecord;
+use crate::records::{ElasticWheelRecord, StripRecord};
 use crate::report::samples;
 use crate::stages;
 
@@ -51,6 +51,13 @@ fn the_reference_force_scales_the_power() {
 /// for the condensed element, and so it does with laws of another pair. What a study gives for springs alone asks for the published element.
 #[test]
 fn the_condensed_element_is_that_beside_the_law() {
+    let strip = |rail_s_mm: f64| StripRecord {
+        rail_s_mm,
+        modulus_gpa: 200.0,
+        hardening: 0.2,
+        tangential_gpa: 100.0,
+        relief: 0.9,
+    };
     let element = || ElementRecord {
         wheel: ElasticWheelRecord {
             mass: [[300.0, 0.0, 0.0], [0.0, 300.0, 0.0], [0.0, 0.0, 9.0]],
@@ -59,7 +66,8 @@ fn the_condensed_element_is_that_beside_the_law() {
             rest: [[1e-8, 0.0, 0.0], [0.0, 2e-10, 0.0], [0.0, 0.0, 2e-7]],
         },
         head: [[5e-9, 0.0, 0.0], [0.0, 7e-11, 0.0], [0.0, 0.0, 5e-7]],
-        strips: Vec::new(),
+        strips: vec![strip(0.0), strip(2.0)],
+        relief_um_mm_per_kn: 2.8,
         strips_max_rel_error: 0.1,
         displacement: None,
         section_misfit: [0.0, 0.1],
@@ -81,6 +89,26 @@ fn the_condensed_element_is_that_beside_the_law() {
         assert_eq!(springs.element.as_deref(), Some(&element()));
         assert_eq!(springs.element_blake3.map(|hash| hash.len()), Some(64));
     }
+    // what no calibration writes is refused with its key
+    type Change = fn(&mut ElementRecord);
+    let changes: [(&str, Change); 6] = [
+        ("element.strips", |element| element.strips.clear()),
+        ("element.strips[1].rail_s_mm", |element| element.strips[1].rail_s_mm = -2.0),
+        ("element.strips[0].modulus_gpa", |element| element.strips[0].modulus_gpa = 0.0),
+        ("element.strips[1].hardening", |element| element.strips[1].hardening = -1.0),
+        ("element.relief_um_mm_per_kn", |element| element.relief_um_mm_per_kn = -1.0),
+        ("element.wheel.mass", |element| element.wheel.mass[1][1] = 0.0),
+    ];
+    for (key, change) in changes {
+        let mut wrong = element();
+        change(&mut wrong);
+        std::fs::write(&beside, to_json(&StiffnessByAngleRecord { element: Some(wrong), ..laws.clone() }))
+            .unwrap();
+        assert_eq!(read(&default).unwrap().element_blake3, None);
+        let said = read(&asking).unwrap_err().to_string();
+        assert!(said.contains(key) && said.contains(BY_ANGLE) && said.contains("calibrate again"), "{said}");
+    }
+    std::fs::write(&beside, to_json(&laws)).unwrap();
     for keys in ["element = \"published\"", "horizontal_kn_per_m = 4e5"] {
         let springs = read(&study(&format!("[simulation]\n{keys}\n"))).unwrap();
         assert_eq!(springs.element_blake3, None, "{keys}");

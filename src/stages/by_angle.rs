@@ -122,7 +122,8 @@ fn tape_y(study: &Study, pair: &Pair, shift: f64) -> f64 {
 }
 
 /// The shifts of the study, m, ascending. Left out: that of its track and places on tread, gauge corner and flange. The tread is
-/// where the contact angle stays below 10°; the flange where it reaches 95 % of its largest, and the corner lies between.
+/// where the contact angle stays below 10°; the flange where it reaches 95 % of its largest, and the corner lies between. Where the contact jumps from
+/// one to the other, a place shortly before that is among them.
 pub fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
     if let Some(shifts) = &study.calibration.shifts {
         return shifts.clone();
@@ -149,11 +150,30 @@ pub fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
         let every = corner.len().div_ceil(ON_CORNER).max(1);
         chosen.extend(corner.into_iter().step_by(every));
         chosen.extend(beyond[first..].iter().take(ON_FLANGE).map(|(shift, _)| *shift));
+        chosen.extend(before_jump(angle, beyond[..first].last(), beyond.get(first)));
     }
     chosen.push(study.track.lateral_shift);
     chosen.sort_by(f64::total_cmp);
     chosen.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * MILLIMETRE);
     chosen
+}
+
+/// A shift (m) between the last place on the corner and the first on the flange (m and degrees), from which the contact has not yet jumped.
+fn before_jump(
+    angle: impl Fn(f64) -> Option<(f64, f64)>,
+    corner: Option<&(f64, f64)>,
+    flange: Option<&(f64, f64)>,
+) -> Option<f64> {
+    const JUMP: f64 = 15.0;
+    // four fifths of the way, in whole parts of a metre
+    const PARTS: f64 = 1e5;
+    let (first, mut low, mut high) = (*corner?, *corner?, *flange?);
+    for _ in 0..10 {
+        let middle = angle(0.5 * (low.0 + high.0))?;
+        if middle.1 < 0.5 * (low.1 + high.1) { low = middle } else { high = middle }
+    }
+    let shift = ((first.0 + 0.8 * (low.0 - first.0)) * PARTS).floor() / PARTS;
+    (high.1 - low.1 > JUMP && shift * PARTS > first.0 * PARTS + 0.5).then_some(shift)
 }
 
 fn shift_record(

@@ -2,12 +2,19 @@
 
 mod sections;
 mod wheel;
+mod relief;
+mod overlap;
 mod strips;
 mod law;
+mod hertz;
+mod fit;
 
-pub use law::{PlaceApproaches, PlaceLoad, StripPlace, StripStiffness, fit_strips};
+pub use fit::{PlaceApproaches, PlaceLoad, Sections, fit_strips};
+pub use law::{StripPlace, StripStiffness};
+pub use overlap::{Pose, Profiles};
+pub use relief::{Influence, Relief};
 pub use sections::{RunningSurface, SectionFlexibility};
-pub use strips::{Contact, Pose, Profiles, StripLaw};
+pub use strips::{Contact, Deflections, Friction, Relieved, StripLaw, StripModulus};
 pub use wheel::{ElasticWheel, RimMode};
 
 use crate::contact::{HalfSpace, Side};
@@ -64,7 +71,7 @@ impl PairElement {
         on_wheel.check("wheel")?;
         on_rail.check("rail")?;
         let (rim, head) = (on_wheel.section(origin), on_rail.section(pair.node_line()));
-        let strips = fit_strips(pair, &bodies.material, laws, [&rim.flexibility, &head.flexibility])?;
+        let strips = fit_strips(pair, &bodies.material, laws, &Sections { rim: &rim, head: &head })?;
         Ok(Self {
             wheel: ElasticWheel::new(&on_wheel, modes, &rim, origin, highest)?,
             head: head.flexibility,

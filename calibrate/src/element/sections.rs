@@ -31,12 +31,32 @@ pub struct RunningSurface<'a> {
 }
 
 /// The flexibility of a surface as that of a section.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SectionFlexibility {
     /// Displacements y and z (m) and rotation about x (rad) under forces (N) and a torque (N·m), about the given point.
     pub flexibility: Matrix3<f64>,
     /// What of the displacements (RMS, over their own) the section does not have.
     pub misfit: f64,
+    /// What it lacks along the normal of a contact at arc lengths of the profile (m), m/N.
+    lacking: Vec<[f64; 2]>,
+}
+
+impl SectionFlexibility {
+    /// A section that does not move.
+    pub fn rigid() -> Self {
+        Self { flexibility: Matrix3::zeros(), misfit: 0.0, lacking: Vec::new() }
+    }
+
+    /// What the body gives way along the normal at an arc length of its profile (m) beyond its half-space and its section, m/N: in proportion between
+    /// the lines of its grid, constant beyond them.
+    pub fn lacking(&self, s: f64) -> f64 {
+        let Some(last) = self.lacking.len().checked_sub(1) else { return 0.0 };
+        let upper = self.lacking.partition_point(|[at, _]| *at < s);
+        let ([from, a], [to, b]) =
+            (self.lacking[upper.saturating_sub(1).min(last)], self.lacking[upper.min(last)]);
+        let share = if to > from { ((s - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        a + share * (b - a)
+    }
 }
 
 impl RunningSurface<'_> {
@@ -99,16 +119,16 @@ impl RunningSurface<'_> {
             let force = Vector3::from_fn(|d, _| if d == direction { 1.0 } else { 0.0 });
             displacement_far_from(&[self.half_space], &offset, &force).xy()
         }));
-        // normal out of a rail and the tangent, world axes
-        let frame = |line: usize| {
-            let last = self.grid.along_profile.len() - 1;
-            let (a, b) =
-                (self.place(line.saturating_sub(1), middle), self.place((line + 1).min(last), middle));
-            let along = Vector2::new(b.y - a.y, b.z - a.z).normalize();
-            let normal = Rotation2::new(-std::f64::consts::FRAC_PI_2) * along;
-            Matrix2::from_columns(&[normal, Vector2::new(-normal.y, normal.x)])
-        };
-        whole - frame(to) * near * frame(from).transpose()
+        whole - self.frame(to) * near * self.frame(from).transpose()
+    }
+
+    /// Normal out of a rail and the tangent at a line of the profile, world axes.
+    fn frame(&self, line: usize) -> Matrix2<f64> {
+        let (middle, last) = (self.middle(), self.grid.along_profile.len() - 1);
+        let (a, b) = (self.place(line.saturating_sub(1), middle), self.place((line + 1).min(last), middle));
+        let along = Vector2::new(b.y - a.y, b.z - a.z).normalize();
+        let normal = Rotation2::new(-std::f64::consts::FRAC_PI_2) * along;
+        Matrix2::from_columns(&[normal, Vector2::new(-normal.y, normal.x)])
     }
 
     /// The flexibility as a section about a point (y, z; m), from forces on all lines of the profile.
@@ -156,7 +176,13 @@ impl RunningSurface<'_> {
             missed += (row.dot(&values) - value).powi(2);
             size += value * value;
         }
-        SectionFlexibility { flexibility, misfit: (missed / size).sqrt() }
+        let lacking = |(line, arm): (usize, &Matrix2x3<f64>)| {
+            let normal = self.frame(line).column(0).into_owned();
+            let of_section = arm.tr_mul(&normal).dot(&(flexibility * arm.tr_mul(&normal)));
+            [self.grid.along_profile[line], normal.dot(&(self.at(line) * normal)) - of_section]
+        };
+        let lacking = arms.iter().enumerate().map(lacking).collect();
+        SectionFlexibility { flexibility, misfit: (missed / size).sqrt(), lacking }
     }
 
     /// Flexibility (y, z; m/N) beyond the half-space at one line of the profile.

@@ -1,51 +1,81 @@
 //! The contact of two profiles as strips across the track.
 //!
-//! At every place of the rail's profile the bodies, undeformed, overlap by a penetration along the rail's normal. A strip of
-//! the contact there carries a normal force per length that grows with it; the force of a contact is the sum over
-//! its width, along the normals of the wheel. So a contact is as wide as the profiles make it, two contacts that
-//! grow together become one, and nothing jumps: the forces have a potential. J. Piotrowski, H. Chollet, "Wheel–rail contact
+//! A strip at a place of the rail carries a normal force per length that grows with the penetration there, along the normal of the wheel; the force of a
+//! contact is the sum over its width. So a contact is as wide as the profiles make it, two contacts that
+//! grow together become one, and nothing jumps: the normal forces have a potential. J. Piotrowski, H. Chollet, "Wheel–rail contact
 //! models for vehicle system dynamics including multi-point contact", Vehicle Syst. Dyn. 43 (2005), call such a method one of virtual
 //! penetration; here its stiffness is that of the solids.
+//!
+//! What the loads move beside their strips stands in [`super::relief`].
+//!
+//! Each strip has its own friction: a tangential spring that Coulomb's law limits by the strip's normal force. The strips at the edges of a contact
+//! slide first. With strips whose forces are spread as a parabola the tangential force is C. Cattaneo's and R.D. Mindlin's,
+//! `1 - (1 - u/u₁)^(3/2)` of the limit at a displacement `u`, where everything slides from `u₁` on, and its loops when the force turns are theirs as well.
 
-use crate::profile::ProfileCurve;
-use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
+use super::overlap::{Facing, Overlap, Pose, Profiles, Turned};
+use super::relief::{Influence, Relief, StripLoad};
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
-/// Distance of the stations at which contacts are looked for, m.
-const STATION: f64 = 1e-3;
+/// Penetration at which a strip has half of its hardening, m: about that of a contact under a usual load.
+const HARDENING_DEPTH: f64 = 40e-6;
 
-/// Least cosine of the angle between both profiles where they can touch.
-const LEAST_COSINE: f64 = 0.3;
+/// Distance of the places of the rail at which the strips' friction is kept, m.
+const KEPT_EVERY: f64 = 0.25e-3;
 
-/// Stations farther than this from an overlap are looked at together, once the bodies have moved so far, m.
-const FAR: f64 = 200e-6;
+/// Times that contacts are relieved of what their own loads make, and by how much the last time at most, m.
+const MOST_SETTLINGS: usize = 30;
+const RELIEVED: f64 = 1e-12;
 
-/// A contact whose overlap is between two stations can be so much deeper than they are, m: an eighth of a relative curvature of
-/// 80/m (a gauge corner without its counterpart) times the square of their distance.
-const BETWEEN: f64 = 10e-6;
+/// A strip's stiffness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StripModulus {
+    /// Force per length and penetration, Pa, where the penetration is small.
+    pub normal: f64,
+    /// Share by which that grows where the penetration is large.
+    pub hardening: f64,
+    /// Force per length and tangential displacement, Pa.
+    pub tangential: f64,
+    /// Weight with which what a contact's loads take off the penetrations does so here, and with which the strip's own force counts there.
+    pub relief: f64,
+}
 
-/// A contact that is narrower than this does not count, m: with the curvature of a gauge corner its overlap is a picometre.
-const NARROWEST: f64 = 1e-6;
+impl StripModulus {
+    /// That which lies a share of the way to another.
+    pub(super) fn towards(&self, other: &Self, share: f64) -> Self {
+        let between = |a: f64, b: f64| a + share * (b - a);
+        Self {
+            normal: between(self.normal, other.normal),
+            hardening: between(self.hardening, other.hardening),
+            tangential: between(self.tangential, other.tangential),
+            relief: between(self.relief, other.relief),
+        }
+    }
 
-/// Newton steps along a profile: most of them, the longest, and the one after which the place is found, m: the steps halve their digits, and what a place
-/// is off by changes the penetration by less than its slope times that.
-const MOST_STEPS: usize = 40;
-const LONGEST_STEP: f64 = 5e-3;
-const SETTLED: f64 = 1e-7;
+    /// Normal force per length (N/m) at a penetration (m), and its derivative by that (Pa).
+    fn force(&self, depth: f64) -> (f64, f64) {
+        // c·p·(1 + h·p/(p + d))
+        let share = depth / (depth + HARDENING_DEPTH);
+        let grown = self.normal * (1.0 + self.hardening * share);
+        (grown * depth, grown + self.normal * self.hardening * share * (1.0 - share))
+    }
 
-/// The end of a contact that is narrower is bisected to this, m.
-const LEAST_BRACKET: f64 = 1e-12;
+    /// Potential per length at a penetration, N.
+    fn energy(&self, depth: f64) -> f64 {
+        const D: f64 = HARDENING_DEPTH;
+        let half = 0.5 * depth * depth;
+        self.normal * (half + self.hardening * (half - D * (depth - D * (depth / D).ln_1p())))
+    }
+}
 
-/// Points of Gauss's rule on a smooth part of a contact. With strips whose stiffness bends every millimetre, the forces of the published load case 4.1 are off
-/// by 3e-4 of their largest (RMS).
-const POINTS: usize = 8;
+/// Stiffness of strips by their place on the rail.
+pub trait StripLaw {
+    /// The strip at an arc length (m) of the rail.
+    fn modulus(&self, rail_s: f64) -> StripModulus;
 
-/// Where both bodies are: displacements y and z (m) of their reference points and rotations about x (rad).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Pose {
-    /// The wheel, about the origin of its profile.
-    pub wheel: Vector3<f64>,
-    /// The rail, about its reference point.
-    pub rail: Vector3<f64>,
+    /// What its loads take off the penetrations; nothing.
+    fn influence(&self) -> Influence {
+        Influence::default()
+    }
 }
 
 /// A contact.
@@ -53,492 +83,368 @@ pub struct Pose {
 pub struct Contact {
     /// Arc lengths on the rail between which the bodies overlap, m.
     pub extent: [f64; 2],
-    /// Force on the wheel (y, z; N) and its moment about the wheel's reference point where that is now, N·m; without friction.
+    /// Normal forces on the wheel (y, z; N) and their moment about the wheel's reference point where that is now, N·m.
     pub force: Vector3<f64>,
-    /// Potential, J.
+    /// Potential of them, J.
     pub energy: f64,
-    /// Stiffness against motions of the wheel, as `force`.
+    /// Their stiffness against motions of the wheel, as `force`.
     pub stiffness: Matrix3<f64>,
     /// Normal force, N, and its stiffness against a motion along itself, N/m.
     pub normal_force: f64,
     /// See `normal_force`.
     pub normal_stiffness: f64,
+    /// Friction forces on the wheel, as `force`.
+    pub friction: Vector3<f64>,
+    /// Minus their derivative by the motion of the wheel.
+    pub friction_stiffness: Matrix3<f64>,
+    /// The same with everything sticking.
+    pub sticking: Matrix3<f64>,
+    /// Stiffness of all strips along their tangents, N/m.
+    pub tangential_stiffness: f64,
+    /// Elastic energy of friction, J.
+    pub stored: f64,
+    /// Whether a strip sticks.
+    pub sticks: bool,
     /// Where the normal force acts: world (y, z), m.
     pub point: Point2<f64>,
     /// Arc length of that on the rail, m, and on the wheel.
     pub rail_s: f64,
     /// See `rail_s`.
     pub wheel_s: f64,
+    /// Numbers of what its forces change by with the relief.
+    gradients: [usize; 2],
 }
 
-/// Force per length of a strip by its place on the rail.
-pub trait StripLaw {
-    /// Stiffness of a strip at an arc length (m) of the rail, Pa.
-    fn modulus(&self, rail_s: f64) -> f64;
+/// All contacts together, with the relief that their forces make.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Relieved {
+    /// Forces on the wheel, friction included.
+    pub force: Vector3<f64>,
+    /// Minus their derivative by the motion of the wheel.
+    pub stiffness: Matrix3<f64>,
+    /// The same with everything sticking.
+    pub sticking: Matrix3<f64>,
+    /// What that relief differs by from the one under which the contacts were found, m.
+    pub off: f64,
+    /// Potential of the relief, J.
+    pub energy: f64,
 }
 
-/// A station on the rail.
+/// Tangential displacements that the strips have taken up, along the rail.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Deflections {
+    /// At places that are equally far apart, m.
+    values: Vec<f64>,
+    /// Places per metre.
+    density: f64,
+    /// Between these places there are any.
+    used: [usize; 2],
+}
+
+impl Deflections {
+    /// None, on a rail profile of a length (m).
+    pub fn none(length: f64) -> Self {
+        let count = (length / KEPT_EVERY).ceil().max(1.0);
+        Self { values: vec![0.0; count as usize + 1], density: count / length, used: [0; 2] }
+    }
+
+    /// At an arc length of the rail, m.
+    fn at(&self, rail_s: f64) -> f64 {
+        let at = (rail_s * self.density).max(0.0);
+        let i = at as usize;
+        match (self.values.get(i), self.values.get(i + 1)) {
+            (Some(a), Some(b)) => a + (at - i as f64) * (b - a),
+            _ => 0.0,
+        }
+    }
+}
+
+/// Friction between two poses.
 #[derive(Debug, Clone, Copy)]
-struct Station {
-    s: f64,
-    point: Point2<f64>,
-    normal: Vector2<f64>,
-    /// Arc length on the wheel opposite, m.
-    wheel_s: f64,
-    /// Penetration and its slope where the station was looked at last, m.
+pub struct Friction<'a> {
+    /// Coefficient of Coulomb's law.
+    pub coefficient: f64,
+    /// What the strips had taken up before.
+    pub before: &'a Deflections,
+    /// Motion of the wheel against the rail since then, about the wheel's reference point where that is now.
+    pub moved: Vector3<f64>,
+}
+
+/// A strip under its penetration.
+struct Strip {
+    modulus: StripModulus,
+    /// Penetration, m.
     depth: f64,
-    slope: f64,
-    /// No penetration is larger than this and what the bodies have moved since they set out together, m.
-    bound: f64,
+    /// Normal force per length along the penetration, N/m, and its derivative by that, Pa.
+    normal: f64,
+    normal_stiffness: f64,
+    /// Changes of the penetration and of the tangential displacement with the motion of the wheel, in the wheel's frame.
+    deeper: Vector3<f64>,
+    aside: Vector3<f64>,
+    /// Tangential displacement taken up, m, and the largest that there can be.
+    deflection: f64,
+    limit: f64,
 }
 
-/// Both running surfaces in place.
-#[derive(Debug, Clone)]
-pub struct Profiles<'a> {
-    rail: &'a ProfileCurve,
-    wheel: &'a ProfileCurve,
-    /// World position of the wheel profile's origin at rest, m.
-    origin: Point2<f64>,
-    /// World position of the rail's reference point at rest, m.
-    rail_origin: Point2<f64>,
-    stations: Vec<Station>,
-    /// Arc lengths at which the curvature of the rail and of the wheel jumps, m.
-    joints: [Vec<f64>; 2],
-    /// Middle of the rail's profile, and the largest distance of a station from there, m.
-    middle: Point2<f64>,
-    reach: f64,
-    /// Place of the rail's profile in the wheel's frame at the last look.
-    looked: Option<Turned>,
-    /// What the profiles have moved against each other since the bounds set out, m.
-    travel: f64,
-    /// The stations near an overlap, the first and the last, and the highest bound of all others.
-    window: [usize; 2],
-    outside: f64,
-    /// Stations before and behind each place where the bodies may overlap.
-    near: Vec<(usize, usize)>,
-    /// Places of the rail between which a contact is smooth, m.
-    panels: Vec<f64>,
-    /// Places and weights of the rule of integration on the interval from -1 to 1.
-    rule: Vec<(f64, f64)>,
+impl Strip {
+    fn new(here: &Facing, s: f64, law: &impl StripLaw, friction: Option<&Friction>, turned: &Turned) -> Self {
+        let modulus = law.modulus(s);
+        let depth = here.penetration.max(0.0);
+        let (normal, normal_stiffness) = modulus.force(depth);
+        let arm = here.point.coords;
+        let with = |d: Vector2<f64>| Vector3::new(d.x, d.y, arm.perp(&d));
+        // a quarter of a turn from the normal on the wheel, which is against its outward one
+        let aside = with(Vector2::new(here.outward.y, -here.outward.x));
+        let (mut deflection, mut limit) = (0.0, 0.0);
+        if let Some(Friction { coefficient, before, moved }) = friction {
+            let way = turned.wheel.inverse() * moved.xy();
+            limit = coefficient * normal / (here.cosine * modulus.tangential);
+            let wanted = before.at(s) + aside.dot(&Vector3::new(way.x, way.y, moved.z));
+            deflection = wanted.clamp(-limit, limit);
+        }
+        let deeper = with(here.outward / here.cosine);
+        Self { modulus, depth, normal, normal_stiffness, deeper, aside, deflection, limit }
+    }
+
+    fn sticks(&self) -> bool {
+        self.deflection.abs() < self.limit
+    }
 }
 
-/// The rail's profile in the wheel's frame.
-#[derive(Debug, Clone, Copy)]
-struct Turned {
-    turn: Rotation2<f64>,
-    by: Vector2<f64>,
-    /// The wheel in the world.
-    wheel: Rotation2<f64>,
-}
+impl Profiles<'_> {
+    /// With strips whose loads relieve others, if those of `law` do.
+    pub fn of_strips(self, law: &impl StripLaw) -> Self {
+        self.relieved(law.influence(), |s| law.modulus(s).relief)
+    }
 
-/// One place of the rail against the wheel.
-#[derive(Debug, Clone, Copy)]
-struct Facing {
-    wheel_s: f64,
-    penetration: f64,
-    /// Change of the penetration along the rail, but for the curvature times the penetration.
-    slope: f64,
-    /// Cosine of the angle between the profiles.
-    cosine: f64,
-    /// Outward normal of the wheel over its cosine to the rail's, in the wheel's frame: the change of the penetration with the wheel's motion.
-    direction: Vector2<f64>,
-    /// The rail's point in the wheel's frame.
-    point: Point2<f64>,
-}
-
-impl<'a> Profiles<'a> {
-    /// `rail` is in world coordinates, `wheel` in its profile frame, whose origin stands at the world point `origin`; motions of the
-    /// rail are about `rail_origin`.
-    pub fn new(
-        rail: &'a ProfileCurve,
-        wheel: &'a ProfileCurve,
-        origin: Point2<f64>,
-        rail_origin: Point2<f64>,
-    ) -> Self {
-        let count = (rail.length() / STATION).ceil().max(2.0);
-        let stations: Vec<Station> = (0..=count as usize)
-            .map(|i| rail.length() * i as f64 / count)
-            .map(|s| Station {
-                s,
-                point: rail.point(s),
-                normal: rail.upward_normal(s),
-                wheel_s: 0.0,
-                depth: 0.0,
-                slope: 0.0,
-                bound: f64::INFINITY,
-            })
-            .collect();
-        let middle = rail.point(0.5 * rail.length());
-        let reach = stations.iter().map(|station| (station.point - middle).norm()).fold(0.0, f64::max);
-        let mut profiles = Self {
-            rail,
-            wheel,
-            origin,
-            rail_origin,
-            joints: [rail.breakpoints(), wheel.breakpoints()],
-            panels: Vec::with_capacity(16),
-            rule: gauss(POINTS),
-            middle,
-            reach,
-            looked: None,
-            travel: 0.0,
-            window: [0, stations.len() - 1],
-            outside: f64::INFINITY,
-            near: Vec::with_capacity(stations.len()),
-            stations,
-        };
-        let rest = profiles.turned(&Pose::default());
-        for i in 0..profiles.stations.len() {
-            profiles.stations[i].wheel_s = profiles.opposite(&rest, i);
+    /// The contacts at a pose under a relief, in the order of the rail's profile; without friction if there is none.
+    pub fn contacts(
+        &mut self,
+        pose: &Pose,
+        law: &impl StripLaw,
+        relief: &Relief,
+        friction: Option<&Friction>,
+        contacts: &mut Vec<Contact>,
+    ) {
+        let (place, count) = self.at(pose, relief);
+        contacts.clear();
+        if let Some(places) = &self.places {
+            self.loading.clear(places);
         }
-        profiles
-    }
-
-    fn turned(&self, pose: &Pose) -> Turned {
-        let (wheel, rail) = (Rotation2::new(pose.wheel.z).inverse(), Rotation2::new(pose.rail.z));
-        // p = R(-w)·(C + R(r)·(x - C) + u - O - v)
-        let centre = self.rail_origin.coords;
-        let by = wheel * (centre + pose.rail.xy() - rail * centre - self.origin.coords - pose.wheel.xy());
-        Turned { turn: wheel * rail, by, wheel: wheel.inverse() }
-    }
-
-    /// Largest motion of a place of the rail between two places of its profile, m.
-    fn motion(&self, a: &Turned, b: &Turned) -> f64 {
-        // a turn moves a point by the chord times its distance
-        let chord = (a.turn.matrix().column(0) - b.turn.matrix().column(0)).norm();
-        (a.at(&self.middle) - b.at(&self.middle)).norm() + self.reach * chord
-    }
-
-    /// Arc length on the wheel nearest to a station.
-    fn opposite(&self, place: &Turned, station: usize) -> f64 {
-        self.wheel.closest(&place.at(&self.stations[station].point)).0
-    }
-
-    /// The wheel over a place of the rail with its normal; none where it does not face it.
-    fn facing(
-        &self,
-        place: &Turned,
-        point: &Point2<f64>,
-        normal: Vector2<f64>,
-        guess: f64,
-    ) -> Option<Facing> {
-        let point = place.at(point);
-        let normal = place.turn * normal;
-        let along = Vector2::new(-normal.y, normal.x);
-        let mut wheel_s = guess;
-        for _ in 0..MOST_STEPS {
-            let (foot, tangent, bend) = self.wheel.evaluate_twice(wheel_s);
-            let advance = along.dot(&tangent);
-            if advance < 0.5 * LEAST_COSINE {
-                return None;
-            }
-            let step = along.dot(&(point - foot)) / advance;
-            if step.abs() < SETTLED {
-                // the parabola there is the curve to the cube of the step
-                let step = step - 0.5 * along.dot(&bend) * step * step / advance;
-                let (foot, tangent) = (foot + step * (tangent + 0.5 * step * bend), tangent + step * bend);
-                return Facing::new(point, normal, along, (wheel_s + step, foot, tangent));
-            }
-            wheel_s += step.clamp(-LONGEST_STEP, LONGEST_STEP);
-        }
-        let (foot, tangent) = self.wheel.evaluate(wheel_s);
-        Facing::new(point, normal, along, (wheel_s, foot, tangent))
-    }
-
-    fn facing_at(&self, place: &Turned, s: f64, guess: f64) -> Option<Facing> {
-        let (point, tangent) = self.rail.evaluate(s);
-        self.facing(place, &point, Vector2::new(tangent.y, -tangent.x), guess)
-    }
-
-    /// Looks at a station; none of its penetrations is larger than the `bound` and what the bodies move.
-    fn look_at(&mut self, place: &Turned, i: usize) {
-        let Station { point, normal, wheel_s, .. } = self.stations[i];
-        let mut found = self.facing(place, &point, normal, wheel_s);
-        let mut apart = 0.0;
-        if found.is_none() {
-            let nearest = self.opposite(place, i);
-            found = self.facing(place, &point, normal, nearest);
-            if found.is_none() {
-                let (foot, tangent) = self.wheel.evaluate(nearest);
-                let outward = Vector2::new(-tangent.y, tangent.x);
-                apart = (place.at(&point) - foot).dot(&outward).max(0.0);
+        for number in 0..count {
+            if let Some(overlap) = self.overlap(&place, number) {
+                contacts.push(self.contact(&place, pose, &overlap, law, friction));
             }
         }
-        let travel = self.travel;
-        let station = &mut self.stations[i];
-        match found {
-            Some(found) => {
-                (station.wheel_s, station.depth, station.slope) =
-                    (found.wheel_s, found.penetration, found.slope);
-                // along the rail's normal the wheel is farther than where it is nearest
-                let distance = found.penetration.min(0.0) * found.cosine * found.cosine;
-                station.bound = found.penetration.max(distance) - travel;
+    }
+
+    /// The contacts at a pose without friction, relieved of what their own loads make.
+    pub(super) fn settled(
+        &mut self,
+        pose: &Pose,
+        law: &impl StripLaw,
+        contacts: &mut Vec<Contact>,
+    ) -> Relieved {
+        self.settle(pose, law, &mut Relief::default(), None, (MOST_SETTLINGS, RELIEVED), contacts)
+    }
+
+    /// The contacts at a pose and the `relief` that their own loads make, from a first one on: so often, or until it changes by less (m).
+    pub fn settle(
+        &mut self,
+        pose: &Pose,
+        law: &impl StripLaw,
+        relief: &mut Relief,
+        friction: Option<&Friction>,
+        (times, least): (usize, f64),
+        contacts: &mut Vec<Contact>,
+    ) -> Relieved {
+        let mut time = 1;
+        loop {
+            self.contacts(pose, law, relief, friction, contacts);
+            contacts.retain(|contact| contact.normal_force > 0.0);
+            let relieved = self.relieve(contacts, relief);
+            // under more than their loads would make there may be none where there are some
+            let lost = contacts.is_empty() && relieved.off > 0.0;
+            if relieved.off < least && !lost || time >= times {
+                return relieved;
             }
-            // until it faces the wheel it does not count
-            None => (station.depth, station.bound) = (f64::NEG_INFINITY, -apart - travel),
+            time += 1;
         }
     }
 
-    /// Looks at the stations where the bodies can overlap, and lists where they may.
-    fn look(&mut self, place: &Turned) {
-        self.near.clear();
-        self.travel += self.looked.map_or(f64::INFINITY, |looked| self.motion(&looked, place));
-        self.looked = Some(*place);
-        if !self.travel.is_finite() || self.travel > 1.0 {
-            self.travel = 0.0;
-            self.outside = f64::INFINITY;
-            self.stations.iter_mut().for_each(|station| station.bound = f64::INFINITY);
-        }
-        let travel = self.travel;
-        let whole = self.outside + travel > -BETWEEN;
-        let last = self.stations.len() - 1;
-        let [first, end] = if whole { [0, last] } else { self.window };
-        for i in first..=end {
-            let bound = self.stations[i].bound + travel;
-            if bound > if whole { -FAR } else { -BETWEEN } {
-                self.look_at(place, i);
-            } else {
-                self.stations[i].depth = bound;
-            }
-        }
-        if whole {
-            let close = |station: &Station| station.bound + travel > -FAR;
-            let first = self.stations.iter().position(close).unwrap_or(last);
-            let end = self.stations.iter().rposition(close).unwrap_or(last);
-            // with a neighbour on either side
-            self.window = [first.saturating_sub(1), (end + 1).min(last)];
-            let [first, end] = self.window;
-            let others = self.stations[..first].iter().chain(&self.stations[end + 1..]);
-            self.outside = others.map(|station| station.bound).fold(f64::NEG_INFINITY, f64::max);
-        }
-        let [first, end] = self.window;
-        let depth = |i: usize| self.stations[i].depth;
-        let mut i = first;
-        while i <= end {
-            if depth(i) > 0.0 {
-                let from = i;
-                while i <= end && depth(i) > 0.0 {
-                    i += 1;
+    /// Contacts that have just been found, under the relief that their own forces make to first order: by Newton's method, so that a pose and its relief settle
+    /// together.
+    fn relieve(&mut self, contacts: &mut [Contact], relief: &mut Relief) -> Relieved {
+        let mut all = Relieved::default();
+        let Self { places, loading, totals, relief: under, .. } = self;
+        if let Some(places) = places {
+            all.energy = loading.relieve(places, under, relief);
+            all.off = loading.off();
+            for contact in contacts.iter_mut() {
+                for (gradient, more) in loading.changes(contact.gradients) {
+                    contact.force += gradient.normal * more;
+                    contact.friction += gradient.friction * more;
                 }
-                self.near.push((from.saturating_sub(1), i.min(last)));
+                contact.normal_force = contact.force.xy().norm();
+            }
+            loading.totals(totals);
+            let count = totals.len();
+            for (i, row) in totals.iter().enumerate() {
+                let softer: Vector3<f64> =
+                    totals.iter().zip(&loading.softer[i * count..]).map(|(by, h)| by[0] * *h).sum();
+                let normal = row[0] * softer.transpose();
+                all.stiffness -= normal + row[1] * softer.transpose();
+                all.sticking -= normal;
+            }
+        }
+        for contact in contacts.iter() {
+            all.force += contact.force + contact.friction;
+            all.stiffness += contact.stiffness + contact.friction_stiffness;
+            all.sticking += contact.stiffness + contact.sticking;
+        }
+        all
+    }
+
+    /// What the strips have taken up at a pose, with the friction of [`Profiles::contacts`].
+    pub fn taken_up(
+        &mut self,
+        pose: &Pose,
+        law: &impl StripLaw,
+        relief: &Relief,
+        friction: &Friction,
+        now: &mut Deflections,
+    ) {
+        let (place, count) = self.at(pose, relief);
+        let [first, last] = now.used;
+        now.values[first..last].fill(0.0);
+        now.used = [0; 2];
+        for overlap in (0..count).filter_map(|number| self.overlap(&place, number)) {
+            let [from, to] = overlap.extent.map(|s| s.max(0.0) * now.density);
+            let inside =
+                (from.ceil() as usize).min(now.values.len())..(to.ceil() as usize).min(now.values.len());
+            if inside.is_empty() {
                 continue;
             }
-            // a contact may be narrower than the distance of two stations
-            let peak = i > first && i < end && depth(i) >= depth(i - 1) && depth(i) > depth(i + 1);
-            if peak && depth(i) > -BETWEEN && depth(i - 1) <= 0.0 && depth(i + 1) <= 0.0 {
-                self.near.push((i - 1, i + 1));
-            }
-            i += 1;
-        }
-    }
-
-    /// The contacts at a pose, in the order of the rail's profile.
-    pub fn contacts(&mut self, pose: &Pose, law: &impl StripLaw, contacts: &mut Vec<Contact>) {
-        let place = self.turned(pose);
-        self.look(&place);
-        contacts.clear();
-        for n in 0..self.near.len() {
-            let stations = self.near[n];
-            if let Some(extent) = self.extent(&place, stations) {
-                contacts.push(self.contact(&place, pose, extent, stations, law));
+            now.used = if now.used[1] == 0 { [inside.start, inside.end] } else { [now.used[0], inside.end] };
+            for i in inside {
+                let s = i as f64 / now.density;
+                if let Some(here) = self.over(&place, &overlap, s) {
+                    now.values[i] = Strip::new(&here, s, law, Some(friction), &place).deflection;
+                }
             }
         }
     }
 
-    /// Arc length on the wheel near that opposite to a place of the rail.
-    fn guess(&self, s: f64, (low, high): (usize, usize)) -> f64 {
-        let step = self.stations[1].s - self.stations[0].s;
-        let i = ((s / step) as usize).clamp(low, high - 1);
-        let (a, b) = (&self.stations[i], &self.stations[i + 1]);
-        a.wheel_s + (s - a.s) / (b.s - a.s) * (b.wheel_s - a.wheel_s)
-    }
-
-    /// The arc lengths between which the bodies overlap.
-    fn extent(&self, place: &Turned, (low, high): (usize, usize)) -> Option<[f64; 2]> {
-        let depth = |s: f64| self.facing_at(place, s, self.guess(s, (low, high)));
-        let inside = |station: &Station| station.depth > 0.0;
-        let stations = &self.stations[low..=high];
-        let (first, last) = match (stations.iter().position(inside), stations.iter().rposition(inside)) {
-            (Some(first), Some(last)) => (stations[first].s, stations[last].s),
-            _ => {
-                let (mut a, mut b) = (stations[0].s, stations[stations.len() - 1].s);
-                loop {
-                    let s = 0.5 * (a + b);
-                    let here = depth(s)?;
-                    if here.penetration > 0.0 {
-                        break (s, s);
-                    }
-                    if b - a < NARROWEST {
-                        return None;
-                    }
-                    // deeper on the side to which the penetration grows
-                    if here.slope > 0.0 { a = s } else { b = s }
-                }
-            }
-        };
-        // Newton's method kept between a place inside and one outside
-        let end = |inner: f64, outer: f64, guess: f64| -> f64 {
-            let (mut inner, mut outer) = (inner, outer);
-            let mut s = guess;
-            for _ in 0..MOST_STEPS {
-                let Some(here) = depth(s) else {
-                    outer = s;
-                    s = 0.5 * (inner + outer);
-                    continue;
-                };
-                if here.penetration > 0.0 {
-                    inner = s
-                } else {
-                    outer = s
-                }
-                let next = s - here.penetration / here.slope;
-                let between = (next - inner) * (next - outer) < 0.0;
-                let next = if between { next } else { 0.5 * (inner + outer) };
-                if (next - s).abs() < if between { SETTLED } else { LEAST_BRACKET } {
-                    return next;
-                }
-                s = next;
-            }
-            s
-        };
-        let (gauge, field) = (&self.stations[low], &self.stations[high]);
-        let (from, to) = match (stations.iter().find(|s| inside(s)), stations.iter().rfind(|s| inside(s))) {
-            (Some(a), Some(b)) => (a.end_towards(gauge), b.end_towards(field)),
-            _ => (0.5 * (first + gauge.s), 0.5 * (last + field.s)),
-        };
-        Some([end(first, gauge.s, from), end(last, field.s, to)])
-    }
-
-    /// Lists the ends of the smooth parts of a contact.
-    fn divide(&mut self, [from, to]: [f64; 2], stations: (usize, usize)) {
-        self.panels.clear();
-        self.panels.push(from);
-        let [on_rail, on_wheel] = &self.joints;
-        // the profiles turn against each other by so little that they run along each other in proportion
-        let [first, last] = [from, to].map(|s| self.guess(s, stations));
-        let opposite = |wheel_s: &f64| from + (wheel_s - first) / (last - first) * (to - from);
-        let joints = on_rail.iter().copied().chain(on_wheel.iter().map(opposite));
-        self.panels.extend(joints.filter(|s| *s > from && *s < to));
-        self.panels.push(to);
-        self.panels.sort_unstable_by(f64::total_cmp);
-    }
-
-    /// The contact in parts on which the curvature of neither profile jumps: the rule of integration is for smooth ones.
     fn contact(
         &mut self,
         place: &Turned,
         pose: &Pose,
-        extent: [f64; 2],
-        stations: (usize, usize),
+        overlap: &Overlap,
         law: &impl StripLaw,
+        friction: Option<&Friction>,
     ) -> Contact {
-        self.divide(extent, stations);
-        let (mut force, mut stiffness, mut energy) = (Vector3::zeros(), Matrix3::zeros(), 0.0);
-        let (mut sum, mut rail_s, mut wheel_s, mut middle) = (0.0, 0.0, 0.0, Vector2::zeros());
-        let parts = self.panels.windows(2).flat_map(|ends| {
-            let (centre, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-            self.rule.iter().map(move |(at, weight)| (centre + half * at, half * weight))
-        });
-        for (s, width) in parts {
-            let Some(here) = self.facing_at(place, s, self.guess(s, stations)) else { continue };
-            let depth = here.penetration.max(0.0);
-            let share = law.modulus(s) * width;
-            let q = share * depth;
-            let a = here.direction;
-            let gradient = Vector3::new(a.x, a.y, here.point.coords.perp(&a));
-            force -= gradient * q;
-            if depth > 0.0 {
-                stiffness += gradient * gradient.transpose() * share;
+        let mut contact = Contact {
+            extent: overlap.extent,
+            force: Vector3::zeros(),
+            energy: 0.0,
+            stiffness: Matrix3::zeros(),
+            normal_force: 0.0,
+            normal_stiffness: 0.0,
+            friction: Vector3::zeros(),
+            friction_stiffness: Matrix3::zeros(),
+            sticking: Matrix3::zeros(),
+            tangential_stiffness: 0.0,
+            stored: 0.0,
+            sticks: false,
+            point: Point2::origin(),
+            rail_s: 0.0,
+            wheel_s: 0.0,
+            gradients: [0; 2],
+        };
+        self.loading.next_contact();
+        let (mut sum, mut middle) = (0.0, Vector2::zeros());
+        self.integrate(overlap, |profiles, s, width| {
+            let Some(here) = profiles.over(place, overlap, s) else { return };
+            if here.penetration <= 0.0 {
+                return;
             }
-            energy += 0.5 * q * depth;
+            let strip = Strip::new(&here, s, law, friction, place);
+            let q = strip.normal * width;
+            contact.force -= strip.deeper * q;
+            let stiffness = strip.deeper * (strip.normal_stiffness * width);
+            contact.stiffness += stiffness * strip.deeper.transpose();
+            let mut slides = Vector3::zeros();
+            contact.energy += strip.modulus.energy(strip.depth) * width;
+            let spring = strip.modulus.tangential * width;
+            let aside = strip.aside * spring;
+            let across = aside * strip.aside.transpose();
+            contact.sticking += across;
+            contact.tangential_stiffness += spring;
+            if friction.is_some() {
+                contact.friction -= aside * strip.deflection;
+                contact.stored += 0.5 * spring * strip.deflection * strip.deflection;
+                if strip.sticks() {
+                    contact.friction_stiffness += across;
+                    contact.sticks = true;
+                } else if strip.normal > 0.0 {
+                    // the limit goes with the normal force
+                    let share = strip.deflection / strip.normal * strip.modulus.tangential;
+                    contact.friction_stiffness += strip.aside * stiffness.transpose() * share;
+                    slides = strip.aside * (strip.normal_stiffness * width * share);
+                }
+            }
+            if let Some(places) = &profiles.places {
+                let weight = profiles.weight(s).0;
+                let load = StripLoad {
+                    load: q * weight,
+                    stiffness: strip.normal_stiffness * width * weight * weight,
+                    normal: stiffness * weight,
+                    friction: slides * weight,
+                };
+                profiles.loading.add(places, s, &load);
+            }
             sum += q;
-            rail_s += q * s;
-            wheel_s += q * here.wheel_s;
+            contact.rail_s += q * s;
+            contact.wheel_s += q * here.wheel_s;
             middle += here.point.coords * q;
-        }
+        });
         let over = if sum > 0.0 { 1.0 / sum } else { 0.0 };
         // from the wheel's frame to the world
         let turn = place.wheel;
         let whole = turn.matrix().fixed_resize::<3, 3>(0.0) + Matrix3::from_diagonal(&Vector3::z());
-        let (force, stiffness) = (whole * force, whole * stiffness * whole.transpose());
-        let normal_force = force.xy().norm();
-        let normal = if normal_force > 0.0 { force.xy() / normal_force } else { Vector2::zeros() };
-        let along = Vector3::new(normal.x, normal.y, 0.0);
-        Contact {
-            extent,
-            force,
-            energy,
-            stiffness,
-            normal_force,
-            normal_stiffness: along.dot(&(stiffness * along)),
-            point: self.origin + pose.wheel.xy() + turn * (middle * over),
-            rail_s: rail_s * over,
-            wheel_s: wheel_s * over,
+        for force in [&mut contact.force, &mut contact.friction] {
+            *force = whole * *force;
         }
-    }
-}
-
-/// Places and weights of Gauss's rule of `count` points on the interval from -1 to 1: the roots of Legendre's polynomial.
-fn gauss(count: usize) -> Vec<(f64, f64)> {
-    let order = count as f64;
-    let root = |i: usize| {
-        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (order + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..10 {
-            let (mut before, mut value) = (1.0, x);
-            for n in 2..=count {
-                let n = n as f64;
-                (before, value) = (value, ((2.0 * n - 1.0) * x * value - (n - 1.0) * before) / n);
+        contact.gradients = self.loading.of_contact();
+        for gradient in self.loading.gradients(contact.gradients) {
+            for force in [&mut gradient.normal, &mut gradient.friction] {
+                *force = whole * *force;
             }
-            slope = order * (before - x * value) / (1.0 - x * x);
-            x -= value / slope;
         }
-        (-x, 2.0 / ((1.0 - x * x) * slope * slope))
-    };
-    (0..count).map(root).collect()
-}
-
-impl Station {
-    /// The place between this station, which is inside a contact, and the next one where the parabola ends that has the penetrations of both
-    /// and the slope of this.
-    fn end_towards(&self, next: &Self) -> f64 {
-        let way = next.s - self.s;
-        let (slope, fall) = (self.slope * way, next.depth - self.depth - self.slope * way);
-        // 0 = depth + slope·t + fall·t²
-        let root = (slope * slope - 4.0 * self.depth * fall).max(0.0).sqrt();
-        let t = 2.0 * self.depth / (root - slope);
-        self.s + way * if t > 0.0 && t < 1.0 { t } else { 0.5 }
+        for stiffness in [&mut contact.stiffness, &mut contact.friction_stiffness, &mut contact.sticking] {
+            *stiffness = whole * *stiffness * whole.transpose();
+        }
+        contact.normal_force = contact.force.xy().norm();
+        let along = contact.normal();
+        let along = Vector3::new(along.x, along.y, 0.0);
+        contact.normal_stiffness = along.dot(&(contact.stiffness * along));
+        contact.point = self.wheel_origin() + pose.wheel.xy() + turn * (middle * over);
+        contact.rail_s *= over;
+        contact.wheel_s *= over;
+        contact
     }
 }
 
-impl Facing {
-    /// From the place of the rail in the wheel's frame with its normal and the tangent across it, and the `foot` on the wheel: its arc length, point and tangent.
-    fn new(
-        point: Point2<f64>,
-        normal: Vector2<f64>,
-        along: Vector2<f64>,
-        (wheel_s, foot, tangent): (f64, Point2<f64>, Vector2<f64>),
-    ) -> Option<Self> {
-        let cosine = along.dot(&tangent);
-        if cosine < LEAST_COSINE {
-            return None;
-        }
-        // the wheel's outward normal, towards the rail
-        let outward = Vector2::new(-tangent.y, tangent.x);
-        Some(Self {
-            wheel_s,
-            penetration: (point - foot).dot(&normal),
-            slope: -normal.dot(&tangent) / cosine,
-            cosine,
-            direction: outward / cosine,
-            point,
-        })
+impl Contact {
+    /// Direction of the normal force on the wheel, world (y, z).
+    fn normal(&self) -> Vector2<f64> {
+        if self.normal_force > 0.0 { self.force.xy() / self.normal_force } else { Vector2::zeros() }
     }
-}
 
-impl Turned {
-    fn at(&self, point: &Point2<f64>) -> Point2<f64> {
-        Point2::from(self.turn * point.coords + self.by)
+    /// Friction force on the wheel a quarter of a turn from the normal one, N.
+    pub fn tangential_force(&self) -> f64 {
+        let normal = self.normal();
+        self.friction.xy().dot(&Vector2::new(-normal.y, normal.x))
     }
 }
 

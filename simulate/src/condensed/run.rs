@@ -2,17 +2,19 @@
 
 use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
 
-use railspring_calibrate::element::{Pose, Profiles};
+use railspring_calibrate::element::{Contact, Pose, Profiles};
 use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
 use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
-use railspring_calibrate::history::{ContactState, Departure, Ending, History, HistoryRow, SurfaceEnd};
+use railspring_calibrate::history::{
+    ContactMode, ContactState, Departure, Ending, History, HistoryRow, SurfaceEnd,
+};
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::newmark::Newmark;
 use railspring_calibrate::placement::{departure, lateral_extent};
 use railspring_calibrate::scenario::Scenario;
 
-use super::contact::Patch;
+use super::contact::Contacts;
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
 use super::wheel::{self, Free, Wheel, WheelState};
@@ -22,10 +24,6 @@ use crate::moving::{
 
 /// A step that does not converge is halved at most so many times.
 const MOST_HALVINGS: usize = 8;
-
-/// What the shortest of them may leave the sections off where a force jumps, m, for a microsecond: of 10,000 random runs four come to more than a micrometre, the
-/// worst to 12.
-const JUMP: f64 = 3e-5;
 
 /// State between two steps.
 #[derive(Clone)]
@@ -84,8 +82,6 @@ struct Run<'a> {
 struct Prepared<'r> {
     wheel: wheel::Prepared,
     rail: Option<Rail<'r>>,
-    /// Whether a step that does not converge is not halved any more.
-    last: bool,
 }
 
 /// Between directions 1, 2 and rotation 3 and the world: its own inverse.
@@ -109,7 +105,8 @@ impl CondensedModel {
 fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
     let run = Run::new(model, scenario)?;
     let mut profiles =
-        Profiles::new(&model.rail.curve, &model.wheel, model.tape, Point2::from(run.references[1]));
+        Profiles::new(&model.rail.curve, &model.wheel, model.tape, Point2::from(run.references[1]))
+            .of_strips(&model.element.strips);
     let mut statistics = RunStatistics::default();
     let mut state = run.start(&mut profiles)?;
     let mut spare = state.clone();
@@ -120,7 +117,7 @@ fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Re
     let mut ending = Ending::Completed;
     let inner = scenario.shortest_step();
     let inner_steps = scenario.inner_steps.most();
-    let prepared = run.prepare(inner, 0)?;
+    let prepared = run.prepare(inner)?;
     for number in 0..scenario.steps * inner_steps {
         let step = number / inner_steps;
         if number % inner_steps == 0 {
@@ -189,11 +186,11 @@ impl<'a> Run<'a> {
             rail: Side { free: Vector3::zeros(), flexibility: self.head },
             strips: &self.model.element.strips,
             friction: 0.0,
-            accepted: 0.0,
             references: self.references,
         };
-        let mut at = Meeting::default();
-        step.solve(profiles, &Meeting::default(), &mut at).map_err(|error| error.at_step(0))?;
+        let at_rest = Meeting { contacts: Contacts::none(profiles), ..Meeting::default() };
+        let mut at = at_rest.clone();
+        step.solve(profiles, &at_rest, &mut at).map_err(|error| error.at_step(0))?;
         let on_rail = to_world() * self.on_rail(&at);
         let rail = self.rail.as_ref().map(|rail| rail.start(&self.rail_load(0.0), on_rail)).transpose()?;
         let of_rail = self.rail.as_ref().zip(rail.as_ref());
@@ -205,14 +202,14 @@ impl<'a> Run<'a> {
 
     /// Force on the rail's section with its moment about the reference point, world.
     fn on_rail(&self, at: &Meeting) -> Vector3<f64> {
-        -transport(&arm(&self.references, &at.pose)).tr_mul(&at.contacts.force)
+        -transport(&arm(&self.references, &at.pose)).tr_mul(&at.contacts.all.force)
     }
 
     /// Energy of contacts and of the parts that follow their forces, J.
     fn elastic(&self, at: &Meeting) -> f64 {
-        let (force, on_rail) = (at.contacts.force, self.on_rail(at));
+        let (force, on_rail) = (at.contacts.all.force, self.on_rail(at));
         let rest = force.dot(&(self.wheel.rest * force)) + on_rail.dot(&(self.head * on_rail));
-        at.contacts.energy + at.contacts.stored() + 0.5 * rest
+        at.contacts.elastic().iter().sum::<f64>() + 0.5 * rest
     }
 
     /// Advances between two times, with `spare` as room for the next state; a step that does not converge is done in two halves.
@@ -245,7 +242,7 @@ impl<'a> Run<'a> {
             Err(Error::Numerics(_)) if halvings < MOST_HALVINGS => {
                 statistics.halved_steps += 1;
                 let middle = 0.5 * (from + to);
-                let half = self.prepare(0.5 * (to - from), halvings + 1)?;
+                let half = self.prepare(0.5 * (to - from))?;
                 for times in [[from, middle], [middle, to]] {
                     let states = [&mut *state, &mut *spare];
                     let ending = self.advance(profiles, states, &half, times, halvings + 1, statistics)?;
@@ -259,9 +256,9 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn prepare(&self, step: f64, halvings: usize) -> Result<Prepared<'_>> {
+    fn prepare(&self, step: f64) -> Result<Prepared<'_>> {
         let rail = self.rail.as_ref().map(|rail| rail.over(&Newmark::new(step, 0.0))).transpose()?;
-        Ok(Prepared { wheel: self.wheel.prepare(step), rail, last: halvings == MOST_HALVINGS })
+        Ok(Prepared { wheel: self.wheel.prepare(step), rail })
     }
 
     /// One step from `state` to `next`; its iterations.
@@ -273,8 +270,8 @@ impl<'a> Run<'a> {
         prepared: &Prepared<'_>,
         times: [f64; 2],
     ) -> Result<usize> {
-        let Prepared { wheel, rail, .. } = prepared;
-        let on_wheel = state.at.contacts.force;
+        let Prepared { wheel, rail } = prepared;
+        let on_wheel = state.at.contacts.all.force;
         let free = self.wheel.free(wheel, &state.wheel, times);
         let of_wheel = wheel.flexibility * 0.5;
         let rim = Side { free: free.rim + of_wheel * on_wheel, flexibility: of_wheel + self.wheel.rest };
@@ -299,11 +296,10 @@ impl<'a> Run<'a> {
             rail: head,
             strips: &self.model.element.strips,
             friction: self.scenario.friction,
-            accepted: if prepared.last { JUMP } else { 0.0 },
             references: self.references,
         };
         let iterations = step.solve(profiles, &state.at, &mut next.at)?;
-        let mean = (on_wheel + next.at.contacts.force) * 0.5;
+        let mean = (on_wheel + next.at.contacts.all.force) * 0.5;
         self.wheel.finish(wheel, &state.wheel, &free, &mean, &mut next.wheel);
         if let Some(step) = rail_step {
             step.finish((to_world() * self.on_rail(&next.at)).as_slice());
@@ -313,7 +309,7 @@ impl<'a> Run<'a> {
         if next.wheel.is_finite() && next.ledger.balance().drift.is_finite() {
             return Ok(iterations);
         }
-        let active = next.at.contacts.patches.len();
+        let active = next.at.contacts.list.len();
         let (stage, reason) = ("condensed element".into(), StopReason::NotFinite);
         Err(NumericsError { stage, step: None, iteration: iterations, residual: f64::NAN, active, reason }
             .into())
@@ -326,7 +322,10 @@ impl<'a> Run<'a> {
         let of_rail = match (&self.rail, &state.rail, &next.rail) {
             (Some(dynamics), Some(before), Some(after)) => {
                 let torsion = 0.5 * (torsion(times[0]) + torsion(times[1]));
-                dynamics.energy(before, after, torsion, times[1] - times[0])
+                let forces = [&state.at, &next.at].map(|at| to_world() * self.on_rail(at));
+                let driven = dynamics.driven([before, after], times.map(|time| self.wheel_x(time)), forces);
+                let driven = PartEnergy { work: driven, ..PartEnergy::default() };
+                dynamics.energy(before, after, torsion, times[1] - times[0]) + driven
             }
             _ => PartEnergy::default(),
         };
@@ -336,7 +335,7 @@ impl<'a> Run<'a> {
         let of_contact = PartEnergy {
             elastic: self.elastic(after),
             // what friction took and the springs along the contacts do not have
-            friction: before.contacts.stored() - after.contacts.stored() - work,
+            friction: before.contacts.elastic()[1] - after.contacts.elastic()[1] - work,
             ..PartEnergy::default()
         };
         self.wheel.energy(&state.wheel, &next.wheel, Some((times[1] - times[0], free))) + of_rail + of_contact
@@ -364,7 +363,7 @@ impl<'a> Run<'a> {
         }
         let (rail_length, wheel_length) = (self.model.rail.curve.length(), self.model.wheel.length());
         let departed = |departure| Some(Ending::Departed { time, departure });
-        state.at.contacts.patches.iter().find_map(|Patch { contact, .. }| {
+        state.at.contacts.list.iter().find_map(|contact| {
             let aside = wheel.x - rail.x;
             let too_short = |s: f64| {
                 let rail = self.model.rail.to_profile(&self.model.rail.curve.point(s));
@@ -391,24 +390,23 @@ impl<'a> Run<'a> {
         let energy: EnergyBalance = state.ledger.balance();
         HistoryRow {
             time,
-            vertical_force: -contacts.force.y,
-            lateral_force: -contacts.force.x,
+            vertical_force: -contacts.all.force.y,
+            lateral_force: -contacts.all.force.x,
             wheel_y: y - start[0],
             wheel_z: z - start[1],
             load_y: self.scenario.load_travel(time, y - start[0]),
             energy: Some(energy),
-            contacts: contacts.patches.iter().map(|patch| self.contact(patch)).collect(),
+            contacts: contacts.list.iter().map(|contact| self.contact(contact)).collect(),
         }
     }
 
-    fn contact(&self, patch: &Patch) -> ContactState {
-        let Patch { contact, tangential, mode, .. } = patch;
+    fn contact(&self, contact: &Contact) -> ContactState {
         ContactState {
-            mode: *mode,
+            mode: if contact.sticks { ContactMode::Stick } else { ContactMode::Slip },
             rail: self.model.rail.to_profile(&self.model.rail.curve.point(contact.rail_s)),
             wheel: self.model.wheel.point(contact.wheel_s),
             normal_force: contact.normal_force,
-            tangential_force: *tangential,
+            tangential_force: contact.tangential_force(),
         }
     }
 }

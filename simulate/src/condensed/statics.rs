@@ -28,7 +28,9 @@ impl CondensedModel {
         let references = [self.tape.coords, self.support.reference(&self.rail).coords];
         let [rim, head] = [self.element.wheel.rim_flexibility(), self.element.head];
         let mut profiles =
-            Profiles::new(&self.rail.curve, &self.wheel, self.tape, Point2::from(references[1]));
+            Profiles::new(&self.rail.curve, &self.wheel, self.tape, Point2::from(references[1]))
+                .of_strips(&self.element.strips);
+        let at_rest = Meeting { contacts: Contacts::none(&profiles), ..Meeting::default() };
         // friction goes as the wheel comes down
         let mut pressed = |way: f64, from: &Meeting| -> Result<(Meeting, f64)> {
             let free = Vector3::new(direction.x * way, direction.y * way, 0.0);
@@ -37,15 +39,14 @@ impl CondensedModel {
                 rail: Side { free: Vector3::zeros(), flexibility: head },
                 strips: &self.element.strips,
                 friction,
-                accepted: 0.0,
                 references,
             };
-            let mut at = Meeting::default();
+            let mut at = from.clone();
             step.solve(&mut profiles, from, &mut at)?;
-            let carried = -at.contacts.force.xy().dot(&direction);
+            let carried = -at.contacts.all.force.xy().dot(&direction);
             Ok((at, carried))
         };
-        let (mut low, mut before) = (0.0, Meeting::default());
+        let (mut low, mut before) = (0.0, at_rest);
         let mut high = FIRST_WAY;
         let (mut at, mut carried) = pressed(high, &before)?;
         while carried < force {
@@ -67,7 +68,7 @@ impl CondensedModel {
         }
         let to_wheel = transport(&arm(&references, &at.pose));
         let both = rim + to_wheel * head * to_wheel.transpose();
-        let sticking = at.contacts.sticking();
+        let sticking = at.contacts.all.sticking;
         let stiffness = (Matrix3::identity() + sticking * both).lu().solve(&sticking);
         let hub = stiffness.map(|stiffness| stiffness.fixed_view::<2, 2>(0, 0).into_owned());
         let flexibility = hub.and_then(|hub| hub.try_inverse());
@@ -82,7 +83,7 @@ fn unreached(force: f64, contacts: &Contacts) -> railspring_calibrate::error::Er
         step: None,
         iteration: 0,
         residual: force,
-        active: contacts.patches.len(),
+        active: contacts.list.len(),
         reason: StopReason::IterationLimit,
     }
     .into()

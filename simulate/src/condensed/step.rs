@@ -13,8 +13,11 @@ const ITERATIONS: usize = 100;
 const FULL: usize = 8;
 const SHORTEST: f64 = 1e-3;
 
-/// What a pose may miss, m: with 10⁹ N/m a hundredth of a newton.
-const TOLERANCE: f64 = 1e-11;
+/// What a pose may miss, m: with 10⁹ N/m a tenth of a newton.
+const TOLERANCE: f64 = 1e-10;
+
+/// What the relief of the contacts may be off, m: it is taken into account to first order, so that forces are off by its square.
+const RELIEF: f64 = 1e-8;
 
 /// Lever that turns a rotation into a displacement, m.
 const LEVER: f64 = 0.1;
@@ -41,8 +44,6 @@ pub(super) struct Step<'a> {
     pub rail: Side,
     pub strips: &'a StripStiffness,
     pub friction: f64,
-    /// What the sections may be off, m, where no more iterations are left.
-    pub accepted: f64,
     /// World positions of the reference points of wheel and rail at rest, m.
     pub references: [Vector2<f64>; 2],
 }
@@ -75,12 +76,12 @@ impl Step<'_> {
     pub fn solve(&self, profiles: &mut Profiles, start: &Meeting, next: &mut Meeting) -> Result<usize> {
         // the first step goes from the start, whose contacts are known
         next.pose = start.pose;
+        next.contacts.relief.copy_from(&start.contacts.relief);
         let at_start = self.off(start);
         if !self.correct(&mut next.pose, &start.contacts, &at_start, 1.0) {
             next.pose = start.pose;
         }
         let (mut last, mut length, mut longest) = (f64::INFINITY, 1.0_f64, 1.0_f64);
-        let mut best = (f64::INFINITY, next.pose);
         for iteration in 1..=ITERATIONS {
             self.find(profiles, start, next);
             let off = self.off(next);
@@ -88,7 +89,8 @@ impl Step<'_> {
             if !size.is_finite() {
                 return Err(failure(iteration, size, &next.contacts, StopReason::NotFinite));
             }
-            if size < TOLERANCE {
+            if size < TOLERANCE && next.contacts.all.off < RELIEF {
+                self.keep(profiles, start, next);
                 return Ok(iteration);
             }
             // An iteration that goes round in a circle, between sticking and sliding or touching and not for instance, is shortened; one that
@@ -102,35 +104,34 @@ impl Step<'_> {
                 }
             }
             last = size;
-            if size < best.0 {
-                best = (size, next.pose);
-            }
             if !self.correct(&mut next.pose, &next.contacts, &off, length) {
                 return Err(failure(iteration, size, &next.contacts, StopReason::Singular));
             }
         }
-        // where contacts join, the limits of friction do not add up: a force that jumps there has no balance
-        if best.0 < self.accepted {
-            next.pose = best.1;
-            self.find(profiles, start, next);
-            return Ok(ITERATIONS);
-        }
         Err(failure(ITERATIONS, last, &next.contacts, StopReason::IterationLimit))
+    }
+
+    /// Motion of the wheel against the rail since the start, about the wheel's reference point.
+    fn moved(&self, start: &Meeting, next: &Meeting) -> Vector3<f64> {
+        let to_wheel = transport(&arm(&self.references, &next.pose));
+        next.pose.wheel - start.pose.wheel - to_wheel * (next.pose.rail - start.pose.rail)
     }
 
     /// The contacts where the sections are, after those of the start.
     fn find(&self, profiles: &mut Profiles, start: &Meeting, next: &mut Meeting) {
-        let pose = &next.pose;
-        let to_wheel = transport(&arm(&self.references, pose));
-        let moved = pose.wheel - start.pose.wheel - to_wheel * (pose.rail - start.pose.rail);
-        let reference = self.references[0] + pose.wheel.xy();
-        let law = (self.strips, self.friction);
-        next.contacts.find(profiles, law, pose, reference, &start.contacts, &moved);
+        let (law, moved) = ((self.strips, self.friction), self.moved(start, next));
+        next.contacts.find(profiles, law, &next.pose, &start.contacts.deflections, moved);
+    }
+
+    /// Keeps what their friction has taken up.
+    fn keep(&self, profiles: &mut Profiles, start: &Meeting, next: &mut Meeting) {
+        let (law, moved) = ((self.strips, self.friction), self.moved(start, next));
+        next.contacts.keep(profiles, law, &next.pose, &start.contacts.deflections, moved);
     }
 
     /// What the sections are off from where the forces of the contacts have them.
     fn off(&self, at: &Meeting) -> Off {
-        let (pose, force) = (&at.pose, &at.contacts.force);
+        let (pose, force) = (&at.pose, &at.contacts.all.force);
         let to_wheel = transport(&arm(&self.references, pose));
         Off {
             wheel: pose.wheel - self.wheel.free - self.wheel.flexibility * force,
@@ -142,17 +143,17 @@ impl Step<'_> {
     /// Takes a Newton step, or a share `length` of it, with the stiffness of `contacts`; whether there is one.
     fn correct(&self, pose: &mut Pose, contacts: &Contacts, off: &Off, length: f64) -> bool {
         let (wheel, rail, to_wheel) = (&self.wheel.flexibility, &self.rail.flexibility, &off.to_wheel);
-        if contacts.patches.is_empty() {
+        if contacts.list.is_empty() {
             pose.wheel -= off.wheel * length;
             pose.rail -= off.rail * length;
             return true;
         }
         let both = wheel + to_wheel * rail * to_wheel.transpose();
-        let system = Matrix3::identity() + both * contacts.stiffness;
+        let system = Matrix3::identity() + both * contacts.all.stiffness;
         let Some(relative) = system.lu().solve(&(to_wheel * off.rail - off.wheel)) else {
             return false;
         };
-        let force = contacts.stiffness * relative;
+        let force = contacts.all.stiffness * relative;
         pose.wheel -= (off.wheel + wheel * force) * length;
         pose.rail -= (off.rail - rail * to_wheel.tr_mul(&force)) * length;
         true
@@ -181,7 +182,7 @@ fn failure(
     contacts: &Contacts,
     reason: StopReason,
 ) -> railspring_calibrate::error::Error {
-    let active = contacts.patches.len();
+    let active = contacts.list.len();
     NumericsError { stage: "condensed element".into(), step: None, iteration, residual, active, reason }
         .into()
 }

@@ -3,7 +3,9 @@
 use nalgebra::{Matrix3, Point2, Vector3};
 
 use railspring_calibrate::analytic::drop::drop;
-use railspring_calibrate::element::{ElasticWheel, PairElement, RimMode, StripPlace, StripStiffness};
+use railspring_calibrate::element::{
+    ElasticWheel, Influence, PairElement, RimMode, StripModulus, StripPlace, StripStiffness,
+};
 use railspring_calibrate::history::{ContactMode, Ending, HistoryRow};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
@@ -28,7 +30,15 @@ const HERTZ: f64 = 9.239e10;
 
 /// Strips with one modulus everywhere.
 pub(super) fn uniform(modulus: f64, tangential: f64) -> StripStiffness {
-    StripStiffness { places: vec![StripPlace { rail_s: 0.0, modulus, tangential }], misfit: 0.0 }
+    let modulus =
+        StripModulus { normal: modulus, hardening: 0.0, tangential: tangential * modulus, relief: 1.0 };
+    StripStiffness::new(vec![StripPlace { rail_s: 0.0, modulus }], Influence::default(), 0.0)
+}
+
+/// Strips of the stiffness that those of solids have, whose loads relieve each other.
+fn relieving() -> StripStiffness {
+    let modulus = StripModulus { normal: 2.5e11, hardening: 0.2, tangential: 1e11, relief: 0.9 };
+    StripStiffness::new(vec![StripPlace { rail_s: 0.0, modulus }], Influence { flexibility: 2.8e-12 }, 0.0)
 }
 
 /// A wheel without modes.
@@ -225,14 +235,16 @@ fn a_flank_has_the_forces_of_nadal() {
 
 /// Source: a mass on a spring. Goal: a wheel that lies on the rail under 100 kN and is struck aside, so that it sticks, swings on the tangential stiffness, here
 /// 0.8 of the normal one (1.5·C·√δ), with the period 2π√(m/k) (s), and comes back to where it was (m): no creep is left.
-/// Accuracy: average acceleration lengthens the period by (ωh)²/12, 1e-4; the normals of the strips are off the vertical by up to 0.03.
+/// Accuracy: average acceleration lengthens the period by (ωh)²/12, 1e-4; the normals of the strips are off the vertical by up to 0.03, and the edges of the contact
+/// slip under a hundredth of the limit, which takes a sixth of that off the stiffness.
 #[test]
 fn a_stuck_wheel_swings_on_the_tangential_stiffness() {
     const MODEL: f64 = 2e-3;
+    const AWAY: f64 = 5e-4;
     let (mass, force, share) = (1000.0, 100e3, 0.8);
     let mut model = crowned(mass, share);
     let depth = (force / HERTZ).powf(2.0 / 3.0);
-    model.initial = InitialMotion { displacement: [0.0, depth], velocity: [5e-3, 0.0] };
+    model.initial = InitialMotion { displacement: [0.0, depth], velocity: [AWAY, 0.0] };
     let scenario = Scenario {
         friction: 0.5,
         vertical_force: HarmonicForce::constant(force),
@@ -251,7 +263,7 @@ fn a_stuck_wheel_swings_on_the_tangential_stiffness() {
     println!("{period} {} {}", std::f64::consts::TAU / omega, back.len());
     assert!(back.len() > 6 && relative(period, std::f64::consts::TAU / omega) < MODEL, "{period}");
     let (high, low) = (largest(&run, |r| r.wheel_y), largest(&run, |r| -r.wheel_y));
-    assert!(relative(high, 5e-3 / omega) < MODEL && relative(low, 5e-3 / omega) < MODEL, "{high} {low}");
+    assert!(relative(high, AWAY / omega) < MODEL && relative(low, AWAY / omega) < MODEL, "{high} {low}");
 }
 
 /// The wheel S1002 on the rail 60E1, elastic, on a beam; its solids made up.
@@ -271,7 +283,7 @@ pub(super) fn elastic() -> CondensedModel {
             .into(),
         rest: Matrix3::from_diagonal(&Vector3::new(1e-9, 3e-10, 1e-6)),
     };
-    let mut model = model(pair.placed.curve.clone(), pair.wheel.running.clone(), wheel, uniform(4e10, 0.8));
+    let mut model = model(pair.placed.curve.clone(), pair.wheel.running.clone(), wheel, relieving());
     model.rail = pair.placed.clone();
     model.tape = Point2::from(pair.tape());
     model.element.head = Matrix3::from_diagonal(&Vector3::new(1e-9, 5e-10, 1e-6));

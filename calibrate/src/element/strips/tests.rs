@@ -4,22 +4,33 @@ use super::*;
 use crate::analytic::hertz::{contact_modulus, point_contact};
 use crate::pair::Pair;
 use crate::placement::TrackGeometry;
+use crate::profile::ProfileCurve;
 use crate::section::{rail_section, wheel_section};
+use nalgebra::Rotation2;
 
-/// A modulus that falls along the rail.
+fn strip(normal: f64) -> StripModulus {
+    StripModulus { normal, hardening: 0.0, tangential: 0.8 * normal, relief: 1.0 }
+}
+
+/// A modulus that falls along the rail, hardens, and whose loads relieve others with a weight that grows.
 struct Falling;
 
 impl StripLaw for Falling {
-    fn modulus(&self, rail_s: f64) -> f64 {
-        6e10 * (1.0 - 4.0 * rail_s)
+    fn modulus(&self, rail_s: f64) -> StripModulus {
+        let relief = 0.8 + 4.0 * rail_s;
+        StripModulus { hardening: 0.3, relief, ..strip(6e10 * (1.0 - 4.0 * rail_s)) }
+    }
+
+    fn influence(&self) -> Influence {
+        Influence { flexibility: 2.8e-12 }
     }
 }
 
 struct Uniform(f64);
 
 impl StripLaw for Uniform {
-    fn modulus(&self, _: f64) -> f64 {
-        self.0
+    fn modulus(&self, _: f64) -> StripModulus {
+        strip(self.0)
     }
 }
 
@@ -34,8 +45,15 @@ fn profiles(pair: &Pair) -> Profiles<'_> {
 
 fn found(profiles: &mut Profiles, pose: &Pose, law: &impl StripLaw) -> Vec<Contact> {
     let mut contacts = Vec::new();
-    profiles.contacts(pose, law, &mut contacts);
+    profiles.settled(pose, law, &mut contacts);
     contacts
+}
+
+/// Energy and force of all contacts, those of their relief included.
+fn all(profiles: &mut Profiles, pose: &Pose, law: &impl StripLaw) -> (f64, Relieved) {
+    let mut contacts = Vec::new();
+    let relieved = profiles.settled(pose, law, &mut contacts);
+    (relieved.energy + sum(&contacts).0, relieved)
 }
 
 fn sum(contacts: &[Contact]) -> (f64, Vector3<f64>) {
@@ -63,35 +81,40 @@ fn pressed(pair: &Pair) -> Vec<(Pair, Pose)> {
 }
 
 /// Source: the definition of a potential. Goal: force (N) and moment (N·m) on the wheel are minus the gradient of the energy (J), on the tread and up to the
-/// gauge corner, with both bodies moved and turned; a motion of both together changes nothing. Accuracy: the rule of integration, of eight points between jumps of
-/// the curvature; it is 1e-3 with twice as many over the whole contact.
+/// gauge corner, with both bodies moved and turned, strips that harden and loads that relieve each other; the stiffness (N/m) is that of the force; a motion of both
+/// together changes nothing. Accuracy: the rule of integration, of eight points between jumps of the curvature, 1e-5 of the
+/// force; the stiffness leaves out that normals and places turn and move, some thousandths of it.
 #[test]
 fn forces_are_the_gradient_of_the_energy() {
-    const QUADRATURE: f64 = 1e-4;
-    const ROUNDOFF: f64 = 1e-9;
+    const QUADRATURE: f64 = 1e-5;
+    const TANGENT: f64 = 5e-3;
+    const ROUNDOFF: f64 = 1e-8;
     let pair = pair();
     let mut corner = false;
     for (place, pose) in pressed(&pair) {
-        let mut bodies = profiles(&place);
-        let contacts = found(&mut bodies, &pose, &Falling);
-        let (energy, force) = sum(&contacts);
-        let size = force.xy().norm();
+        let bodies = || profiles(&place).of_strips(&Falling);
+        let (energy, at) = all(&mut bodies(), &pose, &Falling);
+        let size = at.force.xy().norm();
         corner |= place.touch.contact_angle.abs() > 0.4;
-        assert!(size > 5e3, "{size}");
+        assert!(size > 5e3 && at.energy > 0.05 * energy, "{size} {} {energy}", at.energy);
         for i in 0..3 {
             // a turn as a way at the contact's distance from the origin
             let step = if i == 2 { 2e-6 } else { 1e-7 };
             let lever = if i == 2 { 0.05 } else { 1.0 };
-            let at = |side: f64| {
+            let beside = |side: f64| {
                 let mut moved = pose;
                 moved.wheel[i] += side * step;
-                let contacts = found(&mut profiles(&place), &moved, &Falling);
-                sum(&contacts).0
+                all(&mut bodies(), &moved, &Falling)
             };
-            let gradient = (at(1.0) - at(-1.0)) / (2.0 * step);
-            let off = (gradient + force[i]).abs() / (size * lever);
-            println!("{:.3} {i}: {off:e}", place.touch.contact_angle);
-            assert!(off < QUADRATURE, "{i}: {gradient} {}", force[i]);
+            let (before, after) = (beside(-1.0), beside(1.0));
+            let off = ((after.0 - before.0) / (2.0 * step) + at.force[i]).abs() / (size * lever);
+            let slope = -(after.1.force - before.1.force) / (2.0 * step);
+            let stiff = (slope - at.stiffness.column(i)).xy().norm()
+                / at.stiffness.fixed_view::<2, 2>(0, 0).norm()
+                / lever;
+            println!("{:.3} {i}: {off:e} {stiff:e}", place.touch.contact_angle);
+            assert!(off < QUADRATURE, "{i}: {off}");
+            assert!(stiff < TANGENT, "{i}: {stiff} {slope:?} {:?}", at.stiffness);
         }
         let (turn, by) = (Rotation2::new(0.01), Vector2::new(2e-3, -1e-3));
         let carried = |origin: Point2<f64>, motion: &Vector3<f64>| {
@@ -102,9 +125,9 @@ fn forces_are_the_gradient_of_the_energy() {
             wheel: carried(Point2::from(place.tape()), &pose.wheel),
             rail: carried(place.node_line(), &pose.rail),
         };
-        let (same, turned) = sum(&found(&mut bodies, &together, &Falling));
+        let (same, turned) = all(&mut bodies(), &together, &Falling);
         assert!((same / energy - 1.0).abs() < ROUNDOFF, "{same} {energy}");
-        assert!((turned.xy() - turn * force.xy()).norm() < ROUNDOFF * size);
+        assert!((turned.force.xy() - turn * at.force.xy()).norm() < ROUNDOFF * size);
     }
     assert!(corner, "none at the corner");
 }
@@ -182,29 +205,58 @@ fn mirrored_profiles_have_mirrored_contacts() {
     }
 }
 
-/// Source: F = M·(4/3)·√(2R)·δ^1.5. Goal: a wheel of 13 mm across that overlaps a flat rail by 1 nm and more is found wherever between two stations it is, with its force (N).
+/// Source: F = M·(4/3)·√(2R)·δ^1.5. Goal: a wheel of 13 mm across, and a sharper one of 5 mm, that overlaps a flat rail by 1 nm and more is found wherever between two stations it is, with its force (N).
 /// Accuracy: of a patch of 10 µm the ends are known to 1e-10 m, and the wheel is a spline.
 #[test]
 fn a_contact_narrower_than_the_stations_is_found() {
     const SOLVER: f64 = 1e-3;
-    const RADIUS: f64 = 13e-3;
-    let points: Vec<Point2<f64>> =
-        (-100..=100).map(|i| 1e-4 * f64::from(i)).map(|y| Point2::new(y, -arc(RADIUS)(y))).collect();
-    let wheel = ProfileCurve::from_points(&points, &[]).unwrap();
     let rail = profile(|_| 0.0);
+    for radius in [13e-3, 5e-3] {
+        let wheel = fine(|y| -arc(radius)(y), 4e-3);
+        let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+        for depth in [1e-9_f64, 1e-7, 1e-5] {
+            for place in 0..97 {
+                let mut pose = down(depth);
+                pose.wheel.x = 3e-3 + 1.03e-5 * f64::from(place);
+                let contacts = found(&mut bodies, &pose, &Uniform(4e10));
+                assert_eq!(contacts.len(), 1, "{radius} {depth} {place}");
+                let exact = 4e10 * 4.0 / 3.0 * (2.0 * radius).sqrt() * depth.powf(1.5);
+                let off = contacts[0].normal_force / exact - 1.0;
+                assert!(off.abs() < SOLVER, "{radius} {depth} {place} {contacts:?}");
+                assert!((contacts[0].point.x - pose.wheel.x).abs() < 1e-7);
+            }
+        }
+        assert!(found(&mut bodies, &down(-1e-9), &Uniform(4e10)).is_empty());
+    }
+}
+
+/// A profile through points every tenth of a millimetre to either side.
+fn fine(shape: impl Fn(f64) -> f64, side: f64) -> ProfileCurve {
+    let count = (side / 1e-4).round() as i32;
+    let points: Vec<Point2<f64>> =
+        (-count..=count).map(|i| 1e-4 * f64::from(i)).map(|y| Point2::new(y, shape(y))).collect();
+    ProfileCurve::from_points(&points, &[]).unwrap()
+}
+
+/// Source: the sum of the strips' forces, M·p, over the overlap, by itself. Goal: two contacts (N) of a wheel with two crowns 4 mm apart, with a gap of 0.3 and of 0.9 mm between them, less than the stations are apart, are found wherever between two stations that is. Accuracy: SOLVER, the wheel is a spline.
+#[test]
+fn a_gap_narrower_than_the_stations_is_found() {
+    const SOLVER: f64 = 2e-3;
+    let height = |y: f64| 0.5e-6 * (1.0 - (y / 2e-3).powi(2)).powi(2);
+    let (rail, wheel) = (profile(|_| 0.0), fine(|y| -height(y), 4e-3));
     let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
-    for depth in [1e-9_f64, 1e-7, 1e-5] {
+    for depth in [0.45e-6, 0.49e-6] {
+        let strips = (-40_000..=40_000).map(|i| (depth - height(1e-7 * f64::from(i))).max(0.0));
+        let exact = 4e10 * 1e-7 * strips.sum::<f64>();
         for place in 0..97 {
             let mut pose = down(depth);
             pose.wheel.x = 3e-3 + 1.03e-5 * f64::from(place);
             let contacts = found(&mut bodies, &pose, &Uniform(4e10));
-            assert_eq!(contacts.len(), 1, "{depth} {place}");
-            let exact = 4e10 * 4.0 / 3.0 * (2.0 * RADIUS).sqrt() * depth.powf(1.5);
-            assert!((contacts[0].normal_force / exact - 1.0).abs() < SOLVER, "{depth} {place} {contacts:?}");
-            assert!((contacts[0].point.x - pose.wheel.x).abs() < 1e-7);
+            assert_eq!(contacts.len(), 2, "{depth} {place}");
+            let off = sum(&contacts).1.xy().norm() / exact - 1.0;
+            assert!(off.abs() < SOLVER, "{depth} {place} {off} {contacts:?}");
         }
     }
-    assert!(found(&mut bodies, &down(-1e-9), &Uniform(4e10)).is_empty());
 }
 
 /// Goal: the force (N) of a wheel that is moved over the rail from tread to flange, 40 µm deep, goes on without a jump where contacts are born, merge and part: steps a tenth as long
@@ -287,4 +339,128 @@ fn contacts_have_no_memory() {
         }
     }
     assert!(touching > 50, "{touching}");
+}
+
+/// Source: R.D. Mindlin, H. Deresiewicz, "Elastic spheres in contact under varying oblique forces", J. Appl. Mech. 20 (1953): under a constant normal force `N` a
+/// tangential displacement `u` makes `T = µN·(1 - (1 - u/u₁)^(3/2))`, and back from `u*`, by twice of that over `2u₁`; u₁ = 3µN/(2k). Goal: that force (N) of a crowned wheel on a
+/// flat rail, forth, back and forth again. Accuracy: strips whose forces are a parabola have that force exactly; the rule of integration has eight points, between two of which the
+/// edge of the sliding strips lies: (1/8)² of the force, and friction is kept at places 0.25 mm apart on a contact of 10 mm.
+#[test]
+fn a_contact_slips_from_its_edges() {
+    const QUADRATURE: f64 = 1.8e-2;
+    const COEFFICIENT: f64 = 0.3;
+    let (rail, wheel) = (profile(|_| 0.0), profile(|y| -arc(0.3)(y)));
+    let law = Uniform(4e10);
+    let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+    let depth = 40e-6;
+    let mut contacts = found(&mut bodies, &down(depth), &law);
+    let (normal, stiffness) = (contacts[0].normal_force, contacts[0].tangential_stiffness);
+    let whole = 1.5 * COEFFICIENT * normal / stiffness;
+    let slipped = |u: f64| COEFFICIENT * normal * (1.0 - (1.0 - u.abs() / whole).powf(1.5)).copysign(u);
+    let mut kept = [Deflections::none(rail.length()), Deflections::none(rail.length())];
+    // the wheel that goes aside by so little stays on the same strips
+    let (mut at, mut turned, mut force) = (0.0, 0.0, 0.0);
+    let mut largest = 0.0_f64;
+    let (forth, back) = (0.8 * whole, -0.5 * whole);
+    for (to, first) in [(forth, true), (back, false), (forth, false)] {
+        let from = at;
+        for i in 1..=20 {
+            let next = from + (to - from) * f64::from(i) / 20.0;
+            let moved = Vector3::new(next - at, 0.0, 0.0);
+            let friction = Friction { coefficient: COEFFICIENT, before: &kept[0], moved };
+            let relief = Relief::default();
+            bodies.contacts(&down(depth), &law, &relief, Some(&friction), &mut contacts);
+            let mut now = kept[1].clone();
+            bodies.taken_up(&down(depth), &law, &relief, &friction, &mut now);
+            kept.swap(0, 1);
+            kept[0] = now;
+            at = next;
+            let exact = if first { slipped(at) } else { turned + 2.0 * slipped(0.5 * (at - from)) };
+            force = -contacts[0].friction.x;
+            largest = largest.max((force - exact).abs() / (COEFFICIENT * normal));
+            assert!(contacts[0].sticks && contacts[0].stored > 0.0);
+        }
+        turned = if first { slipped(at) } else { turned + 2.0 * slipped(0.5 * (at - from)) };
+    }
+    println!("{largest:e} {force}");
+    assert!(largest < QUADRATURE, "{largest}");
+    // far aside everything slides
+    let friction =
+        Friction { coefficient: COEFFICIENT, before: &kept[0], moved: Vector3::new(whole, 0.0, 0.0) };
+    bodies.contacts(&down(depth), &law, &Relief::default(), Some(&friction), &mut contacts);
+    assert!(!contacts[0].sticks);
+    assert!((-contacts[0].friction.x / (COEFFICIENT * normal) - 1.0).abs() < 1e-9);
+    assert!((contacts[0].tangential_force().abs() / (COEFFICIENT * normal) - 1.0).abs() < 1e-6);
+}
+
+/// Strips whose loads relieve each other.
+struct Relieving;
+
+impl StripLaw for Relieving {
+    fn modulus(&self, _: f64) -> StripModulus {
+        strip(4e11)
+    }
+
+    fn influence(&self) -> Influence {
+        Influence { flexibility: 2.8e-12 }
+    }
+}
+
+/// Source: K.L. Johnson, "Contact mechanics" (1985), equation 3.22: a load moves a half-space at a distance r by F/(πE*·r), here F/(πE*·√(r² + d²)) with d = 20 mm.
+/// Goal: of a crown that another one 30 mm away helps, the penetration that is left (m) is smaller than of one alone by that. Accuracy: the relief by its own
+/// force, which is less by some hundredths, goes with a power between 2/3 and 1 of it, which is a twentieth of what is looked for; and what loads make near themselves
+/// ends 48 mm away, here with a hundredth of it, which is a tenth.
+#[test]
+fn contacts_side_by_side_relieve_each_other() {
+    const NEAR: f64 = 0.15;
+    const DEPTH: f64 = 80e-6;
+    let rail = profile(|_| 0.0);
+    let left = |shape: &dyn Fn(f64) -> f64, count: usize| {
+        let wheel = profile(shape);
+        let mut bodies =
+            Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin()).of_strips(&Relieving);
+        let contacts = found(&mut bodies, &down(DEPTH), &Relieving);
+        assert_eq!(contacts.len(), count);
+        let contact = contacts[0];
+        let half = 0.5 * (contact.extent[1] - contact.extent[0]);
+        (contact.normal_force, DEPTH - half * half / (2.0 * 0.05))
+    };
+    let (alone, own) = left(&|y| -arc(0.05)(y.min(0.0) + 15e-3), 1);
+    let (force, both) = left(&|y| -arc(0.05)(y.abs() - 15e-3), 2);
+    let beside = both - own * (force / alone).powf(0.83);
+    let exact = Relieving.influence().flexibility * force / 30e-3_f64.hypot(20e-3);
+    println!("{alone} {own:e}, {force} {both:e}: {beside:e} {exact:e}");
+    assert!(force < 0.97 * alone && (beside / exact - 1.0).abs() < NEAR, "{beside} {exact}");
+}
+
+/// Goal: at a pose there is one answer, whatever relief the contacts are looked for under at first: none, that of another place, or one under which nothing touches.
+/// Accuracy: SOLVER, the relief settles to 1e-12 m of some 1e-5.
+#[test]
+fn a_pose_has_one_relief() {
+    const SOLVER: f64 = 1e-6;
+    let pair = pair();
+    let places = pressed(&pair);
+    let mut cases: Vec<_> = places.iter().map(|(place, pose)| (profiles(place), *pose)).collect();
+    let (rail, wheel) = (profile(|_| 0.0), profile(|y| -arc(0.05)(y.abs() - 15e-3)));
+    cases.push((Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin()), down(80e-6)));
+    let mut several = false;
+    for (bodies, pose) in cases {
+        let mut bodies = bodies.of_strips(&Relieving);
+        let mut contacts = Vec::new();
+        let mut force = |first: &Relief| {
+            let mut relief = first.clone();
+            let often = (MOST_SETTLINGS, RELIEVED);
+            let relieved = bodies.settle(&pose, &Relieving, &mut relief, None, often, &mut contacts);
+            assert!(relieved.off < RELIEVED, "{}", relieved.off);
+            several |= contacts.len() > 1;
+            (relieved.force, relief)
+        };
+        let (one, settled) = force(&Relief::default());
+        assert!(one.xy().norm() > 5e3);
+        for times in [0.5, 2.0, 20.0] {
+            let (other, _) = force(&settled.times(times));
+            assert!((other - one).xy().norm() < SOLVER * one.xy().norm(), "{times}: {other} {one}");
+        }
+    }
+    assert!(several, "nowhere two contacts");
 }
