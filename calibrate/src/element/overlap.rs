@@ -87,6 +87,8 @@ pub struct Profiles<'a> {
     outside: f64,
     /// Where the bodies may overlap.
     near: Vec<Span>,
+    /// Where they overlap the least between two deeper places, arc lengths in m.
+    dips: Vec<f64>,
     /// Places of the rail between which a contact is smooth, m.
     panels: Vec<f64>,
     /// Places and weights of the rule of integration on the interval from -1 to 1.
@@ -182,6 +184,7 @@ impl<'a> Profiles<'a> {
             window: [0, stations.len() - 1],
             outside: f64::INFINITY,
             near: Vec::with_capacity(stations.len()),
+            dips: Vec::with_capacity(stations.len()),
             weights: vec![0.0; stations.len()],
             places: None,
             relief: Relief::default(),
@@ -313,6 +316,7 @@ impl<'a> Profiles<'a> {
     /// Looks at the stations where the bodies can overlap, and lists where they may.
     fn look(&mut self, place: &Turned) {
         self.near.clear();
+        self.dips.clear();
         self.travel += self.looked.map_or(f64::INFINITY, |looked| self.motion(&looked, place));
         self.looked = Some(*place);
         if !self.travel.is_finite() || self.travel > 1.0 {
@@ -364,10 +368,14 @@ impl<'a> Profiles<'a> {
                 }
                 let mut rest = self.span(from.saturating_sub(1), i.min(last));
                 for j in from..i.saturating_sub(1) {
-                    if let Some(gap) = self.gap(place, j) {
-                        self.near
-                            .push(Span { stations: (rest.stations.0, j + 1), ends: [rest.ends[0], gap] });
-                        rest = Span { stations: (j, rest.stations.1), ends: [gap, rest.ends[1]] };
+                    match self.dip(place, j) {
+                        Some((gap, least)) if least <= 0.0 => {
+                            let ends = [rest.ends[0], gap];
+                            self.near.push(Span { stations: (rest.stations.0, j + 1), ends });
+                            rest = Span { stations: (j, rest.stations.1), ends: [gap, rest.ends[1]] };
+                        }
+                        Some((dip, _)) => self.dips.push(dip),
+                        None => {}
                     }
                 }
                 self.near.push(rest);

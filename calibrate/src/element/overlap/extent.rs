@@ -13,25 +13,29 @@ const LEAST_BRACKET: f64 = 1e-12;
 pub(super) const POINTS: usize = 8;
 
 impl Profiles<'_> {
-    /// An arc length between a station and the next one, which both overlap, where the bodies do not.
-    pub(super) fn gap(&self, place: &Turned, station: usize) -> Option<f64> {
-        let at = |station: &Station| (station.s, station.depth, station.slope);
-        let (mut a, mut b) = (at(&self.stations[station]), at(&self.stations[station + 1]));
-        // a penetration that goes down and up again is nowhere less than where its tangents meet
-        while a.2 < 0.0 && b.2 > 0.0 && b.0 - a.0 > NARROWEST {
-            let meet = ((b.2 * b.0 - b.1) - (a.2 * a.0 - a.1)) / (b.2 - a.2);
-            if a.1 + a.2 * (meet - a.0) > 0.0 {
-                return None;
-            }
-            let s = 0.5 * (a.0 + b.0);
-            let here = self.facing_at(place, s, self.guess(s, (station, station + 1)))?;
-            if here.penetration <= 0.0 {
-                return Some(s);
-            }
-            let here = (s, here.penetration, here.slope);
-            if here.2 < 0.0 { a = here } else { b = here }
+    /// Where between a station and the next one the penetration goes down and up again: the arc length and the least penetration, m.
+    pub(super) fn dip(&self, place: &Turned, station: usize) -> Option<(f64, f64)> {
+        let (a, b) = (&self.stations[station], &self.stations[station + 1]);
+        let (mut a, mut b) = ((a.s, a.slope), (b.s, b.slope));
+        if a.1 >= 0.0 || b.1 <= 0.0 {
+            return None;
         }
-        None
+        // the false position of the slope, with half of the value at an end that stays (Illinois)
+        let mut least = None;
+        for _ in 0..MOST_STEPS {
+            let s = (a.0 * b.1 - b.0 * a.1) / (b.1 - a.1);
+            let here = self.facing_at(place, s, self.guess(s, (station, station + 1)))?;
+            let last = least.replace((s, here.penetration));
+            if last.is_some_and(|(last, _)| (s - last).abs() < SETTLED) {
+                break;
+            }
+            if here.slope < 0.0 {
+                (a, b.1) = ((s, here.slope), 0.5 * b.1);
+            } else {
+                (b, a.1) = ((s, here.slope), 0.5 * a.1);
+            }
+        }
+        least
     }
 
     /// The arc lengths between which the bodies overlap.
@@ -93,7 +97,7 @@ impl Profiles<'_> {
     }
 
     /// The rule of integration over an overlap, `each` with a place of the rail and its weight, m: in parts on which
-    /// the curvature of neither profile jumps, as it is for smooth functions.
+    /// the curvature of neither profile jumps, as it is for smooth functions, and which are those of two contacts where these have just joined.
     pub(in super::super) fn integrate(
         &mut self,
         overlap: &Overlap,
@@ -119,7 +123,8 @@ impl Profiles<'_> {
         // the profiles turn against each other by so little that they run along each other in proportion
         let [first, last] = [from, to].map(|s| self.guess(s, stations));
         let opposite = |wheel_s: &f64| from + (wheel_s - first) / (last - first) * (to - from);
-        let joints = on_rail.iter().copied().chain(on_wheel.iter().map(opposite));
+        let joints =
+            on_rail.iter().copied().chain(on_wheel.iter().map(opposite)).chain(self.dips.iter().copied());
         self.panels.extend(joints.filter(|s| *s > from && *s < to));
         self.panels.push(to);
         self.panels.sort_unstable_by(f64::total_cmp);
