@@ -230,9 +230,12 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     };
     let laws = (study.element() == ContactElementKey::Condensed).then(|| laws_beside(study, path));
     let (laws, without_laws) = match laws {
-        Some(Err(error)) if study.simulation.element.is_some() => return Err(error),
+        Some(Err(error)) if study.simulation.element.is_some() || broken_beside(path) => return Err(error),
         // a law by hand has none beside it, and runs as springs
-        Some(Err(_)) => (None, Some(format!("beside {name} lies no {BY_ANGLE}: the published element runs"))),
+        Some(Err(_)) => {
+            let note = format!("beside {name} lies no {BY_ANGLE} of this pair: the published element runs");
+            (None, Some(note))
+        }
         Some(Ok(laws)) => (Some(laws), None),
         None => (None, None),
     };
@@ -302,6 +305,12 @@ fn laws_beside(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
     laws_of(study, &path.with_file_name(BY_ANGLE))
 }
 
+/// Whether laws by contact angle lie beside a law file that nothing can run with.
+fn broken_beside(path: &Path) -> bool {
+    let beside = path.with_file_name(BY_ANGLE);
+    beside.exists() && read_laws(&beside).is_err()
+}
+
 /// The condensed element of a file with laws by contact angle of the study's own pair.
 ///
 /// # Errors
@@ -320,6 +329,12 @@ pub fn element_of(study: &Study, path: &Path) -> Result<PairElement> {
 }
 
 fn laws_of(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
+    let laws = read_laws(path)?;
+    accepted_pair(study, &path.display().to_string(), Some(&laws.pair))?;
+    Ok(laws)
+}
+
+fn read_laws(path: &Path) -> Result<StiffnessByAngleRecord> {
     let name = path.display().to_string();
     let laws: StiffnessByAngleRecord =
         serde_json::from_str(&read_text(path, "calibrate")?).map_err(|cause| {
@@ -331,7 +346,6 @@ fn laws_of(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
                 "calibrate again, or take simulation.element = \"published\"",
             )
         })?;
-    accepted_pair(study, &name, Some(&laws.pair))?;
     if let Some(element) = &laws.element {
         element.check(&name)?;
     }
