@@ -69,7 +69,6 @@ pub struct Profiles<'a> {
     pub(super) relief: Relief,
     /// The loads of the contacts.
     pub(super) loading: Loading,
-    pub(super) totals: Vec<[Vector3<f64>; 2]>,
     /// A contact whose overlap is between two stations can be so much deeper than they are, m: an eighth of the sharpest relative curvature times the square of
     /// their distance.
     between: f64,
@@ -189,7 +188,6 @@ impl<'a> Profiles<'a> {
             places: None,
             relief: Relief::default(),
             loading: Loading::default(),
-            totals: Vec::new(),
             stations,
         };
         let rest = profiles.turned(&Pose::default());

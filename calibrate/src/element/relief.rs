@@ -224,6 +224,8 @@ pub(super) struct Loading {
     off: Vec<f64>,
     /// By place, m.
     change: Vec<f64>,
+    /// Gradients of all contacts together at the places that have loads, as in the rows of `softer`: of normal forces and of friction.
+    pub totals: Vec<[Vector3<f64>; 2]>,
 }
 
 /// A strip as it loads a surface.
@@ -408,14 +410,14 @@ impl Loading {
         self.change.iter().map(|change| change.abs()).fold(0.0, f64::max)
     }
 
-    /// The gradients of all contacts together at the places that have loads, as in the rows of `softer`.
-    pub fn totals(&self, totals: &mut Vec<[Vector3<f64>; 2]>) {
-        totals.clear();
-        totals.resize(self.active.len(), [Vector3::zeros(); 2]);
+    /// Sums the gradients of all contacts.
+    pub fn total(&mut self) {
+        self.totals.clear();
+        self.totals.resize(self.active.len(), [Vector3::zeros(); 2]);
         for gradient in &self.gradients {
             if let Ok(a) = self.active.binary_search(&gradient.place) {
-                totals[a][0] += gradient.normal;
-                totals[a][1] += gradient.friction;
+                self.totals[a][0] += gradient.normal;
+                self.totals[a][1] += gradient.friction;
             }
         }
     }

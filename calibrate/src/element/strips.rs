@@ -276,7 +276,7 @@ impl Profiles<'_> {
     /// together.
     fn relieve(&mut self, contacts: &mut [Contact], relief: &mut Relief) -> Relieved {
         let mut all = Relieved::default();
-        let Self { places, loading, totals, relief: under, .. } = self;
+        let Self { places, loading, relief: under, .. } = self;
         if let Some(places) = places {
             all.energy = loading.relieve(places, under, relief);
             all.off = loading.off();
@@ -287,8 +287,8 @@ impl Profiles<'_> {
                 }
                 contact.normal_force = contact.force.xy().norm();
             }
-            loading.totals(totals);
-            let count = totals.len();
+            loading.total();
+            let (totals, count) = (&loading.totals, loading.totals.len());
             for (i, row) in totals.iter().enumerate() {
                 let softer: Vector3<f64> =
                     totals.iter().zip(&loading.softer[i * count..]).map(|(by, h)| by[0] * *h).sum();

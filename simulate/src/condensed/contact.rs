@@ -28,34 +28,27 @@ impl Contacts {
         Self { deflections: Deflections::none(profiles.rail_length()), ..Self::default() }
     }
 
-    /// The contacts at `pose` under strips and a coefficient of friction, after `before`, since which the wheel has moved by `moved` against the
-    /// rail (about the wheel's reference point where it is now). What friction takes up there is not kept.
+    /// The contacts at `pose`. What friction takes up there is not kept.
     pub fn find(
         &mut self,
         profiles: &mut Profiles,
-        (strips, coefficient): (&StripStiffness, f64),
+        strips: &StripStiffness,
         pose: &Pose,
-        before: &Deflections,
-        moved: Vector3<f64>,
+        friction: Option<&Friction>,
     ) {
-        let friction = (coefficient > 0.0).then_some(Friction { coefficient, before, moved });
         let Self { list, relief, .. } = self;
-        self.all = profiles.settle(pose, strips, relief, friction.as_ref(), (SETTLINGS, FAR_OFF), list);
+        self.all = profiles.settle(pose, strips, relief, friction, (SETTLINGS, FAR_OFF), list);
     }
 
-    /// Keeps what friction takes up at the pose at which these contacts were found, as there.
+    /// Keeps what the friction with which these contacts were found takes up at their pose.
     pub fn keep(
         &mut self,
         profiles: &mut Profiles,
-        (strips, coefficient): (&StripStiffness, f64),
+        strips: &StripStiffness,
         pose: &Pose,
-        before: &Deflections,
-        moved: Vector3<f64>,
+        friction: &Friction,
     ) {
-        if coefficient > 0.0 {
-            let friction = Friction { coefficient, before, moved };
-            profiles.taken_up(pose, strips, &self.relief, &friction, &mut self.deflections);
-        }
+        profiles.taken_up(pose, strips, &self.relief, friction, &mut self.deflections);
     }
 
     /// Friction forces on the wheel with their moment about its reference point.

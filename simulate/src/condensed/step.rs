@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use railspring_calibrate::element::{Pose, Profiles, StripStiffness};
+use railspring_calibrate::element::{Friction, Pose, Profiles, StripStiffness};
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
 
 use super::contact::Contacts;
@@ -87,7 +87,8 @@ impl Step<'_> {
         }
         let (mut last, mut length, mut longest) = (f64::INFINITY, 1.0_f64, 1.0_f64);
         for iteration in 1..=ITERATIONS {
-            self.find(profiles, start, next);
+            let friction = self.friction(start, &next.pose);
+            next.contacts.find(profiles, self.strips, &next.pose, friction.as_ref());
             let off = self.off(next);
             let size = off.size();
             if !size.is_finite() {
@@ -96,7 +97,9 @@ impl Step<'_> {
             let last_one = iteration == ITERATIONS;
             let enough = if last_one { [NEARLY, 10.0 * NEARLY] } else { [TOLERANCE, RELIEF] };
             if size < enough[0] && next.contacts.all.off < enough[1] {
-                self.keep(profiles, start, next);
+                if let Some(friction) = friction {
+                    next.contacts.keep(profiles, self.strips, &next.pose, &friction);
+                }
                 return Ok(iteration);
             }
             // An iteration that goes round in a circle, between sticking and sliding or touching and not for instance, is shortened; one that
@@ -117,22 +120,12 @@ impl Step<'_> {
         Err(failure(ITERATIONS, last, &next.contacts, StopReason::IterationLimit))
     }
 
-    /// Motion of the wheel against the rail since the start, about the wheel's reference point.
-    fn moved(&self, start: &Meeting, next: &Meeting) -> Vector3<f64> {
-        let to_wheel = transport(&arm(&self.references, &next.pose));
-        next.pose.wheel - start.pose.wheel - to_wheel * (next.pose.rail - start.pose.rail)
-    }
-
-    /// The contacts where the sections are, after those of the start.
-    fn find(&self, profiles: &mut Profiles, start: &Meeting, next: &mut Meeting) {
-        let (law, moved) = ((self.strips, self.friction), self.moved(start, next));
-        next.contacts.find(profiles, law, &next.pose, &start.contacts.deflections, moved);
-    }
-
-    /// Keeps what their friction has taken up.
-    fn keep(&self, profiles: &mut Profiles, start: &Meeting, next: &mut Meeting) {
-        let (law, moved) = ((self.strips, self.friction), self.moved(start, next));
-        next.contacts.keep(profiles, law, &next.pose, &start.contacts.deflections, moved);
+    /// Friction after what the strips had taken up at the start; none without a coefficient.
+    fn friction<'s>(&self, start: &'s Meeting, pose: &Pose) -> Option<Friction<'s>> {
+        let to_wheel = transport(&arm(&self.references, pose));
+        let moved = pose.wheel - start.pose.wheel - to_wheel * (pose.rail - start.pose.rail);
+        let before = &start.contacts.deflections;
+        (self.friction > 0.0).then_some(Friction { coefficient: self.friction, before, moved })
     }
 
     /// What the sections are off from where the forces of the contacts have them.

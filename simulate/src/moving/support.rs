@@ -186,6 +186,9 @@ impl<'a> RailDynamics<'a> {
     /// Work of what moves the contact along the rail in a step from `before` to `after`, J: what its forces (directions 1, 2 and moment 3; at both ends of the step,
     /// where the wheel is at `x`, m) do to the nodes, less what they do to the section under the wheel, which comes down as the wheel rolls down a slope.
     pub fn driven(&self, [before, after]: [&RailState; 2], x: [f64; 2], forces: [Vector3<f64>; 2]) -> f64 {
+        if x[0] == x[1] {
+            return 0.0;
+        }
         let sections = x.map(|x| self.section(x));
         let moved = |at: &SectionRows, state: &RailState, i: usize| {
             (0..2).map(|node| dot(&at.rows[i][node], &state.displacements[at.element + node])).sum::<f64>()
