@@ -5,6 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
+use railspring::records::history_csv;
+use railspring::verify::{Carrying, averaged_ratio};
+use railspring_calibrate::history::{Ending, History};
 use serde_json::Value;
 
 /// The pair and the load case of the publication's section 4.1 on a mesh of 3 mm: the flange strikes the rail, slides up and sticks, the wheel
@@ -57,32 +60,20 @@ fn json(root: &Path, name: &str) -> Value {
     serde_json::from_slice(&fs::read(root.join("out").join(name)).unwrap()).unwrap()
 }
 
-/// P and Q of a history, kN.
-fn forces(root: &Path, name: &str) -> Vec<[f64; 2]> {
-    let mut reader = csv::Reader::from_path(root.join("out").join(name)).unwrap();
-    let columns =
-        ["p_kn", "q_kn"].map(|name| reader.headers().unwrap().iter().position(|h| h == name).unwrap());
-    reader.records().map(|row| columns.map(|i| row.as_ref().unwrap()[i].parse().unwrap())).collect()
-}
-
-/// Their means over 24 ms before every step.
-fn averaged(rows: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    const STEPS: usize = 48;
-    let mean = |to: usize| {
-        let from = to.saturating_sub(STEPS);
-        let sum = |i: usize| (from..to).map(|n| 0.5 * (rows[n][i] + rows[n + 1][i])).sum::<f64>();
-        [0, 1].map(|i| sum(i) / (to - from) as f64)
-    };
-    (1..rows.len()).map(mean).collect()
+fn history(root: &Path, name: &str) -> History {
+    let path = root.join("out").join(name);
+    history_csv::read(&path, &fs::read_to_string(&path).unwrap(), 0, Ending::Completed).unwrap()
 }
 
 /// Averaged Q/P against the solid's, RMS, where P exceeds a tenth of its peak.
 fn ratio(root: &Path) -> f64 {
-    let (simple, solid) = (forces(root, "history.csv"), forces(root, "solid_history.csv"));
-    let peak = solid.iter().map(|[p, _]| *p).fold(0.0, f64::max);
-    let (simple, solid) = (averaged(&simple), averaged(&solid));
-    let carried = simple.iter().zip(&solid).filter(|(a, b)| a[0].min(b[0]) > 0.1 * peak);
-    let off: Vec<f64> = carried.map(|(a, b)| a[1] / a[0] - b[1] / b[0]).collect();
+    let (simple, solid) = (history(root, "history.csv"), history(root, "solid_history.csv"));
+    let peak = solid.rows.iter().map(|row| row.vertical_force).fold(0.0, f64::max);
+    // with an error of a tenth of the peak P carries no ratio below that
+    let carrying = Carrying { errors: [0.1 * peak, 0.0], limit: f64::INFINITY };
+    let ratios = |history: &History| averaged_ratio(history, 0.024, &carrying);
+    let pairs = ratios(&simple).into_iter().zip(ratios(&solid));
+    let off: Vec<f64> = pairs.filter_map(|(a, b)| Some(a? - b?)).collect();
     assert!(off.len() > 40, "{}", off.len());
     (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt()
 }
