@@ -229,35 +229,59 @@ fn rail_outlines_are_closed_and_tangential() {
     }
 }
 
-/// Source: an independent construction of the same drawings, `geometry/rail_*_half_segments.csv` (mm, z up).
-/// Goal: every joint of the right half. Accuracy: the file's rounding, 0.5e-6 mm in each coordinate, and for the
-/// UIC60 head that of its published joint (1e-5 mm in y, times the slope changes along the chain).
+/// Source: an independent construction of the same drawings, `geometry/rail_*_half_segments.csv` (mm, z up) and
+/// `geometry/more-rails/rail_*_half_segments.csv` (mm, z down). Goal: every joint of the right half. Accuracy: the file's rounding,
+/// 0.5e-6 mm in each coordinate, and for the UIC60 head that of its published joint (1e-5 mm in y, times the slope changes along
+/// the chain). The head of 60N ends where its points end, on the straight side.
 #[test]
 fn rail_outlines_meet_the_independent_construction() {
-    let rails = [
-        ("60E1", "60E1", 1e-9, 19),
-        ("UIC60", "UIC60headvariant_on_60E1", 20e-9, 19),
-        ("60E2", "60E2", 1e-9, 20),
-        ("54E1", "54E1", 1e-9, 16),
+    /// A rail's name and its file, the accuracy in m, the number of joints off the axis.
+    type Compared = (&'static str, &'static str, f64, usize);
+    const ONE: [Compared; 4] = [
+        ("60E1", "rail_60E1", 1e-9, 19),
+        ("UIC60", "rail_UIC60headvariant_on_60E1", 20e-9, 19),
+        ("60E2", "rail_60E2", 1e-9, 20),
+        ("54E1", "rail_54E1", 1e-9, 16),
     ];
-    for (name, file, model, joints) in rails {
-        let Some(table) = facts(&format!("geometry/rail_{file}_half_segments.csv")) else { return };
-        let outline = rail_outline(name).unwrap();
-        let ends: Vec<_> = outline.running.iter().chain(&outline.rest).map(Segment::end).collect();
-        let rows = table.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit()));
-        let mut compared = 0;
-        for row in rows {
-            let column: Vec<&str> = row.split(',').collect();
-            let value = |i: usize| 1e-3 * column[i].parse::<f64>().unwrap();
-            let joint = Point2::new(value(5), -value(6));
-            if joint.x == 0.0 {
-                continue;
+    const OTHER: [Compared; 11] = [
+        ("60N-on-60E1", "more-rails/rail_60N_HEADONLY", 1e-9, 5),
+        ("56E1", "more-rails/rail_56E1", 1e-9, 15),
+        ("55E1", "more-rails/rail_55E1", 1e-9, 15),
+        ("54E2", "more-rails/rail_54E2", 1e-9, 16),
+        ("54E3", "more-rails/rail_54E3", 1e-9, 15),
+        ("50E5", "more-rails/rail_50E5", 1e-9, 16),
+        ("49E1", "more-rails/rail_49E1", 1e-9, 17),
+        ("41E1", "more-rails/rail_41E1", 1e-9, 16),
+        ("40E1", "more-rails/rail_40E1", 1e-9, 16),
+        ("33E1", "more-rails/rail_33E1", 1e-9, 16),
+        ("30E1", "more-rails/rail_30E1", 1e-9, 12),
+    ];
+    assert_eq!(ONE.len() + OTHER.len(), RAIL_NAMES.len());
+    // the column of the joint's y, and the sense of the one after it
+    for (rails, column_y, down) in [(&ONE[..], 5, -1.0), (&OTHER[..], 4, 1.0)] {
+        for &(name, file, model, joints) in rails {
+            let Some(table) = facts(&format!("geometry/{file}_half_segments.csv")) else { return };
+            let outline = rail_outline(name).unwrap();
+            let all: Vec<Segment> = outline.running.iter().chain(&outline.rest).copied().collect();
+            let rows = table.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit()));
+            let mut compared = 0;
+            for row in rows {
+                let column: Vec<&str> = row.split(',').collect();
+                let value = |i: usize| 1e-3 * column[i].parse::<f64>().unwrap();
+                let joint = Point2::new(value(column_y), down * value(column_y + 1));
+                if joint.x == 0.0 {
+                    continue;
+                }
+                let off = |ends: &dyn Fn(&Segment) -> Point2<f64>| {
+                    all.iter().map(|s| (ends(s) - joint).norm()).fold(f64::INFINITY, f64::min)
+                };
+                let on_side = file.contains("HEADONLY") && column[0] == "5";
+                let nearest = if on_side { off(&|s| s.closest(&joint)) } else { off(&Segment::end) };
+                assert!(nearest < model, "{name}, row {}: {:e} m", column[0], nearest);
+                compared += 1;
             }
-            let nearest = ends.iter().map(|p| (p - joint).norm()).fold(f64::INFINITY, f64::min);
-            assert!(nearest < model, "{name} {}: {:e} m", column[1], nearest);
-            compared += 1;
+            assert_eq!(compared, joints, "{name}");
         }
-        assert_eq!(compared, joints, "{name}");
     }
 }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile::rails::RAIL_NAMES;
-use railspring_calibrate::profile::wheels::{WHEEL_NAMES, wheel_profile};
+use railspring_calibrate::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
+use railspring_calibrate::profile::wheels::{STANDARD_WHEELS, WHEEL_NAMES, wheel_profile};
 use railspring_calibrate::profile_file::{
     Action, MeasuredProfile, PrepareOptions, Prepared, ReadOptions, prepare, read,
 };
@@ -20,17 +20,9 @@ use crate::report::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED,
 
 /// What a name means.
 fn meaning(name: &str) -> &'static str {
-    match name {
-        "60E1" => "rail, EN 13674-1",
-        "UIC60" => "rail, head of UIC 861-3 on web and foot of 60E1",
-        "60E2" => "rail, EN 13674-1, relieved gauge corner",
-        "54E1" => "rail, EN 13674-1",
-        "S1002" => "wheel, EN 13715; flange height 28, 30 or 32 mm, thickness 28.5 to 32.5 mm",
-        "EN13715-1in40" => {
-            "wheel, EN 13715 cone 1:40; flange height 28, 30 or 32 mm, thickness 28.5 to 33 mm"
-        }
-        _ => "standard profile",
-    }
+    let rail = STANDARD_RAILS.iter().find(|rail| rail.name == name).map(|rail| rail.description);
+    rail.or_else(|| STANDARD_WHEELS.iter().find(|wheel| wheel.name == name).map(|wheel| wheel.description))
+        .unwrap_or("standard profile")
 }
 
 /// Prints the standards.

@@ -8,6 +8,7 @@ mod spline;
 mod curve;
 mod segment;
 mod flange;
+mod rail_drawings;
 pub mod rails;
 pub mod wheels;
 

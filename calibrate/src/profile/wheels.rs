@@ -17,8 +17,36 @@ use crate::units::MILLIMETRE;
 
 pub use super::flange::Flange;
 
-/// Names that [`wheel_profile`] knows.
-pub const WHEEL_NAMES: [&str; 2] = ["S1002", "EN13715-1in40"];
+/// A standard wheel profile.
+pub struct StandardWheel {
+    /// Name, spelled as the standard does.
+    pub name: &'static str,
+    /// What it is and, where that is not sure, what was assumed.
+    pub description: &'static str,
+}
+
+/// The standard wheel profiles. Sources and checks: `data/profiles/README.md`.
+pub const STANDARD_WHEELS: [StandardWheel; 2] = [
+    StandardWheel {
+        name: "S1002",
+        description: "wheel, EN 13715; flange height 28, 30 or 32 mm, thickness 28.5 to 32.5 mm",
+    },
+    StandardWheel {
+        name: "EN13715-1in40",
+        description: "wheel, EN 13715 cone 1:40; flange height 28, 30 or 32 mm, thickness 28.5 to 33 mm",
+    },
+];
+
+/// Their names.
+pub const WHEEL_NAMES: [&str; STANDARD_WHEELS.len()] = {
+    let mut names = [""; STANDARD_WHEELS.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = STANDARD_WHEELS[i].name;
+        i += 1;
+    }
+    names
+};
 
 /// Distance of the tape circle from the flange back, m.
 pub(crate) const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;

@@ -126,8 +126,6 @@ mod tests {
             let rail = rail_section(name).unwrap();
             assert_eq!(rail.body[0], rail.running.point(rail.running.length()));
             assert_eq!(rail.body[rail.body.len() - 1], rail.running.point(0.0));
-            let height = if name == "54E1" { 159e-3 } else { 172e-3 };
-            assert!((rail.height - height).abs() < 4.0 * f64::EPSILON);
             let shortest = rail.body.windows(2).map(|w| (w[1] - w[0]).norm()).fold(f64::INFINITY, f64::min);
             assert!(shortest > 1e-3, "a body edge of {shortest} m would make a sliver element");
         }
