@@ -35,6 +35,8 @@ fields! {
     RailHead = "rail_head",
     /// Whether a measured head is laid onto the standard section first.
     RailAligned = "rail_aligned",
+    /// Part of the file of a measured head that is the profile.
+    RailProfilePart = "rail_profile_part",
     /// Unit of the file of a measured head.
     RailProfileUnit = "rail_profile_unit",
     /// Length of the rail.
@@ -51,6 +53,8 @@ fields! {
     WheelName = "wheel_name",
     /// The wheel's measured profile.
     WheelProfile = "wheel_profile",
+    /// Part of the file of a measured wheel that is the profile.
+    WheelProfilePart = "wheel_profile_part",
     /// Unit of the file of a measured wheel.
     WheelProfileUnit = "wheel_profile_unit",
     /// Diameter at the tape circle.

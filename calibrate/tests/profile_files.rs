@@ -134,9 +134,16 @@ fn written_files_are_read_back() {
     const ROUNDOFF: f64 = 1e-16;
     let rail = measured(&rail_section("60E1").unwrap().running, ProfileKind::Rail, |p| p);
     let wheel = measured(&wheel_section("S1002", 0.92).unwrap().running, ProfileKind::Wheel, |p| p);
-    for (profile, endings) in [(rail, ["prr", "ban", "txt", "csv"]), (wheel, ["prw", "whl", "txt", "csv"])] {
-        let formats =
-            [ProfileFormat::Simpack, ProfileFormat::MiniProf, ProfileFormat::Text, ProfileFormat::Csv];
+    for (profile, endings) in
+        [(rail, ["prr", "ban", "txt", "csv", "dxf"]), (wheel, ["prw", "whl", "txt", "csv", "dxf"])]
+    {
+        let formats = [
+            ProfileFormat::Simpack,
+            ProfileFormat::MiniProf,
+            ProfileFormat::Text,
+            ProfileFormat::Csv,
+            ProfileFormat::Dxf,
+        ];
         for (format, ending) in formats.into_iter().zip(endings) {
             let text = write(format, profile.kind, &profile.points, "a wheel on a rail");
             let name = format!("again.{ending}");

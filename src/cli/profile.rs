@@ -20,7 +20,7 @@ pub(super) enum ProfileCommand {
     ///
     /// Exit code 1 if something is left that could not be repaired.
     Check(FileArgs),
-    /// Write a profile file in another format, by its extension: .prr .prw .ban .whl .txt .dat .csv
+    /// Write a profile file in another format, by its extension: .prr .prw .ban .whl .txt .dat .csv .dxf
     Convert {
         #[command(flatten)]
         file: FileArgs,
@@ -55,9 +55,12 @@ pub(super) enum ProfileCommand {
 /// A profile file and what is known about it.
 #[derive(Debug, Args)]
 pub(super) struct FileArgs {
-    /// Profile file: Simpack .prr .prw, MiniProf .ban .whl, text or CSV
+    /// Profile file: Simpack .prr .prw, MiniProf .ban .whl, text or CSV, .dxf, slices of CONTACT .slcs .slcw
     #[arg(value_name = "FILE")]
     file: PathBuf,
+    /// Part of the file that is the profile, where it has several: name or number of a slice or of a block of points, layer of a drawing
+    #[arg(long, value_name = "NAME")]
+    part: Option<String>,
     /// Wheel or rail, where the file does not tell
     #[arg(long)]
     kind: Option<KindArg>,
@@ -111,6 +114,7 @@ impl FileArgs {
             }),
             mirror_y: self.mirror_y,
             mirror_z: self.mirror_z,
+            part: self.part.clone(),
         }
     }
 

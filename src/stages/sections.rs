@@ -150,9 +150,11 @@ fn curve_of(
         kind: Some(kind),
         unit: measured.unit,
         mirror_y: measured.mirrored,
+        part: measured.part.clone(),
         ..ReadOptions::default()
     };
-    let profile = parse(&name, &measured.content, &options)?;
+    let mut profile = parse(&name, &measured.content, &options)?;
+    profile.findings.splice(0..0, measured.findings.iter().cloned());
     let prepared = prepare(&profile, &PrepareOptions { smoothing: measured.smoothing })?;
     Ok((profile, prepared.curve, prepared.findings))
 }

@@ -51,6 +51,9 @@ impl Keys {
         // A file counts by its content, wherever it lies.
         numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
         numeric.wheel.profile_file = wheel.measured.as_ref().map(MeasuredSurface::fingerprint);
+        // So does a slice, whose content that is.
+        numeric.rail.profile_part = rail.measured.as_ref().and_then(|measured| measured.part.clone());
+        numeric.wheel.profile_part = wheel.measured.as_ref().and_then(|measured| measured.part.clone());
         numeric.rail.mesh_file = rail.mesh.as_ref().map(MeshFile::fingerprint);
         numeric.wheel.mesh_file = wheel.mesh.as_ref().map(MeshFile::fingerprint);
         numeric.description.clear();

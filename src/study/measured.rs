@@ -3,16 +3,17 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use railspring_calibrate::error::InputError;
+use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::input;
-use railspring_calibrate::profile_file::LARGEST_FILE;
+use railspring_calibrate::profile_file::{LARGEST_FILE, ProfileKind, ProfileSource};
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::MeasuredSurface;
 use super::check::nearest;
 use super::collect::Collector;
 use super::document::ProfileUnitKey;
-use super::source::MISSING;
+use super::fields::translate;
+use super::source::{MISSING, Source};
 
 /// The keys of one body.
 pub(super) struct SurfaceKeys<'a> {
@@ -24,6 +25,7 @@ pub(super) struct SurfaceKeys<'a> {
     pub meaning: &'static str,
     pub profile: Option<&'a str>,
     pub file: Option<&'a str>,
+    pub part: Option<&'a str>,
     pub standard: Option<&'a str>,
     pub smoothing_mm: Option<f64>,
     pub aligned: Option<bool>,
@@ -32,10 +34,10 @@ pub(super) struct SurfaceKeys<'a> {
 }
 
 impl SurfaceKeys<'_> {
-    /// Name of the standard profile, and the measured one if there is one; `study` is the study's file.
+    /// Name of the standard profile, and the measured one if there is one.
     pub fn resolve(
         &self,
-        study: &Path,
+        source: &Source,
         collector: &mut Collector,
     ) -> Option<(String, Option<MeasuredSurface>)> {
         let section = self.section;
@@ -53,6 +55,7 @@ impl SurfaceKeys<'_> {
         let Some(file) = self.file else {
             let alone = [
                 ("standard", self.standard.map(|name| format!("{name:?}"))),
+                ("profile_part", self.part.map(|part| format!("{part:?}"))),
                 ("profile_smoothing_mm", self.smoothing_mm.map(|value| value.to_string())),
                 ("profile_aligned", self.aligned.map(|value| value.to_string())),
                 ("profile_unit", self.unit.map(|unit| format!("{:?}", unit.name()))),
@@ -87,7 +90,7 @@ impl SurfaceKeys<'_> {
             .ok_or_else(|| missing("standard", "what the measured profile is joined to"))
             .and_then(|name| self.known("standard", name));
         let standard = collector.take(&reads, standard);
-        let path = study.parent().unwrap_or(Path::new("")).join(file);
+        let path = source.path().parent().unwrap_or(Path::new("")).join(file);
         let content = input::read(&path, LARGEST_FILE).map_err(|cause| {
             InputError::new(
                 key("profile_file"),
@@ -97,10 +100,25 @@ impl SurfaceKeys<'_> {
             )
         });
         let content = collector.take(&[&key("profile_file")], content);
+        let kind = if section == "rail" { ProfileKind::Rail } else { ProfileKind::Wheel };
+        let chosen = ProfileSource::of(&path, content?, self.part, Some(kind)).map_err(|error| {
+            let (leaf, value) = self.part.map_or(("profile_file", file), |part| ("profile_part", part));
+            let (expected, remedy) = match error {
+                Error::Input(error) => {
+                    let error = translate(error, source, None);
+                    (format!("{}; {} = {}", error.expected, error.key, error.value), error.remedy)
+                }
+                other => (other.to_string(), "check the file".into()),
+            };
+            InputError::new(key(leaf), format!("{value:?}"), expected, remedy)
+        });
+        let chosen = collector.take(&[&key("profile_file"), &key("profile_part")], chosen)?;
         let measured = MeasuredSurface {
             file: file.to_owned(),
-            path,
-            content: Arc::from(content?),
+            path: chosen.path,
+            content: Arc::from(chosen.content),
+            part: chosen.part,
+            findings: chosen.findings,
             smoothing: self.smoothing_mm.map(|mm| mm * MILLIMETRE),
             aligned: self.aligned.unwrap_or(false),
             unit: self.unit.map(ProfileUnitKey::metres),

@@ -20,6 +20,7 @@ use std::sync::Arc;
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::profile::wheels::Flange;
+use railspring_calibrate::profile_file::Finding;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::Material;
@@ -123,10 +124,14 @@ pub struct Wheel {
 pub struct MeasuredSurface {
     /// The file as the study names it.
     pub file: String,
-    /// The file as it was found.
+    /// The file as it was found; of slices the chosen one.
     pub path: PathBuf,
     /// Its content.
     pub content: Arc<[u8]>,
+    /// Name or number of the part of it that is the profile.
+    pub part: Option<String>,
+    /// What is said about the choice of a slice.
+    pub findings: Vec<Finding>,
     /// Wavelength that smoothing halves, m.
     pub smoothing: Option<f64>,
     /// Whether it is laid onto the standard section first.

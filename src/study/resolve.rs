@@ -187,13 +187,14 @@ fn rail(keys: &RailKeys, source: &Source, collector: &mut Collector) -> Option<R
         meaning: "Name of the standard section",
         profile: keys.profile.as_deref(),
         file: keys.profile_file.as_deref(),
+        part: keys.profile_part.as_deref(),
         standard: keys.standard.as_deref(),
         smoothing_mm: keys.profile_smoothing_mm,
         aligned: keys.profile_aligned,
         unit: keys.profile_unit,
         mirrored: keys.profile_mirrored,
     };
-    let surface = named.resolve(source.path(), collector);
+    let surface = named.resolve(source, collector);
     let mesh = MeshFileKeys {
         section: "rail",
         held_meaning: "the name in the mesh file of the nodes at the foot",
@@ -214,13 +215,14 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
         meaning: "Name of the standard running profile",
         profile: keys.profile.as_deref(),
         file: keys.profile_file.as_deref(),
+        part: keys.profile_part.as_deref(),
         standard: keys.standard.as_deref(),
         smoothing_mm: keys.profile_smoothing_mm,
         aligned: None,
         unit: keys.profile_unit,
         mirrored: keys.profile_mirrored,
     };
-    let surface = named.resolve(source.path(), collector);
+    let surface = named.resolve(source, collector);
     let flange = Flange {
         height: keys.flange_height_mm * MILLIMETRE,
         thickness: keys.flange_thickness_mm * MILLIMETRE,

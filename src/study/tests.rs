@@ -510,10 +510,32 @@ fn unit_and_side_of_a_profile_file_are_keys() {
     assert_ne!(plain.2, inch.2);
     assert_ne!(inch.2, of("profile_unit = \"in\"\nprofile_mirrored = false").2);
     assert_ne!(inch.2, of("profile_unit = \"mm\"\nprofile_mirrored = true").2);
+    assert_ne!(plain.2, of("profile_part = \"2\"").2);
     let wrong = study("profile_unit = \"ft\"").unwrap_err().to_string();
     assert!(
         wrong.contains(":5: rail.profile_unit = \"ft\": expected one of \"mm\", \"m\", \"in\""),
         "{wrong}"
+    );
+    // A slice is chosen where the study is read, and counts by its content.
+    std::fs::write(folder.path().join("b.csv"), "1,1\n").unwrap();
+    std::fs::write(folder.path().join("a.slcs"), "0 1\n2\n0 0 0\n1\n 0 'head.csv'\n 9 'b.csv'\n").unwrap();
+    let slices = |more: &str| {
+        let rail = format!("profile_file = \"a.slcs\"\nstandard = \"60E1\"\n{more}");
+        Study::parse(&path, &format!("name = \"x\"\n[rail]\n{rail}\n[wheel]\nprofile = \"S1002\"\n"))
+    };
+    let slice = slices("profile_part = \"head\"").unwrap();
+    let measured = slice.rail.measured.unwrap();
+    assert_eq!((measured.path, measured.part), (folder.path().join("head.csv"), None));
+    assert!(measured.findings[0].text.starts_with("slice 1 of 2"), "{:?}", measured.findings);
+    assert_eq!(slice.keys.crosscheck, plain.2);
+    assert_ne!(slice.keys.crosscheck, slices("profile_part = \"2\"").unwrap().keys.crosscheck);
+    let open = slices("").unwrap_err().to_string();
+    assert!(open.contains(":3: rail.profile_file = \"a.slcs\": expected a single profile"), "{open}");
+    assert!(open.contains("2 \"b.csv\" at 9 mm") && open.contains("give `rail.profile_part`"), "{open}");
+    let none = slices("profile_part = \"c\"").unwrap_err().to_string();
+    assert!(
+        none.contains(":5: rail.profile_part = \"c\": expected the name or the number of a slice"),
+        "{none}"
     );
     let alone = SHORT.replace("\"60E1\"", "\"60E1\"\nprofile_unit = \"m\"\nprofile_mirrored = true");
     let keys: Vec<String> = parse(&alone).unwrap_err().all().iter().map(|m| m.error.key.clone()).collect();

@@ -1,24 +1,42 @@
-//! Two or three columns of text or CSV.
+//! Two or more columns of text or CSV.
 //!
-//! `#`, `!`, `%`, `"`, `*` and `//` start comments. Lines before the first row may name the columns and the unit
-//! ("y [mm]", "z_m") and say whether the profile is a wheel or a rail.
+//! `#`, `!`, `%`, `"`, `*` and `//` start comments; what begins like no number is none of the rows, whatever it is. Lines
+//! before the first row may name the columns and the unit ("y [mm]", "z_m") and say whether the profile is a wheel or a
+//! rail.
 
 use std::fmt::Write;
 
+use super::blocks::{Blocks, heads_others};
 use super::finding::{Action, Finding, FindingKind};
-use super::text::{begins_like_a_number, decimal_mark, error_at, fields, lines, number, row_numbers};
-use super::{Convention, MeasuredPoint, ProfileFormat, ProfileKind, Raw, push};
+use super::rows::{Row, row};
+use super::text::{
+    DecimalMark, begins_like_a_number, decimal_mark, error_at, fields, lines, number, unit_of,
+};
+use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw};
 use crate::error::Result;
 use crate::units::MILLIMETRE;
 
 /// Lines before the first row that are taken for a heading.
 const HEADING_LINES: usize = 200;
+/// Columns among which y and z are looked for.
+const MOST_COLUMNS: usize = 8;
+/// Signs and blanks before a comment.
+const COMMENT_SIGNS: [char; 8] = ['#', '!', '%', '*', '/', '"', ' ', '\t'];
+/// What y and z are called, in pairs.
+const NAMES: [(&str, &str); 6] = [
+    ("y", "z"),
+    ("x", "y"),
+    ("x", "z"),
+    ("lateral", "vertical"),
+    ("lat", "vert"),
+    ("horizontal", "vertical"),
+];
 
 fn is_comment(line: &str) -> bool {
     let line = line.trim_start();
     line.is_empty() || line.starts_with(['#', '!', '%', '*']) || line.starts_with("//") || {
-        // A quote starts a comment too, unless it encloses a number.
-        line.starts_with('"') && !begins_like_a_number(line)
+        // A quote starts a comment too, unless it encloses a number or the name of a column.
+        line.starts_with('"') && line.matches('"').count() % 2 == 1 && !begins_like_a_number(line)
     }
 }
 
@@ -31,117 +49,192 @@ fn without_comment(line: &str) -> &str {
 struct Heading {
     kind: Option<ProfileKind>,
     unit: Option<(f64, usize)>,
-    /// Columns of y and z.
-    columns: Option<(usize, usize)>,
+    /// Names of the columns and their line.
+    names: Option<(Vec<String>, usize)>,
+}
+
+/// Columns of y and z.
+struct Columns {
+    at: (usize, usize),
+    unit: Option<(f64, usize)>,
+    finding: Option<Finding>,
 }
 
 impl Heading {
-    fn note(&mut self, n: usize, line: &str) {
+    /// Takes what a line says; whether that is anything.
+    fn note(&mut self, n: usize, line: &str) -> bool {
         let lower = line.to_lowercase();
         let words: Vec<&str> = lower.split(|c: char| !c.is_alphanumeric()).collect();
         let says = |word: &str| words.contains(&word);
-        match (says("rail"), says("wheel")) {
-            (true, false) => self.kind = Some(ProfileKind::Rail),
-            (false, true) => self.kind = Some(ProfileKind::Wheel),
-            _ => {}
-        }
-        if says("mm") {
-            self.unit = Some((MILLIMETRE, n));
-        } else if ["[m]", "(m)", "_m,", "_m;", "_m\t", "_m "].iter().any(|unit| lower.contains(unit))
-            || lower.trim_end().ends_with("_m")
-        {
-            self.unit = Some((1.0, n));
-        }
+        let kind = match (says("rail"), says("wheel")) {
+            (true, false) => Some(ProfileKind::Rail),
+            (false, true) => Some(ProfileKind::Wheel),
+            _ => None,
+        };
+        let unit = ["mm", "inch", "inches"].into_iter().find(|word| says(word)).and_then(unit_of);
+        let unit = unit.or_else(|| marked_unit(&lower));
+        self.kind = kind.or(self.kind);
+        self.unit = unit.map(|unit| (unit, n)).or(self.unit);
+        kind.is_some() || unit.is_some()
     }
 
-    /// Columns from a line that names them, such as `y_mm,z_mm`, `s; y [mm]; z [mm]` or `x y`.
-    fn note_columns(&mut self, line: &str) {
+    /// Takes the names of columns, such as `y_mm,z_mm`, `s; y [mm]; z [mm]` or `x y`; whether the line has them.
+    fn note_columns(&mut self, n: usize, line: &str) -> bool {
         let marks = [';', ',', '\t'];
         let heads: Vec<&str> = if line.contains(marks) {
             line.trim().split(marks).collect()
         } else {
             line.split_whitespace().filter(|word| !word.starts_with(['[', '('])).collect()
         };
-        let names: Vec<String> = heads
-            .iter()
-            .map(|head| head.trim_matches([' ', '"']).to_lowercase())
-            .map(|head| head.chars().take_while(|c| c.is_alphanumeric()).collect())
-            .collect();
-        let find = |wanted: &str| names.iter().take(8).position(|name| name == wanted);
-        self.columns = find("y").zip(find("z")).or_else(|| find("x").zip(find("y"))).or(self.columns);
+        let heads: Vec<String> =
+            heads.iter().map(|head| head.trim_matches([' ', '"', '\'']).to_lowercase()).collect();
+        let found = NAMES.iter().any(|(y, z)| position(&heads, y).is_some() && position(&heads, z).is_some());
+        if found {
+            self.names = Some((heads, n));
+        }
+        found
+    }
+
+    /// Columns by their names; `samples` are the first rows.
+    fn columns(&self, samples: &[Vec<f64>], name: &str) -> Result<Option<Columns>> {
+        let Some((heads, line)) = &self.names else { return Ok(None) };
+        let find = |(y, z): &(&str, &str)| position(heads, y).zip(position(heads, z));
+        let Some(mut at) = NAMES.iter().find_map(find) else { return Ok(None) };
+        // A section of a body in space: its points have one coordinate in common.
+        if let Some(x) = position(heads, "x").filter(|x| *x != at.0)
+            && samples.len() > 2
+            && constant(samples, at.0)
+            && !constant(samples, x)
+        {
+            at.0 = x;
+        }
+        let [y, z] = [at.0, at.1].map(|column| marked_unit(&heads[column]));
+        if let (Some(unit_y), Some(unit_z)) = (y, z)
+            && unit_y != unit_z
+        {
+            let value = format!("{}, {}", heads[at.0], heads[at.1]);
+            return Err(error_at(
+                name,
+                *line,
+                1,
+                &value,
+                "y and z in one unit",
+                "convert one of the columns",
+            ));
+        }
+        let again = (0..heads.len()).any(|i| i != at.0 && bare(&heads[i]) == bare(&heads[at.0]));
+        let finding = (again || heads.len() > 2 && bare(&heads[at.0]) != "y").then(|| {
+            let text = format!("columns {} and {} are y and z, by their names", at.0 + 1, at.1 + 1);
+            Finding::new(FindingKind::Columns, Action::Noted, text).on_lines(*line, *line)
+        });
+        Ok(Some(Columns { at, unit: y.or(z).map(|unit| (unit, *line)), finding }))
     }
 }
 
-pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
+/// The letters that a column's name begins with.
+fn bare(head: &str) -> &str {
+    head.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default()
+}
+
+fn position(heads: &[String], wanted: &str) -> Option<usize> {
+    heads.iter().take(MOST_COLUMNS).position(|head| bare(head) == wanted)
+}
+
+/// A unit after a bracket, an underscore or a stroke: `[m]`, `(in)`, `_mm`, `/ mm`.
+fn marked_unit(lower: &str) -> Option<f64> {
+    let marks = ['[', '(', '_', '/'];
+    let after = |at: usize| lower[at + 1..].trim_start().split(|c: char| !c.is_alphabetic()).next();
+    lower.match_indices(marks).take(HEADING_LINES).find_map(|(at, _)| unit_of(after(at)?))
+}
+
+pub(super) fn parse(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw> {
     let rows = lines(text).filter(|(_, line)| !is_comment(line)).map(|(n, line)| (n, without_comment(line)));
     let numeric = rows.clone().filter(|(_, row)| begins_like_a_number(row));
     let mark = decimal_mark(name, numeric.clone())?;
-    let mut findings = Vec::new();
+    let no_rows = |expected: String, remedy: &str| {
+        error_at(name, 1, 1, text.lines().next().unwrap_or_default(), expected, remedy)
+    };
     let mut heading = Heading::default();
-    let first_row = numeric.clone().next().map(|(n, _)| n).ok_or_else(|| {
-        error_at(
-            name,
-            1,
-            1,
-            text.lines().next().unwrap_or_default(),
-            "rows of numbers",
-            "give y and z in columns",
-        )
-    })?;
-    if first_row > HEADING_LINES {
-        let shown = text.lines().next().unwrap_or_default();
-        let expected = format!("numbers within the first {HEADING_LINES} lines");
-        return Err(error_at(
-            name,
-            1,
-            1,
-            shown,
-            expected,
-            "shorten the heading, or put `#` before its lines",
-        ));
-    }
-    for (n, line) in lines(text).take_while(|(n, _)| *n < first_row) {
+    // A comment names the columns if it has as many words as the rows have fields.
+    let mut commented = Heading::default();
+    let mut passed = Vec::new();
+    let mut first_row = None;
+    for (n, line) in lines(text).take(HEADING_LINES + 1) {
+        let given = heading.columns(&[], name)?.map_or((0, 1), |columns| columns.at);
+        if !is_comment(line) && matches!(row(without_comment(line), mark, given), Row::Point(_)) {
+            first_row = Some(n);
+            break;
+        }
         refuse_other_formats(name, n, line)?;
-        heading.note(n, line);
-        if !is_comment(line) {
-            heading.note_columns(line);
+        let understood = heading.note(n, line);
+        if is_comment(line) {
+            commented.note_columns(n, line.trim_start_matches(COMMENT_SIGNS));
+        } else if !heading.note_columns(n, line) && !understood {
+            passed.push((n, line));
         }
     }
-    let first_fields = numeric.clone().next().map(|(_, row)| fields(row, mark)).unwrap_or_default();
-    let by_marks = numeric.clone().next().is_some_and(|(_, row)| row.contains([',', ';']));
-    let format = if ending == "csv" || by_marks { ProfileFormat::Csv } else { ProfileFormat::Text };
-    let (y, z) = match heading.columns {
+    let Some(first_row) = first_row else {
+        return Err(if lines(text).count() > HEADING_LINES && numeric.clone().next().is_some() {
+            let expected = format!("rows of numbers within the first {HEADING_LINES} lines");
+            no_rows(expected, "shorten the heading, or put `#` before its lines")
+        } else {
+            no_rows("rows of numbers".into(), "give y and z in columns")
+        });
+    };
+    let all_of = |row: &str| -> Vec<f64> {
+        fields(row, mark).iter().map(|field| number(field.text, mark).unwrap_or(f64::NAN)).collect()
+    };
+    let from_first = rows.clone().skip_while(|(n, _)| *n < first_row);
+    let samples: Vec<Vec<f64>> = from_first.clone().take(100).map(|(_, row)| all_of(row)).collect();
+    let fields = samples.first().map_or(0, Vec::len);
+    if heading.names.is_none() && commented.names.as_ref().is_some_and(|(heads, _)| heads.len() == fields) {
+        heading.names = commented.names;
+    }
+    let columns = match heading.columns(&samples, name)? {
         Some(columns) => columns,
-        None if first_fields.len() < 3 => (0, 1),
+        None if samples.first().is_none_or(|row| row.iter().filter(|v| !v.is_nan()).count() < 3) => {
+            Columns { at: (0, 1), unit: None, finding: None }
+        }
         None => {
-            let samples: Vec<Vec<f64>> = numeric
-                .clone()
-                .take(100)
-                .map(|(_, row)| fields(row, mark).iter().filter_map(|f| number(f.text, mark)).collect())
-                .collect();
-            let (columns, why) = guess_columns(&samples);
-            findings.push(
-                Finding::new(
-                    FindingKind::Columns,
-                    Action::Noted,
-                    format!("columns {} and {} are y and z: {why}", columns.0 + 1, columns.1 + 1),
-                )
-                .on_lines(first_row, first_row),
-            );
-            columns
+            let (at, why) = guess_columns(&samples);
+            let text = format!("columns {} and {} are y and z: {why}", at.0 + 1, at.1 + 1);
+            let finding =
+                Finding::new(FindingKind::Columns, Action::Noted, text).on_lines(first_row, first_row);
+            Columns { at, unit: None, finding: Some(finding) }
         }
     };
-    let mut points = Vec::new();
-    for (n, row) in rows.filter(|(n, row)| *n >= first_row && !row.trim().is_empty()) {
-        let numbers = row_numbers(name, n, row, mark, y.max(z) + 1)?;
-        push(name, &mut points, numbers[y], numbers[z], n, 1.0)?;
+    let by_marks = from_first.clone().next().is_some_and(|(_, row)| mark_separates(row, mark));
+    let format = if ending == "csv" || by_marks { ProfileFormat::Csv } else { ProfileFormat::Text };
+    let mut blocks = Blocks::new(name, mark);
+    passed.into_iter().for_each(|(n, line)| blocks.passed.line(n, line));
+    for (n, line) in lines(text).skip_while(|(n, _)| *n < first_row) {
+        let bare = line.trim_start_matches(COMMENT_SIGNS);
+        if heads_others(bare) {
+            blocks.head(bare.trim_end_matches([':', ' ']));
+        } else if is_comment(line) {
+            blocks.part();
+        } else if !blocks.line(n, without_comment(line), columns.at)? {
+            blocks.part();
+            if !without_comment(line).trim().is_empty() {
+                blocks.passed.line(n, line);
+            }
+        }
     }
+    let chosen = blocks.choose(part, None)?;
+    let mut findings: Vec<Finding> = columns.finding.into_iter().collect();
+    findings.extend(chosen.findings);
     let kind = heading.kind.or(match ending {
         "prr" | "ban" => Some(ProfileKind::Rail),
         "prw" | "whl" => Some(ProfileKind::Wheel),
         _ => None,
     });
-    Ok(Raw { format, kind, convention: Convention::Free, unit: heading.unit, points, findings })
+    let unit = chosen.unit.or(columns.unit).or(heading.unit);
+    Ok(Raw { format, kind, convention: Convention::Free, unit, points: chosen.points, findings })
+}
+
+/// Whether commas or semicolons separate the fields of a row.
+fn mark_separates(row: &str, mark: DecimalMark) -> bool {
+    row.contains(';') || (mark == DecimalMark::Point && row.contains(','))
 }
 
 /// Formats of other programs that would be misread as columns.
@@ -162,15 +255,18 @@ fn refuse_other_formats(name: &str, n: usize, line: &str) -> Result<()> {
     ))
 }
 
+fn constant(rows: &[Vec<f64>], column: usize) -> bool {
+    let values = rows.iter().filter_map(|row| row.get(column));
+    values.clone().zip(values.skip(1)).all(|(a, b)| a == b)
+}
+
 /// Columns of y and z among three or more, and why.
 fn guess_columns(rows: &[Vec<f64>]) -> ((usize, usize), &'static str) {
-    let column = |k: usize| rows.iter().filter_map(|row| row.get(k).copied()).collect::<Vec<f64>>();
-    let first = column(0);
-    let constant = |values: &[f64]| values.windows(2).all(|pair| pair[0] == pair[1]);
-    let counts = |values: &[f64]| values.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
-    if rows.len() > 2 && counts(&first) {
+    let first = rows.iter().filter_map(|row| row.first());
+    let counts = first.clone().zip(first.skip(1)).all(|(a, b)| b - a == 1.0);
+    if rows.len() > 2 && counts {
         ((1, 2), "the first one counts the points")
-    } else if rows.len() > 2 && constant(&first) {
+    } else if rows.len() > 2 && constant(rows, 0) {
         ((1, 2), "the first one is constant")
     } else {
         ((0, 1), "they come first")

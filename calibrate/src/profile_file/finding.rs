@@ -8,6 +8,8 @@ use std::fmt;
 pub enum FindingKind {
     /// The header disagrees with the content, or lacks something.
     Header,
+    /// Something in the file that is no part of the profile, or was not understood.
+    PassedOver,
     /// The unit was inferred from the size.
     Unit,
     /// The columns were inferred from their content.
@@ -55,6 +57,7 @@ impl FindingKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Header => "header",
+            Self::PassedOver => "passed over",
             Self::Unit => "unit",
             Self::Columns => "columns",
             Self::Shape => "shape",

@@ -1,13 +1,14 @@
 //! MiniProf's `.ban` (rail) and `.whl` (wheel).
 //!
-//! A header of `key=value` lines, or of free lines in old files, then rows whose columns the key ColumnDef
-//! names. `"`, `!` and `%` start comments. Lengths are in mm.
+//! A header of `key=value` lines, or of free lines in old files, before or after rows whose columns the key ColumnDef
+//! names. `"`, `!` and `%` start comments. Lengths are in mm, unless the columns or the rows name another unit.
 
 use std::fmt::Write;
 
+use super::blocks::{Blocks, heads_others};
 use super::finding::{Action, Finding, FindingKind};
-use super::text::{begins_like_a_number, decimal_mark, error_at, lines, row_numbers};
-use super::{Convention, MeasuredPoint, ProfileFormat, ProfileKind, Raw, push};
+use super::text::{DecimalMark, begins_like_a_number, decimal_mark, error_at, lines, number, unit_of};
+use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw};
 use crate::error::Result;
 use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
 use crate::units::MILLIMETRE;
@@ -15,20 +16,37 @@ use crate::units::MILLIMETRE;
 /// Keys of which one is enough to recognise the format.
 const KEYS: [&str; 7] =
     ["columndef", "xypoints", "mptypeno", "mpserno", "programver", "xoffset", "refpoint1"];
+/// Keys that are understood without `=`, too: without them the points would be others.
+const PLAIN_KEYS: [&str; 2] = ["columndef", "xypoints"];
+/// Longest of these as they are written, characters.
+const LONGEST_KEY: usize = 24;
 /// Lines in which the format is looked for.
 const HEADER_LINES: usize = 200;
+/// Columns among which X and Y are looked for.
+const MOST_COLUMNS: usize = 8;
 
 fn old_style(text: &str) -> bool {
     let first = text.lines().next().unwrap_or_default().trim_start_matches(['#', ' ']).to_ascii_uppercase();
     first.starts_with("MINI")
 }
 
-/// A header line as key (lower case, without blanks and dots) and value.
+/// A header line as key (lower case, without blanks, dots and what stands in brackets) and value.
 fn key_value(line: &str) -> Option<(String, &str)> {
-    let (key, value) = line.trim_start_matches(['"', ' ', '\t']).split_once('=')?;
-    let key: String =
-        key.chars().filter(|c| !c.is_whitespace() && *c != '.').flat_map(char::to_lowercase).collect();
-    key.starts_with(char::is_alphabetic).then_some((key, value.trim().trim_end_matches('"')))
+    let line = line.trim_start_matches(['"', '\'', ' ', '\t']);
+    let normal = |key: &str| -> String {
+        let key = key.split(['[', '(']).next().unwrap_or_default();
+        key.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+    };
+    let (key, value) = match line.split_once('=') {
+        Some((key, value)) => (normal(key), value),
+        None => line
+            .match_indices([':', ' ', '\t', ';'])
+            .take_while(|(at, _)| *at < LONGEST_KEY)
+            .map(|(at, _)| (normal(&line[..at]), &line[at + 1..]))
+            .find(|(key, _)| PLAIN_KEYS.contains(&key.as_str()))?,
+    };
+    let value = value.trim_start_matches([':', '=']).trim_matches(['"', '\'', ' ', '\t']);
+    key.starts_with(char::is_alphabetic).then_some((key, value))
 }
 
 pub(super) fn recognises(text: &str, ending: &str) -> bool {
@@ -38,90 +56,191 @@ pub(super) fn recognises(text: &str, ending: &str) -> bool {
         || lines(text).take(HEADER_LINES).any(|(_, line)| known(line))
 }
 
+/// The line without its comment; a quote around a number starts none.
 fn without_comment(line: &str) -> &str {
-    line.split(['"', '!', '%']).next().unwrap_or_default()
+    let mut after_quoted = 0;
+    for (index, c) in line.char_indices() {
+        match c {
+            '!' | '%' => return &line[..index],
+            '"' if index >= after_quoted => {
+                let inside = line[index + 1..].split('"').next().unwrap_or_default();
+                let closed = line.len() > index + 1 + inside.len();
+                let value = number(inside, DecimalMark::Point).or_else(|| number(inside, DecimalMark::Comma));
+                if !closed || value.is_none() {
+                    return &line[..index];
+                }
+                after_quoted = index + inside.len() + 2;
+            }
+            _ => {}
+        }
+    }
+    line
 }
 
-pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
-    let old = old_style(text);
-    let rows = lines(text).map(|(n, line)| (n, without_comment(line)));
-    let is_row = |row: &str| begins_like_a_number(row) && !row.contains('=');
-    let mark = decimal_mark(name, rows.clone().filter(|(_, row)| is_row(row)))?;
-    let mut columns = (0, 1);
-    let mut announced = None;
-    let mut kind = None;
-    let mut in_header = true;
-    let mut points = Vec::new();
-    for (n, line) in lines(text) {
-        let row = without_comment(line);
-        if in_header {
-            if let Some((key, value)) = key_value(line) {
-                match key.as_str() {
-                    "columndef" if !value.is_empty() => columns = columns_of(name, n, line, value)?,
-                    "xypoints" => announced = value.parse::<usize>().ok().map(|count| (count, n)),
-                    _ => {}
-                }
-                continue;
+/// The columns of X and Y, and the unit that they are in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Columns {
+    at: (usize, usize),
+    unit: Option<f64>,
+}
+
+/// Columns of the line, if it is nothing but the names of columns, X and Y among them.
+fn names_columns(text: &str) -> Option<Columns> {
+    let marks = [';', ',', '\t'];
+    let names: Vec<&str> = if text.contains(marks) {
+        text.split(marks).collect()
+    } else {
+        text.split_whitespace().filter(|name| !name.starts_with(['[', '('])).collect()
+    };
+    let names: Vec<&str> = names.iter().map(|name| name.trim_matches(['"', '\'', ' '])).collect();
+    let bare = |name: &str| name.split(['[', '(', ' ', '_']).next().unwrap_or_default().to_ascii_uppercase();
+    let find = |wanted: &str| names.iter().take(MOST_COLUMNS).position(|name| bare(name) == wanted);
+    let at = find("X").zip(find("Y"))?;
+    let unit = names[at.0].split(['[', '(', ' ', '_', ']', ')']).skip(1).find_map(unit_of);
+    Some(Columns { at, unit })
+}
+
+/// What the header says, wherever it stands.
+struct Header {
+    /// Definitions of columns, with their lines.
+    columns: Vec<(usize, Columns)>,
+    /// What XYPoints says, and its line.
+    announced: Option<(usize, usize)>,
+    kind: Option<ProfileKind>,
+    /// Last line of the free header of an old file.
+    free_until: usize,
+    findings: Vec<Finding>,
+}
+
+impl Header {
+    fn read(name: &str, text: &str) -> Result<Self> {
+        let mut header =
+            Self { columns: Vec::new(), announced: None, kind: None, free_until: 0, findings: Vec::new() };
+        if old_style(text) {
+            let empty = |(n, line): &(usize, &str)| *n > 1 && without_comment(line).trim().is_empty();
+            header.free_until = lines(text).find(empty).map_or(1, |(n, _)| n);
+        }
+        for (n, line) in lines(text) {
+            let upper = line.to_ascii_uppercase();
+            if n <= 2 && upper.contains("WHEEL") {
+                header.kind = Some(ProfileKind::Wheel);
+            } else if n <= 2 && upper.contains("RAIL") {
+                header.kind = Some(ProfileKind::Rail);
             }
-            // In old files the header is free text and ends at an empty line.
-            let free = old && !row.trim().is_empty();
-            if free || !is_row(row) {
-                let upper = line.to_ascii_uppercase();
-                if n <= 2 && upper.contains("WHEEL") {
-                    kind = Some(ProfileKind::Wheel);
-                } else if n <= 2 && upper.contains("RAIL") {
-                    kind = Some(ProfileKind::Rail);
-                }
-                if old && row.trim().is_empty() {
-                    in_header = false;
-                } else if !old && !row.trim().is_empty() {
-                    let column = line.chars().take_while(|c| c.is_whitespace()).count() + 1;
-                    return Err(error_at(
+            if let Some((key, value)) = key_value(line) {
+                header.entry(name, n, line, &key, value)?;
+            } else if !begins_like_a_number(line)
+                && let Some(columns) = names_columns(line)
+            {
+                header.columns.push((n, columns));
+            }
+        }
+        Ok(header)
+    }
+
+    fn entry(&mut self, name: &str, n: usize, line: &str, key: &str, value: &str) -> Result<()> {
+        match key {
+            "columndef" if !value.is_empty() => {
+                let columns = names_columns(value).ok_or_else(|| {
+                    let column = line.chars().take_while(|c| *c != '=').count() + 2;
+                    error_at(
                         name,
                         n,
                         column,
-                        row.trim(),
-                        "key=value, or two columns of numbers",
-                        "correct the line, or put `\"` before a comment",
-                    ));
-                }
-                continue;
+                        value,
+                        "columns X and Y among the first eight",
+                        "correct ColumnDef",
+                    )
+                })?;
+                self.columns.push((n, columns));
             }
-            in_header = false;
+            "xypoints" => self.announced = value.parse().ok().map(|count| (count, n)).or(self.announced),
+            "xoffset" | "yoffset" | "tilt" => {
+                let value = number(value, DecimalMark::Point).or_else(|| number(value, DecimalMark::Comma));
+                if let Some(value) = value.filter(|value| *value != 0.0) {
+                    let text = format!("{key} = {value} is not applied: the points are taken as they stand");
+                    self.findings.push(Finding::new(FindingKind::Header, Action::Noted, text).on_lines(n, n));
+                }
+            }
+            _ => {}
         }
-        if row.trim().is_empty() {
+        Ok(())
+    }
+
+    /// Columns of a row: those of the definition before it, or else of the first one after it.
+    fn columns_at(&self, n: usize) -> Columns {
+        let before = self.columns.iter().rev().find(|(line, _)| *line < n);
+        before.or(self.columns.first()).map_or(Columns { at: (0, 1), unit: None }, |(_, columns)| *columns)
+    }
+}
+
+pub(super) fn parse(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw> {
+    let header = Header::read(name, text)?;
+    let rows = lines(text)
+        .filter(|(n, line)| *n > header.free_until && !line.contains('='))
+        .map(|(n, line)| (n, without_comment(line)));
+    let mark = decimal_mark(name, rows.filter(|(_, row)| begins_like_a_number(row)))?;
+    let mut blocks = Blocks::new(name, mark);
+    let mut unit: Option<(f64, usize)> = None;
+    // A key heads points only where they follow it.
+    let mut headed_by_key = false;
+    for (n, line) in lines(text).filter(|(n, _)| *n > header.free_until) {
+        let row = without_comment(line);
+        if let Some((key, _)) = key_value(line) {
+            if key == "xypoints" {
+                blocks.measured();
+            } else if key.ends_with("points") || heads_others(&key) {
+                blocks.head(line.split('=').next().unwrap_or(line).trim_matches(['"', ' ', '\t']));
+                headed_by_key = true;
+            } else if std::mem::take(&mut headed_by_key) {
+                blocks.measured();
+            } else {
+                blocks.part();
+            }
             continue;
         }
-        let numbers = row_numbers(name, n, row, mark, columns.0.max(columns.1) + 1)?;
-        push(name, &mut points, numbers[columns.0], numbers[columns.1], n, 1.0)?;
+        let columns = header.columns_at(n);
+        if blocks.line(n, row, columns.at)? {
+            unit = unit.or(columns.unit.map(|unit| (unit, n)));
+            continue;
+        }
+        let words = row.trim();
+        if words.is_empty() {
+            blocks.part();
+        } else if let Some(title) = words.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            blocks.head(title);
+            headed_by_key = false;
+        } else if heads_others(words) {
+            blocks.head(words.trim_end_matches([':', ' ']));
+            headed_by_key = false;
+        } else {
+            blocks.part();
+            let is_names = header.columns.iter().any(|(line, _)| *line == n);
+            if !is_names {
+                blocks.passed.line(n, line);
+            }
+        }
     }
-    let mut findings = Vec::new();
-    if let Some((count, line)) = announced.filter(|(count, _)| *count != points.len()) {
-        let text = format!("XYPoints says {count}, the file has {}; the rows were counted", points.len());
+    let chosen = blocks.choose(part, header.announced.map(|(count, _)| count))?;
+    let mut findings = header.findings;
+    findings.extend(chosen.findings);
+    if let Some((count, line)) = header.announced.filter(|(count, _)| *count != chosen.points.len()) {
+        let text =
+            format!("XYPoints says {count}, the file has {}; the rows were counted", chosen.points.len());
         findings.push(Finding::new(FindingKind::Header, Action::Noted, text).on_lines(line, line));
     }
-    kind = match ending {
+    let kind = match ending {
         "ban" => Some(ProfileKind::Rail),
         "whl" => Some(ProfileKind::Wheel),
-        _ => kind,
+        _ => header.kind,
     };
     Ok(Raw {
         format: ProfileFormat::MiniProf,
         kind,
         convention: Convention::MiniProf,
-        unit: Some((MILLIMETRE, 0)),
-        points,
+        unit: chosen.unit.or(unit).or(Some((MILLIMETRE, 0))),
+        points: chosen.points,
         findings,
-    })
-}
-
-/// Columns of X and Y.
-fn columns_of(name: &str, n: usize, line: &str, value: &str) -> Result<(usize, usize)> {
-    let names: Vec<String> = value.split([',', ';']).map(|c| c.trim().to_ascii_uppercase()).collect();
-    let find = |wanted: &str| names.iter().take(8).position(|c| c == wanted);
-    find("X").zip(find("Y")).ok_or_else(|| {
-        let column = line.chars().take_while(|c| *c != '=').count() + 2;
-        error_at(name, n, column, value, "columns X and Y among the first eight", "correct ColumnDef")
     })
 }
 

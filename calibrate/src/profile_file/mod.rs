@@ -1,4 +1,4 @@
-//! Profiles from files: Simpack, MiniProf, text and CSV; what is wrong with them, and how it is repaired.
+//! Profiles from files: Simpack, MiniProf, text and CSV, DXF, slices of CONTACT; what is wrong with them, and how it is repaired.
 //!
 //! [`read`] gives the points of a file in the profile frame (y to the field side, z down, m), each with its
 //! line. [`prepare`] checks and repairs them and makes the curve. [`write()`] writes a profile in any of the
@@ -6,9 +6,13 @@
 
 mod finding;
 mod text;
+mod rows;
+mod blocks;
 mod columns;
 mod miniprof;
 mod simpack;
+mod slices;
+mod dxf;
 mod loops;
 mod check;
 mod kinks;
@@ -18,11 +22,12 @@ mod smooth;
 mod prepare;
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::Point2;
 
 use crate::error::{InputError, Result};
+use crate::field::InputField;
 use crate::input;
 
 pub use finding::{Action, Finding, FindingKind};
@@ -64,6 +69,8 @@ pub enum ProfileFormat {
     Text,
     /// Columns separated by commas or semicolons.
     Csv,
+    /// Drawings, as ASCII DXF.
+    Dxf,
 }
 
 impl fmt::Display for ProfileFormat {
@@ -73,12 +80,13 @@ impl fmt::Display for ProfileFormat {
             Self::MiniProf => "MiniProf",
             Self::Text => "text columns",
             Self::Csv => "CSV",
+            Self::Dxf => "DXF",
         })
     }
 }
 
 /// What the caller knows about a file; the reader determines what is `None`.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
     /// Wheel or rail.
     pub kind: Option<ProfileKind>,
@@ -89,6 +97,9 @@ pub struct ReadOptions {
     pub mirror_y: Option<bool>,
     /// Whether z counts upwards in the file; not for Simpack files, whose header says so.
     pub mirror_z: Option<bool>,
+    /// Name or number of the part of the file that is the profile, where a file has several: a slice, a layer of a
+    /// drawing, a block of points.
+    pub part: Option<String>,
 }
 
 /// A point of a profile with the place it comes from.
@@ -126,7 +137,44 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<MeasuredProfile> {
     let name = path.display().to_string();
     let bytes = input::read(path, LARGEST_FILE)
         .map_err(|cause| InputError::new(&name, cause, "a readable profile file", "check the path"))?;
-    parse(&name, &bytes, options)
+    let source = ProfileSource::of(path, bytes, options.part.as_deref(), options.kind)?;
+    let options = ReadOptions { kind: options.kind.or(source.kind), part: source.part, ..options.clone() };
+    let mut profile = parse(&source.path.display().to_string(), &source.content, &options)?;
+    profile.findings.splice(0..0, source.findings);
+    Ok(profile)
+}
+
+/// The file that a profile is in: the given one, or of a list of slices the chosen one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProfileSource {
+    /// The file.
+    pub path: PathBuf,
+    /// Its content.
+    pub content: Vec<u8>,
+    /// The part of it that is wanted.
+    pub part: Option<String>,
+    /// What a list of slices says that they are.
+    pub kind: Option<ProfileKind>,
+    /// What is said about the choice of a slice.
+    pub findings: Vec<Finding>,
+}
+
+impl ProfileSource {
+    /// The file with the profile, where `content` is that of the file at `path` and `part` the slice or the part of
+    /// the file that is wanted.
+    ///
+    /// # Errors
+    /// [`InputError`] with file and line for a list of slices that is not understood, that has no such slice, or
+    /// whose slice cannot be read.
+    pub fn of(path: &Path, content: Vec<u8>, part: Option<&str>, kind: Option<ProfileKind>) -> Result<Self> {
+        let Some(listed) = slices::kind(path) else {
+            let (path, part) = (path.to_owned(), part.map(str::to_owned));
+            return Ok(Self { path, content, part, kind: None, findings: Vec::new() });
+        };
+        let wanted = Part { name: part, field: part_field(kind) };
+        let (path, content, finding) = slices::choose(path, &content, listed, &wanted)?;
+        Ok(Self { path, content, part: None, kind: Some(listed), findings: vec![finding] })
+    }
 }
 
 /// As [`read`], from the content of a file. `name` is used in messages, and its ending tells the format where the
@@ -144,6 +192,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<MeasuredProfile> {
 /// # Ok::<(), railspring_calibrate::error::Error>(())
 /// ```
 pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<MeasuredProfile> {
+    dxf::refuse_binary(name, bytes)?;
     let text = text::decode(name, bytes)?;
     let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if let Some((line, shown)) = toml_section(&text) {
@@ -156,12 +205,19 @@ pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Measured
             "this is a TOML file such as a study: give the profile file that it names",
         ));
     }
-    let raw = if simpack::recognises(&text) {
-        simpack::parse(name, &text, &ending)?
+    if slices::kind(Path::new(name)).is_some() {
+        let remedy = "its slices are files of their own: read it by its path, with the slice that is wanted";
+        return Err(text::error_at(name, 1, 1, &ending, "the points of a profile", remedy));
+    }
+    let part = Part { name: options.part.as_deref(), field: part_field(options.kind) };
+    let raw = if dxf::recognises(&text, &ending) {
+        dxf::parse(name, &text, &part)?
+    } else if simpack::recognises(&text, &ending) {
+        simpack::parse(name, &text, &ending, &part)?
     } else if miniprof::recognises(&text, &ending) {
-        miniprof::parse(name, &text, &ending)?
+        miniprof::parse(name, &text, &ending, &part)?
     } else {
-        columns::parse(name, &text, &ending)?
+        columns::parse(name, &text, &ending, &part)?
     };
     orient::orient(name, raw, options)
 }
@@ -178,7 +234,10 @@ pub fn format_of(name: &str, bytes: &[u8]) -> Option<ProfileFormat> {
     if toml_section(&text).is_some() {
         return None;
     }
-    if simpack::recognises(&text) {
+    if dxf::recognises(&text, &ending) {
+        return Some(ProfileFormat::Dxf);
+    }
+    if simpack::recognises(&text, &ending) {
         return Some(ProfileFormat::Simpack);
     }
     if miniprof::recognises(&text, &ending) {
@@ -212,7 +271,7 @@ fn toml_section(text: &str) -> Option<(usize, &str)> {
 
 /// A profile as a file of the format: points in the profile frame, m.
 ///
-/// Simpack and text files hold millimetres; MiniProf files have the axes that this format has by convention.
+/// Simpack, text and DXF files hold millimetres; MiniProf files have the axes that this format has by convention.
 pub fn write(format: ProfileFormat, kind: ProfileKind, points: &[MeasuredPoint], comment: &str) -> String {
     let comment: String =
         comment.chars().map(|c| if c.is_control() || c == '\'' { ' ' } else { c }).collect();
@@ -221,6 +280,7 @@ pub fn write(format: ProfileFormat, kind: ProfileKind, points: &[MeasuredPoint],
         ProfileFormat::MiniProf => miniprof::write(kind, points, &comment),
         ProfileFormat::Text => columns::write(kind, points, &comment, "\t"),
         ProfileFormat::Csv => columns::write(kind, points, &comment, ","),
+        ProfileFormat::Dxf => dxf::write(points, &comment),
     }
 }
 
@@ -237,16 +297,32 @@ pub fn format_of_ending(path: &Path) -> Result<(ProfileFormat, Option<ProfileKin
         "whl" => (ProfileFormat::MiniProf, Some(ProfileKind::Wheel)),
         "txt" | "dat" => (ProfileFormat::Text, None),
         "csv" => (ProfileFormat::Csv, None),
+        "dxf" => (ProfileFormat::Dxf, None),
         _ => {
             return Err(InputError::new(
                 path.display().to_string(),
                 format!("ending \"{ending}\""),
-                "one of .prr, .prw, .ban, .whl, .txt, .dat, .csv",
+                "one of .prr, .prw, .ban, .whl, .txt, .dat, .csv, .dxf",
                 "choose an ending that names the format",
             )
             .into());
         }
     })
+}
+
+/// The part of a file that is wanted.
+struct Part<'a> {
+    name: Option<&'a str>,
+    /// What it is called in messages.
+    field: String,
+}
+
+fn part_field(kind: Option<ProfileKind>) -> String {
+    match kind {
+        Some(ProfileKind::Rail) => format!("`{}`", InputField::RailProfilePart),
+        Some(ProfileKind::Wheel) => format!("`{}`", InputField::WheelProfilePart),
+        None => "the part".into(),
+    }
 }
 
 /// What the axes of a file are known to be.

@@ -1,5 +1,6 @@
 //! From the rows of a file to the profile frame: unit, wheel or rail, direction of the axes, order, origin.
 
+use super::blocks::extent;
 use super::finding::{Action, Finding, FindingKind, Findings};
 use super::shape::Shape;
 use super::text::error_at;
@@ -50,25 +51,13 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     Ok(MeasuredProfile { name: name.to_owned(), format, kind, points, findings })
 }
 
-/// Extents in y and z without the outermost 2 % of the points on either side.
-fn extent(points: &[MeasuredPoint]) -> f64 {
-    let spread = |mut values: Vec<f64>| {
-        values.sort_unstable_by(f64::total_cmp);
-        let cut = values.len() / 50;
-        values[values.len() - 1 - cut] - values[cut]
-    };
-    let y = spread(points.iter().map(|p| p.point.x).collect());
-    let z = spread(points.iter().map(|p| p.point.y).collect());
-    y.hypot(z)
-}
-
 fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
     let unit_field = match options.kind {
         Some(ProfileKind::Rail) => format!("`{}`", InputField::RailProfileUnit),
         Some(ProfileKind::Wheel) => format!("`{}`", InputField::WheelProfileUnit),
         None => "the unit".into(),
     };
-    let extent = extent(&raw.points);
+    let extent = extent(raw.points.iter());
     let lines = (raw.points[0].line, raw.points[raw.points.len() - 1].line);
     let wrong = |line: usize, remedy: &str| {
         error_at(name, line, 1, &format!("{extent:.4} units across"), "a profile 20 to 400 mm across", remedy)

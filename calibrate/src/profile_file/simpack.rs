@@ -1,7 +1,8 @@
 //! Simpack's `.prr` and `.prw`.
 //!
-//! Blocks `header`, `spline` and, inside that, `point`; `!` starts a comment outside quotes. The header's
-//! processing is applied in its own order: least distance, shift, rotation, bounds, mirrors, inversion, unit.
+//! Blocks `header`, `spline` and, inside that, `point`, of which any may be missing as long as it stays clear what the
+//! points are; `!` and `%` start a comment outside quotes. The header's processing is applied in its own order: least
+//! distance, shift, rotation, bounds, mirrors, inversion, unit.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,9 +10,10 @@ use std::fmt::Write;
 use nalgebra::Rotation2;
 
 use super::finding::{Action, Finding, FindingKind};
-use super::text::{DecimalMark, begins_like_a_number, decimal_mark, error_at, lines, number, row_numbers};
-use super::{Convention, MeasuredPoint, ProfileFormat, ProfileKind, Raw, push};
-use crate::error::{Error, Result};
+use super::rows::{Numbers, PassedOver, Row as Read, broken, row};
+use super::text::{DecimalMark, begins_like_a_number, decimal_mark, error_at, lines, number, unit_of};
+use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw, push};
+use crate::error::Result;
 use crate::units::MILLIMETRE;
 
 /// Keys whose value is a number.
@@ -32,27 +34,37 @@ const NUMERIC: [&str; 14] = [
     "approx.smooth",
 ];
 
-pub(super) fn recognises(text: &str) -> bool {
+/// Quotes and blanks around a text.
+const QUOTES: [char; 3] = ['\'', '"', ' '];
+
+pub(super) fn recognises(text: &str, ending: &str) -> bool {
     const ENOUGH_LINES: usize = 2000;
+    let by_ending = matches!(ending, "prr" | "prw");
     lines(text).take(ENOUGH_LINES).any(|(_, line)| {
         let line = line.trim_start().to_ascii_lowercase();
-        ["header.begin", "spline.begin", "point.begin"].iter().any(|word| line.starts_with(word))
+        let block = ["header.", "spline.", "point."]
+            .into_iter()
+            .filter_map(|block| line.strip_prefix(block))
+            .any(|rest| rest.starts_with("begin") || (by_ending && rest.starts_with("end")));
+        let key = || line.split_once('=').is_some_and(|(key, _)| NUMERIC.contains(&key.trim()));
+        block || (by_ending && key())
     })
 }
 
-/// The line without its comment; a `!` in quotes starts none.
+/// The line without its comment; `!` and `%` in quotes start none.
 fn without_comment(line: &str) -> &str {
+    const SIGNS: [char; 2] = ['!', '%'];
     let mut quote = None;
     for (index, c) in line.char_indices() {
         match (c, quote) {
-            ('!', None) => return &line[..index],
+            ('!' | '%', None) => return &line[..index],
             ('\'' | '"', None) => quote = Some(c),
             (c, Some(open)) if c == open => quote = None,
             _ => {}
         }
     }
     // An unclosed quote is an apostrophe.
-    if quote.is_some() { line.split('!').next().unwrap_or(line) } else { line }
+    if quote.is_some() { line.split(SIGNS).next().unwrap_or(line) } else { line }
 }
 
 /// A header value with its place.
@@ -61,10 +73,15 @@ struct Entry {
     line: usize,
 }
 
-pub(super) fn parse(name: &str, text: &str, ending: &str) -> Result<Raw> {
+pub(super) fn parse(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw> {
+    if let Some(wanted) = part.name {
+        let remedy = format!("remove {}: a Simpack file holds a single profile", part.field);
+        return Err(error_at(name, 1, 1, wanted, "no part", remedy));
+    }
     let rows = lines(text).map(|(n, line)| (n, without_comment(line)));
     let mark = decimal_mark(name, rows.clone().filter(|(_, row)| begins_like_a_number(row)))?;
-    let mut file = Blocks::new(name, mark);
+    let begins = |row: &str| row.trim().eq_ignore_ascii_case("point.begin");
+    let mut file = Blocks::new(name, mark, rows.clone().any(|(_, row)| begins(row)));
     for (line, text) in rows {
         file.row(&Row { line, text })?;
     }
@@ -83,17 +100,37 @@ struct Blocks<'a> {
     mark: DecimalMark,
     /// The blocks that are open, the innermost last.
     open: Vec<&'static str>,
+    /// Whether the file has a line that begins the points.
+    points_begin: bool,
     /// Whether the block of points has begun.
     has_points: bool,
     header: BTreeMap<String, Entry>,
+    /// What units.len names, m, and its line.
+    named_unit: Option<(f64, usize)>,
+    /// The line in which units.ang names degrees.
+    degrees: Option<usize>,
     kind: Option<ProfileKind>,
     points: Vec<MeasuredPoint>,
+    passed: PassedOver,
+    findings: Vec<Finding>,
 }
 
 impl<'a> Blocks<'a> {
-    fn new(name: &'a str, mark: DecimalMark) -> Self {
-        let (open, header, points) = (Vec::new(), BTreeMap::new(), Vec::new());
-        Self { name, mark, open, has_points: false, header, kind: None, points }
+    fn new(name: &'a str, mark: DecimalMark, points_begin: bool) -> Self {
+        Self {
+            name,
+            mark,
+            open: Vec::new(),
+            points_begin,
+            has_points: false,
+            header: BTreeMap::new(),
+            named_unit: None,
+            degrees: None,
+            kind: None,
+            points: Vec::new(),
+            passed: PassedOver::default(),
+            findings: Vec::new(),
+        }
     }
 
     fn row(&mut self, row: &Row) -> Result<()> {
@@ -110,68 +147,123 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// What is wrong with a whole row.
-    fn fault(&self, row: &Row, expected: &str, remedy: &str) -> Error {
-        let column = row.text.chars().take_while(|c| c.is_whitespace()).count() + 1;
-        error_at(self.name, row.line, column, row.text.trim(), expected, remedy)
+    fn note(&mut self, line: usize, what: String) {
+        /// A file that is no Simpack file must give no endless list.
+        const MOST: usize = 20;
+        if self.findings.len() >= MOST {
+            return;
+        }
+        self.findings.push(Finding::new(FindingKind::Header, Action::Noted, what).on_lines(line, line));
     }
 
     fn begin(&mut self, block: &'static str, row: &Row) -> Result<()> {
         if block == "point" {
             if self.has_points {
                 let remedy = "the file holds several profiles: save each of them to a separate file";
-                return Err(self.fault(row, "a single block of points", remedy));
+                let column = row.text.chars().take_while(|c| c.is_whitespace()).count() + 1;
+                let expected = "a single block of points";
+                return Err(error_at(self.name, row.line, column, row.text.trim(), expected, remedy));
             }
             self.has_points = true;
+        } else {
+            // Only points lie inside another block.
+            while let Some(open) = self.open.pop() {
+                self.note(row.line, format!("the block {open} is not ended before {block} begins"));
+            }
         }
         self.open.push(block);
         Ok(())
     }
 
-    fn end(&mut self, block: &str, row: &Row) -> Result<()> {
-        if self.open.pop() == Some(block) {
+    fn end(&mut self, block: &'static str, row: &Row) -> Result<()> {
+        if !self.open.contains(&block) {
+            self.note(row.line, format!("the end of the block {block}, which has not begun"));
             return Ok(());
         }
-        Err(self.fault(row, "the end of the block that is open", "make each .end match its .begin"))
+        while let Some(open) = self.open.pop().filter(|open| *open != block) {
+            self.note(row.line, format!("the block {open} is not ended before {block} ends"));
+        }
+        Ok(())
     }
 
-    fn point(&mut self, row: &Row) -> Result<()> {
-        let numbers = row_numbers(self.name, row.line, row.text, self.mark, 2)?;
-        let weight = numbers.get(2).copied().unwrap_or(1.0);
-        push(self.name, &mut self.points, numbers[0], numbers[1], row.line, weight)
+    fn point(&mut self, given: &Row) -> Result<()> {
+        match row(given.text, self.mark, (0, 1)) {
+            Read::Point(numbers) => self.push(given.line, &numbers),
+            Read::NoValues => {
+                self.passed.no_values(given.line);
+                Ok(())
+            }
+            Read::Broken(column, text) => Err(broken(self.name, given.line, column, &text)),
+            Read::Text => {
+                self.passed.line(given.line, given.text);
+                Ok(())
+            }
+        }
     }
 
-    /// Takes `key = value`, where the key matters.
-    fn entry(&mut self, row: &Row) -> Result<()> {
-        let Some((key, value)) = row.text.trim().split_once('=') else {
-            return Err(self.fault(
-                row,
-                "key = value, the begin or end of a block, or a comment",
-                "put points between point.begin and point.end, and `!` before comments",
-            ));
+    fn push(&mut self, line: usize, numbers: &Numbers) -> Result<()> {
+        let weight = numbers.all.get(2).copied().flatten().unwrap_or(1.0);
+        if weight < 0.0 {
+            let remedy = "give 1, or 0 for a point that does not count in smoothing";
+            return Err(error_at(self.name, line, 1, &weight.to_string(), "a weight of 0 or more", remedy));
+        }
+        self.passed.words(line, &numbers.words);
+        push(self.name, &mut self.points, numbers.y, numbers.z, line, weight)
+    }
+
+    /// Takes `key = value`, where the key matters, and rows of points where no line begins these.
+    fn entry(&mut self, given: &Row) -> Result<()> {
+        let Some((key, value)) = given.text.trim().split_once('=') else {
+            if !self.points_begin
+                && self.open.last() != Some(&"header")
+                && let Read::Point(_) = row(given.text, self.mark, (0, 1))
+            {
+                self.note(given.line, "points without point.begin: taken from here on".into());
+                self.begin("point", given)?;
+                return self.point(given);
+            }
+            self.passed.line(given.line, given.text);
+            return Ok(());
         };
         let (key, value) = (key.trim().to_ascii_lowercase(), value.trim());
-        let column = row.text.chars().take_while(|c| *c != '=').count() + 2;
-        let fault = |expected, remedy| error_at(self.name, row.line, column, value, expected, remedy);
-        let in_header = self.open.last() == Some(&"header");
-        if in_header && key == "type" {
+        let column = given.text.chars().take_while(|c| *c != '=').count() + 2;
+        let fault = |expected, remedy| error_at(self.name, given.line, column, value, expected, remedy);
+        // Inside the spline `type` is that of the original file.
+        if self.open.last().is_none_or(|open| *open == "header") && key == "type" {
             self.kind = Some(match value {
                 "0" => ProfileKind::Rail,
                 "1" => ProfileKind::Wheel,
                 _ => return Err(fault("0 for a rail or 1 for a wheel", "correct the type")),
             });
-        } else if !in_header && NUMERIC.contains(&key.as_str()) {
+        } else if self.open.last() != Some(&"header") && NUMERIC.contains(&key.as_str()) {
             let value = number(value, DecimalMark::Point)
                 .or_else(|| number(value, DecimalMark::Comma))
                 .ok_or_else(|| fault("a finite number", "correct the value"))?;
-            self.header.insert(key, Entry { value, line: row.line });
+            let before = self.header.insert(key.clone(), Entry { value, line: given.line });
+            if let Some(before) = before.filter(|before| before.value != value) {
+                let expected = format!("{key} = {} as in line {}", before.value, before.line);
+                let value = value.to_string();
+                return Err(error_at(
+                    self.name,
+                    given.line,
+                    column,
+                    &value,
+                    expected,
+                    "remove one of the two",
+                ));
+            }
+        } else if key == "units.len" {
+            self.named_unit = unit_of(value.trim_matches(QUOTES)).map(|unit| (unit, given.line));
+        } else if key == "units.ang" && value.trim_matches(QUOTES).to_lowercase().starts_with("deg") {
+            // A factor that the file gives comes first, wherever it stands.
+            self.degrees = Some(given.line);
         }
         Ok(())
     }
 
     /// The profile of a file that ends with the line `last`; its kind is that of its header, or else of the `ending` of
     /// its name.
-    fn finish(self, last: usize, ending: &str) -> Result<Raw> {
+    fn finish(mut self, last: usize, ending: &str) -> Result<Raw> {
         if !self.has_points {
             let expected = "a block of points from point.begin to point.end";
             return Err(error_at(self.name, last, 1, "", expected, "complete the file"));
@@ -183,22 +275,40 @@ impl<'a> Blocks<'a> {
             _ => None,
         });
         let note = |what: String| Finding::new(FindingKind::Header, Action::Noted, what);
+        let mut findings = std::mem::take(&mut self.findings);
         let unended =
             self.open.last().map(|b| format!("the block {b} is not ended; the file may be cut off"));
-        let mut findings: Vec<Finding> = unended.map(note).into_iter().collect();
+        findings.extend(unended.map(note));
+        findings.extend(self.passed.findings());
+        let weighted = self.points.iter().filter(|p| p.weight != 1.0);
+        if let (Some(first), Some(last)) = (weighted.clone().next(), weighted.clone().next_back()) {
+            let what = format!(
+                "{} points with weights other than 1: they count in smoothing; without it every point is taken",
+                weighted.clone().count()
+            );
+            findings.push(note(what).on_lines(first.line, last.line));
+        }
+        if let Some(line) = self.degrees {
+            let value = 1.0f64.to_degrees();
+            self.header.entry("units.ang.f".into()).or_insert(Entry { value, line });
+        }
         let points = process(&self.header, self.points, &mut findings);
         if let Some(entry) = self.header.get("approx.smooth").filter(|entry| entry.value != 0.0) {
-            let what = "approx.smooth is not applied: smoothing is asked for, and reported, in this program";
-            findings.push(note(what.into()).on_lines(entry.line, entry.line));
+            let what = format!(
+                "approx.smooth = {} is not applied, its meaning is that of one program: smoothing is asked for by a \
+                 wavelength",
+                entry.value
+            );
+            findings.push(note(what).on_lines(entry.line, entry.line));
         }
         let (format, convention) = (ProfileFormat::Simpack, Convention::Stated);
         Ok(Raw { format, kind, convention, unit, points, findings })
     }
 
-    /// Length of the unit, m, and the line that says so.
+    /// Length of the unit, m, and the line that says so: the factor, or the name where there is no factor.
     fn unit(&self) -> Result<Option<(f64, usize)>> {
         match self.header.get("units.len.f") {
-            None => Ok(None),
+            None => Ok(self.named_unit),
             Some(entry) if entry.value > 0.0 => Ok(Some((1.0 / entry.value, entry.line))),
             Some(entry) => {
                 let (value, expected) = (entry.value.to_string(), "units.len.f above 0, in units a metre");

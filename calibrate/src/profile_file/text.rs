@@ -2,9 +2,12 @@
 
 use super::LARGEST_FILE;
 use crate::error::{Error, InputError, Result};
+use crate::units::MILLIMETRE;
 
 /// Most fields of a row.
 const MOST_FIELDS: usize = 16;
+/// Quotes that are taken off a field.
+const QUOTES: [char; 2] = ['"', '\''];
 /// Longest number, characters: a tiny one without exponent has more than 300.
 const LONGEST_NUMBER: usize = 512;
 
@@ -21,7 +24,8 @@ pub(super) fn error_at(
     InputError::new(format!("{name}:{line}:{column}"), format!("\"{shown}\""), expected, remedy).into()
 }
 
-/// Text of a file: UTF-8 with or without byte-order mark, UTF-16 with one, else Latin-1.
+/// Text of a file: UTF-8 with or without byte-order mark, UTF-16 with one or recognised by its zeros, else Windows-1252,
+/// which has Latin-1 in it.
 ///
 /// # Errors
 /// A file that is too large or is no text.
@@ -36,18 +40,20 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<String> {
             "give a single profile, thinned out",
         ));
     }
-    let utf16 = |order: fn([u8; 2]) -> u16| {
-        let units = bytes[2..].chunks_exact(2).map(|pair| order([pair[0], pair[1]]));
+    let utf16 = |bytes: &[u8], order: fn([u8; 2]) -> u16| {
+        let units = bytes.chunks_exact(2).map(|pair| order([pair[0], pair[1]]));
         char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect::<String>()
     };
     let text = match bytes {
-        [0xff, 0xfe, ..] => utf16(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => utf16(u16::from_be_bytes),
+        [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => utf16(rest, u16::from_be_bytes),
+        _ if all_zero(bytes, 1) => utf16(bytes, u16::from_le_bytes),
+        _ if all_zero(bytes, 0) => utf16(bytes, u16::from_be_bytes),
         _ => {
             let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
             match std::str::from_utf8(bytes) {
                 Ok(text) => text.to_owned(),
-                Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+                Err(_) => bytes.iter().map(|&byte| windows_1252(byte)).collect(),
             }
         }
     };
@@ -57,6 +63,27 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<String> {
         return Err(error_at(name, line, column, "\0", "text", "the file is binary; export it as text"));
     }
     Ok(text)
+}
+
+/// Whether nearly every second byte from `first` on is zero and hardly any other: UTF-16 of a Western language.
+fn all_zero(bytes: &[u8], first: usize) -> bool {
+    const LEAST: usize = 8;
+    const NEARLY: f64 = 0.95;
+    let zeros = |first: usize| bytes.iter().skip(first).step_by(2).filter(|byte| **byte == 0).count() as f64;
+    let half = (bytes.len() / 2) as f64;
+    bytes.len() >= LEAST && zeros(first) > NEARLY * half && zeros(1 - first) < (1.0 - NEARLY) * half
+}
+
+/// A character of Windows-1252; the five codes that it leaves open are those of Latin-1.
+fn windows_1252(byte: u8) -> char {
+    /// The characters from 0x80 to 0x9f.
+    const HIGH: &str = "\u{20ac}\u{81}\u{201a}\u{192}\u{201e}\u{2026}\u{2020}\u{2021}\u{2c6}\u{2030}\u{160}\u{2039}\u{152}\
+                        \u{8d}\u{17d}\u{8f}\u{90}\u{2018}\u{2019}\u{201c}\u{201d}\u{2022}\u{2013}\u{2014}\u{2dc}\u{2122}\
+                        \u{161}\u{203a}\u{153}\u{9d}\u{17e}\u{178}";
+    match byte {
+        0x80..=0x9f => HIGH.chars().nth(usize::from(byte - 0x80)).unwrap_or(char::from(byte)),
+        _ => char::from(byte),
+    }
 }
 
 fn place_of(text: &str, wanted: char) -> Option<(usize, usize)> {
@@ -83,11 +110,11 @@ pub(super) struct Field<'a> {
     pub column: usize,
 }
 
-/// Fields of a row, separated by blanks, tabs, semicolons, and commas unless these are decimal marks. Two marks
-/// with nothing between them enclose an empty field; quotes around a field are taken off. At most
-/// [`MOST_FIELDS`] are returned.
+/// Fields of a row, separated by blanks, tabs, semicolons, and commas unless these are decimal marks, which a comma beside
+/// a quote never is. Two marks with nothing between them enclose an empty field; quotes around a field are taken off. At
+/// most [`MOST_FIELDS`] are returned.
 pub(super) fn fields(line: &str, mark: DecimalMark) -> Vec<Field<'_>> {
-    let delimits = |c: char| c == ';' || (c == ',' && mark == DecimalMark::Point);
+    let quoted_at = |index: usize| line[..index].ends_with('"') || line[index + 1..].starts_with('"');
     let mut found = Vec::new();
     let mut start: Option<(usize, usize)> = None;
     let mut after_delimiter = true;
@@ -98,12 +125,13 @@ pub(super) fn fields(line: &str, mark: DecimalMark) -> Vec<Field<'_>> {
         if c == '"' {
             quoted = !quoted;
         }
-        if !quoted && (c.is_whitespace() || delimits(c)) {
+        let delimits = c == ';' || (c == ',' && (mark == DecimalMark::Point || quoted_at(index)));
+        if !quoted && (c.is_whitespace() || delimits) {
             if let Some((begin, at)) = start.take() {
-                found.push(Field { text: line[begin..index].trim_matches('"'), column: at });
+                found.push(Field { text: line[begin..index].trim_matches(QUOTES), column: at });
                 after_delimiter = false;
             }
-            if delimits(c) {
+            if delimits {
                 if after_delimiter {
                     found.push(Field { text: "", column });
                 }
@@ -117,12 +145,13 @@ pub(super) fn fields(line: &str, mark: DecimalMark) -> Vec<Field<'_>> {
         }
     }
     if let Some((begin, at)) = start {
-        found.push(Field { text: line[begin..].trim_matches('"'), column: at });
+        found.push(Field { text: line[begin..].trim_matches(QUOTES), column: at });
     }
     found
 }
 
-/// A finite number; with Fortran's exponents (1.5D+01, 1.5+01) and the decimal mark of the file.
+/// A finite number; with Fortran's exponents (1.5D+01, 1.5+01), the decimal mark of the file, and a dash that an editor has
+/// put for a minus.
 pub(super) fn number(text: &str, mark: DecimalMark) -> Option<f64> {
     if text.len() > LONGEST_NUMBER {
         return None;
@@ -137,7 +166,7 @@ pub(super) fn number(text: &str, mark: DecimalMark) -> Option<f64> {
                 exponent = true;
                 plain.push('e');
             }
-            '+' | '-' | '\u{2212}' => {
+            '+' | '-' | '\u{2212}' | '\u{2013}' => {
                 if !exponent && plain.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
                     exponent = true;
                     plain.push('e');
@@ -153,35 +182,58 @@ pub(super) fn number(text: &str, mark: DecimalMark) -> Option<f64> {
 /// Whether a line begins like a row of numbers.
 pub(super) fn begins_like_a_number(line: &str) -> bool {
     let line = line.trim_start();
-    let digits = line.trim_start_matches(['+', '-', '\u{2212}', '.', ',', '"']);
-    line.len() - digits.len() <= 4 && digits.starts_with(|c: char| c.is_ascii_digit())
+    let digits = line.trim_start_matches(['+', '-', '\u{2212}', '\u{2013}', '.', ',', '"', '\'', '(', '[']);
+    line.chars().count() - digits.chars().count() <= 4 && digits.starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// Tells the decimal mark from the rows of numbers of a file.
 ///
 /// # Errors
-/// Rows in which commas might both separate fields and mark decimals.
+/// Rows in which commas might both separate fields and mark decimals; rows with either mark.
 pub(super) fn decimal_mark<'a>(
     name: &str,
     rows: impl Iterator<Item = (usize, &'a str)> + Clone,
 ) -> Result<DecimalMark> {
-    if rows.clone().any(|(_, row)| row.contains('.')) {
-        return Ok(DecimalMark::Point);
+    let mut points = None;
+    let mut commas = None;
+    for (line, row) in rows.clone() {
+        let numbers = row
+            .split(|c: char| c.is_whitespace() || [';', '"', '\''].contains(&c))
+            .filter(|part| {
+                part.split(',').all(|part| part.is_empty() || number(part, DecimalMark::Point).is_some())
+            })
+            .filter(|part| part.contains(|c: char| c.is_ascii_digit()));
+        let several = numbers.clone().count() > 1;
+        if numbers.clone().any(|part| part.contains('.') && (several || part.contains(','))) {
+            points = points.or(Some((line, row)));
+        } else if several && numbers.clone().any(with_decimal_comma) {
+            commas = commas.or(Some((line, row)));
+        }
+    }
+    match (points, commas) {
+        (Some(_), None) => return Ok(DecimalMark::Point),
+        (None, Some(_)) => return Ok(DecimalMark::Comma),
+        (Some(point), Some(comma)) => {
+            // The later one is most likely the odd one out.
+            let (line, row) = if point.0 > comma.0 { point } else { comma };
+            return Err(error_at(
+                name,
+                line,
+                1,
+                row.trim(),
+                format!("one decimal mark: line {} has the other", point.0.min(comma.0)),
+                "write all numbers with a decimal point",
+            ));
+        }
+        (None, None) => {}
     }
     for (line, row) in rows {
         let row = row.trim();
-        if !row.contains(',') {
-            continue;
-        }
         let by_commas = row.split(',').collect::<Vec<_>>();
         let digits_around = by_commas.windows(2).any(|pair| {
             pair[0].ends_with(|c: char| c.is_ascii_digit())
                 && pair[1].starts_with(|c: char| c.is_ascii_digit())
         });
-        let separated = by_commas.iter().any(|part| part.trim().contains([' ', '\t', ';']));
-        if digits_around && separated {
-            return Ok(DecimalMark::Comma);
-        }
         if digits_around && by_commas.len() >= 4 {
             return Err(error_at(
                 name,
@@ -196,44 +248,31 @@ pub(super) fn decimal_mark<'a>(
     Ok(DecimalMark::Point)
 }
 
-/// The numbers of a row from the field `first` on, up to `count` of them; `least` must be there.
-///
-/// # Errors
-/// A field that is no number, or too few of them.
-pub(super) fn row_numbers(
-    name: &str,
-    line: usize,
-    row: &str,
-    mark: DecimalMark,
-    least: usize,
-) -> Result<Vec<f64>> {
-    let fields = fields(row, mark);
-    if fields.len() < least {
-        let end = row.trim_end().chars().count() + 1;
-        return Err(error_at(
-            name,
-            line,
-            end,
-            row.trim(),
-            format!("at least {least} numbers"),
-            "complete the row, or turn it into a comment",
-        ));
-    }
-    fields
-        .iter()
-        .map(|field| {
-            number(field.text, mark).ok_or_else(|| {
-                error_at(
-                    name,
-                    line,
-                    field.column,
-                    field.text,
-                    "a finite number",
-                    "correct the row, or turn it into a comment",
-                )
-            })
-        })
-        .collect()
+/// Whether a part of a row without blanks is one number with decimals after a comma.
+fn with_decimal_comma(part: &str) -> bool {
+    let sides: Vec<&str> = part.split(',').collect();
+    matches!(sides[..], [before, after]
+        if before.ends_with(|c: char| c.is_ascii_digit()) && after.starts_with(|c: char| c.is_ascii_digit()))
+}
+
+/// Length of a unit, m, by its sign or name.
+pub(super) fn unit_of(word: &str) -> Option<f64> {
+    Some(match word.to_lowercase().as_str() {
+        "um" | "\u{b5}m" | "\u{3bc}m" => 1e-6,
+        "mm" | "millimetre" | "millimeter" | "millimetres" | "millimeters" => MILLIMETRE,
+        "cm" => 1e-2,
+        "m" | "metre" | "meter" | "metres" | "meters" => 1.0,
+        "in" | "inch" | "inches" | "zoll" => 25.4 * MILLIMETRE,
+        _ => return None,
+    })
+}
+
+/// Text of a file for a message: short, without control characters.
+pub(super) fn shown(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let text = text.trim();
+    let short: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
+    if text.chars().count() > LONGEST { format!("{short}\u{2026}") } else { short }
 }
 
 #[cfg(test)]
@@ -250,6 +289,7 @@ mod tests {
             ("1.5-01", Point, 0.15),
             ("-1,25", Comma, -1.25),
             ("\u{2212}2.", Point, -2.0),
+            ("\u{2013}2.", Point, -2.0),
             (".5", Point, 0.5),
         ] {
             assert_eq!(number(text, mark), Some(value), "{text}");
@@ -265,6 +305,8 @@ mod tests {
         let texts: Vec<_> = found.iter().map(|f| (f.text, f.column)).collect();
         assert_eq!(texts, [("1,5", 3), ("2,5", 8), ("", 16), ("x", 18)]);
         assert_eq!(fields("1,2,", DecimalMark::Point).len(), 2);
+        let found = fields("\"1,5\",\"2,5\"", DecimalMark::Comma);
+        assert_eq!(found.iter().map(|f| f.text).collect::<Vec<_>>(), ["1,5", "2,5"]);
     }
 
     #[test]
@@ -277,6 +319,11 @@ mod tests {
         assert_eq!(mark(&["1, 2"]).unwrap(), DecimalMark::Point);
         assert_eq!(mark(&["1,2"]).unwrap(), DecimalMark::Point);
         assert_eq!(mark(&["1.5,2,5"]).unwrap(), DecimalMark::Point);
+        // Words after the numbers have marks of their own.
+        assert_eq!(mark(&["1,5 2,5 o.k.", "0,1 3 1.Lauf"]).unwrap(), DecimalMark::Comma);
+        assert_eq!(mark(&["\"1,5\",\"2,5\""]).unwrap(), DecimalMark::Comma);
+        let message = mark(&["1.5 2.5", "1,5 2,5"]).unwrap_err().to_string();
+        assert!(message.starts_with("f:2:1 = ") && message.contains("line 1 has the other"), "{message}");
         let message = mark(&["3,4", "1,5,2,5"]).unwrap_err().to_string();
         assert!(message.starts_with("f:2:2 = "), "{message}");
     }
@@ -285,7 +332,11 @@ mod tests {
     fn encodings_are_decoded() {
         assert_eq!(decode("f", b"\xef\xbb\xbf1 2").unwrap(), "1 2");
         assert_eq!(decode("f", b"\xff\xfe1\0 \x002\0").unwrap(), "1 2");
+        assert_eq!(decode("f", b"\xfe\xff\x001\0 \x002").unwrap(), "1 2");
+        assert_eq!(decode("f", b"1\0 \x002\0\n\x003\0").unwrap(), "1 2\n3");
+        assert_eq!(decode("f", b"\x001\0 \x002\0\n\x003").unwrap(), "1 2\n3");
         assert_eq!(decode("f", b"caf\xe9\r1").unwrap(), "caf\u{e9}\n1");
+        assert_eq!(decode("f", b"\x961 \x80").unwrap(), "\u{2013}1 \u{20ac}");
         assert!(decode("f", b"1 2\n3\0").unwrap_err().to_string().starts_with("f:2:2 = "));
     }
 }

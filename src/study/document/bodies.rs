@@ -12,10 +12,14 @@ pub struct RailKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile: Option<String>,
-    /// File of a measured profile (Simpack, MiniProf, text or CSV), relative to the study.
+    /// File of a measured profile (Simpack, MiniProf, text or CSV, DXF, slices of CONTACT), relative to the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile_file: Option<String>,
+    /// Part of the profile file that is the profile, where it has several: the name or number of a slice (CONTACT's `.slcs` and `.slcw`) or of a block of points, the layer of a drawing. Its message lists the parts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub profile_part: Option<String>,
     /// Name of the standard section that the measured profile is joined to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
@@ -83,10 +87,14 @@ pub struct WheelKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile: Option<String>,
-    /// File of a measured profile (Simpack, MiniProf, text or CSV), relative to the study.
+    /// File of a measured profile (Simpack, MiniProf, text or CSV, DXF, slices of CONTACT), relative to the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile_file: Option<String>,
+    /// Part of the profile file that is the profile, where it has several: the name or number of a slice (CONTACT's `.slcs` and `.slcw`) or of a block of points, the layer of a drawing. Its message lists the parts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub profile_part: Option<String>,
     /// Name of the standard wheel that the measured profile is joined to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]

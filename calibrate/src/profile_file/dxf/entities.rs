@@ -1,0 +1,387 @@
+//! The entities of a DXF file: pairs of lines, a group code and its value.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point2;
+
+use super::curves::{Nurbs, Path, Piece};
+use crate::error::{Error, Result};
+use crate::profile_file::text::{DecimalMark, error_at, lines, number};
+
+/// An entity that can be part of a profile.
+pub(super) struct Entity {
+    pub layer: String,
+    pub line: usize,
+    pub shape: Shape,
+}
+
+/// What an entity is.
+pub(super) enum Shape {
+    /// A curve in the plane of the drawing.
+    Path(Path),
+    /// A curve that leaves the plane of the drawing, or is of a kind that is not read.
+    Unread(String),
+    /// No curve: a text, a dimension.
+    Other(String),
+}
+
+/// What is read of a drawing.
+pub(super) struct Drawing {
+    pub entities: Vec<Entity>,
+    /// Length of the unit, m, and the line that says so.
+    pub unit: Option<(f64, usize)>,
+}
+
+/// A group: its code, its value and the line of the value.
+#[derive(Clone, Copy)]
+struct Group<'a> {
+    code: i32,
+    value: &'a str,
+    line: usize,
+}
+
+/// The groups of an entity after its name.
+struct Groups<'a> {
+    file: &'a str,
+    name: &'a str,
+    line: usize,
+    of: Vec<Group<'a>>,
+}
+
+impl Groups<'_> {
+    fn number_of(&self, group: &Group) -> Result<f64> {
+        number(group.value.trim(), DecimalMark::Point).ok_or_else(|| {
+            let expected = format!("a finite number (group {} of {})", group.code, self.name);
+            error_at(self.file, group.line, 1, group.value, expected, "export the drawing again")
+        })
+    }
+
+    fn last(&self, code: i32) -> Result<Option<f64>> {
+        self.of.iter().rev().find(|group| group.code == code).map(|group| self.number_of(group)).transpose()
+    }
+
+    fn required(&self, code: i32) -> Result<f64> {
+        self.last(code)?.ok_or_else(|| self.missing(code))
+    }
+
+    fn missing(&self, code: i32) -> Error {
+        let expected = format!("{} with group {code}", self.name);
+        error_at(self.file, self.line, 1, self.name, expected, "export the drawing again")
+    }
+
+    fn all(&self, code: i32) -> Result<Vec<f64>> {
+        self.of.iter().filter(|group| group.code == code).map(|group| self.number_of(group)).collect()
+    }
+
+    fn flags(&self, code: i32) -> Result<i64> {
+        Ok(self.last(code)?.unwrap_or(0.0) as i64)
+    }
+
+    fn layer(&self) -> String {
+        self.of.iter().find(|group| group.code == 8).map_or("0", |group| group.value.trim()).to_owned()
+    }
+
+    /// Points whose x has this group, with their z, and their lines.
+    fn points(&self, code: i32) -> Result<Vec<(Point2<f64>, f64, usize)>> {
+        let mut points: Vec<(Point2<f64>, f64, usize)> = Vec::new();
+        for group in &self.of {
+            if group.code == code {
+                points.push((Point2::new(self.number_of(group)?, f64::NAN), 0.0, group.line));
+            } else if let Some(last) = points.last_mut() {
+                if group.code == code + 10 {
+                    last.0.y = self.number_of(group)?;
+                } else if group.code == code + 20 {
+                    last.1 = self.number_of(group)?;
+                }
+            }
+        }
+        if points.iter().any(|(p, _, _)| p.y.is_nan()) { Err(self.missing(code + 10)) } else { Ok(points) }
+    }
+
+    /// Whether the entity's own axes are those of the drawing (`Some(false)`), have x turned over (`Some(true)`), or
+    /// lie in another plane.
+    fn mirrored(&self) -> Result<Option<bool>> {
+        /// Largest sine of an angle that is rounding.
+        const ROUNDING: f64 = 1e-9;
+        let normal =
+            [self.last(210)?.unwrap_or(0.0), self.last(220)?.unwrap_or(0.0), self.last(230)?.unwrap_or(1.0)];
+        let across = normal[0].hypot(normal[1]);
+        Ok((across <= ROUNDING * normal[2].abs()).then_some(normal[2] < 0.0))
+    }
+}
+
+/// Reads the entities of the drawing itself; those of blocks and of paper layouts are no part of it.
+pub(super) fn read(name: &str, text: &str) -> Result<Drawing> {
+    let mut drawing = Drawing { entities: Vec::new(), unit: None };
+    let mut section = "";
+    let mut named = false;
+    let mut variable = "";
+    let mut entity: Option<Groups> = None;
+    let mut polyline: Option<Polyline> = None;
+    for group in groups(name, text) {
+        let group = group?;
+        if group.code != 0 {
+            match (section, &mut entity) {
+                ("", _) if named && group.code == 2 => section = group.value.trim(),
+                ("HEADER", _) if group.code == 9 => variable = group.value.trim(),
+                ("HEADER", _) if group.code == 70 && variable == "$INSUNITS" => {
+                    drawing.unit = unit(group.value).map(|unit| (unit, group.line));
+                }
+                (_, Some(entity)) => entity.of.push(group),
+                _ => {}
+            }
+            continue;
+        }
+        if let Some(groups) = entity.take() {
+            finish(groups, &mut polyline, &mut drawing.entities)?;
+        }
+        let word = group.value.trim();
+        match word {
+            "SECTION" => (section, named) = ("", true),
+            "ENDSEC" | "EOF" => (section, named) = ("", false),
+            _ if section == "ENTITIES" => {
+                entity = Some(Groups { file: name, name: word, line: group.line, of: Vec::new() });
+            }
+            _ => {}
+        }
+    }
+    if let Some(groups) = entity.take() {
+        finish(groups, &mut polyline, &mut drawing.entities)?;
+    }
+    if let Some(polyline) = polyline {
+        drawing.entities.push(polyline.finish()?);
+    }
+    Ok(drawing)
+}
+
+/// The groups of a file. Comments (999) are left out; empty lines at the end are none.
+fn groups<'a>(name: &'a str, text: &'a str) -> impl Iterator<Item = Result<Group<'a>>> {
+    let mut lines = lines(text);
+    std::iter::from_fn(move || {
+        loop {
+            let (n, code) = lines.next()?;
+            let value = lines.next();
+            if code.trim().is_empty() && value.is_none_or(|(_, value)| value.trim().is_empty()) {
+                return None;
+            }
+            let Ok(code) = code.trim().parse::<i32>() else {
+                let expected = "a group code, a whole number on a line of its own";
+                return Some(Err(error_at(
+                    name,
+                    n,
+                    1,
+                    code.trim(),
+                    expected,
+                    "export the drawing as ASCII DXF again",
+                )));
+            };
+            let Some((line, value)) = value else {
+                let expected = "a value after the group code";
+                return Some(Err(error_at(
+                    name,
+                    n,
+                    1,
+                    "",
+                    expected,
+                    "the file is cut off: export the drawing again",
+                )));
+            };
+            if code != 999 {
+                return Some(Ok(Group { code, value, line }));
+            }
+        }
+    })
+}
+
+/// Length of the unit of `$INSUNITS`, m.
+fn unit(value: &str) -> Option<f64> {
+    Some(match value.trim() {
+        "1" => 0.0254,
+        "2" => 0.3048,
+        "4" => 1e-3,
+        "5" => 1e-2,
+        "6" => 1.0,
+        "13" => 1e-6,
+        "14" => 0.1,
+        _ => return None,
+    })
+}
+
+/// A polyline whose vertices are entities of their own.
+struct Polyline {
+    layer: String,
+    line: usize,
+    flags: i64,
+    mirrored: Option<bool>,
+    paper: bool,
+    vertices: Vec<Vertex>,
+}
+
+struct Vertex {
+    at: Point2<f64>,
+    z: f64,
+    bulge: f64,
+    line: usize,
+}
+
+/// Turns the groups of an entity into one, or adds them to the polyline that is open.
+fn finish(groups: Groups, polyline: &mut Option<Polyline>, entities: &mut Vec<Entity>) -> Result<()> {
+    if let Some(open) = polyline {
+        match groups.name {
+            "VERTEX" => {
+                // Bit 4: a control point of a curve that the other vertices follow.
+                if groups.flags(70)? & 16 == 0 {
+                    let (at, z, line) = *groups.points(10)?.first().ok_or_else(|| groups.missing(10))?;
+                    open.vertices.push(Vertex { at, z, bulge: groups.last(42)?.unwrap_or(0.0), line });
+                }
+                return Ok(());
+            }
+            "SEQEND" => {
+                entities.extend(
+                    polyline.take().filter(|polyline| !polyline.paper).map(Polyline::finish).transpose()?,
+                );
+                return Ok(());
+            }
+            _ => entities.extend(
+                polyline.take().filter(|polyline| !polyline.paper).map(Polyline::finish).transpose()?,
+            ),
+        }
+    }
+    let paper = groups.flags(67)? == 1;
+    let (layer, line) = (groups.layer(), groups.line);
+    let mut add = |shape: Shape| entities.push(Entity { layer: layer.clone(), line, shape });
+    let in_plane = |mirrored: Option<bool>, path: &dyn Fn() -> Result<Option<Path>>| -> Result<Shape> {
+        let unread = || Shape::Unread(format!("{} in another plane", groups.name));
+        let Some(mirrored) = mirrored else { return Ok(unread()) };
+        let Some(mut path) = path()? else { return Ok(unread()) };
+        if mirrored {
+            path.mirror();
+        }
+        Ok(Shape::Path(path))
+    };
+    match groups.name {
+        _ if paper => {}
+        "POLYLINE" => {
+            let (flags, mirrored) = (groups.flags(70)?, groups.mirrored()?);
+            *polyline = Some(Polyline { layer, line, flags, mirrored, paper, vertices: Vec::new() });
+        }
+        "LINE" => {
+            let ends = [groups.points(10)?, groups.points(11)?];
+            let [Some(a), Some(b)] = ends.each_ref().map(|points| points.first()) else {
+                return Err(groups.missing(if ends[0].is_empty() { 10 } else { 11 }));
+            };
+            let flat = a.1 == b.1;
+            let path = Path::of(Piece::Line(a.0, b.0), line);
+            add(if flat { Shape::Path(path) } else { Shape::Unread("LINE in another plane".into()) });
+        }
+        "ARC" => {
+            let (centre, _, _) = *groups.points(10)?.first().ok_or_else(|| groups.missing(10))?;
+            let radius = groups.required(40)?;
+            let [start, end] = [groups.required(50)?, groups.required(51)?].map(f64::to_radians);
+            let sweep = (end - start).rem_euclid(std::f64::consts::TAU);
+            let sweep = if sweep == 0.0 { std::f64::consts::TAU } else { sweep };
+            let arc = Piece::Arc { centre, radius, start, sweep };
+            add(in_plane(groups.mirrored()?, &|| Ok(Some(Path::of(arc.clone(), line))))?);
+        }
+        "LWPOLYLINE" => {
+            let vertices = lightweight(&groups)?;
+            let closed = groups.flags(70)? & 1 == 1;
+            add(in_plane(groups.mirrored()?, &|| Ok(Some(path_of(&vertices, closed))))?);
+        }
+        "SPLINE" => add(match spline(&groups)? {
+            Some(curve) => Shape::Path(Path::of(Piece::Spline(curve), line)),
+            None => Shape::Unread("SPLINE in space or without control points".into()),
+        }),
+        "CIRCLE" | "ELLIPSE" | "INSERT" | "MLINE" | "HELIX" | "3DFACE" | "REGION" | "3DSOLID" | "BODY"
+        | "TRACE" => {
+            add(Shape::Unread(groups.name.into()));
+        }
+        other => add(Shape::Other(other.into())),
+    }
+    Ok(())
+}
+
+impl Polyline {
+    fn finish(self) -> Result<Entity> {
+        /// Bits of meshes: a mesh of points, one of faces.
+        const MESHES: i64 = 16 | 64;
+        let Self { layer, line, flags, mirrored, vertices, .. } = self;
+        let flat = vertices.windows(2).all(|pair| pair[0].z == pair[1].z);
+        let shape = match mirrored.filter(|_| flags & MESHES == 0 && flat) {
+            None => Shape::Unread("POLYLINE in another plane".into()),
+            Some(mirrored) => {
+                let mut path = path_of(&vertices, flags & 1 == 1);
+                // A polyline in space (bit 3) has the axes of the drawing.
+                if mirrored && flags & 8 == 0 {
+                    path.mirror();
+                }
+                Shape::Path(path)
+            }
+        };
+        Ok(Entity { layer, line, shape })
+    }
+}
+
+/// The vertices of a polyline that holds them itself.
+fn lightweight(groups: &Groups) -> Result<Vec<Vertex>> {
+    let mut vertices: Vec<Vertex> =
+        groups.points(10)?.into_iter().map(|(at, z, line)| Vertex { at, z, bulge: 0.0, line }).collect();
+    let mut index = 0;
+    for group in &groups.of {
+        match group.code {
+            10 => index += 1,
+            42 if index > 0 => vertices[index - 1].bulge = groups.number_of(group)?,
+            _ => {}
+        }
+    }
+    Ok(vertices)
+}
+
+fn path_of(vertices: &[Vertex], closed: bool) -> Path {
+    let mut path = Path::default();
+    let count = vertices.len();
+    let last = if closed && count > 2 { count } else { count.saturating_sub(1) };
+    for i in 0..last {
+        let (from, to) = (&vertices[i], &vertices[(i + 1) % count]);
+        if from.at != to.at {
+            path.add(Piece::with_bulge(from.at, to.at, from.bulge), from.line);
+        }
+    }
+    path
+}
+
+/// The curve of a spline, if it lies in the plane of the drawing and has control points.
+fn spline(groups: &Groups) -> Result<Option<Nurbs>> {
+    let points = groups.points(10)?;
+    let Some(first) = points.first() else { return Ok(None) };
+    if points.iter().any(|point| point.1 != first.1) {
+        return Ok(None);
+    }
+    let weights = groups.all(41)?;
+    let weights = if weights.is_empty() { vec![1.0; points.len()] } else { weights };
+    let curve = Nurbs {
+        degree: groups.required(71)? as usize,
+        knots: groups.all(40)?,
+        points: points.iter().map(|point| point.0).collect(),
+        weights,
+    };
+    if curve.is_sound() {
+        return Ok(Some(curve));
+    }
+    let expected = "a spline with as many weights as control points and rising knots for its degree";
+    Err(error_at(
+        groups.file,
+        groups.line,
+        1,
+        "SPLINE",
+        expected,
+        "export the drawing again, with arcs or polylines",
+    ))
+}
+
+/// How many entities there are of each name.
+pub(super) fn count(names: impl Iterator<Item = String>) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    names.for_each(|name| *counts.entry(name).or_default() += 1);
+    counts.iter().map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,286 @@
+//! Drawings as ASCII DXF: lines, arcs, polylines and splines of the drawing's plane, joined to one line.
+//!
+//! x of the drawing is y of the profile, y of the drawing is z. Measured polylines are taken by their vertices, drawn
+//! lines and arcs by points close enough for the curve.
+
+mod curves;
+mod chain;
+mod entities;
+
+use std::fmt::Write;
+
+use nalgebra::Point2;
+
+use self::chain::{Chain, join};
+use self::curves::Piece;
+use self::entities::{Entity, Shape, count};
+use super::finding::{Action, Finding, FindingKind};
+use super::text::{error_at, lines, shown};
+use super::{Convention, MeasuredPoint, Part, ProfileFormat, Raw, push};
+use crate::error::{Error, Result};
+use crate::units::MILLIMETRE;
+
+/// Points along the extent of the profile: 0.2 mm apart on a head or wheel.
+const STEPS: f64 = 600.0;
+/// From this number of straight pieces alone on a line is a measured one.
+const MEASURED: usize = 20;
+/// Longest line, in extents; a head is 2 long.
+const LONGEST: f64 = 20.0;
+/// Joined ends further apart than this part of the extent are said.
+const EXACT: f64 = 1e-6;
+/// Chains that a message lists.
+const LISTED: usize = 8;
+
+pub(super) fn recognises(text: &str, ending: &str) -> bool {
+    let mut filled = lines(text).map(|(_, line)| line.trim());
+    let mut group = || (filled.next(), filled.next());
+    let mut first = group();
+    while first.0 == Some("999") {
+        first = group();
+    }
+    ending == "dxf" || first == (Some("0"), Some("SECTION"))
+}
+
+/// Refuses the binary form of the format.
+pub(super) fn refuse_binary(name: &str, bytes: &[u8]) -> Result<()> {
+    if !bytes.starts_with(b"AutoCAD Binary DXF") {
+        return Ok(());
+    }
+    Err(error_at(name, 1, 1, "binary DXF", "DXF as text", "export the drawing as ASCII DXF"))
+}
+
+pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
+    let drawing = entities::read(name, text)?;
+    let mut findings = Vec::new();
+    let on_layer =
+        |entity: &Entity| part.name.is_some_and(|wanted| entity.layer.eq_ignore_ascii_case(wanted.trim()));
+    let by_layer = drawing.entities.iter().any(on_layer);
+    let (wanted, others): (Vec<Entity>, Vec<Entity>) =
+        drawing.entities.into_iter().partition(|entity| !by_layer || on_layer(entity));
+    pass_over(&others, Action::Noted, "on other layers", &mut findings);
+    let mut paths = Vec::new();
+    let mut layers = Vec::new();
+    let (mut unread, mut texts) = (Vec::new(), Vec::new());
+    for entity in wanted {
+        match entity.shape {
+            Shape::Path(path) if path.pieces.iter().all(|(piece, _)| is_finite(piece)) => {
+                if !path.pieces.is_empty() {
+                    layers.push((entity.line, entity.layer));
+                    paths.push(path);
+                }
+            }
+            Shape::Path(_) => {
+                return Err(error_at(
+                    name,
+                    entity.line,
+                    1,
+                    "",
+                    "finite coordinates",
+                    "export the drawing again",
+                ));
+            }
+            Shape::Unread(_) => unread.push(entity),
+            Shape::Other(_) => texts.push(entity),
+        }
+    }
+    pass_over(
+        &unread,
+        Action::Left,
+        "not read: turn them into lines, arcs or polylines if they are part of the profile",
+        &mut findings,
+    );
+    pass_over(&texts, Action::Noted, "no lines of the profile", &mut findings);
+    let nothing = paths.is_empty();
+    let (mut chains, left_out) = join(name, paths)?;
+    if chains.is_empty() {
+        let expected = "lines, arcs, polylines or splines among the entities of the drawing";
+        let remedy = "explode blocks, and export the drawing as ASCII DXF";
+        let found = if nothing {
+            count(unread.iter().chain(&texts).map(kind_of))
+        } else {
+            "lines without length".into()
+        };
+        return Err(error_at(name, 1, 1, &found, expected, remedy));
+    }
+    if let (Some(first), Some(last)) = (left_out.iter().min(), left_out.iter().max()) {
+        let count = if left_out.len() == 1 { "1 line".into() } else { format!("{} lines", left_out.len()) };
+        let text = format!("{count} on top of another, or shorter than a gap: left out");
+        findings.push(Finding::new(FindingKind::PassedOver, Action::Noted, text).on_lines(*first, *last));
+    }
+    let layer_of = |chain: &Chain| {
+        let line = chain.path.pieces.iter().map(|(_, line)| *line).min().unwrap_or(1);
+        let before = layers.iter().rev().find(|(at, _)| *at <= line).or(layers.first());
+        before.map_or("", |(_, layer)| layer.as_str())
+    };
+    let describe = |(index, chain): (usize, &Chain)| describe(index, chain, layer_of(chain));
+    let list = || {
+        let mut list: Vec<String> = chains.iter().enumerate().take(LISTED).map(describe).collect();
+        if chains.len() > LISTED {
+            list.push(format!("and {} more", chains.len() - LISTED));
+        }
+        list.join("; ")
+    };
+    let number = part.name.filter(|_| !by_layer).map(|wanted| wanted.trim().parse::<usize>());
+    let chosen = match number {
+        None if chains.len() == 1 => 0,
+        Some(Ok(number)) if (1..=chains.len()).contains(&number) => number - 1,
+        None => {
+            let value = format!("{} lines that do not meet", chains.len());
+            let expected = format!("one line, the running surface; the drawing has {}", list());
+            let remedy =
+                format!("give {} as the layer or the number of one of them, or close the gaps", part.field);
+            return Err(error_at(name, first_line(&chains[1]), 1, &value, expected, remedy));
+        }
+        Some(_) => {
+            let expected = format!("the name of a layer or the number of a line: {}", list());
+            let remedy = format!("correct {}", part.field);
+            return Err(error_at(
+                name,
+                first_line(&chains[0]),
+                1,
+                part.name.unwrap_or_default(),
+                expected,
+                remedy,
+            ));
+        }
+    };
+    let said = describe((chosen, &chains[chosen]));
+    let left = chains.len() - 1;
+    let chain = chains.swap_remove(chosen);
+    if chain.closed {
+        return Err(closed(name, &chain, part));
+    }
+    let others = if left > 0 { format!("; {left} other lines are not used") } else { String::new() };
+    let text = format!("x of the drawing is y, y is z; the profile is line {said}{others}");
+    findings.push(Finding::new(FindingKind::Columns, Action::Noted, text));
+    let points = sample(name, &chain, &mut findings)?;
+    Ok(Raw {
+        format: ProfileFormat::Dxf,
+        kind: None,
+        convention: Convention::Free,
+        unit: drawing.unit,
+        points,
+        findings,
+    })
+}
+
+fn is_finite(piece: &Piece) -> bool {
+    let sound = !matches!(piece, Piece::Arc { radius, .. } if !(*radius > 0.0));
+    sound && [0.0, 0.5, 1.0].into_iter().all(|t| piece.point(t).iter().all(|v| v.is_finite()))
+}
+
+fn kind_of(entity: &Entity) -> String {
+    match &entity.shape {
+        Shape::Unread(kind) | Shape::Other(kind) => kind.clone(),
+        Shape::Path(_) => "curves".into(),
+    }
+}
+
+fn pass_over(entities: &[Entity], action: Action, why: &str, findings: &mut Vec<Finding>) {
+    let (Some(first), Some(last)) = (entities.first(), entities.last()) else { return };
+    let text = format!("{}: {why}", shown_long(&count(entities.iter().map(kind_of))));
+    findings.push(Finding::new(FindingKind::PassedOver, action, text).on_lines(first.line, last.line));
+}
+
+/// A list of kinds, of bounded length.
+fn shown_long(list: &str) -> String {
+    const MOST: usize = 12;
+    let all: Vec<String> = list.split(", ").map(shown).collect();
+    let more = if all.len() > MOST { ", \u{2026}" } else { "" };
+    format!("{}{more}", all[..all.len().min(MOST)].join(", "))
+}
+
+fn first_line(chain: &Chain) -> usize {
+    chain.path.pieces[0].1
+}
+
+fn describe(index: usize, chain: &Chain, layer: &str) -> String {
+    let pieces = chain.path.pieces.len();
+    let place = |p: Point2<f64>| format!("({:.3}, {:.3})", p.x, p.y);
+    let course = match chain.path.ends() {
+        Some([a, b]) if !chain.closed => format!("from {} to {}", place(a), place(b)),
+        Some([a, _]) => format!("closed, through {}", place(a)),
+        None => String::new(),
+    };
+    let pieces = if pieces == 1 { "1 piece".into() } else { format!("{pieces} pieces") };
+    format!("{} (layer \"{}\", {pieces}, {course})", index + 1, shown(layer))
+}
+
+fn closed(name: &str, chain: &Chain, part: &Part) -> Error {
+    let value = format!("a closed line of {} pieces", chain.path.pieces.len());
+    let remedy = format!(
+        "leave the running surface alone on a layer, open at its ends, and give that layer as {}",
+        part.field
+    );
+    error_at(name, first_line(chain), 1, &value, "an open line, the running surface", remedy)
+}
+
+/// Points on the chain: the vertices of a measured line, or points close enough for the curve.
+fn sample(name: &str, chain: &Chain, findings: &mut Vec<Finding>) -> Result<Vec<MeasuredPoint>> {
+    let pieces = &chain.path.pieces;
+    let (low, high) = pieces
+        .iter()
+        .flat_map(|(piece, _)| {
+            [piece.point(0.0), piece.point(0.25), piece.point(0.5), piece.point(0.75), piece.point(1.0)]
+        })
+        .fold(
+            (Point2::new(f64::INFINITY, f64::INFINITY), Point2::new(f64::NEG_INFINITY, f64::NEG_INFINITY)),
+            |(low, high), p| (low.inf(&p), high.sup(&p)),
+        );
+    let extent = (high - low).norm();
+    let length = chain.path.length();
+    if !(length <= LONGEST * extent) || extent == 0.0 {
+        let value = format!("a line {length:.3} long within {extent:.3}");
+        return Err(error_at(
+            name,
+            first_line(chain),
+            1,
+            &value,
+            "a single running surface",
+            "delete all other lines",
+        ));
+    }
+    if chain.largest_gap > EXACT * extent {
+        let text =
+            format!("greatest gap of joined ends {:.6}, in units of the drawing: bridged", chain.largest_gap);
+        findings.push(Finding::new(FindingKind::Gap, Action::Repaired, text));
+    }
+    let measured =
+        pieces.len() >= MEASURED && pieces.iter().all(|(piece, _)| matches!(piece, Piece::Line(..)));
+    let step = extent / STEPS;
+    let mut points = Vec::new();
+    for (piece, line) in pieces {
+        let parts = if measured { 1 } else { piece.parts(step) };
+        for i in 0..parts {
+            let p = piece.point(i as f64 / parts as f64);
+            push(name, &mut points, p.x, p.y, *line, 1.0)?;
+        }
+    }
+    if let Some(([_, end], (_, line))) = chain.path.ends().zip(pieces.last()) {
+        push(name, &mut points, end.x, end.y, *line, 1.0)?;
+    }
+    if !measured {
+        let text = format!("{} lines and curves taken by {} points", pieces.len(), points.len());
+        findings.push(Finding::new(FindingKind::Columns, Action::Noted, text));
+    }
+    Ok(points)
+}
+
+/// A drawing in mm with the profile as a polyline, y of the drawing being z.
+pub(super) fn write(points: &[MeasuredPoint], comment: &str) -> String {
+    let mut out = format!(
+        "999\n{comment}\n0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n\
+         0\nPOLYLINE\n8\nprofile\n66\n1\n70\n0\n"
+    );
+    for p in points {
+        // Writing to a string cannot fail.
+        let _ = write!(
+            out,
+            "0\nVERTEX\n8\nprofile\n10\n{}\n20\n{}\n",
+            p.point.x / MILLIMETRE,
+            p.point.y / MILLIMETRE
+        );
+    }
+    out.push_str("0\nSEQEND\n8\nprofile\n0\nENDSEC\n0\nEOF\n");
+    out
+}
