@@ -329,6 +329,67 @@ fn columns_with_any_comment_sign_and_headings() {
     passed_over(&profile, &["lines 1 to 2", "measured on Monday", "Mean 3.5"]);
 }
 
+/// Lines of words, some with numbers, at any place: the points stay the same, or the file is refused.
+#[test]
+fn lines_of_words_change_no_point() {
+    const LINES: [&str; 14] = [
+        "12 May 2026",
+        "Radius 300 mm",
+        "60 40 kg per metre",
+        "54.3 12.0 is the reference of the gauge",
+        "R 300, R 80",
+        "=====",
+        "-----",
+        "Page 2 of 3",
+        "10:35:02 run 7",
+        "UIC 60 rail",
+        "7) a note",
+        "nan nan",
+        "Operator: N. N.",
+        "143 points in 2 columns",
+    ];
+    let rows = |sign: fn(&str) -> String| -> Vec<String> {
+        head().iter().map(|(y, z)| format!("{} {}", sign(y), sign(z))).collect()
+    };
+    let same: fn(&str) -> String = str::to_owned;
+    let simpack = "header.begin\ntype = 0\nheader.end\nspline.begin\nunits.len.f = 1000\npoint.begin\n";
+    let mut read = 0;
+    for (name, header, rows) in [
+        ("a.ban", "MPTypeNo=299\nXYPoints=143\n\n", rows(minus)),
+        ("a.ban", "ColumnDef=X,Y\n", rows(minus)),
+        ("a.prr", simpack, rows(same)),
+        ("a.txt", "", rows(same)),
+        ("a.txt", "y z\n", rows(same)),
+    ] {
+        for line in LINES {
+            for at in [0, 1, 70, 142, 143] {
+                let mut text = rows.clone();
+                text.insert(at, line.to_owned());
+                let text = format!("{header}{}\n", text.join("\n"));
+                if let Ok(profile) = parse(name, text.as_bytes(), &ReadOptions::default()) {
+                    is_head(&profile);
+                    let listed = profile.findings.iter().filter(|f| f.kind == FindingKind::PassedOver);
+                    assert!(listed.count() > 0 || at == 0, "{line}: {:?}", profile.findings);
+                    read += 1;
+                }
+            }
+        }
+    }
+    println!("{read} of {} read, the others refused", 5 * 5 * LINES.len());
+    assert!(read > 250, "{read}");
+}
+
+/// A number of rows before them, with or without that of the columns, is no point.
+#[test]
+fn a_count_before_the_rows_is_no_point() {
+    let rows: String = head().iter().map(|(y, z)| format!("{y} {z}\n")).collect();
+    for count in ["143", "143 2", "2 143", "143 points", "\n143 2\n"] {
+        let profile = read("a.txt", &format!("{count}\n{rows}"));
+        is_head(&profile);
+        passed_over(&profile, &["line"]);
+    }
+}
+
 /// How a profile is written.
 #[derive(Debug, Clone)]
 struct Dialect {

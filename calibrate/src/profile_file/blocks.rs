@@ -176,29 +176,9 @@ impl<'a> Blocks<'a> {
         };
         let Some(chosen) = chosen else { return Err(self.several(&blocks, part)) };
         let mut profile = blocks.remove(chosen);
-        self.drop_sentences(&mut profile.points, &mut findings);
+        drop_strangers(&mut profile.points, &self.worded, &mut findings);
         pass_over(blocks, "another part of the file", &mut findings);
         Ok(Chosen { points: profile.points, unit: self.unit, findings })
-    }
-
-    /// Drops a line of words before the first or after the last row that begins with two numbers: it is no neighbour
-    /// of the points.
-    fn drop_sentences(&self, points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
-        /// A neighbour is nearer than this many median steps.
-        const NEIGHBOUR: f64 = 20.0;
-        let mut steps: Vec<f64> = points.windows(2).map(|w| (w[1].point - w[0].point).norm()).collect();
-        let (Some(first), Some(last)) = (steps.first().copied(), steps.last().copied()) else { return };
-        steps.sort_unstable_by(f64::total_cmp);
-        let far = NEIGHBOUR * steps[steps.len() / 2];
-        let ends = [(first, 0), (last, points.len() - 1)];
-        for (step, at) in ends.into_iter().rev() {
-            if step > far && self.worded.binary_search(&points[at].line).is_ok() {
-                let text = "two numbers and words, far from the points: no point";
-                let line = points.remove(at).line;
-                findings
-                    .push(Finding::new(FindingKind::PassedOver, Action::Noted, text).on_lines(line, line));
-            }
-        }
     }
 
     fn several(&self, blocks: &[Block], part: &Part) -> crate::error::Error {
@@ -225,6 +205,35 @@ impl<'a> Blocks<'a> {
                 format!("say which of them is the profile: give {field}, its name or number"),
             ),
         }
+    }
+}
+
+/// Drops rows that are no neighbours of the points: lines of words that begin with two numbers, and before the first
+/// row one with the number of rows. `worded` are the lines with words after their numbers.
+pub(super) fn drop_strangers(points: &mut Vec<MeasuredPoint>, worded: &[usize], findings: &mut Vec<Finding>) {
+    /// A neighbour is nearer than this many median steps.
+    const NEIGHBOUR: f64 = 20.0;
+    /// Words on more than this share of the rows belong to the rows.
+    const COMMON: f64 = 0.1;
+    let steps: Vec<f64> = points.windows(2).map(|w| (w[1].point - w[0].point).norm()).collect();
+    let mut sorted = steps.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let Some(far) = sorted.get(sorted.len() / 2).map(|median| NEIGHBOUR * median) else { return };
+    let rare = (worded.len() as f64) < COMMON * points.len() as f64;
+    let alone = |i: usize| {
+        let before = i.checked_sub(1).is_none_or(|before| steps[before] > far);
+        before && steps.get(i).is_none_or(|step| *step > far)
+    };
+    let rows = (points.len() - 1) as f64;
+    let stranger = |i: usize| {
+        let counts = i == 0 && points[0].point.iter().any(|value| *value == rows);
+        alone(i) && (counts || (rare && worded.binary_search(&points[i].line).is_ok()))
+    };
+    let strangers: Vec<usize> = (0..points.len()).filter(|i| stranger(*i)).collect();
+    for i in strangers.into_iter().rev() {
+        let text = "two numbers of a heading or a sentence, far from the points: no point";
+        let line = points.remove(i).line;
+        findings.push(Finding::new(FindingKind::PassedOver, Action::Noted, text).on_lines(line, line));
     }
 }
 

@@ -9,6 +9,7 @@ use std::fmt::Write;
 
 use nalgebra::Rotation2;
 
+use super::blocks::drop_strangers;
 use super::finding::{Action, Finding, FindingKind};
 use super::rows::{Numbers, PassedOver, Row as Read, broken, row};
 use super::text::{DecimalMark, begins_like_a_number, decimal_mark, error_at, lines, number, unit_of};
@@ -111,6 +112,8 @@ struct Blocks<'a> {
     degrees: Option<usize>,
     kind: Option<ProfileKind>,
     points: Vec<MeasuredPoint>,
+    /// Lines of the rows that have words after their numbers.
+    worded: Vec<usize>,
     passed: PassedOver,
     findings: Vec<Finding>,
 }
@@ -128,6 +131,7 @@ impl<'a> Blocks<'a> {
             degrees: None,
             kind: None,
             points: Vec::new(),
+            worded: Vec::new(),
             passed: PassedOver::default(),
             findings: Vec::new(),
         }
@@ -207,6 +211,9 @@ impl<'a> Blocks<'a> {
             let remedy = "give 1, or 0 for a point that does not count in smoothing";
             return Err(error_at(self.name, line, 1, &weight.to_string(), "a weight of 0 or more", remedy));
         }
+        if !numbers.words.is_empty() {
+            self.worded.push(line);
+        }
         self.passed.words(line, &numbers.words);
         push(self.name, &mut self.points, numbers.y, numbers.z, line, weight)
     }
@@ -280,6 +287,7 @@ impl<'a> Blocks<'a> {
             self.open.last().map(|b| format!("the block {b} is not ended; the file may be cut off"));
         findings.extend(unended.map(note));
         findings.extend(self.passed.findings());
+        drop_strangers(&mut self.points, &self.worded, &mut findings);
         let weighted = self.points.iter().filter(|p| p.weight != 1.0);
         if let (Some(first), Some(last)) = (weighted.clone().next(), weighted.clone().next_back()) {
             let what = format!(
