@@ -84,7 +84,8 @@ fn case_a22_beside_rigid_contact() {
     let track = TrackGeometry { inclination: 1.0 / 40.0, ..TrackGeometry::standard() };
     let rail = place_rail(&rail_section("UIC60").unwrap(), &track).unwrap();
     let side = WheelOnRail { rail, wheel: wheel_profile("S1002").unwrap(), radius: 0.460 };
-    let wheelset = Wheelset::symmetric(side, track.tape_y());
+    let tape_y = track.tape_y(&side.wheel);
+    let wheelset = Wheelset::symmetric(side, tape_y);
     let mut compared = 0;
     let mut figure = [Vec::new(), Vec::new(), Vec::new()];
     for side in ["left", "right"] {

@@ -46,6 +46,51 @@ fn list_names_every_standard() {
     for name in ["60E1", "UIC60", "60E2", "54E1", "S1002", "EN13715-1in40", "straight-web", "s-web"] {
         assert!(text.contains(name), "{name} in {text}");
     }
+    // What is not sure is said beside the name.
+    for (name, doubt) in [
+        ("54E3", "weakly checked"),
+        ("50E5", "weakly checked"),
+        ("60N-on-60E1", "not known"),
+        ("APTA120", "assumed"),
+    ] {
+        let line = text.lines().find(|line| line.starts_with(name)).unwrap();
+        assert!(line.contains(doubt), "{line}");
+    }
+    let same = output_of(place.path(), &["list", "--figure", "all.svg"]);
+    assert_eq!(same, text);
+    let figure = std::fs::read_to_string(place.path().join("all.svg")).unwrap();
+    let known = text.lines().filter(|line| !line.starts_with("wheel bodies"));
+    for name in known.map(|line| line.split_whitespace().next().unwrap()) {
+        let named = |line: &str| line.trim() == name || line.trim() == format!("{name} *");
+        assert_eq!(figure.lines().filter(|line| named(line)).count(), 1, "{name}");
+    }
+}
+
+/// A user's own standard: half of a section as lines and arcs has its numbers, and its head is a profile like any other.
+#[test]
+fn a_table_of_lines_and_arcs_is_a_profile() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("mine.csv");
+    // a plain T: head 60 by 40 mm with corners of 10 mm, web 16 mm, foot 120 by 20 mm, 150 mm high
+    let table = "# profile: rail\n# y: field\n# z: down\n# symmetric: yes\n\
+                 kind,y0_mm,z0_mm,y1_mm,z1_mm,yc_mm,zc_mm\n\
+                 line,0,0,20,0,,\narc,20,0,30,10,20,10\nline,30,10,30,40,,\nline,30,40,8,40,,\n\
+                 line,8,40,8,130,,\nline,8,130,60,130,,\nline,60,130,60,150,,\nline,60,150,0,150,,\n";
+    std::fs::write(&path, table).unwrap();
+    let text = output_of(place.path(), &["show", "mine.csv"]);
+    let line = text.lines().find(|line| line.starts_with("area")).unwrap();
+    let area: f64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
+    // cm²; two corners of the head are rounded. Accuracy: the digits printed.
+    let exact = 60.0 * 40.0 - (2.0 - std::f64::consts::FRAC_PI_2) * 100.0 + 16.0 * 90.0 + 120.0 * 20.0;
+    assert!((area - exact / 100.0).abs() < 6e-5, "{line} {exact}");
+    let check = output_of(place.path(), &["check", "mine.csv"]);
+    assert!(check.contains("lines and arcs, rail") && check.contains("kink"), "{check}");
+    output_of(place.path(), &["plot", "mine.csv", "49E1", "-o", "both.svg"]);
+    std::fs::write(&path, table.replace("line,8,40,8,130", "line,8,41,8,130")).unwrap();
+    let output = railspring(place.path(), &["check", "mine.csv"]);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{error}");
+    assert!(error.contains("mine.csv:10") && error.contains("a gap of 1.0000 mm"), "{error}");
 }
 
 /// Source: EN 13674-1, area and second moments as published (`data/profiles/README.md`). Goal: what is printed.
@@ -128,6 +173,7 @@ fn unknown_names_are_refused() {
     refused(&["show", "61E1"], &["61E1", "60E1", "railspring profile list"]);
     refused(&["plot", "60E1", "nowhere.prr"], &["nowhere.prr", "profile file"]);
     refused(&["contact", "S1003", "60E1"], &["S1003", "S1002"]);
+    refused(&["show", "49e1"], &["did you mean \"49E1\"?"]);
     refused(&["contact", "S1002", "61E1"], &["61E1", "54E1"]);
     refused(&["contact", "S1002", "60E1", "--step-mm", "0"], &["--step-mm"]);
 }

@@ -94,7 +94,7 @@ fn touch_is_the_global_minimum() {
         let track = TrackGeometry { inclination: slope, ..TrackGeometry::standard() };
         let rail = placed(name, &track);
         for t in spread(30) {
-            let tape_y = track.tape_y() + 0.030 * (t - 0.6);
+            let tape_y = track.tape_y(&wheel) + 0.030 * (t - 0.6);
             let found = touch(&rail, &wheel, tape_y).unwrap();
             let on_wheel = wheel.point(found.wheel_s) + Vector2::new(tape_y, found.tape_z);
             assert!((on_wheel - found.point).norm() < ROUNDOFF, "the two points do not meet");
@@ -139,7 +139,7 @@ fn contact_program_finds_the_same_touch() {
     for column in rows {
         let (shift, tape_z, y, z, angle) =
             (1e-3 * column[0], 1e-3 * column[3], 1e-3 * column[4], 1e-3 * column[5], -column[11]);
-        let found = touch(&rail, &wheel, track.tape_y() + shift).unwrap();
+        let found = touch(&rail, &wheel, track.tape_y(&wheel) + shift).unwrap();
         assert!((found.tape_z - tape_z).abs() < HEIGHT, "shift {shift}: {found:?}, tape at {tape_z}");
         assert!((found.point.x - y).abs() < LATERAL, "shift {shift}: {found:?}, y {y}");
         assert!((found.point.y - z).abs() < LATERAL, "shift {shift}: {found:?}, z {z}");
@@ -187,7 +187,8 @@ fn the_touch_jumps_where_the_contact_program_has_it() {
         // the wheel rests on the higher of the two places, which has the smaller z
         let theirs = bisect(low, high, &|x| parabola(&after, x) < parabola(&before, x));
         let middle = 0.5 * (rows[i - 1][2] + rows[i][2]);
-        let ours = bisect(low, high, &|x| touch(&rail, &wheel, track.tape_y() + x).unwrap().point.x < middle);
+        let ours =
+            bisect(low, high, &|x| touch(&rail, &wheel, track.tape_y(&wheel) + x).unwrap().point.x < middle);
         println!("jump at {:.4} mm, table {:.4} mm", ours * 1e3, theirs * 1e3);
         assert!((ours - theirs).abs() < JUMP, "{ours} {theirs}");
         jumps += 1;
@@ -209,7 +210,7 @@ fn a_wheel_that_misses_is_refused() {
     let wheel = wheel_profile("S1002").unwrap();
     // Beside the rail on both sides, on the tread's end, and nowhere.
     for shift in [0.3, -0.3, -0.085, f64::NAN] {
-        assert_eq!(key(touch(&rail, &wheel, track.tape_y() + shift)), "lateral_shift", "{shift}");
+        assert_eq!(key(touch(&rail, &wheel, track.tape_y(&wheel) + shift)), "lateral_shift", "{shift}");
     }
 }
 

@@ -124,7 +124,14 @@ fn measured(
 ) -> MeasuredProfile {
     let points = curve.sample(0.2 * MM).into_iter().enumerate();
     let points = points.map(|(i, p)| MeasuredPoint { point: change(p), line: i + 1, weight: 1.0 }).collect();
-    MeasuredProfile { name: "made".into(), format: ProfileFormat::Text, kind, points, findings: Vec::new() }
+    MeasuredProfile {
+        name: "made".into(),
+        format: ProfileFormat::Text,
+        kind,
+        points,
+        findings: Vec::new(),
+        drawn: None,
+    }
 }
 
 /// Writing and reading again gives the same points, in every format; and with them the same curve.

@@ -16,7 +16,8 @@ fn standard(rail: &str, inclination: f64, radius: f64) -> Wheelset {
     let track = TrackGeometry { inclination, ..TrackGeometry::standard() };
     let rail = place_rail(&rail_section(rail).unwrap(), &track).unwrap();
     let wheel = wheel_profile("S1002").unwrap();
-    Wheelset::symmetric(WheelOnRail { rail, wheel, radius }, track.tape_y())
+    let tape_y = track.tape_y(&wheel);
+    Wheelset::symmetric(WheelOnRail { rail, wheel, radius }, tape_y)
 }
 
 /// Source: first touch of the benchmark profiles by the CONTACT program under 10 N, shifts of -8 to 10 mm

@@ -35,13 +35,13 @@ fn run_in_zone(scenarios: &[Scenario], field_y: f64) -> (Vec<History>, f64) {
     let rail = rail_section("60E1").unwrap();
     let wheel = wheel_section("S1002", 0.858).unwrap();
     let placed = place_rail(&rail, &track).unwrap();
-    let touching = touch(&placed, &wheel.running, track.tape_y()).unwrap();
+    let touching = touch(&placed, &wheel.running, track.tape_y(&wheel.running)).unwrap();
     let mut options =
         MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() };
     options.wheel_zone.field_y = field_y;
     let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
     let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
-    let tape = Vector2::new(track.tape_y(), touching.tape_z);
+    let tape = Vector2::new(track.tape_y(&wheel.running), touching.tape_z);
     let model = TransientModel {
         bodies: SolidBodies::Full {
             rail: &rail_mesh,

@@ -64,7 +64,8 @@ impl ContactArgs {
             let rail = place_rail(&rail_section(rail)?, &track)?;
             let side =
                 WheelOnRail { rail, wheel: wheel_profile(wheel)?, radius: self.radius_mm * MILLIMETRE };
-            (side, track.tape_y())
+            let tape_y = track.tape_y(&side.wheel);
+            (side, tape_y)
         } else {
             let study = Study::read(self.pair[0].as_ref())?;
             let found = geometry(&study).map_err(|error| Failure::of_stage(&study, error))?;

@@ -32,7 +32,11 @@ pub(super) enum ProfileCommand {
         raw: bool,
     },
     /// List the standard rails and wheels
-    List,
+    List {
+        /// Figure of all of them to write
+        #[arg(long, value_name = "SVG")]
+        figure: Option<PathBuf>,
+    },
     /// Print the numbers of a standard profile or of a profile file
     Show {
         /// Name of a standard, or a file
@@ -55,7 +59,7 @@ pub(super) enum ProfileCommand {
 /// A profile file and what is known about it.
 #[derive(Debug, Args)]
 pub(super) struct FileArgs {
-    /// Profile file: Simpack .prr .prw, MiniProf .ban .whl, text or CSV, .dxf, slices of CONTACT .slcs .slcw
+    /// Profile file: Simpack .prr .prw, MiniProf .ban .whl, text or CSV, lines and arcs, .dxf, slices of CONTACT .slcs .slcw
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Part of the file that is the profile, where it has several: name or number of a slice or of a block of points, layer of a drawing
@@ -70,7 +74,7 @@ pub(super) struct FileArgs {
     /// Whether y counts towards the track centre in the file, as in that of a left rail or wheel
     #[arg(long, value_name = "BOOL")]
     mirror_y: Option<bool>,
-    /// Whether z counts upwards in the file (not for Simpack files)
+    /// Whether z counts upwards in the file (not for Simpack files, lines and arcs)
     #[arg(long, value_name = "BOOL")]
     mirror_z: Option<bool>,
     /// Smooth: halve waves of this length, mm
@@ -133,7 +137,7 @@ impl FileArgs {
 /// Files that cannot be read, understood or written.
 pub(super) fn run(command: &ProfileCommand) -> Result<bool, Failure> {
     match command {
-        ProfileCommand::List => Ok(shapes::list().map(|()| true)?),
+        ProfileCommand::List { figure } => Ok(shapes::list(figure.as_deref()).map(|()| true)?),
         ProfileCommand::Show { profile } => Ok(shapes::show(profile).map(|()| true)?),
         ProfileCommand::Plot { profiles, output } => Ok(shapes::plot(profiles, output).map(|()| true)?),
         ProfileCommand::Contact(args) => contact(args).map(|()| true),

@@ -2,21 +2,28 @@
 
 use std::path::Path;
 
+use nalgebra::Point2;
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::profile::lines_and_arcs::LinesAndArcs;
 use railspring_calibrate::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
 use railspring_calibrate::profile::wheels::{STANDARD_WHEELS, WHEEL_NAMES, wheel_profile};
 use railspring_calibrate::profile_file::{
     Action, MeasuredProfile, PrepareOptions, Prepared, ReadOptions, prepare, read,
 };
-use railspring_calibrate::section::rail_section;
+use railspring_calibrate::section::{rail_section, rail_section_of};
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::findings::{Listed, marked};
 use super::say;
+use crate::report::catalogue::{Shape, catalogue};
 use crate::report::panel::{Panel, stacked_with_notes};
 use crate::report::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
+use crate::study::nearest;
+
+/// Density of the masses that are shown, kg/m³.
+const STEEL: f64 = 7850.0;
 
 /// What a name means.
 fn meaning(name: &str) -> &'static str {
@@ -25,20 +32,54 @@ fn meaning(name: &str) -> &'static str {
         .unwrap_or("standard profile")
 }
 
-/// Prints the standards.
-pub(super) fn list() -> Result<(), Error> {
+/// Whether a description says that something of a standard is not sure.
+fn is_unsure(description: &str) -> bool {
+    ["weakly checked", "assumed", "not known"].iter().any(|words| description.contains(words))
+}
+
+/// Prints the standards, and draws them all to one scale.
+pub(super) fn list(figure: Option<&Path>) -> Result<(), Error> {
     for name in RAIL_NAMES.iter().chain(&WHEEL_NAMES) {
         say(&format!("{name:14} {}", meaning(name)))?;
     }
-    say("wheel bodies   straight-web, s-web: generic, with bore, hub and rim to be set in a study")
+    say("wheel bodies   straight-web, s-web: generic, with bore, hub and rim to be set in a study")?;
+    match figure {
+        Some(path) => write(path, &every_standard()?),
+        None => Ok(()),
+    }
 }
 
-/// The running surface of a standard or of a file.
-fn curve(profile: &str) -> Result<ProfileCurve, Error> {
-    match standard(profile)? {
-        Some(curve) => Ok(curve),
-        None => Ok(measured(profile)?.1.curve),
-    }
+/// Figure of all standards.
+fn every_standard() -> Result<String, Error> {
+    /// Rails and wheels in a row.
+    const COLUMNS: [usize; 2] = [5, 4];
+    let round = |value: f64| (100.0 * value).round() / 100.0;
+    let in_mm = |p: &Point2<f64>| (p.x / MILLIMETRE, p.y / MILLIMETRE);
+    let shape = |name: &str, note: String, points: Vec<(f64, f64)>| Shape {
+        name: name.into(),
+        note,
+        marked: is_unsure(meaning(name)),
+        points,
+    };
+    let rail = |name: &&str| -> Result<Shape, Error> {
+        let section = rail_section(name)?;
+        let mut outline = section.running.sample(0.5 * MILLIMETRE);
+        outline.extend(&section.body[1..]);
+        let note =
+            format!("{:.2} kg/m, {} mm high", section.area.area * STEEL, round(section.height / MILLIMETRE));
+        Ok(shape(name, note, outline.iter().map(in_mm).collect()))
+    };
+    let wheel = |name: &&str| -> Result<Shape, Error> {
+        let points = wheel_profile(name)?.sample(0.5 * MILLIMETRE);
+        let tip = points.iter().map(|p| p.y).fold(0.0, f64::max);
+        let note = format!("flange {} mm high", round(tip / MILLIMETRE));
+        Ok(shape(name, note, points.iter().map(in_mm).collect()))
+    };
+    let groups = [
+        (COLUMNS[0], RAIL_NAMES.iter().map(rail).collect::<Result<Vec<_>, _>>()?),
+        (COLUMNS[1], WHEEL_NAMES.iter().map(wheel).collect::<Result<Vec<_>, _>>()?),
+    ];
+    Ok(catalogue(920, &groups, "* something of it is not sure: see `railspring profile list`"))
 }
 
 /// The running surface of a standard, if it is the name of one.
@@ -57,11 +98,13 @@ fn measured(profile: &str) -> Result<(MeasuredProfile, Prepared), Error> {
     let path = Path::new(profile);
     if !path.exists() {
         let names: Vec<&str> = RAIL_NAMES.iter().chain(&WHEEL_NAMES).copied().collect();
+        let near = nearest(profile, names.iter().copied());
+        let near = near.map(|name| format!("did you mean {name:?}? ")).unwrap_or_default();
         return Err(InputError::new(
             "profile",
             format!("{profile:?}"),
             format!("one of {}, or a profile file", names.join(", ")),
-            "see `railspring profile list`, or check the path",
+            format!("{near}see `railspring profile list`, or check the path"),
         )
         .into());
     }
@@ -72,7 +115,15 @@ fn measured(profile: &str) -> Result<(MeasuredProfile, Prepared), Error> {
 
 /// Prints the numbers of a profile.
 pub(super) fn show(profile: &str) -> Result<(), Error> {
-    let running = curve(profile)?;
+    let (running, section) = match standard(profile)? {
+        Some(curve) if RAIL_NAMES.contains(&profile) => (curve, Some(rail_section(profile)?)),
+        Some(curve) => (curve, None),
+        None => {
+            let (measured, prepared) = measured(profile)?;
+            let outline = measured.drawn.as_ref().and_then(LinesAndArcs::rail_outline);
+            (prepared.curve, outline.map(|outline| rail_section_of(profile, outline)))
+        }
+    };
     let millimetres = |value: f64| value / MILLIMETRE;
     say(&format!(
         "{profile}: {}",
@@ -100,9 +151,11 @@ pub(super) fn show(profile: &str) -> Result<(), Error> {
             radius(running.curvature(s)),
         ))?;
     }
-    if RAIL_NAMES.contains(&profile) {
-        let p = rail_properties(&rail_section(profile)?)?;
+    if let Some(section) = section {
+        let p = rail_properties(&section)?;
         let rows = [
+            ("height", section.height * 1e3, "mm"),
+            ("mass", p.area * STEEL, "kg/m, steel of 7850 kg/m³"),
             ("area", p.area * 1e4, "cm²"),
             ("centroid", p.centroid_height * 1e3, "mm above the foot"),
             ("Ixx", p.ixx * 1e8, "cm⁴, vertical bending"),

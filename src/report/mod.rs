@@ -15,6 +15,7 @@ mod statics;
 mod positions;
 mod patches;
 mod patch_section;
+pub mod catalogue;
 pub mod scaling;
 pub mod step_times;
 pub mod crosscheck;

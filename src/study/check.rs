@@ -328,7 +328,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// The known name nearest to a wrong one, if any is near.
-pub(super) fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+pub(crate) fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     // Below this similarity a suggestion would only mislead.
     const NEAR: f64 = 0.75;
     // The search takes the product of the lengths.

@@ -29,6 +29,7 @@ use railspring_calibrate::units::MILLIMETRE;
 use serde::Deserialize;
 use toml::de::DeTable;
 
+pub(crate) use check::nearest;
 pub use document::{
     ContactElementKey, ElementKey, EnforcementKey, FieldKey, LawAcceptedKey, LawKey, OutputKeys,
     ReferenceKey, SlidingMatrixKey, SolidKeys, SolidLoadsKey, SpacingKey, StudyDocument, TransientKey,

@@ -45,9 +45,10 @@ impl Pair {
     /// A wheel that misses the rail, and a section that cannot be analysed.
     pub fn new(rail: RailSection, wheel: WheelSection, track: &TrackGeometry) -> Result<Self> {
         let placed = place_rail(&rail, track)?;
-        let touch = touch(&placed, &wheel.running, track.tape_y())?;
+        let tape_y = track.tape_y(&wheel.running);
+        let touch = touch(&placed, &wheel.running, tape_y)?;
         let RailAnalysis { properties, stresses: shear_stresses } = rail_analysis(&rail)?;
-        Ok(Self { rail, wheel, properties, shear_stresses, placed, tape_y: track.tape_y(), touch })
+        Ok(Self { rail, wheel, properties, shear_stresses, placed, tape_y, touch })
     }
 
     /// The same two sections with the wheel's tape circle at another lateral world position (m): the sections and the rail's place

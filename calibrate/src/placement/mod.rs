@@ -11,7 +11,6 @@ use nalgebra::{Point2, Rotation2, Vector2};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::ProfileCurve;
-use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
 use crate::root::bracketed_newton;
 use crate::section::RailSection;
 use crate::units::MILLIMETRE;
@@ -46,14 +45,19 @@ impl TrackGeometry {
         }
     }
 
-    /// Lateral position of the right wheel's tape circle, m.
+    /// Lateral position of the right wheel's tape circle, m: the `wheel` (profile frame) begins at the flange back.
     ///
     /// ```
     /// use railspring_calibrate::placement::TrackGeometry;
-    /// assert!((TrackGeometry::standard().tape_y() - 0.750).abs() < 1e-15);
+    /// use railspring_calibrate::profile::wheels::wheel_profile;
+    /// let track = TrackGeometry::standard();
+    /// assert!((track.tape_y(&wheel_profile("S1002")?) - 0.750).abs() < 1e-15);
+    /// // 2 27/32 inches instead of 70 mm from the flange back
+    /// assert!((track.tape_y(&wheel_profile("APTA120")?) - 0.752231).abs() < 1e-6);
+    /// # Ok::<(), railspring_calibrate::error::Error>(())
     /// ```
-    pub fn tape_y(&self) -> f64 {
-        0.5 * self.flange_back + TAPE_CIRCLE_FROM_FLANGE_BACK + self.lateral_shift
+    pub fn tape_y(&self, wheel: &ProfileCurve) -> f64 {
+        0.5 * self.flange_back - wheel.point(0.0).x + self.lateral_shift
     }
 
     /// Checks every value against what a track can have.

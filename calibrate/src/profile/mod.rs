@@ -1,8 +1,8 @@
 //! Profiles of rails and wheels: smooth curves, and the standard ones from their definitions.
 //!
 //! Frames (right rail, seen along the track): y to the field side, z down. A rail's origin is the top of the
-//! rail on its axis; a wheel's is the tape circle, 70 mm from the flange back. Both curves run in the direction
-//! of increasing y. Sources, units and axes: `data/profiles/README.md`.
+//! rail on its axis; a wheel's is the tape circle, 70 mm from the flange back unless its standard has it elsewhere. Both curves run in the
+//! direction of increasing y. Sources, units and axes: `data/profiles/README.md`.
 
 mod spline;
 mod curve;
@@ -10,9 +10,29 @@ mod segment;
 mod flange;
 mod rail_drawings;
 pub mod rails;
+pub mod lines_and_arcs;
 pub mod wheels;
 
 pub use curve::ProfileCurve;
 pub(crate) use segment::{EndlessLine, fillet};
 pub use segment::{Segment, polyline};
 pub(crate) use spline::Piece;
+
+/// What a profile belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProfileKind {
+    /// A rail.
+    Rail,
+    /// A wheel.
+    Wheel,
+}
+
+impl ProfileKind {
+    /// Name in messages and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rail => "rail",
+            Self::Wheel => "wheel",
+        }
+    }
+}

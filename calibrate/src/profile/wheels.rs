@@ -1,4 +1,4 @@
-//! Standard wheel profiles from their zone formulas.
+//! Standard wheel profiles: from their zone formulas, or from tables of lines and arcs (folder `wheels`, each with its source).
 //!
 //! Source: S1002 and the 1/40 profile of EN 13715 (UIC 510-2). The published zones of S1002 meet with steps of up
 //! to 0.12 µm; half of each step (in value and slope) is taken up on either side of the joint within 2 mm, so that
@@ -9,6 +9,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::curve::ProfileCurve;
 use super::flange::{NOMINAL_THICKNESS, THROAT_RADIUS};
+use super::lines_and_arcs::{self, Overrides};
 use super::segment::{EndlessLine, Segment};
 use super::spline::Piece;
 use crate::error::{InputError, Result};
@@ -23,18 +24,63 @@ pub struct StandardWheel {
     pub name: &'static str,
     /// What it is and, where that is not sure, what was assumed.
     pub description: &'static str,
+    definition: Definition,
+}
+
+/// How a profile is defined.
+enum Definition {
+    /// S1002, by formulas for zones.
+    S1002,
+    /// The cone 1:40 of EN 13715.
+    Cone1In40,
+    /// A table of lines and arcs.
+    Table(&'static str),
+}
+
+/// A profile of a table in the folder `wheels`.
+macro_rules! table {
+    ($name:literal, $description:expr) => {
+        StandardWheel {
+            name: $name,
+            description: $description,
+            definition: Definition::Table(include_str!(concat!("wheels/", $name, ".csv"))),
+        }
+    };
 }
 
 /// The standard wheel profiles. Sources and checks: `data/profiles/README.md`.
-pub const STANDARD_WHEELS: [StandardWheel; 2] = [
+pub const STANDARD_WHEELS: [StandardWheel; 8] = [
     StandardWheel {
         name: "S1002",
         description: "wheel, EN 13715; flange height 28, 30 or 32 mm, thickness 28.5 to 32.5 mm",
+        definition: Definition::S1002,
     },
     StandardWheel {
         name: "EN13715-1in40",
         description: "wheel, EN 13715 cone 1:40; flange height 28, 30 or 32 mm, thickness 28.5 to 33 mm",
+        definition: Definition::Cone1In40,
     },
+    table!("LMA", "wheel of Chinese high-speed trains, flange 28 mm, 1:40"),
+    table!(
+        "APTA120",
+        "wheel, APTA PR-M-S-015-06 legacy, narrow flange, 1:20; tape circle assumed 72.231 mm from the flange back"
+    ),
+    table!(
+        "APTA140",
+        "wheel, APTA PR-M-S-015-06 legacy, narrow flange, 1:40; tape circle assumed 72.231 mm from the flange back"
+    ),
+    table!(
+        "APTA140M",
+        "wheel, APTA PR-M-S-015-06, narrow flange, 1:40; tape circle assumed 72.231 mm from the flange back"
+    ),
+    table!(
+        "APTA220",
+        "wheel, APTA PR-M-S-015-06, narrow flange, 1:20; tape circle assumed 72.231 mm from the flange back"
+    ),
+    table!(
+        "APTA240",
+        "wheel, APTA PR-M-S-015-06, narrow flange, 1:40; tape circle assumed 72.231 mm from the flange back"
+    ),
 ];
 
 /// Their names.
@@ -48,7 +94,7 @@ pub const WHEEL_NAMES: [&str; STANDARD_WHEELS.len()] = {
     names
 };
 
-/// Distance of the tape circle from the flange back, m.
+/// Distance of the tape circle from the flange back in Europe, m.
 pub(crate) const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;
 
 /// Largest step of the samples, mm.
@@ -134,17 +180,41 @@ pub fn wheel_profile(name: &str) -> Result<ProfileCurve> {
 /// # Ok::<(), railspring_calibrate::error::Error>(())
 /// ```
 pub fn wheel_profile_with_flange(name: &str, flange: &Flange) -> Result<ProfileCurve> {
-    match name {
-        "S1002" => Ok(ProfileCurve::from_pieces(s1002(flange)?)),
-        "EN13715-1in40" => Ok(ProfileCurve::from_pieces(cone_1_in_40(flange)?)),
-        _ => Err(InputError::new(
+    let wheel = STANDARD_WHEELS.iter().find(|wheel| wheel.name == name).ok_or_else(|| {
+        InputError::new(
             InputField::WheelName,
             format!("{name:?}"),
             format!("one of {}", WHEEL_NAMES.join(", ")),
             "choose a known profile",
         )
-        .into()),
+    })?;
+    match wheel.definition {
+        Definition::S1002 => Ok(ProfileCurve::from_pieces(s1002(flange)?)),
+        Definition::Cone1In40 => Ok(ProfileCurve::from_pieces(cone_1_in_40(flange)?)),
+        Definition::Table(table) => {
+            refuse_other_flanges(name, flange)?;
+            Ok(lines_and_arcs::parse(name, table, &Overrides::default())?.curve())
+        }
     }
+}
+
+/// A profile of lines and arcs has one flange: that of its table.
+fn refuse_other_flanges(name: &str, flange: &Flange) -> Result<()> {
+    let nominal = Flange::default();
+    let (field, given) = if flange.height != nominal.height {
+        (InputField::FlangeHeight, flange.height)
+    } else if flange.thickness != nominal.thickness {
+        (InputField::FlangeThickness, flange.thickness)
+    } else {
+        return Ok(());
+    };
+    Err(InputError::new(
+        field,
+        format!("{} mm", given / MILLIMETRE),
+        format!("no other flange than that of {name}"),
+        "leave it out: S1002 and EN13715-1in40 have flanges of other sizes",
+    )
+    .into())
 }
 
 /// Value and slope of a zone at y, mm.

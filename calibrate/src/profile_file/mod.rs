@@ -1,4 +1,4 @@
-//! Profiles from files: Simpack, MiniProf, text and CSV, DXF, slices of CONTACT; what is wrong with them, and how it is repaired.
+//! Profiles from files: Simpack, MiniProf, text and CSV, lines and arcs, DXF, slices of CONTACT; what is wrong with them, and how it is repaired.
 //!
 //! [`read`] gives the points of a file in the profile frame (y to the field side, z down, m), each with its
 //! line. [`prepare`] checks and repairs them and makes the curve. [`write()`] writes a profile in any of the
@@ -19,6 +19,7 @@ mod kinks;
 mod shape;
 mod orient;
 mod smooth;
+mod drawn;
 mod prepare;
 
 use std::fmt;
@@ -29,7 +30,9 @@ use nalgebra::Point2;
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::input;
+use crate::profile::lines_and_arcs::{self, LinesAndArcs};
 
+pub use crate::profile::ProfileKind;
 pub use finding::{Action, Finding, FindingKind};
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use smooth::{Smoothed, smooth};
@@ -38,25 +41,6 @@ pub use smooth::{Smoothed, smooth};
 pub const LARGEST_FILE: u64 = 256 << 20;
 /// Most points of a profile that are read.
 const MOST_POINTS: usize = 5_000_000;
-
-/// What a profile belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ProfileKind {
-    /// A rail.
-    Rail,
-    /// A wheel.
-    Wheel,
-}
-
-impl ProfileKind {
-    /// Name in messages and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rail => "rail",
-            Self::Wheel => "wheel",
-        }
-    }
-}
 
 /// Format of a profile file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,6 +55,8 @@ pub enum ProfileFormat {
     Csv,
     /// Drawings, as ASCII DXF.
     Dxf,
+    /// A table of lines and arcs ([`crate::profile::lines_and_arcs`]); written as CSV columns of points.
+    LinesAndArcs,
 }
 
 impl fmt::Display for ProfileFormat {
@@ -81,6 +67,7 @@ impl fmt::Display for ProfileFormat {
             Self::Text => "text columns",
             Self::Csv => "CSV",
             Self::Dxf => "DXF",
+            Self::LinesAndArcs => "lines and arcs",
         })
     }
 }
@@ -126,6 +113,8 @@ pub struct MeasuredProfile {
     pub points: Vec<MeasuredPoint>,
     /// What the reader found and did.
     pub findings: Vec<Finding>,
+    /// The lines and arcs of a file of that format, of which `points` are samples.
+    pub drawn: Option<LinesAndArcs>,
 }
 
 /// Reads a profile file.
@@ -209,6 +198,9 @@ pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Measured
         let remedy = "its slices are files of their own: read it by its path, with the slice that is wanted";
         return Err(text::error_at(name, 1, 1, &ending, "the points of a profile", remedy));
     }
+    if lines_and_arcs::recognises(&text) {
+        return drawn::read(name, &text, options);
+    }
     let part = Part { name: options.part.as_deref(), field: part_field(options.kind) };
     let raw = if dxf::recognises(&text, &ending) {
         dxf::parse(name, &text, &part)?
@@ -233,6 +225,9 @@ pub fn format_of(name: &str, bytes: &[u8]) -> Option<ProfileFormat> {
     let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if toml_section(&text).is_some() {
         return None;
+    }
+    if lines_and_arcs::recognises(&text) {
+        return Some(ProfileFormat::LinesAndArcs);
     }
     if dxf::recognises(&text, &ending) {
         return Some(ProfileFormat::Dxf);
@@ -279,7 +274,7 @@ pub fn write(format: ProfileFormat, kind: ProfileKind, points: &[MeasuredPoint],
         ProfileFormat::Simpack => simpack::write(kind, points, &comment),
         ProfileFormat::MiniProf => miniprof::write(kind, points, &comment),
         ProfileFormat::Text => columns::write(kind, points, &comment, "\t"),
-        ProfileFormat::Csv => columns::write(kind, points, &comment, ","),
+        ProfileFormat::Csv | ProfileFormat::LinesAndArcs => columns::write(kind, points, &comment, ","),
         ProfileFormat::Dxf => dxf::write(points, &comment),
     }
 }

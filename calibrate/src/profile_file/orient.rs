@@ -48,7 +48,7 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
         place_wheel(&mut raw);
     }
     let Raw { format, points, findings, .. } = raw;
-    Ok(MeasuredProfile { name: name.to_owned(), format, kind, points, findings })
+    Ok(MeasuredProfile { name: name.to_owned(), format, kind, points, findings, drawn: None })
 }
 
 fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {

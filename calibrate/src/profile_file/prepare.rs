@@ -19,6 +19,8 @@ const MICROMETRE: f64 = 1e-6;
 const LEAST_STEP: f64 = 0.01 * MILLIMETRE;
 /// Wavelength below which a departure counts as scatter, m.
 const SCATTER_WAVELENGTH: f64 = 2.0 * MILLIMETRE;
+/// Distance within which a point of lines and arcs is one of their joints, m.
+const SAME_PLACE: f64 = 1e-9;
 /// Scatter from which smoothing is advised, m.
 const SCATTER: f64 = 2.0 * MICROMETRE;
 
@@ -42,7 +44,7 @@ pub struct Prepared {
     pub findings: Vec<Finding>,
 }
 
-/// Checks and repairs a profile and makes its curve.
+/// Checks and repairs a profile and makes its curve. That of lines and arcs is exact.
 ///
 /// # Errors
 /// [`crate::error::InputError`] with the line of the file for what cannot be repaired: points in no order, long
@@ -51,6 +53,18 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
     let name = &profile.name;
     let mut points = profile.points.clone();
     let mut findings = profile.findings.clone();
+    if let Some(drawing) = &profile.drawn {
+        if options.smoothing.is_some() {
+            let text = "lines and arcs have no scatter: not smoothed";
+            findings.push(Finding::new(FindingKind::Smoothed, Action::Noted, text));
+        }
+        report_range(profile.kind, &points, &mut findings);
+        let curve = drawing.curve();
+        let corners: Vec<Point2<f64>> = curve.kinks().iter().map(|&s| curve.point(s)).collect();
+        let same = |p: &MeasuredPoint, corner: &Point2<f64>| (p.point - corner).norm() < SAME_PLACE;
+        let kinks = (0..points.len()).filter(|&i| corners.iter().any(|c| same(&points[i], c))).collect();
+        return Ok(Prepared { points, kinks, curve, findings });
+    }
     remove_duplicates(&mut points, &mut findings);
     enough(name, &points)?;
     restore_order(name, &mut points, &mut findings)?;

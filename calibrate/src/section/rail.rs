@@ -7,7 +7,7 @@ use super::join::join;
 use super::properties::{AreaProperties, area_moments};
 use crate::error::Result;
 use crate::field::InputField;
-use crate::profile::rails::{rail_outline, running_curve};
+use crate::profile::rails::{RailOutline, rail_outline, running_curve};
 use crate::profile::{ProfileCurve, Segment, polyline};
 use crate::profile_file::Finding;
 
@@ -45,7 +45,11 @@ pub struct RailSection {
 /// # Ok::<(), railspring_calibrate::error::Error>(())
 /// ```
 pub fn rail_section(name: &str) -> Result<RailSection> {
-    let outline = rail_outline(name)?;
+    Ok(rail_section_of(name, rail_outline(name)?))
+}
+
+/// The section of any outline of lines and arcs, called `name`: as [`rail_section`].
+pub fn rail_section_of(name: &str, outline: RailOutline) -> RailSection {
     let running = running_curve(&outline);
     let mut body = polyline(&outline.rest, FILLET_STEP);
     let last = body.len() - 1;
@@ -59,7 +63,7 @@ pub fn rail_section(name: &str) -> Result<RailSection> {
         ixx: moments.zz,
         iyy: moments.yy,
     };
-    Ok(RailSection { name: name.to_owned(), running, body, body_outline: outline.rest, height, area })
+    RailSection { name: name.to_owned(), running, body, body_outline: outline.rest, height, area }
 }
 
 /// The section of a measured head on the standard section `name`: the running surface is the measured one, joined

@@ -20,7 +20,8 @@ pub enum WebShape {
     S,
 }
 
-/// Dimensions of a generic wheel body; the rim is 135 mm wide with its field face at y = 65 mm, the fillets R30.
+/// Dimensions of a generic wheel body; the rim is 135 mm wide with its field face at y = 65 mm, or as wide as a profile that ends beyond, the
+/// fillets R30.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelBody {
     /// Course of the web.
@@ -45,7 +46,7 @@ impl Default for WheelBody {
     }
 }
 
-/// InputField face of the rim, mm.
+/// Field face of the rim, mm; a profile that goes on further has its own.
 const RIM_FACE: f64 = 65.0;
 /// Radius of the fillets between web, rim and hub, mm.
 const FILLET: f64 = 30.0;
@@ -124,10 +125,14 @@ impl WheelBody {
             WebShape::Straight => (straight_sides(&levels), [-82.0, 88.0]),
             WebShape::S => (s_sides(&levels), [-87.0, 88.0]),
         };
-        let chamfer = RIM_FACE - tread_end.x;
-        Outline::from(tread_end)
-            .to(Point2::new(RIM_FACE, tread_end.y - chamfer))
-            .to(Point2::new(RIM_FACE, levels.rim))
+        let chamfer = (RIM_FACE - tread_end.x).max(0.0);
+        let rim_face = tread_end.x + chamfer;
+        let mut outline = Outline::from(tread_end);
+        if chamfer > 0.0 {
+            outline = outline.to(Point2::new(rim_face, tread_end.y - chamfer));
+        }
+        outline
+            .to(Point2::new(rim_face, levels.rim))
             .along(&field)
             .to(Point2::new(hub_face, levels.hub))
             .to(Point2::new(hub_face, bore))

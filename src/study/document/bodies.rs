@@ -12,7 +12,7 @@ pub struct RailKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile: Option<String>,
-    /// File of a measured profile (Simpack, MiniProf, text or CSV, DXF, slices of CONTACT), relative to the study.
+    /// File of a measured profile (Simpack, MiniProf, text or CSV, lines and arcs, DXF, slices of CONTACT), relative to the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile_file: Option<String>,
@@ -87,7 +87,7 @@ pub struct WheelKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile: Option<String>,
-    /// File of a measured profile (Simpack, MiniProf, text or CSV, DXF, slices of CONTACT), relative to the study.
+    /// File of a measured profile (Simpack, MiniProf, text or CSV, lines and arcs, DXF, slices of CONTACT), relative to the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile_file: Option<String>,

@@ -364,7 +364,7 @@ pub(super) fn published() -> MovingModel {
     let track = TrackGeometry::standard();
     let rail = place_rail(&section, &track).unwrap();
     let wheel = wheel_section("S1002", 0.858).unwrap();
-    let touch = touch(&rail, &wheel.running, track.tape_y()).unwrap();
+    let touch = touch(&rail, &wheel.running, track.tape_y(&wheel.running)).unwrap();
     let beam =
         RailBeam::rail(&properties, &Material::STEEL, 0.555, 20, rail.angle, Torsion::default()).unwrap();
     let centre = section.height - properties.shear_centre_height;
@@ -372,7 +372,8 @@ pub(super) fn published() -> MovingModel {
     let support = RailSupport::Beam { beam, node_line, damping: 0.0 };
     let springs =
         WheelSprings { horizontal: 6e8, normal: StiffnessLaw::published().into(), longitudinal: 6e8 };
-    MovingModel::new(rail, wheel.running, wheel.radius, track.tape_y(), &touch, support, springs, 283.0)
+    let tape_y = track.tape_y(&wheel.running);
+    MovingModel::new(rail, wheel.running, wheel.radius, tape_y, &touch, support, springs, 283.0)
 }
 
 /// The publication's load cases 4.1 and 4.2, the vertical force pushing down first.
