@@ -1,6 +1,9 @@
 //! Every standard rail and wheel: what they weigh and measure, and that each of them can be meshed.
 
+use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel, quality};
+use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::pair::{CondensedPair, ContactConditions, Orders, Pair, PairBody, PairSolids};
 use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
@@ -10,6 +13,8 @@ use railspring_calibrate::profile::wheels::{
 use railspring_calibrate::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
 use railspring_calibrate::section::{WebShape, WheelBody, rail_section, wheel_section, wheel_section_on};
 use railspring_calibrate::section_analysis::rail_properties;
+use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::superelement::CondensedBody;
 
 /// kg/m³, of the published masses.
 const STEEL: f64 = 7850.0;
@@ -261,4 +266,86 @@ fn wheels_have_the_published_conicity() {
         let found = sum / f64::from(parts) / AMPLITUDE;
         assert!((found - expected).abs() < ROUNDED, "{name} {flange_back}: {found} against {expected}");
     }
+}
+
+/// Goal: every wheel on every rail is pressed with 5 to 120 kN and fitted; the table of the tangents, N/m. Each rail and each wheel is
+/// condensed once. Accuracy: none is claimed, for the meshes are coarse; what a law has to have is that its tangent is positive and
+/// finite at every load and grows from 10 to 120 kN, by less than a factor of 4.
+#[test]
+#[ignore = "a minute: cargo every-pair"]
+fn every_wheel_is_fitted_to_every_rail() {
+    const LOADS: [f64; 6] = [5e3, 10e3, 25e3, 50e3, 85e3, 120e3];
+    const SHOWN: [usize; 4] = [1, 3, 4, 5];
+    let options = MeshOptions {
+        contact_element: 4e-3,
+        contact_element_along: 2.5e-3,
+        window_half_length: 16e-3,
+        contact_half_length: 32e-3,
+        ..MeshOptions::default()
+    };
+    let (material, element) = (Material::STEEL, Formulation::IncompatibleModes);
+    let contact =
+        ContactConditions { friction: 0.3, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
+    let track = TrackGeometry::standard();
+    let wheels: Vec<_> = WHEEL_NAMES.iter().map(|name| wheel_section(name, 0.92).unwrap()).collect();
+    let mut condensed: Vec<Option<CondensedBody>> = vec![None; wheels.len()];
+    let mut failures = Vec::new();
+    println!("| rail | wheel | k at 10, 50, 85, 120 kN, kN/mm | scaled Jacobian of rail, wheel |");
+    for rail in RAIL_NAMES {
+        let section = rail_section(rail).unwrap();
+        let mut on_ends = None;
+        for (wheel, known) in wheels.iter().zip(&mut condensed) {
+            let pair = Pair::new(section.clone(), wheel.clone(), &track).unwrap();
+            let meshes = pair.mesh(0.555, &options).unwrap();
+            let jacobians =
+                [&meshes.rail, &meshes.wheel].map(|mesh| quality(mesh).unwrap().min_scaled_jacobian);
+            assert!(
+                jacobians.iter().all(|least| *least > LEAST_JACOBIAN),
+                "{rail} {}: {jacobians:?}",
+                wheel.name
+            );
+            let orders = Orders::default();
+            let solids = PairSolids {
+                pair: &pair,
+                rail: &meshes.rail,
+                wheel: &meshes.wheel,
+                material,
+                element,
+                orders: &orders,
+            };
+            let condense = |body| solids.condense(body, solids.key(body)).unwrap();
+            let wheel_body = known.get_or_insert_with(|| condense(PairBody::Wheel)).clone();
+            let rail_body = on_ends.get_or_insert_with(|| condense(PairBody::RailOnEnds)).clone();
+            let bodies = CondensedPair::new(
+                material,
+                vec![(PairBody::Wheel, wheel_body), (PairBody::RailOnEnds, rail_body)],
+            );
+            let bodies = bodies.unwrap();
+            let fitted = bodies.press(&pair, contact, &LOADS, &Silent).and_then(|pressed| {
+                let ended = pressed.ended().map(ToString::to_string);
+                pressed.fit(Reference::Beam).map(|law| (law, ended))
+            });
+            let (law, ended) = match fitted {
+                Ok(found) => found,
+                Err(error) => {
+                    failures.push(format!("{rail} {}: {error}", wheel.name));
+                    continue;
+                }
+            };
+            if let Some(reason) = ended {
+                failures.push(format!("{rail} {}: ends early: {reason}", wheel.name));
+                continue;
+            }
+            let tangents = SHOWN.map(|i| 1e-6 * law.points[i].solid_tangent);
+            println!(
+                "| {rail} | {} | {:.0}, {:.0}, {:.0}, {:.0} | {:.2}, {:.2} |",
+                wheel.name, tangents[0], tangents[1], tangents[2], tangents[3], jacobians[0], jacobians[1]
+            );
+            let growth = tangents[3] / tangents[0];
+            if !(tangents.iter().all(|k| k.is_finite() && *k > 0.0) && (1.0..4.0).contains(&growth)) {
+                failures.push(format!("{rail} {}: {tangents:?}", wheel.name));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
 }
