@@ -5,7 +5,7 @@
 
 mod extent;
 
-use self::extent::{POINTS, gauss};
+use self::extent::{POINTS, gauss, joints};
 use super::relief::{Influence, Loading, Relief, ReliefPlaces};
 use crate::profile::ProfileCurve;
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
@@ -86,8 +86,9 @@ pub struct Profiles<'a> {
     outside: f64,
     /// Where the bodies may overlap.
     near: Vec<Span>,
-    /// Where they overlap the least between two deeper places, arc lengths in m.
-    dips: Vec<f64>,
+    /// Where they overlap the least between two deeper places: all, and those of the contact that is looked at, the deepest ones first.
+    dips: Vec<Dip>,
+    inside: Vec<Dip>,
     /// Places of the rail between which a contact is smooth, m.
     panels: Vec<f64>,
     /// Places and weights of the rule of integration on the interval from -1 to 1.
@@ -112,6 +113,15 @@ struct Span {
     ends: [f64; 2],
 }
 
+/// A place of an overlap between two deeper ones.
+#[derive(Debug, Clone, Copy)]
+struct Dip {
+    /// Arc length, m.
+    s: f64,
+    /// Share with which the overlap counts as two, from 1 where the bodies just touch there to 0 where they are hardly deeper beside it.
+    share: f64,
+}
+
 /// A part of the rail's profile on which the bodies overlap.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Overlap {
@@ -130,6 +140,8 @@ pub(super) struct Facing {
     pub penetration: f64,
     /// Change of the penetration along the rail, but for the curvature times the overlap.
     slope: f64,
+    /// Weight of a relief and of the loads that make it.
+    pub weight: f64,
     /// Cosine of the angle between the profiles.
     pub cosine: f64,
     /// Outward normal of the wheel, in the wheel's frame.
@@ -173,7 +185,7 @@ impl<'a> Profiles<'a> {
             origin,
             rail_origin,
             between,
-            joints: [rail.breakpoints(), wheel.breakpoints()],
+            joints: [joints(rail), joints(wheel)],
             panels: Vec::with_capacity(16),
             rule: gauss(POINTS),
             middle,
@@ -184,6 +196,7 @@ impl<'a> Profiles<'a> {
             outside: f64::INFINITY,
             near: Vec::with_capacity(stations.len()),
             dips: Vec::with_capacity(stations.len()),
+            inside: Vec::with_capacity(stations.len()),
             weights: vec![0.0; stations.len()],
             places: None,
             relief: Relief::default(),
@@ -205,7 +218,7 @@ impl<'a> Profiles<'a> {
     }
 
     /// The weight of a relief and of the loads that make it at an arc length of the rail, and its slope, 1/m.
-    pub(super) fn weight(&self, s: f64) -> (f64, f64) {
+    fn weight(&self, s: f64) -> (f64, f64) {
         let last = self.weights.len() - 1;
         let density = last as f64 / self.stations[last].s;
         let at = (s * density).clamp(0.0, last as f64);
@@ -214,11 +227,11 @@ impl<'a> Profiles<'a> {
         (self.weights[i] + (at - i as f64) * rise, rise * density)
     }
 
-    /// What the loads take off the penetration at an arc length of the rail, m, and its slope.
-    fn relief_at(&self, s: f64) -> (f64, f64) {
-        let Some(places) = &self.places else { return (0.0, 0.0) };
+    /// What the loads take off the penetration at an arc length of the rail, m, and its slope, with the weight there.
+    fn relief_at(&self, s: f64) -> (f64, f64, f64) {
+        let Some(places) = &self.places else { return (0.0, 0.0, 0.0) };
         let ((weight, rise), (relief, slope)) = (self.weight(s), places.at(&self.relief, s));
-        (weight * relief, weight * slope + rise * relief)
+        (weight * relief, weight * slope + rise * relief, weight)
     }
 
     fn turned(&self, pose: &Pose) -> Turned {
@@ -276,9 +289,10 @@ impl<'a> Profiles<'a> {
         let (point, tangent) = self.rail.evaluate(s);
         let normal = Vector2::new(tangent.y, -tangent.x);
         let mut facing = self.facing(place, &point, normal, guess)?;
-        let (relief, slope) = self.relief_at(s);
+        let (relief, slope, weight) = self.relief_at(s);
         facing.penetration -= relief;
         facing.slope -= slope;
+        facing.weight = weight;
         Some(facing)
     }
 
@@ -351,7 +365,7 @@ impl<'a> Profiles<'a> {
                 if self.stations[i].depth <= -self.between {
                     continue;
                 }
-                let (relief, slope) = self.relief_at(self.stations[i].s);
+                let (relief, slope, _) = self.relief_at(self.stations[i].s);
                 self.stations[i].depth -= relief;
                 self.stations[i].slope -= slope;
             }
@@ -372,7 +386,16 @@ impl<'a> Profiles<'a> {
                             self.near.push(Span { stations: (rest.stations.0, j + 1), ends });
                             rest = Span { stations: (j, rest.stations.1), ends: [gap, rest.ends[1]] };
                         }
-                        Some((dip, _)) => self.dips.push(dip),
+                        Some((s, least)) => {
+                            let peak = |stations: std::ops::Range<usize>| {
+                                self.stations[stations]
+                                    .iter()
+                                    .map(|station| station.depth)
+                                    .fold(0.0, f64::max)
+                            };
+                            let share = Dip::share(least / peak(from..j + 1).min(peak(j + 1..i)));
+                            self.dips.push(Dip { s, share });
+                        }
                         None => {}
                     }
                 }
@@ -398,6 +421,12 @@ impl<'a> Profiles<'a> {
         self.relief.copy_from(relief);
         self.look(&place);
         (place, self.near.len())
+    }
+
+    /// The same at the pose of the last look, where the bodies overlap as they did then, under another relief.
+    pub(super) fn again(&mut self, relief: &Relief) -> Option<(Turned, usize)> {
+        self.relief.copy_from(relief);
+        self.looked.map(|place| (place, self.near.len()))
     }
 
     /// One of these places, in the order of the rail's profile, if the bodies overlap there.
@@ -461,6 +490,7 @@ impl Facing {
             wheel_s,
             penetration: (point - foot).dot(&normal),
             slope: -normal.dot(&tangent) / cosine,
+            weight: 0.0,
             cosine,
             outward,
             point,
@@ -473,3 +503,6 @@ impl Turned {
         Point2::from(self.turn * point.coords + self.by)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,8 +16,11 @@
 //! Near a load the power is that of contacts, which grow with the third root of their loads; elsewhere it is Johnson's, with the angle `θ` between the normals.
 //! W is convex, and so is the energy of the strips: at a pose there is one answer, and it goes on where contacts are born, merge and part.
 
+mod loading;
+
+pub(super) use self::loading::{Loading, StripLoad};
+
 use crate::profile::ProfileCurve;
-use nalgebra::Vector3;
 
 /// Distance of the places, m: a function is as wide as a contact under a usual load is long.
 const SPACING: f64 = 8e-3;
@@ -39,13 +42,6 @@ const LEAST_ROOT: f64 = 2.0;
 fn root(load: f64) -> f64 {
     (load.max(0.0) + LEAST_ROOT * LEAST_ROOT * LEAST_ROOT).cbrt()
 }
-
-/// Newton steps in which loads and relief settle, and what the last one may correct, relative: its square is left.
-const STEPS: usize = 30;
-const LAST: f64 = 1e-3;
-
-/// Share of a load that a step leaves at least.
-const LEFT: f64 = 0.2;
 
 /// How a load on a surface moves the surface around it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -163,6 +159,11 @@ impl ReliefPlaces {
         (value * (1.0 / 120.0), slope * (1.0 / 120.0) / self.spacing)
     }
 
+    /// A row of the matrix M, m/N.
+    fn beside(&self, place: usize) -> &[f64] {
+        &self.beside[place * self.count..(place + 1) * self.count]
+    }
+
     /// Near a load whose third root is `root`, m, and its derivative by that, m/N.
     fn own(&self, root: f64) -> (f64, f64) {
         (self.own * (root * root - LEAST_ROOT * LEAST_ROOT), self.own * 2.0 / (3.0 * root))
@@ -182,261 +183,9 @@ impl ReliefPlaces {
             let bells = self.bells(s);
             bells.value.iter().zip(&mut at[bells.first..]).for_each(|(b, at)| *at += b * force);
         }
-        let row = |i: usize| &self.beside[i * self.count..(i + 1) * self.count];
-        let elsewhere = (0..self.count).map(|i| row(i).iter().zip(&at).map(|(m, g)| m * g).sum());
+        let elsewhere = (0..self.count).map(|i| self.beside(i).iter().zip(&at).map(|(m, g)| m * g).sum());
         let near = at.iter().map(|load| self.own(root(*load)).0).collect();
         [Relief { at: near }, Relief { at: elsewhere.collect() }]
-    }
-}
-
-/// What a contact's forces change by with the relief at one place.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Gradient {
-    /// The number of the place.
-    place: usize,
-    /// Normal forces and their moment, N/m.
-    pub normal: Vector3<f64>,
-    /// Friction, the same.
-    pub friction: Vector3<f64>,
-}
-
-/// The loads of all contacts under a relief.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Loading {
-    /// By place, N.
-    load: Vec<f64>,
-    /// What they lose with the relief at the same place and the next ones, N/m.
-    stiffness: Vec<[f64; WIDTH]>,
-    /// Contact after contact, each from its first place to its last.
-    gradients: Vec<Gradient>,
-    /// The first of those of the contact that is summed.
-    contact: usize,
-    // what follows is made of these: the places that have loads
-    active: Vec<usize>,
-    /// Their loads that settle, N, and the third roots of them.
-    now: Vec<f64>,
-    roots: Vec<f64>,
-    /// Change of the relief with the loads without relief, m/N: `D·(I + S·D)⁻¹`, by rows.
-    pub softer: Vec<f64>,
-    derivative: Vec<f64>,
-    system: Vec<f64>,
-    product: Vec<f64>,
-    off: Vec<f64>,
-    /// By place, m.
-    change: Vec<f64>,
-    /// Gradients of all contacts together at the places that have loads, as in the rows of `softer`: of normal forces and of friction.
-    pub totals: Vec<[Vector3<f64>; 2]>,
-}
-
-/// A strip as it loads a surface.
-pub(super) struct StripLoad {
-    /// Force by its weight, N.
-    pub load: f64,
-    /// Change of that with the relief, N/m.
-    pub stiffness: f64,
-    /// What its forces and their moment on the wheel change by with the relief.
-    pub normal: Vector3<f64>,
-    /// See `normal`.
-    pub friction: Vector3<f64>,
-}
-
-impl Loading {
-    /// None, on the places of a surface.
-    pub fn clear(&mut self, places: &ReliefPlaces) {
-        self.load.clear();
-        self.load.resize(places.count, 0.0);
-        self.stiffness.clear();
-        self.stiffness.resize(places.count, [0.0; WIDTH]);
-        self.gradients.clear();
-        self.contact = 0;
-    }
-
-    /// From here on the strips of another contact follow.
-    pub fn next_contact(&mut self) {
-        self.contact = self.gradients.len();
-    }
-
-    /// The gradients of a contact whose strips have been summed.
-    pub fn of_contact(&self) -> [usize; 2] {
-        [self.contact, self.gradients.len()]
-    }
-
-    /// The gradients of a contact by their numbers, to turn them.
-    pub fn gradients(&mut self, [from, to]: [usize; 2]) -> &mut [Gradient] {
-        &mut self.gradients[from..to]
-    }
-
-    /// Adds a strip; those of a contact by ascending arc length.
-    pub fn add(&mut self, places: &ReliefPlaces, s: f64, strip: &StripLoad) {
-        let Bells { first, value } = places.bells(s);
-        let start = self.gradients.get(self.contact).map_or(first, |gradient| gradient.place);
-        while self.gradients.len() - self.contact < first - start + WIDTH {
-            let place = start + self.gradients.len() - self.contact;
-            self.gradients.push(Gradient { place, normal: Vector3::zeros(), friction: Vector3::zeros() });
-        }
-        let offset = self.contact + first - start;
-        for (k, b) in value.iter().enumerate() {
-            self.load[first + k] += b * strip.load;
-            let gradient = &mut self.gradients[offset + k];
-            gradient.normal += strip.normal * *b;
-            gradient.friction += strip.friction * *b;
-            let row = &mut self.stiffness[first + k];
-            let part = b * strip.stiffness;
-            value[k..].iter().zip(row.iter_mut()).for_each(|(other, sum)| *sum += part * other);
-        }
-    }
-
-    /// The relief that the loads make if they go down in proportion to it, and its energy, J: `g = g' - S·(r(g) - r')` by Newton's method.
-    pub fn relieve(&mut self, places: &ReliefPlaces, relief: &Relief, made: &mut Relief) -> f64 {
-        let count = places.count;
-        let loaded = self.stiffness.iter().enumerate().filter(|(_, stiffness)| stiffness[0] > 0.0);
-        self.active.clear();
-        self.active.extend(loaded.map(|(i, _)| i));
-        let n = self.active.len();
-        let row = |i: usize| &places.beside[i * count..(i + 1) * count];
-        let before = |i: usize| relief.at.get(i).copied().unwrap_or(0.0);
-        self.now.clear();
-        self.now.extend(self.active.iter().map(|i| self.load[*i]));
-        self.roots.clear();
-        self.roots.extend(self.now.iter().map(|load| root(*load)));
-        self.change.clear();
-        self.change.resize(count, 0.0);
-        for _ in 0..STEPS {
-            for (a, &i) in self.active.iter().enumerate() {
-                let beside: f64 = self.active.iter().zip(&self.now).map(|(j, g)| row(i)[*j] * g).sum();
-                self.change[i] = places.own(self.roots[a]).0 + beside - before(i);
-            }
-            self.off.clear();
-            for (a, &i) in self.active.iter().enumerate() {
-                let lost: f64 =
-                    self.active.iter().map(|j| between(&self.stiffness, i, *j) * self.change[*j]).sum();
-                self.off.push(self.load[i] - lost - self.now[a]);
-            }
-            let size = |loads: &[f64]| loads.iter().map(|load| load.abs()).fold(0.0, f64::max);
-            let last = size(&self.off) <= LAST * size(&self.now);
-            self.soften(places);
-            // (I + S·D)⁻¹ = I - S·H
-            for a in 0..n {
-                self.product[a] = (0..n).map(|b| self.softer[a * n + b] * self.off[b]).sum();
-            }
-            for (a, &i) in self.active.iter().enumerate() {
-                let back: f64 = self
-                    .active
-                    .iter()
-                    .zip(&self.product)
-                    .map(|(j, p)| between(&self.stiffness, i, *j) * p)
-                    .sum();
-                self.now[a] = (self.now[a] + self.off[a] - back).max(LEFT * self.now[a]);
-                self.roots[a] = root(self.now[a]);
-            }
-            if last {
-                break;
-            }
-        }
-        made.at.clear();
-        made.at.resize(count, 0.0);
-        let mut energy = 0.0;
-        for i in 0..count {
-            made.at[i] = self.active.iter().zip(&self.now).map(|(j, g)| row(i)[*j] * g).sum();
-        }
-        for (a, &i) in self.active.iter().enumerate() {
-            let (load, beside) = (self.now[a], made.at[i]);
-            made.at[i] += places.own(self.roots[a]).0;
-            // what the strips have changes by their loads times that of the relief
-            energy += places.energy(load, self.roots[a]) + 0.5 * load * beside
-                - self.load[i] * (made.at[i] - before(i));
-        }
-        for i in 0..count {
-            self.change[i] = made.at[i] - before(i);
-        }
-        energy
-    }
-
-    /// `H = D·(I + S·D)⁻¹` with `D` the derivative of the relief by the loads: from `D = LLᵀ` and `I + LᵀSL`, which have Cholesky's factors.
-    fn soften(&mut self, places: &ReliefPlaces) {
-        let n = self.active.len();
-        let Self { stiffness, active, roots, derivative, system, product, softer, .. } = self;
-        for matrix in [&mut *derivative, &mut *system, &mut *product, &mut *softer] {
-            matrix.clear();
-            matrix.resize(n * n, 0.0);
-        }
-        for a in 0..n {
-            for b in 0..=a {
-                derivative[a * n + b] = places.beside[active[a] * places.count + active[b]];
-            }
-            derivative[a * n + a] += places.own(roots[a]).1;
-        }
-        factor(derivative, n);
-        // S·L, then I + Lᵀ·S·L
-        for a in 0..n {
-            for b in 0..n {
-                let sum =
-                    (b..n).map(|k| between(stiffness, active[a], active[k]) * derivative[k * n + b]).sum();
-                product[a * n + b] = sum;
-            }
-        }
-        for a in 0..n {
-            for b in 0..=a {
-                let unit = if a == b { 1.0 } else { 0.0 };
-                let sum: f64 = (a..n).map(|k| derivative[k * n + a] * product[k * n + b]).sum();
-                system[a * n + b] = unit + sum;
-            }
-        }
-        factor(system, n);
-        // X = (factor of the system)⁻¹·Lᵀ, H = XᵀX; row b of the product is column b of X
-        for b in 0..n {
-            for a in 0..n {
-                let known: f64 = (0..a).map(|k| system[a * n + k] * product[b * n + k]).sum();
-                let of_l = if a <= b { derivative[b * n + a] } else { 0.0 };
-                product[b * n + a] = (of_l - known) / system[a * n + a];
-            }
-        }
-        for a in 0..n {
-            for b in 0..=a {
-                let sum: f64 = (0..n).map(|k| product[a * n + k] * product[b * n + k]).sum();
-                softer[a * n + b] = sum;
-                softer[b * n + a] = sum;
-            }
-        }
-    }
-
-    /// The gradients of a contact by their numbers, with what the relief has changed by at their places, m.
-    pub fn changes(&self, [from, to]: [usize; 2]) -> impl Iterator<Item = (&Gradient, f64)> {
-        self.gradients[from..to].iter().map(|gradient| (gradient, self.change[gradient.place]))
-    }
-
-    /// The largest change, m.
-    pub fn off(&self) -> f64 {
-        self.change.iter().map(|change| change.abs()).fold(0.0, f64::max)
-    }
-
-    /// Sums the gradients of all contacts.
-    pub fn total(&mut self) {
-        self.totals.clear();
-        self.totals.resize(self.active.len(), [Vector3::zeros(); 2]);
-        for gradient in &self.gradients {
-            if let Ok(a) = self.active.binary_search(&gradient.place) {
-                self.totals[a][0] += gradient.normal;
-                self.totals[a][1] += gradient.friction;
-            }
-        }
-    }
-}
-
-/// `S` between two places, N/m.
-fn between(stiffness: &[[f64; WIDTH]], i: usize, j: usize) -> f64 {
-    let (low, high) = (i.min(j), i.max(j));
-    if high - low < WIDTH { stiffness[low][high - low] } else { 0.0 }
-}
-
-/// Cholesky's factor in the lower triangle of a matrix by rows; without any room but its own, for it is done in every iteration of a step.
-fn factor(matrix: &mut [f64], n: usize) {
-    for a in 0..n {
-        for b in 0..=a {
-            let sum: f64 = (0..b).map(|k| matrix[a * n + k] * matrix[b * n + k]).sum();
-            let left = matrix[a * n + b] - sum;
-            matrix[a * n + b] = if a == b { left.sqrt() } else { left / matrix[b * n + b] };
-        }
     }
 }
 

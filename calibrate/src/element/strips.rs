@@ -287,15 +287,9 @@ impl Profiles<'_> {
                 }
                 contact.normal_force = contact.force.xy().norm();
             }
-            loading.total();
-            let (totals, count) = (&loading.totals, loading.totals.len());
-            for (i, row) in totals.iter().enumerate() {
-                let softer: Vector3<f64> =
-                    totals.iter().zip(&loading.softer[i * count..]).map(|(by, h)| by[0] * *h).sum();
-                let normal = row[0] * softer.transpose();
-                all.stiffness -= normal + row[1] * softer.transpose();
-                all.sticking -= normal;
-            }
+            let [normal, friction] = loading.softer();
+            all.stiffness -= normal + friction;
+            all.sticking -= normal;
         }
         for contact in contacts.iter() {
             all.force += contact.force + contact.friction;
@@ -305,19 +299,18 @@ impl Profiles<'_> {
         all
     }
 
-    /// What the strips have taken up at a pose, with the friction of [`Profiles::contacts`].
+    /// What the strips have taken up where the contacts have been found last, with the friction of [`Profiles::contacts`].
     pub fn taken_up(
         &mut self,
-        pose: &Pose,
         law: &impl StripLaw,
         relief: &Relief,
         friction: &Friction,
         now: &mut Deflections,
     ) {
-        let (place, count) = self.at(pose, relief);
         let [first, last] = now.used;
         now.values[first..last].fill(0.0);
         now.used = [0; 2];
+        let Some((place, count)) = self.again(relief) else { return };
         for overlap in (0..count).filter_map(|number| self.overlap(&place, number)) {
             let [from, to] = overlap.extent.map(|s| s.max(0.0) * now.density);
             let inside =
@@ -394,7 +387,7 @@ impl Profiles<'_> {
                 }
             }
             if let Some(places) = &profiles.places {
-                let weight = profiles.weight(s).0;
+                let weight = here.weight;
                 let load = StripLoad {
                     load: q * weight,
                     stiffness: strip.normal_stiffness * width * weight * weight,
@@ -449,4 +442,4 @@ impl Contact {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

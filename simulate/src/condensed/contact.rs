@@ -40,15 +40,9 @@ impl Contacts {
         self.all = profiles.settle(pose, strips, relief, friction, (SETTLINGS, FAR_OFF), list);
     }
 
-    /// Keeps what the friction with which these contacts were found takes up at their pose.
-    pub fn keep(
-        &mut self,
-        profiles: &mut Profiles,
-        strips: &StripStiffness,
-        pose: &Pose,
-        friction: &Friction,
-    ) {
-        profiles.taken_up(pose, strips, &self.relief, friction, &mut self.deflections);
+    /// Keeps what the friction with which these contacts have just been found takes up.
+    pub fn keep(&mut self, profiles: &mut Profiles, strips: &StripStiffness, friction: &Friction) {
+        profiles.taken_up(strips, &self.relief, friction, &mut self.deflections);
     }
 
     /// Friction forces on the wheel with their moment about its reference point.

@@ -11,6 +11,8 @@ use super::contact::Contacts;
 const ITERATIONS: usize = 100;
 /// From so many on they are shortened where they do not come nearer, down to a share.
 const FULL: usize = 8;
+/// Where they do come nearer, the longest grows by this.
+const LONGER: f64 = 1.1;
 const SHORTEST: f64 = 1e-3;
 
 /// What a pose may miss, m: with 10⁹ N/m a tenth of a newton.
@@ -18,10 +20,6 @@ const TOLERANCE: f64 = 1e-10;
 
 /// What the relief of the contacts may be off, m: it is taken into account to first order, so that forces are off by its square.
 const RELIEF: f64 = 1e-8;
-
-/// What is enough after the last iteration, m: the rule of integration changes where contacts join, and with it a force by some newtons, so that an iteration may go
-/// to and fro between both.
-const NEARLY: f64 = 1e-8;
 
 /// Lever that turns a rotation into a displacement, m.
 const LEVER: f64 = 0.1;
@@ -94,18 +92,17 @@ impl Step<'_> {
             if !size.is_finite() {
                 return Err(failure(iteration, size, &next.contacts, StopReason::NotFinite));
             }
-            let last_one = iteration == ITERATIONS;
-            let enough = if last_one { [NEARLY, 10.0 * NEARLY] } else { [TOLERANCE, RELIEF] };
-            if size < enough[0] && next.contacts.all.off < enough[1] {
+            if size < TOLERANCE && next.contacts.all.off < RELIEF {
                 if let Some(friction) = friction {
-                    next.contacts.keep(profiles, self.strips, &next.pose, &friction);
+                    next.contacts.keep(profiles, self.strips, &friction);
                 }
                 return Ok(iteration);
             }
             // An iteration that goes round in a circle, between sticking and sliding or touching and not for instance, is shortened; one that
-            // comes nearer as its length has it, is on one side and may be longer, but less so each time.
+            // comes nearer as its length has it, is on one side and may be longer, but less so each time that it went round.
             if iteration > FULL {
                 if size < (1.0 - 0.5 * length) * last {
+                    longest = (LONGER * longest).min(1.0);
                     length = (1.5 * length).min(longest);
                 } else {
                     longest = (0.8 * longest).max(SHORTEST);
