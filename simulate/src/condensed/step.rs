@@ -11,9 +11,9 @@ use super::contact::Contacts;
 const ITERATIONS: usize = 100;
 /// From so many on they are shortened where they do not come nearer, down to a share.
 const FULL: usize = 8;
+const SHORTEST: f64 = 1e-3;
 /// Where they do come nearer, the longest grows by this.
 const LONGER: f64 = 1.1;
-const SHORTEST: f64 = 1e-3;
 
 /// What a pose may miss, m: with 10⁹ N/m a tenth of a newton.
 const TOLERANCE: f64 = 1e-10;

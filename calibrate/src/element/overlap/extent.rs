@@ -116,7 +116,7 @@ impl Profiles<'_> {
         let [from, to] = overlap.extent;
         self.inside.clear();
         self.inside.extend(self.dips.iter().filter(|dip| dip.s > from && dip.s < to && dip.share > 0.0));
-        self.inside.sort_by(|a, b| b.share.total_cmp(&a.share));
+        self.inside.sort_unstable_by(|a, b| b.share.total_cmp(&a.share));
         // that which begins nearest to the end of the contact is first
         for dips in (0..=self.inside.len()).rev() {
             let without = self.inside.get(dips).map_or(0.0, |dip| dip.share);
