@@ -103,7 +103,7 @@ fn without_a_choice_the_slices_are_listed() {
         let message = folder.read("wing.slcs", Some(part)).unwrap_err();
         assert!(message.contains("the name or the number of a slice"), "{message}");
     }
-    // A wheel's slices are told apart by angles, and a single one needs no choice.
+    // A wheel's slices stand at angles, and a single one needs no choice.
     let wheel = points(ProfileKind::Wheel, 0.0);
     folder.write("wing/wheel.txt", &write(ProfileFormat::Text, ProfileKind::Wheel, &wheel, "flat"));
     folder.write("flat.slcw", "0 1 TH_OFFSET\n1\n0 0 0\n2\n-3.1 'wing/wheel.txt'\n");

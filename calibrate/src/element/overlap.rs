@@ -9,6 +9,7 @@ use self::extent::{POINTS, gauss, joints};
 use super::relief::{Influence, Loading, Relief, ReliefPlaces};
 use crate::profile::ProfileCurve;
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+use std::ops::Range;
 
 /// Distance of the stations at which contacts are looked for, m.
 const STATION: f64 = 1e-3;
@@ -387,14 +388,8 @@ impl<'a> Profiles<'a> {
                             rest = Span { stations: (j, rest.stations.1), ends: [gap, rest.ends[1]] };
                         }
                         Some((s, least)) => {
-                            let peak = |stations: std::ops::Range<usize>| {
-                                self.stations[stations]
-                                    .iter()
-                                    .map(|station| station.depth)
-                                    .fold(0.0, f64::max)
-                            };
-                            let share = Dip::share(least / peak(from..j + 1).min(peak(j + 1..i)));
-                            self.dips.push(Dip { s, share });
+                            let beside = self.deepest(from..j + 1).min(self.deepest(j + 1..i));
+                            self.dips.push(Dip { s, share: Dip::share(least / beside) });
                         }
                         None => {}
                     }
@@ -409,6 +404,11 @@ impl<'a> Profiles<'a> {
             }
             i += 1;
         }
+    }
+
+    /// The largest penetration at these stations, m.
+    fn deepest(&self, stations: Range<usize>) -> f64 {
+        self.stations[stations].iter().map(|station| station.depth).fold(0.0, f64::max)
     }
 
     fn span(&self, low: usize, high: usize) -> Span {

@@ -22,7 +22,7 @@ const FEWEST: usize = 4;
 
 /// Points between two other lines.
 struct Block {
-    /// What heads it, if it is headed as a block of its own.
+    /// What heads it, if a line does.
     title: Option<String>,
     /// Whether it can go on the one before it.
     may_continue: bool,
@@ -39,8 +39,6 @@ pub(super) struct Blocks<'a> {
     /// Whether the last line was a row.
     in_rows: bool,
     title: Option<String>,
-    /// Lines of the rows that have words after their numbers.
-    worded: Vec<usize>,
     /// Whether the next row is none of the block before it.
     separate: bool,
     unit: Option<(f64, usize)>,
@@ -58,17 +56,7 @@ pub(super) struct Chosen {
 impl<'a> Blocks<'a> {
     pub fn new(name: &'a str, mark: DecimalMark) -> Self {
         let (passed, blocks) = (PassedOver::default(), Vec::new());
-        Self {
-            name,
-            mark,
-            passed,
-            blocks,
-            in_rows: false,
-            title: None,
-            worded: Vec::new(),
-            separate: false,
-            unit: None,
-        }
+        Self { name, mark, passed, blocks, in_rows: false, title: None, separate: false, unit: None }
     }
 
     /// Takes a line if it is a row; its numbers if it is a point.
@@ -94,9 +82,6 @@ impl<'a> Blocks<'a> {
                 let expected = format!("the unit of line {}", stated.1);
                 return Err(error_at(self.name, n, 1, &shown(text), expected, "give all rows in one unit"));
             }
-        }
-        if !numbers.words.is_empty() {
-            self.worded.push(n);
         }
         self.passed.words(n, &numbers.words);
         if !self.in_rows {
@@ -134,6 +119,7 @@ impl<'a> Blocks<'a> {
     /// Several blocks that can, or none of that name; no points.
     pub fn choose(mut self, part: &Part, announced: Option<usize>) -> Result<Chosen> {
         let mut blocks = joined(std::mem::take(&mut self.blocks));
+        let worded = std::mem::take(&mut self.passed.worded);
         let mut findings = std::mem::take(&mut self.passed).findings();
         if part.name.is_none() {
             let is_other = |block: &Block| block.title.as_deref().is_some_and(is_other);
@@ -176,7 +162,7 @@ impl<'a> Blocks<'a> {
         };
         let Some(chosen) = chosen else { return Err(self.several(&blocks, part)) };
         let mut profile = blocks.remove(chosen);
-        drop_strangers(&mut profile.points, &self.worded, &mut findings);
+        drop_strangers(&mut profile.points, &worded, &mut findings);
         pass_over(blocks, "another part of the file", &mut findings);
         Ok(Chosen { points: profile.points, unit: self.unit, findings })
     }

@@ -10,7 +10,7 @@ use super::blocks::{Blocks, heads_others};
 use super::finding::{Action, Finding, FindingKind};
 use super::rows::{Row, row};
 use super::text::{
-    DecimalMark, begins_like_a_number, decimal_mark, error_at, fields, lines, number, unit_of,
+    DecimalMark, begins_like_a_number, column_names, decimal_mark, error_at, fields, lines, number, unit_of,
 };
 use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw};
 use crate::error::Result;
@@ -80,14 +80,7 @@ impl Heading {
 
     /// Takes the names of columns, such as `y_mm,z_mm`, `s; y [mm]; z [mm]` or `x y`; whether the line has them.
     fn note_columns(&mut self, n: usize, line: &str) -> bool {
-        let marks = [';', ',', '\t'];
-        let heads: Vec<&str> = if line.contains(marks) {
-            line.trim().split(marks).collect()
-        } else {
-            line.split_whitespace().filter(|word| !word.starts_with(['[', '('])).collect()
-        };
-        let heads: Vec<String> =
-            heads.iter().map(|head| head.trim_matches([' ', '"', '\'']).to_lowercase()).collect();
+        let heads: Vec<String> = column_names(line.trim()).iter().map(|head| head.to_lowercase()).collect();
         let found = NAMES.iter().any(|(y, z)| position(&heads, y).is_some() && position(&heads, z).is_some());
         if found {
             self.names = Some((heads, n));

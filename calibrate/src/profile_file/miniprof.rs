@@ -7,7 +7,9 @@ use std::fmt::Write;
 
 use super::blocks::{Blocks, heads_others};
 use super::finding::{Action, Finding, FindingKind};
-use super::text::{DecimalMark, begins_like_a_number, decimal_mark, error_at, lines, number, unit_of};
+use super::text::{
+    begins_like_a_number, column_names, decimal_mark, error_at, lines, number_with_any_mark, unit_of,
+};
 use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw};
 use crate::error::Result;
 use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
@@ -65,8 +67,7 @@ fn without_comment(line: &str) -> &str {
             '"' if index >= after_quoted => {
                 let inside = line[index + 1..].split('"').next().unwrap_or_default();
                 let closed = line.len() > index + 1 + inside.len();
-                let value = number(inside, DecimalMark::Point).or_else(|| number(inside, DecimalMark::Comma));
-                if !closed || value.is_none() {
+                if !closed || number_with_any_mark(inside).is_none() {
                     return &line[..index];
                 }
                 after_quoted = index + inside.len() + 2;
@@ -86,13 +87,7 @@ struct Columns {
 
 /// Columns of the line, if it is nothing but the names of columns, X and Y among them.
 fn names_columns(text: &str) -> Option<Columns> {
-    let marks = [';', ',', '\t'];
-    let names: Vec<&str> = if text.contains(marks) {
-        text.split(marks).collect()
-    } else {
-        text.split_whitespace().filter(|name| !name.starts_with(['[', '('])).collect()
-    };
-    let names: Vec<&str> = names.iter().map(|name| name.trim_matches(['"', '\'', ' '])).collect();
+    let names = column_names(text);
     let bare = |name: &str| name.split(['[', '(', ' ', '_']).next().unwrap_or_default().to_ascii_uppercase();
     let find = |wanted: &str| names.iter().take(MOST_COLUMNS).position(|name| bare(name) == wanted);
     let at = find("X").zip(find("Y"))?;
@@ -156,8 +151,7 @@ impl Header {
             }
             "xypoints" => self.announced = value.parse().ok().map(|count| (count, n)).or(self.announced),
             "xoffset" | "yoffset" | "tilt" => {
-                let value = number(value, DecimalMark::Point).or_else(|| number(value, DecimalMark::Comma));
-                if let Some(value) = value.filter(|value| *value != 0.0) {
+                if let Some(value) = number_with_any_mark(value).filter(|value| *value != 0.0) {
                     let text = format!("{key} = {value} is not applied: the points are taken as they stand");
                     self.findings.push(Finding::new(FindingKind::Header, Action::Noted, text).on_lines(n, n));
                 }

@@ -198,20 +198,30 @@ pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Measured
         let remedy = "its slices are files of their own: read it by its path, with the slice that is wanted";
         return Err(text::error_at(name, 1, 1, &ending, "the points of a profile", remedy));
     }
-    if lines_and_arcs::recognises(&text) {
-        return drawn::read(name, &text, options);
-    }
     let part = Part { name: options.part.as_deref(), field: part_field(options.kind) };
-    let raw = if dxf::recognises(&text, &ending) {
-        dxf::parse(name, &text, &part)?
-    } else if simpack::recognises(&text, &ending) {
-        simpack::parse(name, &text, &ending, &part)?
-    } else if miniprof::recognises(&text, &ending) {
-        miniprof::parse(name, &text, &ending, &part)?
-    } else {
-        columns::parse(name, &text, &ending, &part)?
+    let raw = match recognised(&text, &ending) {
+        Some(ProfileFormat::LinesAndArcs) => return drawn::read(name, &text, options),
+        Some(ProfileFormat::Dxf) => dxf::parse(name, &text, &part),
+        Some(ProfileFormat::Simpack) => simpack::parse(name, &text, &ending, &part),
+        Some(ProfileFormat::MiniProf) => miniprof::parse(name, &text, &ending, &part),
+        Some(ProfileFormat::Text | ProfileFormat::Csv) | None => columns::parse(name, &text, &ending, &part),
     };
-    orient::orient(name, raw, options)
+    orient::orient(name, raw?, options)
+}
+
+/// The format that headings or the ending of the file's name show; none for what can only be columns.
+fn recognised(text: &str, ending: &str) -> Option<ProfileFormat> {
+    if lines_and_arcs::recognises(text) {
+        Some(ProfileFormat::LinesAndArcs)
+    } else if dxf::recognises(text, ending) {
+        Some(ProfileFormat::Dxf)
+    } else if simpack::recognises(text, ending) {
+        Some(ProfileFormat::Simpack)
+    } else if miniprof::recognises(text, ending) {
+        Some(ProfileFormat::MiniProf)
+    } else {
+        None
+    }
 }
 
 /// The format of a profile file, if the content, or in some cases the ending of `name`, shows that it is one: headings
@@ -226,17 +236,9 @@ pub fn format_of(name: &str, bytes: &[u8]) -> Option<ProfileFormat> {
     if toml_section(&text).is_some() {
         return None;
     }
-    if lines_and_arcs::recognises(&text) {
-        return Some(ProfileFormat::LinesAndArcs);
-    }
-    if dxf::recognises(&text, &ending) {
-        return Some(ProfileFormat::Dxf);
-    }
-    if simpack::recognises(&text, &ending) {
-        return Some(ProfileFormat::Simpack);
-    }
-    if miniprof::recognises(&text, &ending) {
-        return Some(ProfileFormat::MiniProf);
+    let recognised = recognised(&text, &ending);
+    if recognised.is_some() {
+        return recognised;
     }
     let filled =
         || text::lines(&text).map(|(_, line)| line).filter(|line| !line.trim().is_empty()).take(ENOUGH);

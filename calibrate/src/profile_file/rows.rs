@@ -54,7 +54,7 @@ pub(super) fn row(line: &str, mark: DecimalMark, columns: (usize, usize)) -> Row
     if let Row::Point(_) = taken {
         return taken;
     }
-    // A unit may stand in a field of its own beside each number.
+    // A unit may stand in a separate field beside each number.
     let (bare, units): (Vec<Field>, Vec<Field>) = all.iter().partition(|field| {
         let word = field.text.trim_matches(BRACKETS);
         !(unit_of(word).is_some() || (word.is_empty() && !field.text.is_empty()))
@@ -125,6 +125,8 @@ pub(super) struct PassedOver {
     without_values: Vec<usize>,
     /// How often words follow the numbers, and on which lines first and last.
     words: BTreeMap<String, (usize, usize, usize)>,
+    /// The lines of all these rows.
+    pub worded: Vec<usize>,
 }
 
 impl PassedOver {
@@ -141,6 +143,7 @@ impl PassedOver {
     /// Words after the numbers of a row.
     pub fn words(&mut self, line: usize, words: &str) {
         if !words.is_empty() {
+            self.worded.push(line);
             let entry = self.words.entry(shown(words)).or_insert((0, line, line));
             *entry = (entry.0 + 1, entry.1, line);
         }

@@ -12,7 +12,10 @@ use nalgebra::Rotation2;
 use super::blocks::drop_strangers;
 use super::finding::{Action, Finding, FindingKind};
 use super::rows::{Numbers, PassedOver, Row as Read, broken, row};
-use super::text::{DecimalMark, begins_like_a_number, decimal_mark, error_at, lines, number, unit_of};
+use super::text::{
+    DecimalMark, before_comment, begins_like_a_number, decimal_mark, error_at, lines, number_with_any_mark,
+    unit_of,
+};
 use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw, push};
 use crate::error::Result;
 use crate::units::MILLIMETRE;
@@ -52,20 +55,11 @@ pub(super) fn recognises(text: &str, ending: &str) -> bool {
     })
 }
 
-/// The line without its comment; `!` and `%` in quotes start none.
+/// The line without its comment.
 fn without_comment(line: &str) -> &str {
-    const SIGNS: [char; 2] = ['!', '%'];
-    let mut quote = None;
-    for (index, c) in line.char_indices() {
-        match (c, quote) {
-            ('!' | '%', None) => return &line[..index],
-            ('\'' | '"', None) => quote = Some(c),
-            (c, Some(open)) if c == open => quote = None,
-            _ => {}
-        }
-    }
+    let (before, open) = before_comment(line);
     // An unclosed quote is an apostrophe.
-    if quote.is_some() { line.split(SIGNS).next().unwrap_or(line) } else { line }
+    if open { line.split(['!', '%']).next().unwrap_or(line) } else { before }
 }
 
 /// A header value with its place.
@@ -112,8 +106,6 @@ struct Blocks<'a> {
     degrees: Option<usize>,
     kind: Option<ProfileKind>,
     points: Vec<MeasuredPoint>,
-    /// Lines of the rows that have words after their numbers.
-    worded: Vec<usize>,
     passed: PassedOver,
     findings: Vec<Finding>,
 }
@@ -131,7 +123,6 @@ impl<'a> Blocks<'a> {
             degrees: None,
             kind: None,
             points: Vec::new(),
-            worded: Vec::new(),
             passed: PassedOver::default(),
             findings: Vec::new(),
         }
@@ -211,9 +202,6 @@ impl<'a> Blocks<'a> {
             let remedy = "give 1, or 0 for a point that does not count in smoothing";
             return Err(error_at(self.name, line, 1, &weight.to_string(), "a weight of 0 or more", remedy));
         }
-        if !numbers.words.is_empty() {
-            self.worded.push(line);
-        }
         self.passed.words(line, &numbers.words);
         push(self.name, &mut self.points, numbers.y, numbers.z, line, weight)
     }
@@ -243,9 +231,8 @@ impl<'a> Blocks<'a> {
                 _ => return Err(fault("0 for a rail or 1 for a wheel", "correct the type")),
             });
         } else if self.open.last() != Some(&"header") && NUMERIC.contains(&key.as_str()) {
-            let value = number(value, DecimalMark::Point)
-                .or_else(|| number(value, DecimalMark::Comma))
-                .ok_or_else(|| fault("a finite number", "correct the value"))?;
+            let value =
+                number_with_any_mark(value).ok_or_else(|| fault("a finite number", "correct the value"))?;
             let before = self.header.insert(key.clone(), Entry { value, line: given.line });
             if let Some(before) = before.filter(|before| before.value != value) {
                 let expected = format!("{key} = {} as in line {}", before.value, before.line);
@@ -286,8 +273,9 @@ impl<'a> Blocks<'a> {
         let unended =
             self.open.last().map(|b| format!("the block {b} is not ended; the file may be cut off"));
         findings.extend(unended.map(note));
+        let worded = std::mem::take(&mut self.passed.worded);
         findings.extend(self.passed.findings());
-        drop_strangers(&mut self.points, &self.worded, &mut findings);
+        drop_strangers(&mut self.points, &worded, &mut findings);
         let weighted = self.points.iter().filter(|p| p.weight != 1.0);
         if let (Some(first), Some(last)) = (weighted.clone().next(), weighted.clone().next_back()) {
             let what = format!(

@@ -1,13 +1,13 @@
 //! Slices of the CONTACT program: `.slcs` (a rail along the track) and `.slcw` (a wheel around its circumference).
 //!
-//! The file lists profiles at positions, each in a file of its own, named from the folder of the list: offset and scale,
+//! The file lists profiles at positions, each in a separate file, named from the folder of the list: offset and scale,
 //! number of slices, three counters of features, method of interpolation, then position and file of each slice.
 //! `%`, `!` and `"` start comments.
 
 use std::path::{Path, PathBuf};
 
 use super::finding::{Action, Finding, FindingKind};
-use super::text::{DecimalMark, decode, error_at, fields, lines, number, shown};
+use super::text::{DecimalMark, before_comment, decode, error_at, fields, lines, number, shown};
 use super::{LARGEST_FILE, Part, ProfileKind};
 use crate::error::{InputError, Result};
 use crate::input;
@@ -136,18 +136,8 @@ fn quoted(row: &str) -> Option<&str> {
 }
 
 fn without_comment(line: &str) -> &str {
-    let mut quote = None;
-    for (index, c) in line.char_indices() {
-        match (c, quote) {
-            ('%' | '!', None) => return &line[..index],
-            // At the beginning of a line a double quote starts a comment.
-            ('"', None) if line[..index].trim().is_empty() => return &line[..index],
-            ('\'' | '"', None) => quote = Some(c),
-            (c, Some(open)) if c == open => quote = None,
-            _ => {}
-        }
-    }
-    line
+    // At the beginning of a line a double quote starts a comment.
+    if line.trim_start().starts_with('"') { "" } else { before_comment(line).0 }
 }
 
 /// Index of the slice that is wanted.

@@ -179,6 +179,36 @@ pub(super) fn number(text: &str, mark: DecimalMark) -> Option<f64> {
     plain.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
+/// A finite number with either decimal mark.
+pub(super) fn number_with_any_mark(text: &str) -> Option<f64> {
+    number(text, DecimalMark::Point).or_else(|| number(text, DecimalMark::Comma))
+}
+
+/// The line up to a `!` or `%` outside quotes, which starts a comment, and whether a quote is left open.
+pub(super) fn before_comment(line: &str) -> (&str, bool) {
+    let mut quote = None;
+    for (index, c) in line.char_indices() {
+        match (c, quote) {
+            ('!' | '%', None) => return (&line[..index], false),
+            ('\'' | '"', None) => quote = Some(c),
+            (c, Some(open)) if c == open => quote = None,
+            _ => {}
+        }
+    }
+    (line, quote.is_some())
+}
+
+/// Names of columns: between semicolons, commas and tabs, or else between blanks and without what is in brackets there.
+pub(super) fn column_names(line: &str) -> Vec<&str> {
+    let marks = [';', ',', '\t'];
+    let names: Vec<&str> = if line.contains(marks) {
+        line.split(marks).collect()
+    } else {
+        line.split_whitespace().filter(|name| !name.starts_with(['[', '('])).collect()
+    };
+    names.into_iter().map(|name| name.trim_matches([' ', '"', '\''])).collect()
+}
+
 /// Whether a line begins like a row of numbers.
 pub(super) fn begins_like_a_number(line: &str) -> bool {
     let line = line.trim_start();

@@ -59,9 +59,12 @@ pub(in super::super) struct Loading {
     lost: Vec<f64>,
     beside: Vec<f64>,
     softening: Softening,
-    /// What the loads are off, N, and what corrects them.
+    /// What the loads are off, N, and a change of the relief at their places, m.
     off: Vec<f64>,
     step: Vec<f64>,
+    /// The gradients of all contacts together, component after component, and [`Softening`]'s X times that.
+    all: Vec<f64>,
+    halves: Vec<f64>,
     /// By place, m.
     change: Vec<f64>,
 }
@@ -221,9 +224,8 @@ impl Loading {
 
     /// What the stiffness of all contacts loses by the relief: that of the normal forces and that of friction.
     pub fn softer(&mut self) -> [Matrix3<f64>; 2] {
-        let Self { gradients, active, softening, off: all, step: halves, .. } = self;
+        let Self { gradients, active, softening, all, halves, .. } = self;
         let n = active.len();
-        // component after component of the gradients of all contacts together, and X times that
         for list in [&mut *all, &mut *halves] {
             list.clear();
             list.resize(COMPONENTS * n, 0.0);

@@ -165,7 +165,7 @@ fn groups<'a>(name: &'a str, text: &'a str) -> impl Iterator<Item = Result<Group
                 return None;
             }
             let Ok(code) = code.trim().parse::<i32>() else {
-                let expected = "a group code, a whole number on a line of its own";
+                let expected = "a group code, a whole number alone on its line";
                 return Some(Err(error_at(
                     name,
                     n,
@@ -207,13 +207,12 @@ fn unit(value: &str) -> Option<f64> {
     })
 }
 
-/// A polyline whose vertices are entities of their own.
+/// A polyline whose vertices are entities as well.
 struct Polyline {
     layer: String,
     line: usize,
     flags: i64,
     mirrored: Option<bool>,
-    paper: bool,
     vertices: Vec<Vertex>,
 }
 
@@ -236,15 +235,12 @@ fn finish(groups: Groups, polyline: &mut Option<Polyline>, entities: &mut Vec<En
                 }
                 return Ok(());
             }
-            "SEQEND" => {
-                entities.extend(
-                    polyline.take().filter(|polyline| !polyline.paper).map(Polyline::finish).transpose()?,
-                );
-                return Ok(());
+            name => {
+                entities.extend(polyline.take().map(Polyline::finish).transpose()?);
+                if name == "SEQEND" {
+                    return Ok(());
+                }
             }
-            _ => entities.extend(
-                polyline.take().filter(|polyline| !polyline.paper).map(Polyline::finish).transpose()?,
-            ),
         }
     }
     let paper = groups.flags(67)? == 1;
@@ -263,7 +259,7 @@ fn finish(groups: Groups, polyline: &mut Option<Polyline>, entities: &mut Vec<En
         _ if paper => {}
         "POLYLINE" => {
             let (flags, mirrored) = (groups.flags(70)?, groups.mirrored()?);
-            *polyline = Some(Polyline { layer, line, flags, mirrored, paper, vertices: Vec::new() });
+            *polyline = Some(Polyline { layer, line, flags, mirrored, vertices: Vec::new() });
         }
         "LINE" => {
             let ends = [groups.points(10)?, groups.points(11)?];
