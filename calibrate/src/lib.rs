@@ -19,6 +19,7 @@ pub mod history;
 pub mod profile;
 pub mod profile_file;
 pub mod section;
+pub mod profile_placement;
 pub mod placement;
 pub mod rigid_contact;
 pub mod mesh;

@@ -5,6 +5,7 @@ mod output;
 mod progress;
 mod shapes;
 mod contact;
+mod place;
 mod profile;
 mod cache;
 mod bench;

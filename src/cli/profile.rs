@@ -11,6 +11,7 @@ use railspring_calibrate::profile_file::{
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::contact::{ContactArgs, contact};
+use super::place::{PlaceArgs, place};
 use super::{Failure, say, shapes};
 
 /// What can be done with a profile.
@@ -31,6 +32,11 @@ pub(super) enum ProfileCommand {
         #[arg(long, conflicts_with = "smooth_mm")]
         raw: bool,
     },
+    /// Lay a measured profile onto its standard, tell how sure its place is, and read off what is worn
+    ///
+    /// Without a standard the nearest ones are listed. Exit code 1 if the place is not determined or something else is left to
+    /// be looked at.
+    Place(PlaceArgs),
     /// List the standard rails and wheels
     List {
         /// Figure of all of them to write
@@ -61,7 +67,7 @@ pub(super) enum ProfileCommand {
 pub(super) struct FileArgs {
     /// Profile file: Simpack .prr .prw, MiniProf .ban .whl, text or CSV, lines and arcs, .dxf, slices of CONTACT .slcs .slcw
     #[arg(value_name = "FILE")]
-    file: PathBuf,
+    pub file: PathBuf,
     /// Part of the file that is the profile, where it has several: name or number of a slice or of a block of points, layer of a drawing
     #[arg(long, value_name = "NAME")]
     part: Option<String>,
@@ -103,7 +109,7 @@ enum UnitArg {
 }
 
 impl FileArgs {
-    fn options(&self) -> ReadOptions {
+    pub fn options(&self) -> ReadOptions {
         ReadOptions {
             kind: self.kind.map(|kind| match kind {
                 KindArg::Rail => ProfileKind::Rail,
@@ -126,7 +132,7 @@ impl FileArgs {
         read(&self.file, &self.options())
     }
 
-    fn prepare(&self, profile: &MeasuredProfile) -> Result<Prepared, Error> {
+    pub fn prepare(&self, profile: &MeasuredProfile) -> Result<Prepared, Error> {
         prepare(profile, &PrepareOptions { smoothing: self.smooth_mm.map(|mm| mm * MILLIMETRE) })
     }
 }
@@ -141,6 +147,7 @@ pub(super) fn run(command: &ProfileCommand) -> Result<bool, Failure> {
         ProfileCommand::Show { profile } => Ok(shapes::show(profile).map(|()| true)?),
         ProfileCommand::Plot { profiles, output } => Ok(shapes::plot(profiles, output).map(|()| true)?),
         ProfileCommand::Contact(args) => contact(args).map(|()| true),
+        ProfileCommand::Place(args) => place(args),
         ProfileCommand::Check(file) => Ok(check(file)?),
         ProfileCommand::Convert { file, out, raw } => Ok(convert(file, out, *raw)?),
     }

@@ -415,6 +415,25 @@ impl ProfileCurve {
         Self::assemble(self.knots.clone(), cubics, self.breaks.clone())
     }
 
+    /// The curves one after the other, each beginning where the one before it ends; the joints are breakpoints.
+    ///
+    /// # Panics
+    /// Without any curve.
+    pub(crate) fn chained(parts: &[&Self]) -> Self {
+        assert!(!parts.is_empty(), "a chain needs a curve");
+        let (mut knots, mut cubics, mut breaks) = (vec![0.0], Vec::new(), Vec::new());
+        for part in parts {
+            let (before, count) = (knots[knots.len() - 1], cubics.len());
+            if count > 0 {
+                breaks.push(count);
+            }
+            breaks.extend(part.breaks.iter().map(|i| i + count));
+            knots.extend(part.knots[1..].iter().map(|s| before + s));
+            cubics.extend_from_slice(&part.cubics);
+        }
+        Self::assemble(knots, cubics, breaks)
+    }
+
     /// Arc lengths of the knots of the spline; between them the curve is one cubic.
     pub(crate) fn knots(&self) -> &[f64] {
         &self.knots

@@ -59,6 +59,10 @@ fn scattered(points: &[MeasuredPoint]) -> bool {
     length(&sample) > SCATTERED * extent(&sample)
 }
 
+fn length_of(points: &[MeasuredPoint]) -> f64 {
+    points.windows(2).map(|pair| (pair[1].point - pair[0].point).norm()).sum()
+}
+
 fn length(points: &[Point2<f64>]) -> f64 {
     points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
 }
@@ -224,6 +228,14 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
 pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
     /// How straight the line runs on without the spike, degrees.
     const STRAIGHT_ON: f64 = 20.0;
+    /// What scatter may add to that: so many times its ratio to the step, and at most this, degrees.
+    const SCATTER_TO_TURN: f64 = 5.0;
+    const MOST_BY_SCATTER: f64 = 40.0;
+    /// Ratio of the way over the points to that without them from which they lead astray: no arc that runs on
+    /// as straight has more than 1.1.
+    const DETOUR: f64 = 1.6;
+    /// How far such points lie off the line at least, in steps of it.
+    const ASTRAY: f64 = 0.3;
     if points.len() < 6 {
         return;
     }
@@ -235,6 +247,10 @@ pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
     let scatter = median(points.windows(3).map(|w| departure(w[0].point, w[1].point, w[2].point)).collect());
     let least = SMALLEST_SPIKE.max(SPIKE_TO_SCATTER * scatter);
     let mut spikes = Findings::new(findings, FindingKind::Spike);
+    for _ in 0..2 {
+        trim_start(points, &mut spikes);
+        points.reverse();
+    }
     let mut kept: Vec<MeasuredPoint> = points[..2].to_vec();
     let mut i = 2;
     while i < points.len() {
@@ -248,13 +264,19 @@ pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
             };
             let (into, out) = (turn(a - before, first - a), turn(b - last, after - b));
             let height = points[i..i + m].iter().map(|p| departure(a, p.point, b)).fold(0.0, f64::max);
-            let straight =
-                turn(a - before, b - a).abs() < STRAIGHT_ON && turn(b - a, after - b).abs() < STRAIGHT_ON;
-            into.abs() > SPIKE_TURN
-                && out.abs() > SPIKE_TURN
-                && into * out > 0.0
-                && straight
-                && height > least
+            let shortest = (a - before).norm().min((after - b).norm());
+            let by_scatter = (SCATTER_TO_TURN * scatter / shortest).to_degrees().min(MOST_BY_SCATTER);
+            let straight = turn(a - before, b - a).abs() < STRAIGHT_ON + by_scatter
+                && turn(b - a, after - b).abs() < STRAIGHT_ON + by_scatter;
+            let juts = into.abs() > SPIKE_TURN && out.abs() > SPIKE_TURN && into * out > 0.0;
+            let way = (first - a).norm() + length_of(&points[i..i + m]) + (b - last).norm();
+            let chord = (b - a).norm();
+            // Two points that have changed places lie on the line, if not between the same neighbours.
+            let sides = [(before, a), (a, b), (b, after)];
+            let off = |p| sides.iter().map(|(q, r)| departure(*q, p, *r)).fold(f64::INFINITY, f64::min);
+            let nearest = off(first).min(off(last));
+            let astray = way > DETOUR * chord && nearest > least.max(ASTRAY * chord / (m + 1) as f64);
+            (juts || astray) && straight && height > least
         });
         match run {
             Some(m) => {
@@ -279,6 +301,33 @@ pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
     }
     drop(spikes);
     *points = kept;
+}
+
+/// Drops up to two first points from which the line goes on by a long step or back: no neighbour shows that they are spikes.
+fn trim_start(points: &mut Vec<MeasuredPoint>, spikes: &mut Findings<'_>) {
+    /// A step so many times the usual one is long.
+    const LONG: f64 = 3.0;
+    /// Turn after a long step, and after any, degrees.
+    const AFTER_LONG: f64 = 30.0;
+    const AFTER_ANY: f64 = 60.0;
+    const MOST: usize = 2;
+    let usual = median_step(points);
+    let astray = |i: usize| {
+        let step = (points[i + 1].point - points[i].point).norm();
+        // The direction over two steps: a single one scatters.
+        let turn =
+            turn(points[i + 1].point - points[i].point, points[i + 3].point - points[i + 1].point).abs();
+        turn > AFTER_ANY || (turn > AFTER_LONG && step > LONG * usual)
+    };
+    if points.len() < MOST + 8 {
+        return;
+    }
+    let Some(last) = (0..MOST).rev().find(|&i| astray(i)) else { return };
+    for p in &points[..=last] {
+        let step = (p.point - points[last + 1].point).norm() / MILLIMETRE;
+        spikes.add((p.line, p.line), (step, "mm"), Action::Repaired, "an end off the line: dropped");
+    }
+    points.drain(..=last);
 }
 
 /// Replaces runs of neighbouring points by their means where there are more points than any curve needs.

@@ -34,7 +34,7 @@ use crate::profile::lines_and_arcs::{self, LinesAndArcs};
 
 pub use crate::profile::ProfileKind;
 pub use finding::{Action, Finding, FindingKind};
-pub use prepare::{PrepareOptions, Prepared, prepare};
+pub use prepare::{PrepareOptions, Prepared, prepare, repaired};
 pub use smooth::{Smoothed, smooth};
 
 /// Largest profile file that is read, bytes.

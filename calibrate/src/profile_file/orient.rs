@@ -12,6 +12,10 @@ use crate::units::MILLIMETRE;
 
 /// Extent of a profile, m: from part of a head to a whole wheel.
 const EXTENT: std::ops::RangeInclusive<f64> = 0.02..=0.4;
+/// One inch, m.
+const INCH: f64 = 25.4 * MILLIMETRE;
+/// Extent below which numbers without a unit may be inches, m: a head in centimetres would be larger.
+const LARGEST_IN_INCHES: f64 = 0.162;
 /// A point further than this from the middle of the profile is none of it, m.
 const FAR_OFF: f64 = 0.25;
 /// Largest share of such points that are dropped.
@@ -83,12 +87,14 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
             unit
         }
         (None, None) => {
-            let fits: Vec<(f64, &str)> = [(MILLIMETRE, "mm"), (1.0, "m")]
+            // Of these no two fit the same numbers.
+            let fits: Vec<(f64, &str)> = [(MILLIMETRE, "mm"), (1.0, "m"), (INCH, "in")]
                 .into_iter()
                 .filter(|(unit, _)| EXTENT.contains(&(unit * extent)))
+                .filter(|(unit, _)| *unit != INCH || unit * extent < LARGEST_IN_INCHES)
                 .collect();
             let [(unit, unit_name)] = fits[..] else {
-                return Err(wrong(lines.0, &format!("the unit is neither mm nor m: give {unit_field}")));
+                return Err(wrong(lines.0, &format!("the unit is none of mm, m and in: give {unit_field}")));
             };
             let text = format!("the profile is {extent:.3} {unit_name} across, so the unit is {unit_name}");
             raw.findings.push(

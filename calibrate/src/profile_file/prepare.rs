@@ -51,9 +51,9 @@ pub struct Prepared {
 /// loops, too few points left.
 pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Prepared> {
     let name = &profile.name;
-    let mut points = profile.points.clone();
     let mut findings = profile.findings.clone();
     if let Some(drawing) = &profile.drawn {
+        let points = profile.points.clone();
         if options.smoothing.is_some() {
             let text = "lines and arcs have no scatter: not smoothed";
             findings.push(Finding::new(FindingKind::Smoothed, Action::Noted, text));
@@ -65,17 +65,7 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
         let kinks = (0..points.len()).filter(|&i| corners.iter().any(|c| same(&points[i], c))).collect();
         return Ok(Prepared { points, kinks, curve, findings });
     }
-    remove_duplicates(&mut points, &mut findings);
-    enough(name, &points)?;
-    restore_order(name, &mut points, &mut findings)?;
-    remove_spikes(&mut points, &mut findings);
-    thin_by_means(&mut points, &mut findings);
-    repair_steps_back(&mut points, &mut findings);
-    remove_duplicates(&mut points, &mut findings);
-    enough(name, &points)?;
-    cut_loops(name, &mut points, &mut findings)?;
-    thin_close(&mut points, &mut findings);
-    enough(name, &points)?;
+    let mut points = repaired(profile, &mut findings)?;
     report_gaps(&points, &mut findings);
     let kinks = find_kinks(&points, &mut findings);
     report_range(profile.kind, &points, &mut findings);
@@ -109,6 +99,27 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
     let places: Vec<Point2<f64>> = points.iter().map(|p| p.point).collect();
     let curve = ProfileCurve::from_points(&places, &kinks).map_err(|error| in_file(name, &points, error))?;
     Ok(Prepared { points, kinks, curve, findings })
+}
+
+/// The points of a profile in order, without duplicates, spikes, steps back and loops; what was done is added to `findings`.
+///
+/// # Errors
+/// As [`prepare`].
+pub fn repaired(profile: &MeasuredProfile, findings: &mut Vec<Finding>) -> Result<Vec<MeasuredPoint>> {
+    let name = &profile.name;
+    let mut points = profile.points.clone();
+    remove_duplicates(&mut points, findings);
+    enough(name, &points)?;
+    restore_order(name, &mut points, findings)?;
+    remove_spikes(&mut points, findings);
+    thin_by_means(&mut points, findings);
+    repair_steps_back(&mut points, findings);
+    remove_duplicates(&mut points, findings);
+    enough(name, &points)?;
+    cut_loops(name, &mut points, findings)?;
+    thin_close(&mut points, findings);
+    enough(name, &points)?;
+    Ok(points)
 }
 
 fn enough(name: &str, points: &[MeasuredPoint]) -> Result<()> {

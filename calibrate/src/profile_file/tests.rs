@@ -202,7 +202,13 @@ fn wrong_units_are_refused() {
     let message = parsed("x.prr", &text).unwrap_err().to_string();
     assert!(message.starts_with("x.prr:5:1") && message.contains("unit"), "{message}");
     let inches: Vec<_> = head_points().iter().map(|(y, z)| (y / 25.4, z / 25.4)).collect();
-    assert!(parsed("x.txt", &file(&inches)).unwrap_err().to_string().contains("neither mm nor m"));
+    // Without a unit inches are told from the size; centimetres are none of the units that are tried.
+    let read = parsed("x.txt", &file(&inches)).unwrap();
+    assert!((read.points[0].point.x + 35.5 * MILLIMETRE).abs() < 1e-6);
+    assert!(read.findings.iter().any(|f| f.kind == FindingKind::Unit && f.text.contains("the unit is in")));
+    let centimetres: Vec<_> = head_points().iter().map(|(y, z)| (y / 10.0, z / 10.0)).collect();
+    let message = parsed("x.txt", &file(&centimetres)).unwrap_err().to_string();
+    assert!(message.contains("none of mm, m and in"), "{message}");
     let options = ReadOptions { unit: Some(25.4 * MILLIMETRE), ..ReadOptions::default() };
     let read = parse("x.txt", file(&inches).as_bytes(), &options).unwrap();
     assert!((read.points[0].point.x + 35.5 * MILLIMETRE).abs() < 1e-6);

@@ -1,0 +1,252 @@
+//! The subcommand `profile place`: a measured profile laid onto its standard.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use nalgebra::Point2;
+use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::placement::{TrackGeometry, place_rail};
+use railspring_calibrate::profile_file::{
+    Action, MeasuredProfile, Prepared, ProfileFormat, ProfileKind, ReadOptions, read, repaired,
+    write as profile_text,
+};
+use railspring_calibrate::profile_placement::{
+    PlaceOptions, Placed, Reference, nearest, place_profile, rail_wear, wheel_wear,
+};
+use railspring_calibrate::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
+use railspring_calibrate::section::{
+    rail_section, rail_section_with_head, wheel_section, wheel_section_with_profile,
+};
+use railspring_calibrate::units::MILLIMETRE;
+
+use super::profile::FileArgs;
+use super::shapes::write;
+use super::{Failure, say};
+use crate::report::panel::{Panel, stacked_with_notes};
+use crate::report::plot::{BLUE, DARK, Dash, GREY, Marker, RED, Series};
+
+/// Diameter of the wheel at the tape circle, m.
+const TAPE_DIAMETER: f64 = 0.92;
+/// The new pair against which a worn profile runs.
+const NEW_RAIL: &str = "60E1";
+const NEW_WHEEL: &str = "S1002";
+/// Amplitude of the equivalent conicity, m.
+const AMPLITUDE: f64 = 3.0 * MILLIMETRE;
+
+/// Which profile, on which standard.
+#[derive(Debug, Args)]
+pub(super) struct PlaceArgs {
+    #[command(flatten)]
+    file: FileArgs,
+    /// Standard rail or wheel; left out, the nearest ones are listed and the profile is placed on the first
+    #[arg(long, value_name = "NAME")]
+    standard: Option<String>,
+    /// Folder to write <FILE>-placed.csv and <FILE>-placed.svg to
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    output: PathBuf,
+}
+
+/// Runs the subcommand; whether the place is determined and nothing else is left to be looked at.
+pub(super) fn place(args: &PlaceArgs) -> Result<bool, Failure> {
+    let options = args.file.options();
+    let place_options = PlaceOptions { side_known: options.mirror_y.is_some() };
+    let (profile, reference) = match &args.standard {
+        Some(name) => {
+            let reference = Reference::standard(name)?;
+            let kind = options.kind.or(Some(reference.kind));
+            (read(&args.file.file, &ReadOptions { kind, ..options })?, reference)
+        }
+        None => nearest_standard(args, &options, place_options)?,
+    };
+    let (moved, placed) = place_profile(&profile, &reference, place_options)?;
+    let prepared = args.file.prepare(&moved)?;
+    for finding in &prepared.findings {
+        say(&finding.to_string())?;
+    }
+    for line in worn(&placed, &prepared, &reference)? {
+        say(&line)?;
+    }
+    std::fs::create_dir_all(&args.output).map_err(|cause| {
+        let place = args.output.display().to_string();
+        InputError::new("--output", place, format!("a folder ({cause})"), "choose another place")
+    })?;
+    let file = |ending: &str| {
+        let stem = args.file.file.file_stem().unwrap_or_default().to_string_lossy();
+        args.output.join(format!("{stem}-placed.{ending}"))
+    };
+    let source = args.file.file.file_name().unwrap_or_default().to_string_lossy();
+    let comment = format!("{source} placed on {}", reference.name);
+    write(&file("csv"), &profile_text(ProfileFormat::Csv, moved.kind, &prepared.points, &comment))?;
+    write(&file("svg"), &picture(&placed, &reference, &prepared))?;
+    say(&format!("{}\n{}", file("csv").display(), file("svg").display()))?;
+    Ok(prepared.findings.iter().all(|finding| finding.action != Action::Left))
+}
+
+/// The profile, and the standard that fits it best; the nearest ones are listed.
+fn nearest_standard(
+    args: &PlaceArgs,
+    options: &ReadOptions,
+    place_options: PlaceOptions,
+) -> Result<(MeasuredProfile, Reference), Failure> {
+    /// Standards that are listed.
+    const LISTED: usize = 5;
+    // Nothing but the order of its points depends on what the reader takes the profile for.
+    let profile = read(&args.file.file, options).or_else(|_| {
+        read(&args.file.file, &ReadOptions { kind: Some(ProfileKind::Rail), ..options.clone() })
+    })?;
+    let points: Vec<Point2<f64>> = repaired(&profile, &mut Vec::new())?.iter().map(|p| p.point).collect();
+    let found = nearest(&points, options.kind, place_options)?;
+    say("standard        off it %   RMS of what is kept \u{b5}m")?;
+    for misfit in found.iter().take(LISTED) {
+        let unlike = if misfit.placed.fits() { "" } else { "   another shape" };
+        let (share, rms) = (100.0 * misfit.share, misfit.placed.rms / (1e-3 * MILLIMETRE));
+        say(&format!("{:14} {share:9.1} {rms:25.1}{unlike}", misfit.name))?;
+    }
+    let Some(first) = found.first() else {
+        let remedy =
+            "give the standard that it belongs to with --standard, and see `railspring profile plot`";
+        let error = InputError::new(&profile.name, "no known shape", "a rail or a wheel", remedy);
+        return Err(error.into());
+    };
+    Ok((profile, Reference::standard(first.name)?))
+}
+
+/// What is read off the placed profile.
+fn worn(placed: &Placed, prepared: &Prepared, reference: &Reference) -> Result<Vec<String>, Error> {
+    let line = |what: &str, value: Option<f64>| match value {
+        Some(value) => format!("{what:64} {:8.3} mm", value / MILLIMETRE),
+        None => format!("{what:64}        - not measured"),
+    };
+    let mut lines = match reference.kind {
+        ProfileKind::Rail => {
+            let wear = rail_wear(placed, &prepared.curve, reference);
+            vec![
+                line("vertical wear on the axis", wear.vertical),
+                line("lateral wear of the gauge face 14 mm below the new top", wear.lateral),
+                line("deepest wear across the surface", Some(wear.deepest)),
+            ]
+        }
+        ProfileKind::Wheel => {
+            let wear = wheel_wear(placed, &prepared.curve, reference);
+            vec![
+                line("flange height Sh, tip against the tape circle", wear.flange_height),
+                line("flange thickness Sd, 10 mm below the tape circle", wear.flange_thickness),
+                line("qR, from there to 2 mm above the tip", wear.flange_slope),
+                line("radius missing at the tape circle", wear.tread),
+                line("hollow of the tread", wear.hollow),
+                line("deepest wear across the surface", Some(wear.deepest)),
+            ]
+        }
+    };
+    let against = if reference.kind == ProfileKind::Rail { NEW_WHEEL } else { NEW_RAIL };
+    let what = format!("equivalent conicity at 3 mm against {against}, rails 1:40");
+    let both = rayon::join(|| conicity(Some(prepared), reference), || conicity(None, reference));
+    lines.push(match both {
+        (Ok(Some(worn)), Ok(Some(new))) => format!("{what:64} {worn:8.4}    (new {new:.4})"),
+        (Ok(Some(worn)), _) => format!("{what:64} {worn:8.4}"),
+        (Ok(None), _) => format!("{what:64}        - the wheelset does not swing freely so far"),
+        (Err(Error::Input(error)), _) => format!("{what:64}        - {} = {}", error.key, error.value),
+        (Err(other), _) => return Err(other),
+    });
+    Ok(lines)
+}
+
+/// Equivalent conicity of two equal sides, one body new and the other as prepared or its standard.
+fn conicity(prepared: Option<&Prepared>, reference: &Reference) -> Result<Option<f64>, Error> {
+    const RANGE: f64 = 8.0 * MILLIMETRE;
+    const STEP: f64 = 0.1 * MILLIMETRE;
+    let mut ignored = Vec::new();
+    let own = reference.name.as_str();
+    let (rail, wheel) = match reference.kind {
+        ProfileKind::Rail => (own, NEW_WHEEL),
+        ProfileKind::Wheel => (NEW_RAIL, own),
+    };
+    let wheel = wheel_section(wheel, TAPE_DIAMETER)?;
+    let (rail, wheel) = match (prepared, reference.kind) {
+        (None, _) => (rail_section(rail)?, wheel),
+        (Some(head), ProfileKind::Rail) => (rail_section_with_head(rail, &head.curve, &mut ignored)?, wheel),
+        (Some(profile), ProfileKind::Wheel) => {
+            (rail_section(rail)?, wheel_section_with_profile(wheel, &profile.curve, &mut ignored)?)
+        }
+    };
+    let track = TrackGeometry::standard();
+    let tape_y = track.tape_y(&wheel.running);
+    let side =
+        WheelOnRail { rail: place_rail(&rail, &track)?, wheel: wheel.running, radius: 0.5 * TAPE_DIAMETER };
+    let wheelset = Wheelset::symmetric(side, tape_y);
+    let function = RunningFunction::of(&wheelset, [-RANGE, RANGE], STEP, Roll::Coupled)?;
+    Ok(function.equivalent_conicity(AMPLITUDE))
+}
+
+/// Measured over standard, and the distance from the standard along its outline; what is kept is marked.
+fn picture(placed: &Placed, reference: &Reference, prepared: &Prepared) -> String {
+    /// Weight from which a point counts as kept.
+    const KEPT: f64 = 0.5;
+    /// Distance of the marks, m along the profile.
+    const MARKS: f64 = 1.5 * MILLIMETRE;
+    let seen = |p: &Point2<f64>| (p.x / MILLIMETRE, -p.y / MILLIMETRE);
+    // A rail's outline is closed: what lies before its running surface is at its end.
+    let along = |s: f64| {
+        let whole = reference.curve.length();
+        let rest = 0.5 * (reference.running[1] + whole);
+        let before = reference.kind == ProfileKind::Rail && s > rest;
+        (s - reference.running[0] - if before { whole } else { 0.0 }) / MILLIMETRE
+    };
+    let mut last = f64::NEG_INFINITY;
+    let (mut shape, mut distance) = (Vec::new(), Vec::new());
+    for point in placed.points.iter().filter(|p| p.kept > KEPT) {
+        if (point.s - last).abs() >= MARKS {
+            last = point.s;
+            shape.push(seen(&point.point));
+            distance.push((along(point.s), point.missing / MILLIMETRE));
+        }
+    }
+    let mut deviations: Vec<(f64, f64)> =
+        placed.points.iter().map(|p| (along(p.s), p.missing / MILLIMETRE)).collect();
+    deviations.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let ends = placed
+        .points
+        .iter()
+        .map(|p| p.point.x)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], y| [a.min(y), b.max(y)]);
+    let lowest = placed.points.iter().map(|p| p.point.y).fold(f64::NEG_INFINITY, f64::max);
+    // The standard about what was measured alone: the foot would make the head small.
+    const MARGIN: f64 = 8.0 * MILLIMETRE;
+    let near = |p: &Point2<f64>| p.x > ends[0] - MARGIN && p.x < ends[1] + MARGIN && p.y < lowest + MARGIN;
+    let standard: Vec<(f64, f64)> = reference
+        .curve
+        .sample(0.25 * MILLIMETRE)
+        .iter()
+        .map(|p| if near(p) { seen(p) } else { (f64::NAN, f64::NAN) })
+        .collect();
+    let measured: Vec<(f64, f64)> = placed.points.iter().map(|p| seen(&p.point)).collect();
+    let panel = |x_label: &str, y_label: &str, from_zero: bool, series: Vec<Series>| Panel {
+        x_label: x_label.into(),
+        y_label: y_label.into(),
+        from_zero,
+        series,
+    };
+    let panels = [
+        panel(
+            "y to the field side (mm)",
+            "height \u{2212}z (mm)",
+            false,
+            vec![
+                Series::line(&reference.name, standard, GREY, Dash::Solid),
+                Series::line("measured", measured, RED, Dash::Dashed),
+                Series::marks("kept", shape, BLUE, Marker::Circle),
+            ],
+        ),
+        panel(
+            "along the standard from the start of its running surface (mm)",
+            "material missing, normal to it (mm)",
+            true,
+            vec![
+                Series::line("missing", deviations, DARK, Dash::Solid),
+                Series::marks("kept", distance, BLUE, Marker::Circle),
+            ],
+        ),
+    ];
+    let notes: Vec<String> = prepared.findings.iter().map(ToString::to_string).collect();
+    stacked_with_notes(760, 330, &panels, &notes)
+}
