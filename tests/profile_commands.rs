@@ -153,6 +153,44 @@ fn plot_marks_the_findings_of_a_file() {
     assert_eq!(listed, check.lines().count() - 1, "{check}");
 }
 
+/// A worn rail on its standard: its place, its wear and the two files. Source: 1.5 mm of crown wear in `make_worn.py`. Accuracy:
+/// the scatter of 2 micrometres and the place's own uncertainty.
+#[test]
+fn place_writes_points_and_figure() {
+    let place = tempfile::tempdir().unwrap();
+    let text = output_of(place.path(), &["place", &worn("worn-60e1.prr"), "--standard", "60E1", "-o", "out"]);
+    assert!(text.contains("uncertain by"), "{text}");
+    let line = text.lines().find(|line| line.starts_with("vertical wear")).unwrap();
+    let wear: f64 = line.split_whitespace().rev().nth(1).unwrap().parse().unwrap();
+    assert!((wear - 1.5).abs() < 0.015, "{line}");
+    let out = place.path().join("out");
+    assert!(std::fs::read_to_string(out.join("worn-60e1-placed.svg")).unwrap().starts_with("<svg"));
+    let check = output_of(&out, &["check", "--kind", "rail", "worn-60e1-placed.csv"]);
+    assert!(check.contains("rail"), "{check}");
+}
+
+/// Files without a profile, or with that of the other body, are refused with the file and a remedy.
+#[test]
+fn place_refuses_what_is_no_such_profile() {
+    let place = tempfile::tempdir().unwrap();
+    let path = |name: &str, text: &str| {
+        std::fs::write(place.path().join(name), text).unwrap();
+        place.path().join(name).display().to_string()
+    };
+    let (empty, words) = (path("empty.csv", ""), path("words.txt", "no profile\n"));
+    for standard in [&["--standard", "60E1"][..], &[]] {
+        let with = |file| [&["place", file][..], standard].concat();
+        refused(&with(&empty), &["empty.csv:1", "rows of numbers", "give y and z"]);
+        refused(&with(&words), &["words.txt:1", "rows of numbers"]);
+        refused(&with("nowhere.prr"), &["nowhere.prr", "check the path"]);
+    }
+    refused(
+        &["place", &worn("worn-s1002.whl"), "--standard", "60E1"],
+        &["worn-s1002.whl", "the shape of a wheel", "the file is that of the other body", "S1002"],
+    );
+    refused(&["place", &worn("worn-60e1.prr"), "--standard", "61E1"], &["61E1", "60E1", "profile list"]);
+}
+
 #[test]
 fn contact_writes_table_and_figure() {
     let place = tempfile::tempdir().unwrap();

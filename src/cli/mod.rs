@@ -4,6 +4,7 @@ mod findings;
 mod output;
 mod progress;
 mod shapes;
+mod file_args;
 mod contact;
 mod place;
 mod profile;

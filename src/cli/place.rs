@@ -19,7 +19,7 @@ use railspring_calibrate::section::{
 };
 use railspring_calibrate::units::MILLIMETRE;
 
-use super::profile::FileArgs;
+use super::file_args::FileArgs;
 use super::shapes::write;
 use super::{Failure, say};
 use crate::report::panel::{Panel, stacked_with_notes};

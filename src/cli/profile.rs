@@ -2,15 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::Subcommand;
 use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::profile_file::{
-    Action, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, format_of_ending, prepare,
-    read, write,
-};
+use railspring_calibrate::profile_file::{Action, MeasuredProfile, Prepared, format_of_ending, write};
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::contact::{ContactArgs, contact};
+use super::file_args::FileArgs;
 use super::place::{PlaceArgs, place};
 use super::{Failure, say, shapes};
 
@@ -60,81 +58,6 @@ pub(super) enum ProfileCommand {
     },
     /// Find the contact points over the lateral shift, the rolling-radius difference and the equivalent conicity
     Contact(ContactArgs),
-}
-
-/// A profile file and what is known about it.
-#[derive(Debug, Args)]
-pub(super) struct FileArgs {
-    /// Profile file: Simpack .prr .prw, MiniProf .ban .whl, text or CSV, lines and arcs, .dxf, slices of CONTACT .slcs .slcw
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
-    /// Part of the file that is the profile, where it has several: name or number of a slice or of a block of points, layer of a drawing
-    #[arg(long, value_name = "NAME")]
-    part: Option<String>,
-    /// Wheel or rail, where the file does not tell
-    #[arg(long)]
-    kind: Option<KindArg>,
-    /// Unit of the file, where it does not tell
-    #[arg(long)]
-    unit: Option<UnitArg>,
-    /// Whether y counts towards the track centre in the file, as in that of a left rail or wheel
-    #[arg(long, value_name = "BOOL")]
-    mirror_y: Option<bool>,
-    /// Whether z counts upwards in the file (not for Simpack files, lines and arcs)
-    #[arg(long, value_name = "BOOL")]
-    mirror_z: Option<bool>,
-    /// Smooth: halve waves of this length, mm
-    #[arg(long, value_name = "MM")]
-    smooth_mm: Option<f64>,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum KindArg {
-    Rail,
-    Wheel,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum UnitArg {
-    #[value(name = "um")]
-    Micrometre,
-    #[value(name = "mm")]
-    Millimetre,
-    #[value(name = "cm")]
-    Centimetre,
-    #[value(name = "m")]
-    Metre,
-    #[value(name = "in")]
-    Inch,
-}
-
-impl FileArgs {
-    pub fn options(&self) -> ReadOptions {
-        ReadOptions {
-            kind: self.kind.map(|kind| match kind {
-                KindArg::Rail => ProfileKind::Rail,
-                KindArg::Wheel => ProfileKind::Wheel,
-            }),
-            unit: self.unit.map(|unit| match unit {
-                UnitArg::Micrometre => 1e-6,
-                UnitArg::Millimetre => MILLIMETRE,
-                UnitArg::Centimetre => 1e-2,
-                UnitArg::Metre => 1.0,
-                UnitArg::Inch => 25.4 * MILLIMETRE,
-            }),
-            mirror_y: self.mirror_y,
-            mirror_z: self.mirror_z,
-            part: self.part.clone(),
-        }
-    }
-
-    fn read(&self) -> Result<MeasuredProfile, Error> {
-        read(&self.file, &self.options())
-    }
-
-    pub fn prepare(&self, profile: &MeasuredProfile) -> Result<Prepared, Error> {
-        prepare(profile, &PrepareOptions { smoothing: self.smooth_mm.map(|mm| mm * MILLIMETRE) })
-    }
 }
 
 /// Runs a subcommand; whether the profile is fit for use.

@@ -212,7 +212,7 @@ fn finish(
     let shares: Vec<f64> = feet.iter().map(|foot| kept(reference, foot, scale)).collect();
     let inner = without_edges(&image, &shares);
     let (again, _) = settle(reference, &inner, pose, scale, STEPS, false);
-    let spread = spread(found.as_ref(), &pose, &again);
+    let spread = spread(found.as_ref(), &pose, &again, noise);
     let across = spread.y.max(spread.z);
     let (side, over) = told(reference, worn_sides(reference, &feet, &lengths), across);
     if over && !options.side_known {
@@ -305,9 +305,12 @@ fn without_edges(image: &[Sample], shares: &[f64]) -> Vec<Sample> {
         .collect()
 }
 
-/// Uncertainty of the origin of the standard's frame: from the scatter, and from where the profile lies `again` when the
-/// neighbourhood of worn surface is left out.
-fn spread(found: Option<&Matrix4<f64>>, pose: &Pose, again: &Pose) -> Spread {
+/// Uncertainty of the origin of the standard's frame: from the scatter, from where the profile lies `again` when the
+/// neighbourhood of worn surface is left out, and from wear that is too small to be seen in a scatter of `noise` (m).
+fn spread(found: Option<&Matrix4<f64>>, pose: &Pose, again: &Pose, noise: f64) -> Spread {
+    /// How far such wear moves the profile, in standard deviations of the scatter; over the arm it turns it.
+    const UNSEEN: f64 = 0.1;
+    const ARM: f64 = 30.0 * MILLIMETRE;
     let Some(covariance) = found else {
         return Spread { y: f64::INFINITY, z: f64::INFINITY, angle: f64::INFINITY };
     };
@@ -317,7 +320,8 @@ fn spread(found: Option<&Matrix4<f64>>, pose: &Pose, again: &Pose) -> Spread {
     let moved = again.middle - pose.middle;
     let step = Vector4::new(moved.x, moved.y, again.angle - pose.angle, 0.0);
     let [y, z, angle] = rows.map(|row| row.dot(&(covariance * row)).max(0.0).sqrt().hypot(row.dot(&step)));
-    Spread { y, z, angle }
+    let unseen = UNSEEN * noise;
+    Spread { y: y.hypot(unseen), z: z.hypot(unseen), angle: angle.hypot(unseen / ARM) }
 }
 
 fn size(reference: &Reference, image: &[Sample], pose: Pose, scale: f64) -> Size {
