@@ -405,18 +405,18 @@ pub struct BodyMeshRecord {
     pub mass_kg: f64,
 }
 
-/// A measured profile on its way to a section.
+/// A measured profile on its way to a section, or a section from a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProfileRecord {
-    /// `rail` or `wheel`.
+    /// `rail` or `wheel`; `rail section` for the closed section of a file.
     pub body: String,
     /// The file as the study names it.
     pub file: String,
     /// Format of the file.
     pub format: String,
-    /// The standard body that it is joined to.
+    /// The body that it is joined to: a standard, or the file of a section.
     pub standard: String,
-    /// Number of points of the file.
+    /// Number of points of the file, or of its lines and arcs.
     pub points: usize,
     /// What was found, and what became of it.
     pub findings: Vec<FindingRecord>,

@@ -176,7 +176,8 @@ fn an_unworn_surface_joins_without_a_trace() {
     let mut head = measured(&rail.running, ProfileKind::Rail, |p| p);
     head.points.retain(|p| p.point.y < 20.0 * MM);
     let mut findings = Vec::new();
-    let joined = rail_section_with_head("60E1", &prepared(&head).curve, &mut findings).unwrap();
+    let joined =
+        rail_section_with_head(rail_section("60E1").unwrap(), &prepared(&head).curve, &mut findings).unwrap();
     let found = deviation(joined.running.sample(0.1 * MM).iter(), &rail.running);
     assert!(found < DISCRETISATION, "{found}");
     assert!((joined.area.area / rail.area.area - 1.0).abs() < 1e-7);
@@ -212,7 +213,8 @@ fn worn_surfaces_make_sections_that_can_be_meshed() {
     let mut head = measured(&rail.running, ProfileKind::Rail, worn_down);
     head.points.retain(|p| p.point.y < 20.0 * MM);
     let mut findings = Vec::new();
-    let section = rail_section_with_head("60E1", &prepared(&head).curve, &mut findings).unwrap();
+    let section =
+        rail_section_with_head(rail_section("60E1").unwrap(), &prepared(&head).curve, &mut findings).unwrap();
     assert!(section.running.kinks().is_empty(), "{:?}", section.running.kinks());
     // ∫ 3 mm (1 - (y/34)²)² dy = 3 · 68 · 8/15 mm².
     let lost = 3.0 * 68.0 * 8.0 / 15.0 * MM * MM;
@@ -249,6 +251,8 @@ fn a_head_elsewhere_is_refused() {
     let mut head = measured(&standard.running, ProfileKind::Rail, |p| Point2::new(p.x + 20.0 * MM, p.y));
     head.points.retain(|p| p.point.y < 20.0 * MM);
     let message =
-        rail_section_with_head("60E1", &prepared(&head).curve, &mut Vec::new()).unwrap_err().to_string();
+        rail_section_with_head(rail_section("60E1").unwrap(), &prepared(&head).curve, &mut Vec::new())
+            .unwrap_err()
+            .to_string();
     assert!(message.contains("rail_head") && message.contains("`rail_aligned`"), "{message}");
 }

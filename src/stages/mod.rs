@@ -78,7 +78,7 @@ pub struct Meshes {
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(study: &Study) -> Result<Geometry> {
-    let (rail, rail_profile) = sections::rail(study)?;
+    let (rail, rail_profiles) = sections::rail(study)?;
     let (wheel, wheel_profile) = sections::wheel(study)?;
     let track = TrackGeometry {
         gauge: study.track.gauge,
@@ -95,7 +95,7 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
         other => other,
     })?;
     let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
-    let profiles = rail_profile.into_iter().chain(wheel_profile).collect();
+    let profiles = rail_profiles.into_iter().chain(wheel_profile).collect();
     Ok(Geometry { pair, beam, profiles })
 }
 

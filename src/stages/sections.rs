@@ -1,31 +1,35 @@
-//! The two sections of a study: standard ones, or measured surfaces on standard bodies.
+//! The two sections of a study: standard ones, a rail's from a file, or measured surfaces on these.
 
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::profile_file::{
-    Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, ProfileKind, ReadOptions, parse, prepare,
+    Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, ProfileKind, ReadOptions, parse,
+    parse_rail_section, prepare,
 };
 use railspring_calibrate::section::{
-    RailSection, WheelSection, align_rail, rail_section, rail_section_with_head, wheel_section_on,
-    wheel_section_with_profile,
+    RailSection, WheelSection, align_rail, rail_section, rail_section_on, rail_section_with_head,
+    wheel_section_on, wheel_section_with_profile,
 };
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::records::{FindingRecord, ProfileRecord};
-use crate::study::{MeasuredSurface, Study};
+use crate::study::{MeasuredSurface, SectionFile, Study};
 
 /// Share of the points that has to lie on the standard for an alignment to be sure of.
 const ENOUGH_UNWORN: f64 = 0.4;
 
-/// Section of the rail, and the record of its measured head.
-pub(super) fn rail(study: &Study) -> Result<(RailSection, Option<ProfileRecord>)> {
+/// Section of the rail, and the records of its own section and of its measured head.
+pub(super) fn rail(study: &Study) -> Result<(RailSection, Vec<ProfileRecord>)> {
     let standard = &study.rail.profile;
-    let Some(measured) = &study.rail.measured else {
-        return Ok((rail_section(standard)?, None));
+    let (standard_section, mut records) = match &study.rail.section {
+        Some(own) => own_rail(own).map(|(section, record)| (section, vec![record]))?,
+        None => (rail_section(standard)?, Vec::new()),
     };
-    let standard_section = rail_section(standard)?;
+    let Some(measured) = &study.rail.measured else {
+        return Ok((standard_section, records));
+    };
     let (profile, mut curve, mut findings) = curve_of(measured, ProfileKind::Rail)?;
     if measured.aligned {
         let motion = align_rail(&curve, &standard_section.running)?;
@@ -50,8 +54,23 @@ pub(super) fn rail(study: &Study) -> Result<(RailSection, Option<ProfileRecord>)
         refuse_canted(measured, &curve, &standard_section)?;
     }
     findings.extend(worn_outside(&curve));
-    let section = rail_section_with_head(standard, &curve, &mut findings)?;
-    Ok((section, Some(record("rail", measured, standard, &profile, &findings))))
+    let section = rail_section_with_head(standard_section, &curve, &mut findings)?;
+    records.push(record("rail", measured, standard, &profile, &findings));
+    Ok((section, records))
+}
+
+/// The section of a study's own file.
+fn own_rail(own: &SectionFile) -> Result<(RailSection, ProfileRecord)> {
+    let read = parse_rail_section(&own.path.display().to_string(), &own.content)?;
+    let record = ProfileRecord {
+        body: "rail section".into(),
+        file: own.file.clone(),
+        format: read.format.to_string(),
+        standard: own.file.clone(),
+        points: read.count,
+        findings: read.findings.iter().map(finding_record).collect(),
+    };
+    Ok((rail_section_on(&own.file, read.running, read.rest), record))
 }
 
 /// Refuses a head that was measured as it lies in the track: joined to a section that is not inclined, it would be

@@ -13,7 +13,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::document::StudyDocument;
-use super::{MeasuredSurface, MeshFile, Rail, Wheel};
+use super::{MeasuredSurface, MeshFile, Rail, SectionFile, Wheel};
 
 /// The hashes of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +49,7 @@ impl Keys {
     ) -> Self {
         let mut numeric = document.clone();
         // A file counts by its content, wherever it lies.
+        numeric.rail.section_file = rail.section.as_ref().map(SectionFile::fingerprint);
         numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
         numeric.wheel.profile_file = wheel.measured.as_ref().map(MeasuredSurface::fingerprint);
         // So does a slice, whose content that is.

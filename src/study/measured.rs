@@ -1,6 +1,6 @@
 //! The keys that say which running surface a rail or wheel has.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, InputError};
@@ -8,12 +8,12 @@ use railspring_calibrate::input;
 use railspring_calibrate::profile_file::{LARGEST_FILE, ProfileKind, ProfileSource};
 use railspring_calibrate::units::MILLIMETRE;
 
-use super::MeasuredSurface;
 use super::check::nearest;
 use super::collect::Collector;
 use super::document::ProfileUnitKey;
 use super::fields::translate;
 use super::source::{MISSING, Source};
+use super::{MeasuredSurface, SectionFile};
 
 /// The keys of one body.
 pub(super) struct SurfaceKeys<'a> {
@@ -24,6 +24,8 @@ pub(super) struct SurfaceKeys<'a> {
     /// What the standard profile is, for messages.
     pub meaning: &'static str,
     pub profile: Option<&'a str>,
+    /// The file of the body's own section.
+    pub own: Option<&'a str>,
     pub file: Option<&'a str>,
     pub part: Option<&'a str>,
     pub standard: Option<&'a str>,
@@ -53,8 +55,10 @@ impl SurfaceKeys<'_> {
         let reads = [key("profile"), key("profile_file"), key("standard")];
         let reads = reads.each_ref().map(String::as_str);
         let Some(file) = self.file else {
+            // Beside a section of its own, that a standard is too much has been said.
+            let standard = self.standard.filter(|_| self.own.is_none());
             let alone = [
-                ("standard", self.standard.map(|name| format!("{name:?}"))),
+                ("standard", standard.map(|name| format!("{name:?}"))),
                 ("profile_part", self.part.map(|part| format!("{part:?}"))),
                 ("profile_smoothing_mm", self.smoothing_mm.map(|value| value.to_string())),
                 ("profile_aligned", self.aligned.map(|value| value.to_string())),
@@ -70,13 +74,16 @@ impl SurfaceKeys<'_> {
                 );
                 collector.add(&reads, mistake);
             }
+            if let Some(own) = self.own {
+                return Some((own.to_owned(), None));
+            }
             let name = self.profile.ok_or_else(|| {
                 missing("profile", &format!("{}; or give profile_file and standard", self.meaning))
             });
             let name = collector.take(&reads, name)?;
             return collector.take(&reads, self.known("profile", name)).map(|name| (name, None));
         };
-        if let Some(name) = self.profile {
+        if let (Some(name), None) = (self.profile, self.own) {
             let mistake = InputError::new(
                 key("profile"),
                 format!("{name:?}"),
@@ -85,20 +92,17 @@ impl SurfaceKeys<'_> {
             );
             collector.add(&reads, mistake);
         }
-        let standard = self
-            .standard
-            .ok_or_else(|| missing("standard", "what the measured profile is joined to"))
-            .and_then(|name| self.known("standard", name));
-        let standard = collector.take(&reads, standard);
-        let path = source.path().parent().unwrap_or(Path::new("")).join(file);
-        let content = input::read(&path, LARGEST_FILE).map_err(|cause| {
-            InputError::new(
-                key("profile_file"),
-                format!("{file:?}"),
-                format!("a readable file; {}: {cause}", path.display()),
-                "give its path relative to the study",
-            )
-        });
+        let standard = match self.own {
+            Some(own) => Some(own.to_owned()),
+            None => {
+                let standard = self
+                    .standard
+                    .ok_or_else(|| missing("standard", "what the measured profile is joined to"))
+                    .and_then(|name| self.known("standard", name));
+                collector.take(&reads, standard)
+            }
+        };
+        let (path, content) = self.read("profile_file", file, source);
         let content = collector.take(&[&key("profile_file")], content);
         let kind = if section == "rail" { ProfileKind::Rail } else { ProfileKind::Wheel };
         let chosen = ProfileSource::of(&path, content?, self.part, Some(kind)).map_err(|error| {
@@ -127,6 +131,38 @@ impl SurfaceKeys<'_> {
         Some((standard?, Some(measured)))
     }
 
+    /// The body's own section, which takes the place of a standard one.
+    pub fn own_section(&self, file: &str, source: &Source, collector: &mut Collector) -> Option<SectionFile> {
+        let key = |leaf: &str| format!("{}.{leaf}", self.section);
+        for (leaf, name) in [("profile", self.profile), ("standard", self.standard)] {
+            let Some(name) = name else { continue };
+            let mistake = InputError::new(
+                key(leaf),
+                format!("{name:?}"),
+                format!("either {} or {}", key(leaf), key("section_file")),
+                "the file is the whole section: remove one of the two keys",
+            );
+            collector.add(&[&key("section_file")], mistake);
+        }
+        let (path, content) = self.read("section_file", file, source);
+        let content = collector.take(&[&key("section_file")], content)?;
+        Some(SectionFile { file: file.to_owned(), path, content: Arc::from(content) })
+    }
+
+    /// A file that a key names relative to the study: where it lies, and its content.
+    fn read(&self, leaf: &str, file: &str, source: &Source) -> (PathBuf, Result<Vec<u8>, InputError>) {
+        let path = source.path().parent().unwrap_or(Path::new("")).join(file);
+        let content = input::read(&path, LARGEST_FILE).map_err(|cause| {
+            InputError::new(
+                format!("{}.{leaf}", self.section),
+                format!("{file:?}"),
+                format!("a readable file; {}: {cause}", path.display()),
+                "give its path relative to the study",
+            )
+        });
+        (path, content)
+    }
+
     /// The name, if it is one of the standard profiles.
     fn known(&self, leaf: &str, name: &str) -> Result<String, InputError> {
         if self.names.contains(&name) {
@@ -150,9 +186,21 @@ impl SurfaceKeys<'_> {
 }
 
 impl MeasuredSurface {
-    /// What represents the file in the hash of the study: its extension, which can determine the format, and its content.
+    /// What represents the file in the hash of the study.
     pub(super) fn fingerprint(&self) -> String {
-        let ending = self.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        format!("{}.{ending}", blake3::hash(&self.content).to_hex())
+        fingerprint(&self.path, &self.content)
     }
+}
+
+impl SectionFile {
+    /// What represents the file in the hash of the study.
+    pub(super) fn fingerprint(&self) -> String {
+        fingerprint(&self.path, &self.content)
+    }
+}
+
+/// The extension of a file, which can determine the format, and its content.
+fn fingerprint(path: &Path, content: &[u8]) -> String {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    format!("{}.{ending}", blake3::hash(content).to_hex())
 }

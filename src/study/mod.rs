@@ -91,8 +91,10 @@ pub struct Study {
 /// The rail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rail {
-    /// Name of the standard section.
+    /// Name of the standard section, or the file of the study's own as the study names it.
     pub profile: String,
+    /// The study's own section, in the place of a standard one.
+    pub section: Option<SectionFile>,
     /// The measured head that takes the place of the standard's.
     pub measured: Option<MeasuredSurface>,
     /// Inclination as a slope.
@@ -118,6 +120,17 @@ pub struct Wheel {
     pub body: WheelBody,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
+}
+
+/// A closed section in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionFile {
+    /// The file as the study names it.
+    pub file: String,
+    /// The file as it was found.
+    pub path: PathBuf,
+    /// Its content.
+    pub content: Arc<[u8]>,
 }
 
 /// A measured profile: the content of its file, and how it is prepared.

@@ -186,6 +186,7 @@ fn rail(keys: &RailKeys, source: &Source, collector: &mut Collector) -> Option<R
         names: &RAIL_NAMES,
         meaning: "Name of the standard section",
         profile: keys.profile.as_deref(),
+        own: keys.section_file.as_deref(),
         file: keys.profile_file.as_deref(),
         part: keys.profile_part.as_deref(),
         standard: keys.standard.as_deref(),
@@ -193,6 +194,10 @@ fn rail(keys: &RailKeys, source: &Source, collector: &mut Collector) -> Option<R
         aligned: keys.profile_aligned,
         unit: keys.profile_unit,
         mirrored: keys.profile_mirrored,
+    };
+    let section = match &keys.section_file {
+        Some(file) => named.own_section(file, source, collector).map(Some),
+        None => Some(None),
     };
     let surface = named.resolve(source, collector);
     let mesh = MeshFileKeys {
@@ -205,7 +210,14 @@ fn rail(keys: &RailKeys, source: &Source, collector: &mut Collector) -> Option<R
     }
     .resolve(source.path(), collector);
     let (profile, measured) = surface?;
-    Some(Rail { profile, measured, inclination: inclination?, length: keys.length_m, mesh: mesh? })
+    Some(Rail {
+        profile,
+        section: section?,
+        measured,
+        inclination: inclination?,
+        length: keys.length_m,
+        mesh: mesh?,
+    })
 }
 
 fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option<Wheel> {
@@ -214,6 +226,7 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
         names: &WHEEL_NAMES,
         meaning: "Name of the standard running profile",
         profile: keys.profile.as_deref(),
+        own: None,
         file: keys.profile_file.as_deref(),
         part: keys.profile_part.as_deref(),
         standard: keys.standard.as_deref(),

@@ -527,7 +527,7 @@ fn check_frame(name: &str, kind: ProfileKind, segments: &[Segment], lines: &[usi
 
 /// The running surface and the rest of a closed section of a rail, as ranges in the ring of its segments: the head from where its
 /// sides have not yet turned under it.
-fn split_rail(
+pub(crate) fn split_rail(
     name: &str,
     segments: &[Segment],
     line: usize,

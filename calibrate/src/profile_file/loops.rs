@@ -66,7 +66,16 @@ pub(super) fn cut_loops(
 }
 
 /// The crossing of two chords i < j whose second chord comes first, with the point.
-fn first_crossing(name: &str, points: &[MeasuredPoint]) -> Result<Option<(usize, usize, Point2<f64>)>> {
+///
+/// # Errors
+/// A line too tangled to be searched.
+pub(super) fn first_crossing(
+    name: &str,
+    points: &[MeasuredPoint],
+) -> Result<Option<(usize, usize, Point2<f64>)>> {
+    // The first and the last chord of a closed line meet.
+    let last = points.len() - 2;
+    let closed = points[0].point == points[last + 1].point;
     let total: f64 = points.windows(2).map(|w| (w[1].point - w[0].point).norm()).sum();
     let cell = total / CELLS;
     let index = |v: f64| (v / cell).floor() as i64;
@@ -109,7 +118,8 @@ fn first_crossing(name: &str, points: &[MeasuredPoint]) -> Result<Option<(usize,
         }
         for (k, &(_, i)) in group.iter().enumerate() {
             for &(_, j) in &group[k + 1..] {
-                if j < i + 2 || best.is_some_and(|b| (b.1, b.0) <= (j, i)) {
+                if j < i + 2 || (closed && i == 0 && j == last) || best.is_some_and(|b| (b.1, b.0) <= (j, i))
+                {
                     continue;
                 }
                 if let Some(p) =

@@ -9,7 +9,7 @@ mod wheel;
 
 pub use align::{Alignment, align_rail};
 pub use properties::AreaProperties;
-pub use rail::{RailSection, rail_section, rail_section_of, rail_section_with_head};
+pub use rail::{RailSection, rail_section, rail_section_of, rail_section_on, rail_section_with_head};
 pub use wheel::{
     RevolvedBody, WheelSection, body_of_revolution, body_of_revolution_mass, wheel_section, wheel_section_on,
     wheel_section_with_profile,

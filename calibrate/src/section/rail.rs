@@ -10,6 +10,10 @@ use crate::field::InputField;
 use crate::profile::rails::{RailOutline, rail_outline, running_curve};
 use crate::profile::{ProfileCurve, Segment, polyline};
 use crate::profile_file::Finding;
+use crate::units::MILLIMETRE;
+
+/// Shortest edge of a body's outline, m.
+const SHORTEST_EDGE: f64 = 1.0 * MILLIMETRE;
 
 /// Cross-section of a rail in its profile frame: y to the field side, z down, origin at the top on the axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,40 +54,62 @@ pub fn rail_section(name: &str) -> Result<RailSection> {
 
 /// The section of any outline of lines and arcs, called `name`: as [`rail_section`].
 pub fn rail_section_of(name: &str, outline: RailOutline) -> RailSection {
-    let running = running_curve(&outline);
-    let mut body = polyline(&outline.rest, FILLET_STEP);
+    rail_section_on(name, running_curve(&outline), outline.rest)
+}
+
+/// The section of a running surface and the `rest` of its outline, which goes on from the end of `running` back to its start.
+///
+/// The vertices of the body are those of `rest` at least 1 mm apart, as shorter edges would make flat elements; the integrals take all
+/// of `rest`.
+pub fn rail_section_on(name: &str, running: ProfileCurve, rest: Vec<Segment>) -> RailSection {
+    let mut body = thinned(polyline(&rest, FILLET_STEP));
     let last = body.len() - 1;
     body[0] = running.point(running.length());
     body[last] = running.point(0.0);
-    let height = outline.rest.iter().map(|s| s.end().y).fold(0.0, f64::max);
-    let moments = area_moments(&running, &outline.rest);
+    let height = rest.iter().map(|s| s.end().y).fold(0.0, f64::max);
+    let moments = area_moments(&running, &rest);
     let area = AreaProperties {
         area: moments.area,
         centroid_height: height - moments.centroid.y,
         ixx: moments.zz,
         iyy: moments.yy,
     };
-    RailSection { name: name.to_owned(), running, body, body_outline: outline.rest, height, area }
+    RailSection { name: name.to_owned(), running, body, body_outline: rest, height, area }
 }
 
-/// The section of a measured head on the standard section `name`: the running surface is the measured one, joined
+/// Vertices without those that are nearer than the shortest edge to the one before them, or to the last one.
+fn thinned(vertices: Vec<Point2<f64>>) -> Vec<Point2<f64>> {
+    let Some(end) = vertices.last().copied() else { return vertices };
+    let mut kept: Vec<Point2<f64>> = Vec::with_capacity(vertices.len());
+    for p in &vertices[..vertices.len() - 1] {
+        if kept.last().is_none_or(|last| (p - last).norm() >= SHORTEST_EDGE) {
+            kept.push(*p);
+        }
+    }
+    while kept.len() > 1 && kept.last().is_some_and(|last| (end - last).norm() < SHORTEST_EDGE) {
+        kept.pop();
+    }
+    kept.push(end);
+    kept
+}
+
+/// The section of a measured head on the section `standard`: the running surface is the measured one, joined
 /// to the standard's with continuous tangents; web, foot and the underside of the head are the standard's. The
 /// head has to be in the frame of the section (origin at the unworn top, on the axis).
 ///
 /// What was done is added to `findings`.
 ///
 /// # Errors
-/// [`crate::error::InputError`] for an unknown name, and with the field `rail_head` for a head whose ends do
-/// not lie near the standard surface.
+/// [`crate::error::InputError`] with the field `rail_head` for a head whose ends do not lie near the standard surface.
 pub fn rail_section_with_head(
-    name: &str,
+    standard: RailSection,
     head: &ProfileCurve,
     findings: &mut Vec<Finding>,
 ) -> Result<RailSection> {
-    let standard = rail_section(name)?;
     let running = join(&standard.running, head, InputField::RailHead, findings)?;
     let moments = area_moments(&running, &standard.body_outline);
-    let mut section = RailSection { name: format!("measured head on {name}"), running, ..standard };
+    let mut section =
+        RailSection { name: format!("measured head on {}", standard.name), running, ..standard };
     let last = section.body.len() - 1;
     section.body[0] = section.running.point(section.running.length());
     section.body[last] = section.running.point(0.0);

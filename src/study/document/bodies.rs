@@ -8,10 +8,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RailKeys {
-    /// Name of the standard section, for instance `60E1` or `UIC60`. Give this, or `profile_file` with `standard`.
+    /// Name of the standard section, for instance `60E1` or `UIC60`. Give this, `section_file`, or `profile_file` with `standard`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile: Option<String>,
+    /// File of a closed section of a rail of your own (lines and arcs, DXF, columns of points), relative to the study, in the place of a standard one: its outline is body and running surface. A `profile_file` beside it is joined to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub section_file: Option<String>,
     /// File of a measured profile (Simpack, MiniProf, text or CSV, lines and arcs, DXF, slices of CONTACT), relative to the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
@@ -20,7 +24,7 @@ pub struct RailKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile_part: Option<String>,
-    /// Name of the standard section that the measured profile is joined to.
+    /// Name of the standard section that the measured profile is joined to; none beside `section_file`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub standard: Option<String>,

@@ -17,7 +17,8 @@ use self::entities::{Entity, Shape, count};
 use super::finding::{Action, Finding, FindingKind};
 use super::text::{error_at, lines, shown};
 use super::{Convention, MeasuredPoint, Part, ProfileFormat, Raw, push};
-use crate::error::{Error, Result};
+use crate::error::{Error, InputError, Result};
+use crate::profile::Segment;
 use crate::units::MILLIMETRE;
 
 /// Points along the extent of the profile: 0.2 mm apart on a head or wheel.
@@ -49,7 +50,37 @@ pub(super) fn refuse_binary(name: &str, bytes: &[u8]) -> Result<()> {
     Err(error_at(name, 1, 1, "binary DXF", "DXF as text", "export the drawing as ASCII DXF"))
 }
 
-pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
+/// The lines of a drawing, joined where they meet.
+struct Joined {
+    chains: Vec<Chain>,
+    /// Line of the file and layer of each entity.
+    layers: Vec<(usize, String)>,
+    /// Length of the unit, m, and the line that says so.
+    unit: Option<(f64, usize)>,
+    findings: Vec<Finding>,
+}
+
+impl Joined {
+    fn layer_of(&self, chain: &Chain) -> &str {
+        let line = chain.path.pieces.iter().map(|(_, line)| *line).min().unwrap_or(1);
+        let before = self.layers.iter().rev().find(|(at, _)| *at <= line).or(self.layers.first());
+        before.map_or("", |(_, layer)| layer.as_str())
+    }
+
+    /// What the chains are, for messages.
+    fn list(&self) -> String {
+        let described = self.chains.iter().enumerate().take(LISTED);
+        let mut list: Vec<String> =
+            described.map(|(i, chain)| describe(i, chain, self.layer_of(chain))).collect();
+        if self.chains.len() > LISTED {
+            list.push(format!("and {} more", self.chains.len() - LISTED));
+        }
+        list.join("; ")
+    }
+}
+
+/// The lines of the drawing, or of the layer that `part` names; whether it names one.
+fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
     let drawing = entities::read(name, text)?;
     let mut findings = Vec::new();
     let on_layer =
@@ -91,7 +122,7 @@ pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
     );
     pass_over(&texts, Action::Noted, "no lines of the profile", &mut findings);
     let nothing = paths.is_empty();
-    let (mut chains, left_out) = join(name, paths)?;
+    let (chains, left_out) = join(name, paths)?;
     if chains.is_empty() {
         let expected = "lines, arcs, polylines or splines among the entities of the drawing";
         let remedy = "explode blocks, and export the drawing as ASCII DXF";
@@ -107,19 +138,13 @@ pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
         let text = format!("{count} on top of another, or shorter than a gap: left out");
         findings.push(Finding::new(FindingKind::PassedOver, Action::Noted, text).on_lines(*first, *last));
     }
-    let layer_of = |chain: &Chain| {
-        let line = chain.path.pieces.iter().map(|(_, line)| *line).min().unwrap_or(1);
-        let before = layers.iter().rev().find(|(at, _)| *at <= line).or(layers.first());
-        before.map_or("", |(_, layer)| layer.as_str())
-    };
-    let describe = |(index, chain): (usize, &Chain)| describe(index, chain, layer_of(chain));
-    let list = || {
-        let mut list: Vec<String> = chains.iter().enumerate().take(LISTED).map(describe).collect();
-        if chains.len() > LISTED {
-            list.push(format!("and {} more", chains.len() - LISTED));
-        }
-        list.join("; ")
-    };
+    Ok((Joined { chains, layers, unit: drawing.unit, findings }, by_layer))
+}
+
+pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
+    let (mut joined, by_layer) = joined(name, text, part)?;
+    let chains = &joined.chains;
+    let list = || joined.list();
     let number = part.name.filter(|_| !by_layer).map(|wanted| wanted.trim().parse::<usize>());
     let chosen = match number {
         None if chains.len() == 1 => 0,
@@ -144,9 +169,10 @@ pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
             ));
         }
     };
-    let said = describe((chosen, &chains[chosen]));
+    let said = describe(chosen, &chains[chosen], joined.layer_of(&chains[chosen]));
     let left = chains.len() - 1;
-    let chain = chains.swap_remove(chosen);
+    let chain = joined.chains.swap_remove(chosen);
+    let mut findings = joined.findings;
     if chain.closed {
         return Err(closed(name, &chain, part));
     }
@@ -158,10 +184,83 @@ pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
         format: ProfileFormat::Dxf,
         kind: None,
         convention: Convention::Free,
-        unit: drawing.unit,
+        unit: joined.unit,
         points,
         findings,
     })
+}
+
+/// A closed line of a drawing, in its axes and unit.
+pub(super) struct Closed {
+    pub shape: ClosedShape,
+    /// Length of the unit, m, and the line that says so.
+    pub unit: Option<(f64, usize)>,
+    pub findings: Vec<Finding>,
+}
+
+/// What a closed line consists of; the lines are those of the file.
+pub(super) enum ClosedShape {
+    /// Lines and arcs, each where the one before it ended.
+    Segments(Vec<(Segment, usize)>),
+    /// Vertices of a line that was measured or is no circle somewhere.
+    Points(Vec<MeasuredPoint>),
+}
+
+/// The one closed line of a drawing.
+///
+/// # Errors
+/// As [`parse`]; no closed line, with the gap, or several.
+pub(super) fn closed_line(name: &str, text: &str, remedy: &str) -> Result<Closed> {
+    let whole = Part { name: None, field: String::new() };
+    let (mut joined, _) = joined(name, text, &whole)?;
+    let closed: Vec<usize> = (0..joined.chains.len()).filter(|&i| joined.chains[i].closed).collect();
+    let expected = "one closed line, the outline of the section";
+    let [chosen] = closed[..] else {
+        if closed.is_empty() {
+            let longest = joined.chains.iter().max_by(|a, b| a.path.length().total_cmp(&b.path.length()));
+            let Some((chain, [end, start])) = longest.and_then(|c| Some((c, c.path.ends()?))) else {
+                return Err(InputError::new(name, "no line with ends", expected, remedy).into());
+            };
+            let value = format!(
+                "an open outline: a gap of {:.4} from ({:.4}, {:.4}) to ({:.4}, {:.4}), in units of the drawing",
+                (end - start).norm(),
+                start.x,
+                start.y,
+                end.x,
+                end.y
+            );
+            let remedy = "close the outline at this place, its ends within 1e-4 of the drawing's extent";
+            return Err(
+                InputError::new(format!("{name}:{}", first_line(chain)), value, expected, remedy).into()
+            );
+        }
+        let value = format!("{} closed lines: {}", closed.len(), joined.list());
+        let line = first_line(&joined.chains[closed[1]]);
+        return Err(InputError::new(format!("{name}:{line}"), value, expected, remedy).into());
+    };
+    let said = describe(chosen, &joined.chains[chosen], joined.layer_of(&joined.chains[chosen]));
+    let left = joined.chains.len() - 1;
+    let chain = joined.chains.swap_remove(chosen);
+    let mut findings = joined.findings;
+    let others = if left > 0 { format!("; {left} open lines are not used") } else { String::new() };
+    let text = format!("x of the drawing is y, y is z; the outline is line {said}{others}");
+    findings.push(Finding::new(FindingKind::Columns, Action::Noted, text));
+    let pieces = &chain.path.pieces;
+    let is_line = |piece: &Piece| matches!(piece, Piece::Line(..));
+    let measured = pieces.len() >= MEASURED && pieces.iter().all(|(piece, _)| is_line(piece));
+    let drawn = !pieces.iter().any(|(piece, _)| matches!(piece, Piece::Spline(_)));
+    let segment = |piece: &Piece| match *piece {
+        Piece::Arc { centre, radius, start, sweep } => {
+            Segment::Arc { centre, radius, start_angle: start, sweep }
+        }
+        _ => Segment::line(piece.ends()[0], piece.ends()[1]),
+    };
+    let shape = if drawn && !measured {
+        ClosedShape::Segments(pieces.iter().map(|(piece, line)| (segment(piece), *line)).collect())
+    } else {
+        ClosedShape::Points(sample(name, &chain, &mut findings)?)
+    };
+    Ok(Closed { shape, unit: joined.unit, findings })
 }
 
 fn is_finite(piece: &Piece) -> bool {
