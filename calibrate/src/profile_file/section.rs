@@ -108,13 +108,9 @@ fn table(name: &str, text: &str) -> Result<RailSectionFile> {
     }
     say_asymmetry(&ring, &mut findings);
     let count = outline.running.len() + outline.rest.len();
-    Ok(RailSectionFile {
-        format: ProfileFormat::LinesAndArcs,
-        count,
-        running: running_curve(&outline),
-        rest: outline.rest,
-        findings,
-    })
+    let running = running_curve(&outline);
+    check_head(name, &running, &ring)?;
+    Ok(RailSectionFile { format: ProfileFormat::LinesAndArcs, count, running, rest: outline.rest, findings })
 }
 
 /// Lines and arcs of a drawing.
@@ -153,6 +149,7 @@ fn drawing(
     let part = |range: std::ops::Range<usize>| range.map(|i| segments[i % segments.len()]).collect();
     let outline = RailOutline { running: part(running), rest: part(rest) };
     let running = running_curve(&outline);
+    check_head(name, &running, &ring)?;
     Ok(RailSectionFile { format: ProfileFormat::Dxf, count, running, rest: outline.rest, findings })
 }
 
@@ -207,10 +204,11 @@ fn vertices(
     let top = (0..n).min_by(|&a, &b| ring[a].point.y.total_cmp(&ring[b].point.y)).unwrap_or(0);
     let at = |i: usize| ring[(top + i) % n];
     let (first, last) = head(name, n, at)?;
-    let running: Vec<MeasuredPoint> = (first..=last).map(at).collect();
+    let surface: Vec<MeasuredPoint> = (first..=last).map(at).collect();
     let around: Vec<Point2<f64>> = (last..=first + n).map(|i| at(i).point).collect();
     let rest = around.windows(2).map(|pair| Segment::line(pair[0], pair[1])).collect();
-    let running = through(&running, &mut findings);
+    let running = through(&surface, &mut findings);
+    check_head(name, &running, &ring)?;
     Ok(RailSectionFile { format, count, running, rest, findings })
 }
 
@@ -231,12 +229,22 @@ fn head(name: &str, n: usize, at: impl Fn(usize) -> MeasuredPoint) -> Result<(us
     let start = (1..n).rev().find(|&i| direction(i, false).x < TURNED);
     match (start, end) {
         (Some(start), Some(end)) if end - n < start && end > n + 2 => Ok((start, end)),
-        _ => {
-            let remedy = "give the outline of the whole section, in order";
-            let value = "a closed outline without a head";
-            Err(at_line(name, at(0).line, value, "sides that turn under a head above its web", remedy))
-        }
+        _ => Err(no_head(name, at(0).line)),
     }
+}
+
+fn no_head(name: &str, line: usize) -> Error {
+    let value = "a closed outline without a head";
+    let remedy = "give the outline of the whole section, in order";
+    at_line(name, line, value, "sides that turn under a head above its web", remedy)
+}
+
+/// Refuses an outline whose sides turn under it in its lower half only: at the foot, not under a head.
+fn check_head(name: &str, running: &ProfileCurve, ring: &[MeasuredPoint]) -> Result<()> {
+    let (low, high) = bounds(ring);
+    let middle = 0.5 * (low.y + high.y);
+    let ends = [0.0, running.length()].map(|s| running.point(s).y);
+    if ends.iter().all(|z| *z < middle) { Ok(()) } else { Err(no_head(name, ring[0].line)) }
 }
 
 /// The curve through the points of a head: splines, with straight lines where the points are far apart, and corners.
