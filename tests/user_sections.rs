@@ -15,6 +15,14 @@ fn study(rail: &str) -> String {
     include_str!("studies/coarse.toml").replace("profile = \"60E1\"", rail)
 }
 
+/// DISCRETISATION: the nodes of the surface are the same, but rounding decides which steps the smoothing of the section takes, so that inner
+/// nodes lie up to 0.1 mm elsewhere, 1/60 of an element. The mesh's error, 1 % here, changes by the square of that: 3e-6 of displacement and
+/// tangent, threefold.
+const SMOOTHING: f64 = 1e-5;
+/// DISCRETISATION: splines lie up to 20 nm beside the arcs at the contact, which lets a contact point at the edge of the patch carry load or not,
+/// and its twin across the middle of the window. With 16 cells across, 200 in a patch, the two are 1 % of its area.
+const A_POINT: f64 = 1e-2;
+
 /// Runs a command on the study with this rail; the results lie in `out`.
 fn railspring(root: &Path, command: &str, rail: &str) -> Output {
     std::fs::write(root.join("study.toml"), study(rail)).unwrap();
@@ -101,9 +109,8 @@ fn table(outline: &RailOutline) -> String {
 }
 
 /// Source: the built-in 60E1. Goal: the same rail as a DXF of lines and arcs and as columns of points has its load curves and laws (mm,
-/// kN/m), its file stands in the results with what was done to it, and the store tells the files apart. Accuracy: DXF 1e-6, a hundred times its
-/// digits over a displacement; columns what area and second moments of the polygon differ from the arcs', for that is the share of bending
-/// and shear that changes, the mesh having the same nodes.
+/// kN/m), its file stands in the results with what was done to it, and the store tells the files apart. Accuracy: DXF `SMOOTHING`; columns what area
+/// and second moments of the polygon differ from the arcs', for that is the share of bending and shear that changes, and tangents `A_POINT`.
 #[test]
 fn the_standard_from_a_file_has_its_law() {
     let folder = tempfile::tempdir().unwrap();
@@ -122,12 +129,15 @@ fn the_standard_from_a_file_has_its_law() {
         let area = rail_section_on(name, read.running, read.rest).area;
         let polygon = [(area.area, standard.area), (area.ixx, standard.ixx), (area.iyy, standard.iyy)]
             .map(|(found, exact)| (found / exact - 1.0).abs());
-        let tolerance = polygon.into_iter().fold(1e-6, f64::max);
+        let tolerance = polygon.into_iter().fold(SMOOTHING, f64::max);
         assert!(tolerance < 2e-3, "{name}: {tolerance}");
         let found = load_curve(root);
         assert_eq!(found.len(), expected.len());
-        let most = found.iter().zip(&expected).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
-        assert!(most < tolerance, "{name}: {most:e} of {tolerance:e}");
+        let tangents = if format == "CSV" { tolerance.max(A_POINT) } else { tolerance };
+        for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
+            let (difference, most) = (a / b - 1.0, if i % 3 == 0 { tolerance } else { tangents });
+            assert!(difference.abs() < most, "{name}, value {i}: {difference:e} of {most:e}");
+        }
         let profile = &record["profiles"][0];
         assert_eq!((&profile["body"], &profile["file"]), (&"rail section".into(), &name.into()));
         assert_eq!(profile["format"], format);

@@ -9,7 +9,9 @@ use super::dxf::ClosedShape;
 use super::finding::{Action, Finding, FindingKind};
 use super::kinks::find_kinks;
 use super::loops::first_crossing;
-use super::{MeasuredPoint, Part, ProfileFormat, ProfileKind, ReadOptions, columns, drawn, dxf, text};
+use super::{
+    MeasuredPoint, Part, ProfileFormat, ProfileKind, ReadOptions, columns, drawn, dxf, recognised, text,
+};
 use crate::error::{Error, InputError, Result};
 use crate::profile::lines_and_arcs::{self, split_rail};
 use crate::profile::rails::{RailOutline, running_curve};
@@ -65,22 +67,29 @@ pub struct RailSectionFile {
 pub fn parse_rail_section(name: &str, bytes: &[u8]) -> Result<RailSectionFile> {
     dxf::refuse_binary(name, bytes)?;
     let text = text::decode(name, bytes)?;
-    if lines_and_arcs::recognises(&text) {
-        return table(name, &text);
-    }
     let ending = std::path::Path::new(name).extension();
     let ending = ending.map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if dxf::recognises(&text, &ending) {
-        let remedy = "leave the outline of the section alone in the drawing, one closed line";
-        let dxf::Closed { shape, unit, findings } = dxf::closed_line(name, &text, remedy)?;
-        return match shape {
-            ClosedShape::Segments(segments) => drawing(name, segments, unit, findings),
-            ClosedShape::Points(points) => vertices(name, ProfileFormat::Dxf, points, unit, findings),
-        };
+    match recognised(&text, &ending) {
+        Some(ProfileFormat::LinesAndArcs) => table(name, &text),
+        Some(ProfileFormat::Dxf) => {
+            let remedy = "leave the outline of the section alone in the drawing, one closed line";
+            let dxf::Closed { shape, unit, findings } = dxf::closed_line(name, &text, remedy)?;
+            match shape {
+                ClosedShape::Segments(segments) => drawing(name, segments, unit, findings),
+                ClosedShape::Points(points) => vertices(name, ProfileFormat::Dxf, points, unit, findings),
+            }
+        }
+        Some(format @ (ProfileFormat::Simpack | ProfileFormat::MiniProf)) => {
+            let value = format!("a {format} file, which holds a running surface");
+            let remedy = "give a running surface as `profile_file` on a standard section";
+            Err(InputError::new(name, value, OUTLINE, remedy).into())
+        }
+        Some(ProfileFormat::Text | ProfileFormat::Csv) | None => {
+            let part = Part { name: None, field: "the part".into() };
+            let raw = columns::parse(name, &text, &ending, &part)?;
+            vertices(name, raw.format, raw.points, raw.unit, raw.findings)
+        }
     }
-    let part = Part { name: None, field: "the part".into() };
-    let raw = columns::parse(name, &text, &ending, &part)?;
-    vertices(name, raw.format, raw.points, raw.unit, raw.findings)
 }
 
 /// A table of lines and arcs, which lies as it says.

@@ -165,6 +165,8 @@ fn faulty_outlines_are_refused_with_their_place() {
         .collect();
     said("rail.csv", &columns_of(&wedge), &["without a head"]);
 
+    said("rail.prr", "header.begin\n", &["a Simpack file, which holds a running surface", "`profile_file`"]);
+
     let outline = rail_outline("60E1").unwrap();
     let all: Vec<Segment> = outline.running.iter().chain(&outline.rest).copied().collect();
     said(
