@@ -161,12 +161,12 @@ fn conicity(prepared: Option<&Prepared>, reference: &Reference) -> Result<Option
         ProfileKind::Rail => (own, NEW_WHEEL),
         ProfileKind::Wheel => (NEW_RAIL, own),
     };
-    let wheel = wheel_section(wheel, TAPE_DIAMETER)?;
+    let (rail, wheel) = (rail_section(rail)?, wheel_section(wheel, TAPE_DIAMETER)?);
     let (rail, wheel) = match (prepared, reference.kind) {
-        (None, _) => (rail_section(rail)?, wheel),
+        (None, _) => (rail, wheel),
         (Some(head), ProfileKind::Rail) => (rail_section_with_head(rail, &head.curve, &mut ignored)?, wheel),
         (Some(profile), ProfileKind::Wheel) => {
-            (rail_section(rail)?, wheel_section_with_profile(wheel, &profile.curve, &mut ignored)?)
+            (rail, wheel_section_with_profile(wheel, &profile.curve, &mut ignored)?)
         }
     };
     let track = TrackGeometry::standard();
