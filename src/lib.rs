@@ -29,5 +29,6 @@ pub mod measure;
 pub mod scaling;
 pub mod step_times;
 pub mod crosscheck;
+pub mod export;
 pub mod pipeline;
 pub mod cli;

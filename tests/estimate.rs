@@ -95,7 +95,7 @@ fn what_the_machine_cannot_hold_is_refused() {
         assert_eq!(code, Some(2), "{limit}");
     }
     let place = Place::new(COARSE);
-    for command in [&["mesh"][..], &["export", "--format", "calculix"], &["crosscheck"]] {
+    for command in [&["mesh"][..], &["deck", "--format", "calculix"], &["crosscheck"]] {
         let limits = ["study.toml", "--quiet", "-o", "apart", "--memory-limit", "0.005"];
         let (code, _, said) = place.run(&[command, &limits].concat());
         assert_eq!(code, Some(2), "{command:?}: {said}");

@@ -207,7 +207,7 @@ fn every_command_takes_a_mesh_file() {
     let again = std::fs::read_to_string(place.path("out/rail.vtu")).unwrap();
     assert!(again.contains("Name=\"contact\"") && again.contains("Name=\"held\""));
     for format in ["calculix", "abaqus"] {
-        place.run(&["export", "--format", format, "-o", "out"], &study);
+        place.run(&["deck", "--format", format, "-o", "out"], &study);
         let deck = std::fs::read_to_string(place.path(&format!("out/{format}.inp"))).unwrap();
         assert!(deck.contains("*SURFACE"));
     }

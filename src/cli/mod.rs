@@ -9,6 +9,7 @@ mod contact;
 mod place;
 mod profile;
 mod cache;
+mod export;
 mod bench;
 
 use std::path::PathBuf;
@@ -21,7 +22,7 @@ use railspring_calibrate::monitor::Monitor;
 
 use crate::crosscheck::deck::Format;
 use crate::crosscheck::exchange::Case;
-use crate::crosscheck::export;
+use crate::crosscheck::write_deck;
 use crate::estimate::{self, Budget, Resources, Work};
 use crate::output::OutputFolder;
 use crate::pipeline::{Pipeline, REPORT};
@@ -34,6 +35,7 @@ use crate::verify::HeldBy;
 
 use bench::BenchCommand;
 use cache::CacheCommand;
+use export::ExportArgs;
 use output::{remark, say};
 use profile::ProfileCommand;
 use progress::Progress;
@@ -88,8 +90,10 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         keep: Option<PathBuf>,
     },
+    /// Write the springs for another program: columns, OpenSees, STEM, ROSE, GENSYS, CONTACT, CalculiX, Abaqus, MATLAB, JSON
+    Export(ExportArgs),
     /// Write the solid problem as a deck for another program
-    Export {
+    Deck {
         #[command(flatten)]
         study: StudyArgs,
         /// The program
@@ -131,7 +135,7 @@ struct StudyArgs {
     /// Refuse what is expected to need more memory, GiB; left out, what the machine has available
     #[arg(long, value_name = "GIB", value_parser = positive)]
     memory_limit: Option<f64>,
-    /// Print what `run`, `calibrate`, `verify`, `export` or `crosscheck` would need, and stop
+    /// Print what `run`, `calibrate`, `verify`, `deck` or `crosscheck` would need, and stop
     #[arg(long)]
     dry_run: bool,
     /// Folder of the store, in which results are kept and found again; left out, one in the user's cache folder
@@ -264,9 +268,10 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         }
         Command::Profile(command) => return profile::run(command),
         Command::Cache(command) => return cache::run(command).map(|()| true).map_err(Failure::Plain),
+        Command::Export(args) => return export::export(args).map(|()| true),
         Command::Bench(command) => return bench::run(command).map(|()| true),
         Command::Simulate { study, law } => (study, law.as_deref()),
-        Command::Crosscheck { study, .. } | Command::Export { study, .. } => (study, None),
+        Command::Crosscheck { study, .. } | Command::Deck { study, .. } => (study, None),
         Command::Run(study)
         | Command::Calibrate(study)
         | Command::Verify(study)
@@ -305,7 +310,7 @@ fn staged(
             | Command::Calibrate(_)
             | Command::Mesh(_)
             | Command::Crosscheck { .. }
-            | Command::Export { .. }
+            | Command::Deck { .. }
     );
     let folder = if makes_its_own || law.is_some() {
         OutputFolder::create(&path)?
@@ -333,7 +338,7 @@ fn staged(
         Command::Verify(_) => verdict.insert(pipeline.verify()?).holds,
         Command::Mesh(_) => pipeline.mesh().map(|()| true)?,
         Command::Report(_) => pipeline.report().map(|()| true)?,
-        Command::Export { format, .. } => export(study, *format, &folder, &resources).map(|_| true)?,
+        Command::Deck { format, .. } => write_deck(study, *format, &folder, &resources).map(|_| true)?,
         Command::Crosscheck { second_order, with, keep, .. } => {
             const CASES: [Case; 4] =
                 [Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder];
@@ -345,7 +350,11 @@ fn staged(
             }
             record.holds
         }
-        Command::Schema | Command::Profile(_) | Command::Cache(_) | Command::Bench(_) => {
+        Command::Schema
+        | Command::Profile(_)
+        | Command::Cache(_)
+        | Command::Export(_)
+        | Command::Bench(_) => {
             unreachable!("done without a study")
         }
     };
@@ -390,13 +399,13 @@ fn dry_run(command: &Command, args: &StudyArgs, study: &Study) -> Result<(), Err
         Command::Run(_) => Work::of(study, true, true),
         Command::Calibrate(_) => Work::of(study, true, false),
         Command::Verify(_) => Work::of(study, false, true),
-        Command::Export { .. } => Work::of(study, true, false),
+        Command::Deck { .. } => Work::of(study, true, false),
         Command::Crosscheck { second_order, .. } => {
             let purpose = if *second_order { Purpose::SecondOrder } else { Purpose::FirstOrder };
             Work::of_crosscheck(purpose)
         }
         _ => {
-            let expected = "a command that solves: `run`, `calibrate`, `verify`, `export` or `crosscheck`";
+            let expected = "a command that solves: `run`, `calibrate`, `verify`, `deck` or `crosscheck`";
             return Err(InputError::new("--dry-run", "given", expected, "leave it out").into());
         }
     };

@@ -84,7 +84,7 @@ fn between_elements(study: &Study) -> Study {
 ///
 /// # Errors
 /// Those of meshing and calibration, sizes that the machine cannot hold, and a folder that cannot be written.
-pub fn export(
+pub fn write_deck(
     study: &Study,
     format: Format,
     folder: &OutputFolder,

@@ -1,0 +1,103 @@
+//! Columns, MATLAB and JSON: the law and its points for whoever reads them.
+
+use std::fmt::Write as _;
+
+use railspring_calibrate::law::REFERENCE_FORCE;
+use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+use serde_json::json;
+
+use super::points::Points;
+use super::spring::{ExportFile, Spring, commented};
+use crate::output::to_json;
+
+const COMPRESSION: &str = "displacement and force are positive in compression";
+
+/// Force over displacement as two columns, once in m and N and once in mm and kN.
+pub(super) fn force_displacement(spring: &Spring<'_>) -> Vec<ExportFile> {
+    let points = Points::of(spring);
+    let file = |name: &str, units: [&str; 2], scale: [f64; 2]| {
+        let own = [
+            points.sentence(spring.range[0]),
+            format!("units: {} and {}; {COMPRESSION}", units[0], units[1]),
+            "beyond the last point nothing is known: let the program stop there or say that it extrapolates"
+                .into(),
+        ];
+        let mut text =
+            commented("#", &spring.heading("Force over displacement of a wheel on a rail, columns", &own));
+        let _ = writeln!(text, "displacement_{},force_{}", units[0], units[1].to_lowercase());
+        for [displacement, force] in &points.points {
+            let _ = writeln!(text, "{:.9e},{:.9e}", displacement / scale[0], force / scale[1]);
+        }
+        ExportFile { name: name.into(), text }
+    };
+    vec![
+        file("force_displacement_si.csv", ["m", "N"], [1.0, 1.0]),
+        file("force_displacement_kn_mm.csv", ["mm", "kN"], [MILLIMETRE, KILONEWTON]),
+    ]
+}
+
+/// A function that returns the law and its points as a structure.
+pub(super) fn matlab(spring: &Spring<'_>) -> ExportFile {
+    let points = Points::of(spring);
+    let own = [
+        points.sentence(spring.range[0]),
+        format!("units: N, m; {COMPRESSION}"),
+        "force at a displacement x: interp1([-1; s.displacement_m], [0; s.force_n], x), NaN beyond the last point".into(),
+    ];
+    let mut text =
+        commented("%", &spring.heading("Contact spring of a wheel on a rail, MATLAB and Octave", &own));
+    let column = |column: usize| -> String {
+        let values: Vec<String> =
+            points.points.iter().map(|point| format!("{:.9e}", point[column])).collect();
+        values.join("; ...\n        ")
+    };
+    let [low, high] = spring.range;
+    let horizontal = spring
+        .record
+        .horizontal_kn_per_m
+        .map_or("NaN".into(), |k| format!("{:.9e}", k * KILONEWTON_PER_METRE));
+    let _ = write!(
+        text,
+        "function s = wheel_rail_spring()\n    s.a_n_per_m = {:e};\n    s.b_n_per_m = {:e};\n    s.c = {};\n    \
+         s.f0_n = {REFERENCE_FORCE};\n    s.range_n = [{low} {high}];\n    s.horizontal_n_per_m = {horizontal};\n    \
+         s.displacement_m = [{}];\n    s.force_n = [{}];\nend\n",
+        spring.law.a,
+        spring.law.b,
+        spring.law.c,
+        column(0),
+        column(1)
+    );
+    ExportFile { name: "wheel_rail_spring.m".into(), text }
+}
+
+/// The same as JSON; its first value is the comment.
+pub(super) fn as_json(spring: &Spring<'_>) -> ExportFile {
+    let points = Points::of(spring);
+    let own = [points.sentence(spring.range[0]), format!("units: N, m; {COMPRESSION}")];
+    let column = |column: usize| -> Vec<f64> { points.points.iter().map(|point| point[column]).collect() };
+    let solid = &spring.found.points;
+    let value = json!({
+        "comment": spring.heading("Contact spring of a wheel on a rail, JSON", &own),
+        "program": "railspring",
+        "version": env!("CARGO_PKG_VERSION"),
+        "study": spring.record.study,
+        "pair": spring.record.pair.name,
+        "reference": spring.found.reference,
+        "law": {
+            "a_n_per_m": spring.law.a,
+            "b_n_per_m": spring.law.b,
+            "c": spring.law.c,
+            "f0_n": REFERENCE_FORCE,
+            "range_n": spring.range,
+        },
+        "points": { "displacement_m": column(0), "force_n": column(1), "max_rel_error": points.error },
+        "solid": {
+            "force_n": solid.iter().map(|p| p.force_kn * KILONEWTON).collect::<Vec<_>>(),
+            "displacement_m": solid.iter().map(|p| p.displacement_mm * MILLIMETRE).collect::<Vec<_>>(),
+            "tangent_n_per_m": solid.iter().map(|p| p.tangent_kn_per_m * KILONEWTON_PER_METRE).collect::<Vec<_>>(),
+        },
+        "horizontal_n_per_m": spring.record.horizontal_kn_per_m.map(|k| k * KILONEWTON_PER_METRE),
+    });
+    let text = String::from_utf8(to_json(&value)).expect("JSON is UTF-8");
+    ExportFile { name: "wheel_rail_spring.json".into(), text }
+}

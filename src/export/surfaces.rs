@@ -1,0 +1,77 @@
+//! The running surfaces of a study, for programs that want profiles beside the springs.
+
+use nalgebra::{Point2, Vector2};
+use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::units::MILLIMETRE;
+
+use super::spring::Spring;
+use crate::stages::{self, Geometry};
+use crate::study::Study;
+
+/// Points are at most this far apart, and a straight line between them stays as close to the surface, m.
+const STEP: f64 = 0.5e-3;
+const CHORD: f64 = 1e-7;
+
+/// The study whose springs are exported, its pair in place.
+pub(super) struct Surfaces<'a> {
+    pub study: &'a Study,
+    pub geometry: Geometry,
+}
+
+impl<'a> Surfaces<'a> {
+    /// The study's surfaces.
+    ///
+    /// # Errors
+    /// [`InputError`] without a study or with one of another pair; those of the geometry.
+    pub fn of(spring: &Spring<'_>, study: Option<&'a Study>, program: &str) -> Result<Self> {
+        let own = &spring.record.pair;
+        let study = study.ok_or_else(|| {
+            InputError::new(
+                "--study",
+                "(missing)",
+                format!("the study of the springs: {program} wants the profiles, too"),
+                "name it with --study STUDY.toml",
+            )
+        })?;
+        if study.keys.pair != own.hash {
+            return Err(InputError::new(
+                "--study",
+                study.pair().name,
+                format!("a study of the springs' own pair, {}", own.name),
+                "name the study that they were calibrated with, or calibrate this one",
+            )
+            .into());
+        }
+        Ok(Self { study, geometry: stages::geometry(study)? })
+    }
+
+    /// The rail in the track as its program has it: y to the field side, z down from the highest point, `y_origin` (m, from the
+    /// track centre) at y = 0.
+    pub fn rail(&self, y_origin: f64) -> Vec<Point2<f64>> {
+        points(&self.geometry.pair.placed.curve, Vector2::new(-y_origin, 0.0))
+    }
+
+    /// The wheel: y to the field side and z down from its tape circle.
+    pub fn wheel(&self) -> Vec<Point2<f64>> {
+        points(&self.geometry.pair.wheel.running, Vector2::zeros())
+    }
+
+    /// Lateral place of the highest point of the rail, m from the track centre.
+    pub fn top_y(&self) -> f64 {
+        let highest = self.rail(0.0).into_iter().min_by(|a, b| a.y.total_cmp(&b.y));
+        highest.map_or(0.0, |point| point.x)
+    }
+
+    /// What a heading says about the points.
+    pub fn sentence() -> String {
+        format!(
+            "the lines between the points stay within {:.0e} mm of the surface, which ends with the first and the last one",
+            CHORD / MILLIMETRE
+        )
+    }
+}
+
+fn points(curve: &ProfileCurve, shift: Vector2<f64>) -> Vec<Point2<f64>> {
+    curve.sample_adaptive(STEP, CHORD).into_iter().map(|s| curve.point(s) + shift).collect()
+}
