@@ -257,6 +257,16 @@ fn opensees_has_the_law() {
         assert_eq!(load, wanted);
         assert!((displacement / expected - 1.0).abs() < PROMISED, "{load} kN: {displacement} {expected}");
     }
+    // beyond the range there is no law, and its first load there is refused
+    let beyond = std::process::Command::new(&interpreter)
+        .current_dir(&folder)
+        .args(["wheel_rail_spring.py", "150.1"])
+        .output()
+        .unwrap();
+    assert!(
+        !beyond.status.success()
+            && said(&beyond).contains("150.1 kN: expected a force above 0 and up to 150")
+    );
     // pulled apart and pressed by given displacements, which a penalty holds
     let driver = "import openseespy.opensees as o, wheel_rail_spring as s\n\
                   for x in (1e-5, 1e-2, -5e-5):\n    o.wipe()\n    o.model('basic', '-ndm', 1, '-ndf', 1)\n    o.node(1, 0.0)\n    \
@@ -528,8 +538,10 @@ fn what_cannot_be_exported_is_refused() {
     refused(&["stiffness.json", "--to", "gensys"], &["--study = (missing)"]);
     let study = text(place.path(), "study.toml");
     std::fs::write(place.path().join("other.toml"), study.replace("0.858", "0.92")).unwrap();
-    let other = ["stiffness.json", "--to", "contact", "--study", "other.toml"];
-    refused(&other, &["--study = rail 60E1", "a study of the springs' own pair"]);
+    for format in ["contact", "stem"] {
+        let other = ["stiffness.json", "--to", format, "--study", "other.toml"];
+        refused(&other, &["--study = rail 60E1", "a study of the springs' own pair"]);
+    }
     let local = ["stiffness.json", "--to", "contact", "--study", "study.toml", "--reference", "local"];
     refused(&local, &["--reference = \"local\"", "take \"beam\" or \"foot\""]);
     let laws = text(place.path(), "stiffness_by_angle.json");

@@ -13,7 +13,7 @@ use railspring_calibrate::profile::ProfileKind;
 use railspring_calibrate::profile_file::{MeasuredPoint, ProfileFormat, write};
 use railspring_calibrate::units::{KILONEWTON, MEGAPASCAL, MILLIMETRE};
 
-use super::spring::{ExportFile, Spring, commented};
+use super::spring::{ExportFile, Spring, commented, plain};
 use super::surfaces::Surfaces;
 use crate::records::TangentRecord;
 
@@ -48,7 +48,7 @@ pub(super) fn files(spring: &Spring<'_>, surfaces: &Surfaces<'_>) -> Result<Vec<
         let heading = commented("!", &spring.heading(&what, &own));
         let measured = |(i, &point)| MeasuredPoint { point, line: i + 1, weight: 1.0 };
         let points: Vec<MeasuredPoint> = points.iter().enumerate().map(measured).collect();
-        let text = write(ProfileFormat::Simpack, kind, &points, &spring.record.study);
+        let text = write(ProfileFormat::Simpack, kind, &points, &plain(&spring.record.study));
         ExportFile { name: name.into(), text: format!("{heading}{text}") }
     };
     let rail = profile(

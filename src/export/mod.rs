@@ -65,6 +65,15 @@ pub fn files(
     study: Option<&Study>,
 ) -> Result<Vec<ExportFile>> {
     let record: StiffnessRecord = read_json(path, "calibrate")?;
+    if let Some(study) = study.filter(|study| study.keys.pair != record.pair.hash) {
+        return Err(InputError::new(
+            "--study",
+            study.pair().name,
+            format!("a study of the springs' own pair, {}", record.pair.name),
+            "name the study that they were calibrated with, or calibrate this one",
+        )
+        .into());
+    }
     let spring = Spring::of(&path.display().to_string(), &record, reference)?;
     Ok(match format {
         Format::ForceDisplacement => columns::force_displacement(&spring),
@@ -72,10 +81,10 @@ pub fn files(
         Format::Stem => vec![power::stem(&spring)],
         Format::Rose => vec![power::rose(&spring)],
         Format::Gensys => {
-            let surfaces = Surfaces::of(&spring, study, "GENSYS")?;
+            let surfaces = Surfaces::of(study, "GENSYS")?;
             gensys::files(&spring, &surfaces, &laws_beside(path, &record)?)?
         }
-        Format::Contact => contact::files(&spring, &Surfaces::of(&spring, study, "CONTACT")?)?,
+        Format::Contact => contact::files(&spring, &Surfaces::of(study, "CONTACT")?)?,
         Format::Calculix => vec![deck::file(&spring, DeckFormat::Calculix)],
         Format::Abaqus => vec![deck::file(&spring, DeckFormat::Abaqus)],
         Format::Matlab => vec![columns::matlab(&spring)],

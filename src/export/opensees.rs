@@ -20,7 +20,9 @@ def define(ops, material, element, rail_node, wheel_node, direction):
 
 
 def pressed(ops, force_kn):
-    """Compression (m) of the spring under a force."""
+    """Compression (m) of the spring under a force of the law's range."""
+    if not 0 < 1e3 * force_kn <= -FORCE[0]:
+        raise ValueError(f"{force_kn} kN: expected a force above 0 and up to {-1e-3 * FORCE[0]} kN, where the law ends")
     ops.wipe()
     ops.model("basic", "-ndm", 1, "-ndf", 1)
     ops.node(1, 0.0)

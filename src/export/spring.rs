@@ -107,12 +107,12 @@ impl<'a> Spring<'a> {
         lines.extend(self.record.shortened());
         lines.extend_from_slice(own);
         lines.push("left out: tension (a wheel lifts off), friction, damping and mass".into());
-        lines.into_iter().map(plain).collect()
+        lines.iter().map(|line| plain(line)).collect()
     }
 }
 
 /// One line of characters that every program reads.
-fn plain(line: String) -> String {
+pub(super) fn plain(line: &str) -> String {
     let replaced = |c: char| match c {
         ' '..='~' => c,
         _ if c.is_whitespace() || c.is_control() => ' ',

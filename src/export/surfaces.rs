@@ -5,7 +5,6 @@ use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::units::MILLIMETRE;
 
-use super::spring::Spring;
 use crate::stages::{self, Geometry};
 use crate::study::Study;
 
@@ -23,9 +22,8 @@ impl<'a> Surfaces<'a> {
     /// The study's surfaces.
     ///
     /// # Errors
-    /// [`InputError`] without a study or with one of another pair; those of the geometry.
-    pub fn of(spring: &Spring<'_>, study: Option<&'a Study>, program: &str) -> Result<Self> {
-        let own = &spring.record.pair;
+    /// [`InputError`] without a study; those of the geometry.
+    pub fn of(study: Option<&'a Study>, program: &str) -> Result<Self> {
         let study = study.ok_or_else(|| {
             InputError::new(
                 "--study",
@@ -34,15 +32,6 @@ impl<'a> Surfaces<'a> {
                 "name it with --study STUDY.toml",
             )
         })?;
-        if study.keys.pair != own.hash {
-            return Err(InputError::new(
-                "--study",
-                study.pair().name,
-                format!("a study of the springs' own pair, {}", own.name),
-                "name the study that they were calibrated with, or calibrate this one",
-            )
-            .into());
-        }
         Ok(Self { study, geometry: stages::geometry(study)? })
     }
 
