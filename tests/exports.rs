@@ -1,7 +1,7 @@
 //! `railspring export`: the files of every format against the law that they are of, in the programs that read them as far as
 //! these can be had.
 //!
-//! Units as in the files: m and N, or mm and kN where the name says so. OpenSees and CalculiX are not needed to build or use the
+//! Units as in the files: m and N, or mm and kN where the name says so. OpenSees, STEM and CalculiX are not needed to build or use the
 //! tool; without them their tests are counted as skipped.
 
 use std::path::{Path, PathBuf};
@@ -322,6 +322,33 @@ fn powers_are_those_of_stem() {
             // a power fits a law with a small constant part well, and a straight line, whose power is 1, exactly
             assert!(of_force < 0.02, "{constants:?}: {of_force}");
         }
+    }
+}
+
+/// Source: `HertzianContact` of STEM's vehicle models (UVEC), with the exported file as its parameters. Goal: its static deformation (m) under 10, 50, 85 and
+/// 120 kN is that of a law without a constant part, its force there the load, and none in tension. Accuracy: some powers, ROUNDOFF.
+#[test]
+fn stem_has_the_law() {
+    const ROUNDOFF: f64 = 1e-12;
+    let Some(interpreter) = railspring_testing::stem(Path::new(env!("CARGO_TARGET_TMPDIR"))) else { return };
+    let (place, record) = springs(Some([0.0, 4.3e5, 0.25]));
+    let folder = export(&place, "stem", &[]);
+    let driver = "import numpy as n\nfrom stem_contact import CONTACT\n\
+                  from UVEC.uvec_ten_dof_vehicle_2D.hertzian_contact import HertzianContact\nh = HertzianContact()\n\
+                  h.contact_coeff = CONTACT['contact_coefficient']\nh.contact_power = CONTACT['contact_power']\n\
+                  for f in (10e3, 50e3, 85e3, 120e3):\n    x = h.calculate_contact_deformation(n.array([f]))[0]\n    \
+                  print(x, h.calculate_contact_force(n.array([-x]))[0])\n\
+                  n.seterr(invalid='ignore')\nprint(1e-5, h.calculate_contact_force(n.array([1e-5]))[0])\n";
+    let output =
+        std::process::Command::new(&interpreter).current_dir(&folder).args(["-c", driver]).output().unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    let found = rows(&String::from_utf8(output.stdout).unwrap());
+    let law = law(&record, "beam");
+    assert_eq!((found.len(), found[4]), (5, [1e-5, 0.0]));
+    for ([displacement, force], load) in found.into_iter().zip(LOADS_KN) {
+        let expected = law.displacement(1e3 * load);
+        assert!((displacement / expected - 1.0).abs() < ROUNDOFF, "{load} kN: {displacement} {expected}");
+        assert!((force / (1e3 * load) - 1.0).abs() < ROUNDOFF, "{load} kN: {force}");
     }
 }
 

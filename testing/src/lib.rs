@@ -1,18 +1,18 @@
-//! What tests need that is not part of the project (tables of other programs, Python, CalculiX, OpenSees), and counting the tests
+//! What tests need that is not part of the project (tables of other programs, Python, CalculiX, OpenSees, STEM), and counting the tests
 //! that are skipped without it.
 //!
 //! A test cannot tell cargo at run time that it was skipped: it counts as passed. So it says so on a line of its own that
 //! cargo does not hold back, and leaves a mark in the target folder, which it takes away when it finds what it needs.
 //! The test target `skipped` of this package and `.ci/run` count them.
 
-mod opensees;
+mod programs;
 
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-pub use opensees::opensees;
+pub use programs::{opensees, stem};
 
 /// What a test can go without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +25,8 @@ pub enum Need {
     Calculix,
     /// OpenSees as a Python package.
     OpenSees,
+    /// The vehicle models of STEM.
+    Stem,
     /// The faster solver of the reference, for some of its tests; the others are done.
     Solver,
 }
@@ -37,6 +39,7 @@ impl Need {
             Self::Python => "python",
             Self::Calculix => "calculix",
             Self::OpenSees => "opensees",
+            Self::Stem => "stem",
             Self::Solver => "in part",
         }
     }
