@@ -224,9 +224,11 @@ fn left_profiles_are_named() {
     for part in ["wheel.profile_file = ", "flange at the field side", "set `wheel.profile_mirrored` = true"] {
         assert!(message(&refused).contains(part), "{part} in {}", message(&refused));
     }
-    write("study.toml", study.replace("standard =", "profile_mirrored = true\nstandard ="));
-    let taken = place.run(&["mesh", "study.toml", "-o", "o"]);
-    assert_eq!(taken.status.code(), Some(0), "{}", message(&taken));
+    for key in ["profile_mirrored = true", "profile_aligned = true"] {
+        write("study.toml", study.replace("standard =", &format!("{key}\nstandard =")));
+        let taken = place.run(&["mesh", "study.toml", "-o", "o"]);
+        assert_eq!(taken.status.code(), Some(0), "{key}: {}", message(&taken));
+    }
 
     // A head whose corner at y > 0, of a right rail the field side, is worn by up to 1 mm.
     let worn = |p: &Point2<f64>| (p.x, p.y + 1e-3 * ((p.x - 0.015) / 0.015).clamp(0.0, 1.0));
@@ -234,15 +236,83 @@ fn left_profiles_are_named() {
     let upper = head.iter().filter(|p| p.x.abs() < 0.0355);
     write("head.csv", columns(upper.map(worn)));
     let study = GOOD.replace("profile = \"60E1\"", "profile_file = \"head.csv\"\nstandard = \"60E1\"");
-    for (mirrored, said) in [(false, true), (true, false)] {
-        write(
-            "study.toml",
-            study.replace("standard =", &format!("profile_mirrored = {mirrored}\nstandard =")),
-        );
-        let output = place.run(&["mesh", "study.toml", "-o", "o"]);
-        assert_eq!(output.status.code(), Some(0), "{}", message(&output));
-        assert_eq!(message(&output).contains("if it is a left rail's"), said, "{}", message(&output));
+    write("study.toml", study.clone());
+    let refused = place.run(&["mesh", "study.toml", "-o", "o"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", message(&refused));
+    let parts = [
+        "rail.profile_file = ",
+        "worn deeper at the field side",
+        "`rail.profile_mirrored`",
+        "`rail.profile_aligned`",
+    ];
+    for part in parts {
+        assert!(message(&refused).contains(part), "{part} in {}", message(&refused));
     }
+    for (key, turned) in [
+        ("profile_mirrored = false", false),
+        ("profile_mirrored = true", false),
+        ("profile_aligned = true", true),
+    ] {
+        write("study.toml", study.replace("standard =", &format!("{key}\nstandard =")));
+        let output = place.run(&["mesh", "study.toml", "-o", "o"]);
+        assert_eq!(output.status.code(), Some(0), "{key}: {}", message(&output));
+        assert_eq!(
+            message(&output).contains("that of the gauge, turned over"),
+            turned,
+            "{key}: {}",
+            message(&output)
+        );
+    }
+}
+
+/// Files that are not what the study says are refused with what they are: the other body, another place, another size.
+/// `profile_aligned` places what lies elsewhere and says by how much.
+#[test]
+fn misplaced_profiles_are_named() {
+    let place = Place::with_study(GOOD);
+    let write = |name: &str, text: String| std::fs::write(place.root.path().join(name), text).unwrap();
+    let wheel = wheel_profile("S1002").unwrap().sample(0.25e-3);
+    let rail = rail_section("60E1").unwrap().running.sample(0.25e-3);
+    let (sin, cos) = 2f64.to_radians().sin_cos();
+    let elsewhere = wheel.iter().map(|p| (cos * p.x - sin * p.y + 0.013, sin * p.x + cos * p.y - 0.2));
+    write("moved.csv", columns(elsewhere));
+    write("wheel.csv", columns(wheel.iter().map(|p| (p.x, p.y))));
+    write("rail.csv", columns(rail.iter().map(|p| (p.x, p.y))));
+    // A file in centimetres that is taken for one in inches.
+    write("large.csv", columns(wheel.iter().map(|p| (2.54 * p.x, 2.54 * p.y))));
+    let with = |body: &str, file: &str, more: &str| {
+        let standard = if body == "rail" { "60E1" } else { "S1002" };
+        let (old, new) = (
+            format!("profile = \"{standard}\""),
+            format!("profile_file = \"{file}\"\nstandard = \"{standard}\"\n{more}"),
+        );
+        write("study.toml", GOOD.replace(&old, &new));
+        place.run(&["mesh", "study.toml", "-o", "o"])
+    };
+    for (body, file, parts) in [
+        (
+            "wheel",
+            "moved.csv",
+            &["`wheel.profile_aligned` = true", "`railspring profile place`", "degrees"][..],
+        ),
+        ("rail", "wheel.csv", &["the shape of a wheel", "the file is that of the other body"]),
+        ("wheel", "rail.csv", &["the shape of a rail", "the file is that of the other body"]),
+        ("wheel", "large.csv", &["no known standard", "its unit"]),
+    ] {
+        let refused = with(body, file, "");
+        assert_eq!(refused.status.code(), Some(2), "{file}: {}", message(&refused));
+        let key = format!("{body}.profile_file = ");
+        for part in parts.iter().chain(&[key.as_str()]) {
+            assert!(message(&refused).contains(part), "{part} in {}", message(&refused));
+        }
+    }
+    let placed = with("wheel", "moved.csv", "profile_aligned = true");
+    assert_eq!(placed.status.code(), Some(0), "{}", message(&placed));
+    for part in ["turned by -2.00", "uncertain by", "onto S1002"] {
+        assert!(message(&placed).contains(part), "{part} in {}", message(&placed));
+    }
+    let still = with("wheel", "rail.csv", "profile_aligned = true");
+    assert_eq!(still.status.code(), Some(2), "{}", message(&still));
 }
 
 /// What was done to a measured profile is said in the terminal, unless it is to be quiet.

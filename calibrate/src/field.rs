@@ -35,7 +35,7 @@ fields! {
     RailSection = "rail_section",
     /// The rail's measured head.
     RailHead = "rail_head",
-    /// Whether a measured head is laid onto the standard section first.
+    /// Whether a measured head is placed on the standard section first.
     RailAligned = "rail_aligned",
     /// Part of the file of a measured head that is the profile.
     RailProfilePart = "rail_profile_part",
@@ -55,6 +55,8 @@ fields! {
     WheelName = "wheel_name",
     /// The wheel's measured profile.
     WheelProfile = "wheel_profile",
+    /// Whether a measured wheel is placed on the standard first.
+    WheelAligned = "wheel_aligned",
     /// Part of the file of a measured wheel that is the profile.
     WheelProfilePart = "wheel_profile_part",
     /// Unit of the file of a measured wheel.

@@ -12,6 +12,7 @@ mod error_band;
 mod by_angle;
 mod crosscheck;
 mod mesh_files;
+mod measured;
 mod sections;
 mod simulate;
 

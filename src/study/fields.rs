@@ -25,6 +25,7 @@ pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::RailHeldNodes, &["rail.held_nodes"]),
     (InputField::WheelName, &["wheel.standard", "wheel.profile"]),
     (InputField::WheelProfile, &["wheel.profile_file"]),
+    (InputField::WheelAligned, &["wheel.profile_aligned"]),
     (InputField::WheelProfilePart, &["wheel.profile_part"]),
     (InputField::WheelProfileUnit, &["wheel.profile_unit"]),
     (InputField::TapeDiameter, &["wheel.tape_diameter_m"]),

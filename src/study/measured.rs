@@ -124,7 +124,7 @@ impl SurfaceKeys<'_> {
             part: chosen.part,
             findings: chosen.findings,
             smoothing: self.smoothing_mm.map(|mm| mm * MILLIMETRE),
-            aligned: self.aligned.unwrap_or(false),
+            aligned: self.aligned,
             unit: self.unit.map(ProfileUnitKey::metres),
             mirrored: self.mirrored,
         };

@@ -148,8 +148,8 @@ pub struct MeasuredSurface {
     pub findings: Vec<Finding>,
     /// Wavelength that smoothing halves, m.
     pub smoothing: Option<f64>,
-    /// Whether it is laid onto the standard section first.
-    pub aligned: bool,
+    /// Whether it is placed on the standard first; `None` takes it as it stands unless it is evidently misplaced.
+    pub aligned: Option<bool>,
     /// Length of the file's unit, m; `None` leaves it to the file.
     pub unit: Option<f64>,
     /// Whether y counts towards the track centre in the file; `None` leaves it to the file.

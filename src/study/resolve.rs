@@ -231,7 +231,7 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
         part: keys.profile_part.as_deref(),
         standard: keys.standard.as_deref(),
         smoothing_mm: keys.profile_smoothing_mm,
-        aligned: None,
+        aligned: keys.profile_aligned,
         unit: keys.profile_unit,
         mirrored: keys.profile_mirrored,
     };

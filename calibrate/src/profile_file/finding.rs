@@ -121,7 +121,7 @@ pub struct Finding {
 
 impl Finding {
     /// A finding about the whole profile.
-    pub(crate) fn new(kind: FindingKind, action: Action, text: impl Into<String>) -> Self {
+    pub fn new(kind: FindingKind, action: Action, text: impl Into<String>) -> Self {
         Self { kind, lines: None, value: None, action, text: text.into() }
     }
 

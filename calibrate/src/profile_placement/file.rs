@@ -13,28 +13,41 @@ use crate::units::MILLIMETRE;
 /// Standards that a message names.
 const NAMED: usize = 3;
 
-/// The profile in the frame of the standard, with findings that say how it was placed, and the place.
-///
-/// Findings about axes and origin that the reader left to be looked at are answered by the place and dropped.
+/// Where a profile lies against the standard.
 ///
 /// # Errors
 /// [`InputError`] for a profile that cannot be repaired, for lines and arcs, and with the name of its file for one that does not have the shape of the
 /// standard: another rail or wheel, or a rail's for a wheel.
-pub fn place_profile(
-    profile: &MeasuredProfile,
-    reference: &Reference,
-    options: PlaceOptions,
-) -> Result<(MeasuredProfile, Placed)> {
+pub fn find_place(profile: &MeasuredProfile, reference: &Reference, options: PlaceOptions) -> Result<Placed> {
     if profile.drawn.is_some() {
         let remedy = "lines and arcs say where they lie themselves: place measurements alone";
         return Err(InputError::new(&profile.name, "lines and arcs", "a measurement", remedy).into());
     }
     // The curve is made in place: here its points are enough.
     let points: Vec<Point2<f64>> = repaired(profile, &mut Vec::new())?.iter().map(|p| p.point).collect();
-    let placed = match place(&points, reference, options)? {
-        Some(placed) if placed.fits() => placed,
-        _ => return Err(refused(&profile.name, &points, reference, options)?),
-    };
+    match place(&points, reference, options)? {
+        Some(placed) if placed.resembles() => Ok(placed),
+        _ => Err(refused(&profile.name, &points, reference, options)?),
+    }
+}
+
+/// The profile in the frame of the standard, with findings that say how it was placed, and the place.
+///
+/// Findings about axes and origin that the reader left to be looked at are answered by the place and dropped.
+///
+/// # Errors
+/// As [`find_place`], and for a profile of which wear leaves nothing alone.
+pub fn place_profile(
+    profile: &MeasuredProfile,
+    reference: &Reference,
+    options: PlaceOptions,
+) -> Result<(MeasuredProfile, Placed)> {
+    let placed = find_place(profile, reference, options)?;
+    if !placed.fits() {
+        let expected = format!("a part that wear leaves alone: {}", unworn_parts(reference.kind));
+        let remedy = "measure more of it, or give the profile in the frame of its standard";
+        return Err(InputError::new(&profile.name, "nothing but worn surface", expected, remedy).into());
+    }
     let mut moved = profile.clone();
     moved.kind = reference.kind;
     moved.points.iter_mut().for_each(|p| p.point = placed.motion.apply(&p.point));
@@ -77,6 +90,14 @@ fn refused(
     Ok(InputError::new(name, value, expected, remedy).into())
 }
 
+/// What to measure of a body so that its place is determined.
+fn unworn_parts(kind: ProfileKind) -> &'static str {
+    match kind {
+        ProfileKind::Rail => "the field side of the head, its underside, web or foot",
+        ProfileKind::Wheel => "the back of the flange and the field end of the tread",
+    }
+}
+
 /// What is said about a place.
 fn findings(placed: &Placed, reference: &Reference, options: PlaceOptions) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -105,10 +126,7 @@ fn findings(placed: &Placed, reference: &Reference, options: PlaceOptions) -> Ve
     if placed.determined() {
         add(FindingKind::Aligned, Action::Repaired, moved, rms);
     } else {
-        let more = match reference.kind {
-            ProfileKind::Rail => "the field side of the head, its underside, web or foot",
-            ProfileKind::Wheel => "the back of the flange and the field end of the tread",
-        };
+        let more = unworn_parts(reference.kind);
         let limit = format!(
             "more than {} mm or {:.2} degrees: what wear leaves alone does not determine the place, measure more of {more}",
             GREATEST_SHIFT / MILLIMETRE,

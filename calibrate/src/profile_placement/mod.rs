@@ -16,7 +16,7 @@ mod nearest;
 mod file;
 mod wear;
 
-pub use file::place_profile;
+pub use file::{find_place, place_profile};
 pub use nearest::{Misfit, nearest};
 pub use placed::{Motion, PlaceOptions, Placed, PlacedPoint, Size, Spread, place};
 pub use reference::Reference;

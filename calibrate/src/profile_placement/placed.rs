@@ -131,8 +131,13 @@ impl Placed {
     }
 
     /// Whether the shape is that of the standard, worn or not.
+    pub fn resembles(&self) -> bool {
+        self.unexplained <= MOST_UNEXPLAINED
+    }
+
+    /// Whether it is, and something that wear leaves alone lies on the standard.
     pub fn fits(&self) -> bool {
-        self.unexplained <= MOST_UNEXPLAINED && self.kept_length > 0.0
+        self.resembles() && self.kept_length > 0.0
     }
 }
 

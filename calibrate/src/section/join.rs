@@ -144,13 +144,12 @@ fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, field: Inp
 
 /// What to do about a measured surface that does not lie on the standard one.
 fn remedy(field: InputField) -> String {
-    let aligned = match field {
-        InputField::RailHead => {
-            "; a head that is measured as it lies in the track, canted, needs `rail_aligned` = true"
-        }
-        _ => "",
-    };
-    format!("check that the standard is the right one and that the profile is in its frame{aligned}")
+    let aligned =
+        if field == InputField::RailHead { InputField::RailAligned } else { InputField::WheelAligned };
+    format!(
+        "check that the standard is the right one; a profile that is not in its frame, as one that is measured canted, needs \
+         `{aligned}` = true"
+    )
 }
 
 /// Unit tangent at `s`, at a breakpoint that of the side on which the curve goes on.

@@ -1,13 +1,11 @@
 //! Cross-sections of the two bodies: running surface, the rest of the outline, section properties.
 
-mod align;
 mod join;
 mod properties;
 mod rail;
 mod wheel_body;
 mod wheel;
 
-pub use align::{Alignment, align_rail};
 pub use properties::AreaProperties;
 pub use rail::{RailSection, rail_section, rail_section_of, rail_section_on, rail_section_with_head};
 pub use wheel::{

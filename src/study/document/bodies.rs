@@ -38,7 +38,7 @@ pub struct RailKeys {
     /// Whether y counts towards the track centre in the profile file, as in that of a left rail: it is then turned over; left out, what the file says or its format has by convention.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_mirrored: Option<bool>,
-    /// Whether the measured head is turned and moved onto the standard section, or taken as it stands: origin at the unworn top, on the axis, not inclined.
+    /// Whether the measured head is placed on the standard section (origin, rotation and side found as by `railspring profile place`), or taken as it stands: origin at the unworn top, on the axis, not inclined. Left out, it is taken as it stands, and refused if it is evidently misplaced.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_aligned: Option<bool>,
     /// Inclination towards the track centre, as a ratio `"1:40"` or as a slope `0.025`.
@@ -113,6 +113,9 @@ pub struct WheelKeys {
     /// Whether y counts towards the track centre in the profile file, as in that of a left wheel: it is then turned over; left out, what the file says or where its flange is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_mirrored: Option<bool>,
+    /// Whether the measured profile is placed on the standard wheel (origin, rotation and side found as by `railspring profile place`), or taken as it stands: origin at the tape circle, not turned. Left out, it is taken as it stands, and refused if it is evidently misplaced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile_aligned: Option<bool>,
     /// Diameter at the tape circle (70 mm from the flange back), m.
     #[serde(default = "default_tape_diameter")]
     #[schemars(range(min = 0.3, max = 1.5))]
