@@ -31,4 +31,5 @@ pub mod step_times;
 pub mod crosscheck;
 pub mod export;
 pub mod pipeline;
+pub mod table;
 pub mod cli;

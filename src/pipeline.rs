@@ -37,6 +37,7 @@ use crate::stages::{self, Calibration, Geometry, Meshes, MovingBodies};
 use crate::store::{Artefact, Store};
 use crate::study::Study;
 
+pub(crate) use bodies::BodySource;
 use by_angle::ByAngle;
 use calibration::{Calibrate, FoundOn};
 use pages::Report;

@@ -47,11 +47,20 @@ pub enum Kind {
     SolidRun,
     /// What reference solvers say of a study.
     Crosscheck,
+    /// A place of a table: a pair at one shift.
+    Place,
 }
 
 impl Kind {
-    const ALL: [Self; 6] =
-        [Self::Body, Self::Calibration, Self::ByAngle, Self::SimpleRun, Self::SolidRun, Self::Crosscheck];
+    const ALL: [Self; 7] = [
+        Self::Body,
+        Self::Calibration,
+        Self::ByAngle,
+        Self::SimpleRun,
+        Self::SolidRun,
+        Self::Crosscheck,
+        Self::Place,
+    ];
 
     /// The name in file names and lists.
     pub fn name(self) -> &'static str {
@@ -62,6 +71,7 @@ impl Kind {
             Self::SimpleRun => "simple-run",
             Self::SolidRun => "solid-run",
             Self::Crosscheck => "crosscheck",
+            Self::Place => "place",
         }
     }
 }

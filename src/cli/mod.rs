@@ -11,6 +11,7 @@ mod profile;
 mod cache;
 mod export;
 mod bench;
+mod table;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -100,6 +101,9 @@ enum Command {
         #[arg(long, value_name = "FORMAT")]
         format: Format,
     },
+    /// Make the springs of many pairs at many places: wheels on rails, shifts, diameters, and what else is varied. Run again, it makes only
+    /// what is missing
+    Table(table::TableArgs),
     /// Print the JSON schema of the study file
     Schema,
     /// List, show, check and convert profiles and their files
@@ -270,6 +274,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         Command::Cache(command) => return cache::run(command).map(|()| true).map_err(Failure::Plain),
         Command::Export(args) => return export::export(args).map(|()| true),
         Command::Bench(command) => return bench::run(command).map(|()| true),
+        Command::Table(args) => return table::run(args),
         Command::Simulate { study, law } => (study, law.as_deref()),
         Command::Crosscheck { study, .. } | Command::Deck { study, .. } => (study, None),
         Command::Run(study)
@@ -354,6 +359,7 @@ fn staged(
         | Command::Profile(_)
         | Command::Cache(_)
         | Command::Export(_)
+        | Command::Table(_)
         | Command::Bench(_) => {
             unreachable!("done without a study")
         }

@@ -15,17 +15,17 @@ const BODY: &str = "body.safetensors";
 
 /// Where condensed bodies come from.
 #[derive(Clone, Copy)]
-pub(super) struct BodySource<'a> {
-    store: Option<&'a Store>,
+pub(crate) struct BodySource<'a> {
+    pub store: Option<&'a Store>,
     /// Whether all are condensed anew.
-    fresh: bool,
+    pub fresh: bool,
     /// Whether the rail is pressed on its foot as well.
-    foot_held: bool,
+    pub foot_held: bool,
     /// Whether there is room for the factors of all of them at the same time.
-    together: bool,
+    pub together: bool,
     /// Name of the study, for lists.
-    study: &'a str,
-    monitor: &'a dyn Monitor,
+    pub study: &'a str,
+    pub monitor: &'a dyn Monitor,
 }
 
 impl<'a> Pipeline<'a> {
@@ -40,11 +40,6 @@ impl<'a> Pipeline<'a> {
 }
 
 impl<'a> BodySource<'a> {
-    /// The store, if there is one.
-    pub fn store(&self) -> Option<&'a Store> {
-        self.store
-    }
-
     /// The same, which says to another monitor how far it is.
     pub fn said_to<'b>(&self, monitor: &'b dyn Monitor) -> BodySource<'b>
     where
@@ -66,11 +61,6 @@ impl BodySource<'_> {
             let bodies = condense_all(said, PairBody::of_pair(self.foot_held), self.together, get)?;
             CondensedPair::new(solids.material, bodies)
         })
-    }
-
-    /// Whether there is room for the factors of all bodies at the same time.
-    pub fn together(&self) -> bool {
-        self.together
     }
 
     /// The bodies of `solids` that move in runs in time, with `modes` modes.

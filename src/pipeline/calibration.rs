@@ -168,7 +168,7 @@ impl Pipeline<'_> {
         let press = |meshes: &Meshes| {
             let solids = stages::solids(study, &geometry, meshes);
             let condensed = || source.condensed(&solids, "", modes);
-            let (condensed, coarser) = if source.together() && study.wants_error_band() {
+            let (condensed, coarser) = if source.together && study.wants_error_band() {
                 let (condensed, coarser) = rayon::join(condensed, || self.coarser(&geometry, meshes));
                 (condensed?, Some(coarser?))
             } else {

@@ -127,7 +127,7 @@ impl<'a> SolidRuns<'a> {
 
     /// Where its bodies are kept, and its results.
     pub fn store(&self) -> Option<&'a Store> {
-        self.source.store()
+        self.source.store
     }
 
     /// All load cases of the study up to one that the store has, which the stage takes from there.

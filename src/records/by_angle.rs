@@ -106,6 +106,9 @@ pub struct FixedLoadRecord {
     pub horizontal_kn_per_m: f64,
     /// The same across the contact normal, the force along it constant, kN/m.
     pub tangential_kn_per_m: f64,
+    /// Part of the lateral compliance, `1 / horizontal_kn_per_m`, that lies in the contact itself, µm/kN; none in files of before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral_contact_um_per_kn: Option<f64>,
     /// Contact area, mm².
     pub contact_area_mm2: f64,
     /// Largest pressure, MPa.
@@ -165,6 +168,7 @@ pub struct ByAngleRow {
     pub mesh_tangent_rel_change: Option<f64>,
     pub horizontal_kn_per_m: Option<f64>,
     pub tangential_kn_per_m: Option<f64>,
+    pub lateral_contact_um_per_kn: Option<f64>,
     pub contact_area_mm2: Option<f64>,
     pub max_pressure_mpa: Option<f64>,
     pub semi_axis_along_mm: Option<f64>,
@@ -257,6 +261,7 @@ impl ShiftRecord {
                     mesh_tangent_rel_change: band.and_then(|b| b.mesh_tangent),
                     horizontal_kn_per_m: Some(load.horizontal_kn_per_m),
                     tangential_kn_per_m: Some(load.tangential_kn_per_m),
+                    lateral_contact_um_per_kn: load.lateral_contact_um_per_kn,
                     contact_area_mm2: Some(load.contact_area_mm2),
                     max_pressure_mpa: Some(load.max_pressure_mpa),
                     semi_axis_along_mm: Some(load.semi_axis_along_mm),

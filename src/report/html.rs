@@ -6,10 +6,11 @@ use serde_json::Value;
 use super::tables;
 
 /// The pages, and the parts that they share.
-const TEMPLATES: [(&str, &str); 7] = [
+const TEMPLATES: [(&str, &str); 8] = [
     ("style.css", include_str!("pages/style.css")),
     ("inputs.html", include_str!("pages/inputs.html")),
     ("report.html", include_str!("pages/report.html")),
+    ("table.html", include_str!("pages/table.html")),
     ("crosscheck.html", include_str!("pages/crosscheck.html")),
     ("crosscheck_summary.html", include_str!("pages/crosscheck_summary.html")),
     ("crosscheck_times.html", include_str!("pages/crosscheck_times.html")),
@@ -17,7 +18,7 @@ const TEMPLATES: [(&str, &str); 7] = [
 ];
 
 /// A page from its template; a template that cannot be filled gives a page that says so.
-pub(super) fn render(template: &str, context: Value) -> String {
+pub(crate) fn render(template: &str, context: Value) -> String {
     filled(template, context)
         .unwrap_or_else(|cause| format!("<!doctype html><p>The page could not be written: {cause}</p>"))
 }

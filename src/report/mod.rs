@@ -6,9 +6,9 @@
 pub mod plot;
 mod legend;
 pub mod panel;
-mod tables;
-mod html;
-mod figures;
+pub(crate) mod tables;
+pub(crate) mod html;
+pub(crate) mod figures;
 mod load_case;
 mod by_angle;
 mod statics;

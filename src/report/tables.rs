@@ -230,7 +230,7 @@ pub(super) fn worth(stiffness: &StiffnessRecord) -> Option<Worth> {
 }
 
 /// A number with four significant digits, without an exponent where it can be read without.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".into() } else { value.to_string() };
     }

@@ -67,14 +67,12 @@ pub fn by_angle(
     };
     let places: Vec<f64> = shifts.iter().map(|shift| tape_y(study, pair, *shift)).collect();
     let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
-    let mut bands: Vec<Option<ErrorBandRecord>> = vec![None; laws.len()];
-    if study.wants_error_band() {
+    let bands = if study.wants_error_band() {
         let (element, coarser) = coarser()?;
-        let changed = changed_by_shift(pair, bodies, bodies_of(&coarser), &settings, &laws, monitor)?;
-        for (band, changed) in bands.iter_mut().zip(changed) {
-            *band = changed.map(|(points, changed)| band_record(&points, changed, element, &coarser));
-        }
-    }
+        bands(pair, bodies, (element, &coarser), &settings, &laws, monitor)?
+    } else {
+        vec![None; laws.len()]
+    };
     let element = study.wants_condensed().then(|| {
         let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
         PairElement::new(pair, bodies, &places, PairElement::HIGHEST)
@@ -116,8 +114,57 @@ pub fn by_angle(
     })
 }
 
+/// Along what the wheel of a place is pressed, and at which loads (N, ascending) displacement and stiffness are given.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaceSettings<'a> {
+    /// The direction.
+    pub direction: PressDirection,
+    /// The loads, within the range of the study's.
+    pub fixed_loads: &'a [f64],
+}
+
+/// The law of the pair under the loads of the study at one shift (m) of the wheelset, on condensed bodies; with its error band where there
+/// is `coarser`, the edge of their contact elements (m) and the bodies of coarser meshes. A place without a law has its reason.
+///
+/// # Errors
+/// Loads that cannot be used, and an interruption.
+pub fn place(
+    study: &Study,
+    geometry: &Geometry,
+    bodies: &CondensedPair,
+    &PlaceSettings { direction, fixed_loads }: &PlaceSettings,
+    shift: f64,
+    coarser: Option<(f64, &CoarserBodies)>,
+    monitor: &dyn Monitor,
+) -> Result<ShiftRecord> {
+    let pair = &geometry.pair;
+    let loads = &study.calibration.loads;
+    let settings = AngleSettings { contact: contact_conditions(study), direction, loads, fixed_loads };
+    let laws = law_by_shift(pair, bodies, &settings, &[tape_y(study, pair, shift)], monitor)?;
+    let bands = coarser.map(|coarser| bands(pair, bodies, coarser, &settings, &laws, monitor)).transpose()?;
+    let law = laws.into_iter().next().expect("one place has one law");
+    Ok(shift_record(study, shift, law, bands.and_then(|mut bands| bands.remove(0))))
+}
+
+/// What laws at the fixed loads are worth, on a finer grid and on the bodies of coarser meshes.
+///
+/// # Errors
+/// An interruption.
+fn bands(
+    pair: &Pair,
+    bodies: &CondensedPair,
+    (element, coarser): (f64, &CoarserBodies),
+    settings: &AngleSettings,
+    laws: &[ShiftLaw],
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<ErrorBandRecord>>> {
+    let changed = changed_by_shift(pair, bodies, bodies_of(coarser), settings, laws, monitor)?;
+    let band = |(points, changed): (_, _)| band_record(&points, changed, element, coarser);
+    Ok(changed.into_iter().map(|changed| changed.map(band)).collect())
+}
+
 /// World position of the tape circle at a shift of the wheelset, m.
-fn tape_y(study: &Study, pair: &Pair, shift: f64) -> f64 {
+pub fn tape_y(study: &Study, pair: &Pair, shift: f64) -> f64 {
     pair.tape_y + (shift - study.track.lateral_shift)
 }
 
@@ -344,6 +391,7 @@ fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
         published_displacement_mm: None,
         horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,
         tangential_kn_per_m: fixed.tangential_stiffness / KILONEWTON_PER_METRE,
+        lateral_contact_um_per_kn: Some(fixed.lateral_contact / MICROMETRE_PER_KILONEWTON),
         contact_area_mm2: beam.contact_area / SQUARE_MILLIMETRE,
         max_pressure_mpa: beam.max_pressure / MEGAPASCAL,
         semi_axis_along_mm: beam.semi_axis_along / MILLIMETRE,

@@ -17,7 +17,7 @@ mod sections;
 mod simulate;
 
 pub use bodies::solids;
-pub use by_angle::{by_angle, loads_by_angle, shifts};
+pub use by_angle::{PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y};
 pub use calibrate::{
     Calibration, FoundSprings, PressedStudy, calibrate, check_friction, contact_conditions, press,
 };

@@ -28,10 +28,10 @@ pub struct Finding {
     pub error: InputError,
 }
 
-/// All findings of a document, in the order of the file; a missing section comes first.
-pub fn check(document: &DeTable<'_>, schema: &Value) -> Vec<Finding> {
+/// All findings of a document, in the order of the file; a missing section comes first. `whole` is what messages call it.
+pub fn check(document: &DeTable<'_>, schema: &Value, whole: &str) -> Vec<Finding> {
     let mut findings = Vec::new();
-    Checker { root: schema }.table(document, schema, "", None, &mut findings);
+    Checker { root: schema, whole }.table(document, schema, "", None, &mut findings);
     findings.sort_by_key(|finding| finding.offset);
     findings
 }
@@ -59,6 +59,7 @@ pub fn without<'i>(document: Spanned<DeTable<'i>>, wrong: &BTreeSet<usize>) -> S
 
 struct Checker<'a> {
     root: &'a Value,
+    whole: &'a str,
 }
 
 impl<'a> Checker<'a> {
@@ -80,7 +81,7 @@ impl<'a> Checker<'a> {
     ) {
         let schema = self.resolve(schema);
         let properties = schema.get("properties").and_then(Value::as_object);
-        let additional = schema.get("additionalProperties").filter(|a| a.is_object());
+        let additional = schema.get("additionalProperties").filter(|a| **a != Value::Bool(false));
         for (key, value) in table.iter() {
             let name = key.get_ref().as_ref();
             let full = join(path, name);
@@ -136,6 +137,9 @@ impl<'a> Checker<'a> {
         findings: &mut Vec<Finding>,
     ) {
         let resolved = self.resolve(schema);
+        if *resolved == Value::Bool(true) {
+            return;
+        }
         if let Some(options) =
             resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array)
         {
@@ -188,7 +192,7 @@ impl<'a> Checker<'a> {
     }
 
     fn unknown_key(&self, path: &str, name: &str, value: &DeValue<'_>, known: &[&str]) -> InputError {
-        let place = if path.is_empty() { "the study".into() } else { format!("[{path}]") };
+        let place = if path.is_empty() { format!("the {}", self.whole) } else { format!("[{path}]") };
         let expected = format!("a key of {place} ({})", known.join(", "));
         let removed = REMOVED.iter().find(|(key, _)| *key == join(path, name));
         let remedy = match nearest(name, known.iter().copied()) {

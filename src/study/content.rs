@@ -9,10 +9,16 @@ use railspring_calibrate::profile_file::format_of;
 /// Largest study that is read, bytes.
 const LARGEST: u64 = 64 << 20;
 
-/// The text of a study.
-pub(super) fn read(path: &Path) -> Result<String, InputError> {
-    let refused =
-        |value: String, expected: &str, remedy: &str| InputError::new("study file", value, expected, remedy);
+/// The text of a TOML file, a study or what `whole` says.
+pub(super) fn read(path: &Path, whole: &str) -> Result<String, InputError> {
+    let refused = |value: String, expected: &str, remedy: &str| {
+        InputError::new(
+            format!("{whole} file"),
+            value,
+            expected,
+            remedy.replace("the study", &format!("the {whole}")),
+        )
+    };
     let bytes = input::read(path, LARGEST)
         .map_err(|cause| refused(cause.to_string(), "a readable TOML file", "check the path of the study"))?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").map(<[u8]>::to_vec).unwrap_or(bytes);

@@ -29,6 +29,8 @@ pub struct Keys {
     pub by_angle: String,
     /// The pair that a law belongs to: profiles, bodies, their places and the elastic material; not the rail's length.
     pub pair: String,
+    /// The wheel, the rail, and all else that springs depend on, each by itself: what a table names as the cause of a change.
+    pub parts: [String; 3],
     /// What a run of the simple model depends on besides its springs, by scenario.
     simple: BTreeMap<String, String>,
     /// What a run of the solid model depends on, by scenario.
@@ -93,6 +95,8 @@ impl Keys {
             remove(&mut crosscheck, "verification", key);
         }
         crosscheck["verification"]["ratio_floor"] = 0.05.into();
+        let settings = without(&springs, &["wheel", "rail"]);
+        let parts = [hash(&springs["wheel"]), hash(&springs["rail"]), hash(&settings)];
         let (calibration, springs) = (calibrated(&calibration), calibrated(&springs));
         let mut pair = without(
             &whole,
@@ -144,6 +148,7 @@ impl Keys {
             },
             springs,
             pair: hash(&pair),
+            parts,
             simple: each(&simple),
             solid: each(&solid),
             limits,

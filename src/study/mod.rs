@@ -15,7 +15,7 @@ mod resolve;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
@@ -26,7 +26,7 @@ use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::transient::START_MODES;
 use railspring_calibrate::units::MILLIMETRE;
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use toml::de::DeTable;
 
 pub(crate) use check::nearest;
@@ -312,7 +312,7 @@ impl Study {
     /// [`Mistakes`] for a file that cannot be read, is not TOML, has unknown, missing or mistyped keys, or values
     /// out of range.
     pub fn read(path: &Path) -> Result<Self, Mistakes> {
-        let text = content::read(path).map_err(|error| Mistakes::of_file(path, None, error))?;
+        let text = text_of(path, WHOLE)?;
         Self::parse(path, &text)
     }
 
@@ -321,36 +321,8 @@ impl Study {
     /// # Errors
     /// As [`Study::read`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, Mistakes> {
-        let lines = Lines::of(text);
-        let at = |offset: Option<usize>, error: InputError| LocatedError {
-            path: path.to_path_buf(),
-            line: offset.map(|offset| lines.line(offset)),
-            error,
-        };
-        let syntax = |cause: toml::de::Error| {
-            let said = cause.message().replace('\n', ", ");
-            let error = InputError::new("study file", said, "a TOML file", "correct the syntax on this line");
-            at(cause.span().map(|span| span.start), error)
-        };
-        let (parsed, broken) = DeTable::parse_recoverable(text);
-        if !broken.is_empty() {
-            if let Some(foreign) = content::foreign(path, text) {
-                return Err(Mistakes::of_file(path, None, foreign));
-            }
-            return Err(Mistakes::sorted(broken.into_iter().map(syntax).collect()));
-        }
-        let findings = check::check(parsed.get_ref(), &schema());
-        let source = Source::new(path, &lines, parsed.get_ref());
-        let mistakes: Vec<LocatedError> =
-            findings.iter().map(|finding| at(finding.offset, finding.error.clone())).collect();
-        // Without the keys that are wrong, the others can still be checked against each other.
-        let wrong = findings.iter().filter_map(|finding| finding.key).collect();
-        let sound = toml::de::Deserializer::from(check::without(parsed, &wrong));
-        match StudyDocument::deserialize(sound) {
-            Ok(document) => resolve::resolve(document, source, &findings, mistakes).map_err(Mistakes::sorted),
-            Err(_) if !mistakes.is_empty() => Err(Mistakes::sorted(mistakes)),
-            Err(cause) => Err(Mistakes::sorted(vec![syntax(cause)])),
-        }
+        let Parsed { document, source, findings, mistakes } = parsed(path, text, WHOLE, study_schema())?;
+        resolve::resolve(document, source, &findings, mistakes).map_err(Mistakes::sorted)
     }
 
     /// The pair of rail and wheel that a law of this study belongs to.
@@ -381,7 +353,82 @@ impl Study {
 
 /// The JSON schema of the study file.
 pub fn schema() -> serde_json::Value {
-    serde_json::to_value(schemars::schema_for!(StudyDocument)).expect("a schema is plain JSON")
+    study_schema().clone()
+}
+
+fn study_schema() -> &'static serde_json::Value {
+    static SCHEMA: OnceLock<serde_json::Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<StudyDocument>)
+}
+
+/// What messages call a study.
+const WHOLE: &str = "study";
+
+/// The JSON schema of a document.
+pub(crate) fn schema_of<T: schemars::JsonSchema>() -> serde_json::Value {
+    serde_json::to_value(schemars::schema_for!(T)).expect("a schema is plain JSON")
+}
+
+/// The text of a TOML file; `whole` is what messages call its content.
+///
+/// # Errors
+/// [`Mistakes`] for a file that cannot be read or is no text.
+pub(crate) fn text_of(path: &Path, whole: &str) -> Result<String, Mistakes> {
+    content::read(path, whole).map_err(|error| Mistakes::of_file(path, None, error))
+}
+
+/// A document that was checked against its schema.
+pub(crate) struct Parsed<T> {
+    /// Its keys, without those that are wrong.
+    pub document: T,
+    /// Where they stand.
+    pub source: Source,
+    findings: Vec<check::Finding>,
+    /// What is wrong.
+    pub mistakes: Vec<LocatedError>,
+}
+
+/// The document of a TOML text, checked against its `schema`; `path` is only named in messages, and `whole` is what they call it.
+///
+/// # Errors
+/// [`Mistakes`] for a text that is not TOML, and for keys without which there is no document.
+pub(crate) fn parsed<T: DeserializeOwned>(
+    path: &Path,
+    text: &str,
+    whole: &str,
+    schema: &serde_json::Value,
+) -> Result<Parsed<T>, Mistakes> {
+    let lines = Lines::of(text);
+    let at = |offset: Option<usize>, error: InputError| LocatedError {
+        path: path.to_path_buf(),
+        line: offset.map(|offset| lines.line(offset)),
+        error,
+    };
+    let syntax = |cause: toml::de::Error| {
+        let said = cause.message().replace('\n', ", ");
+        let key = format!("{whole} file");
+        let error = InputError::new(key, said, "a TOML file", "correct the syntax on this line");
+        at(cause.span().map(|span| span.start), error)
+    };
+    let (parsed, broken) = DeTable::parse_recoverable(text);
+    if !broken.is_empty() {
+        if let Some(foreign) = content::foreign(path, text) {
+            return Err(Mistakes::of_file(path, None, foreign));
+        }
+        return Err(Mistakes::sorted(broken.into_iter().map(syntax).collect()));
+    }
+    let findings = check::check(parsed.get_ref(), schema, whole);
+    let source = Source::new(path, &lines, parsed.get_ref());
+    let mistakes: Vec<LocatedError> =
+        findings.iter().map(|finding| at(finding.offset, finding.error.clone())).collect();
+    // Without the keys that are wrong, the others can still be checked against each other.
+    let wrong = findings.iter().filter_map(|finding| finding.key).collect();
+    let sound = toml::de::Deserializer::from(check::without(parsed, &wrong));
+    match T::deserialize(sound) {
+        Ok(document) => Ok(Parsed { document, source, findings, mistakes }),
+        Err(_) if !mistakes.is_empty() => Err(Mistakes::sorted(mistakes)),
+        Err(cause) => Err(Mistakes::sorted(vec![syntax(cause)])),
+    }
 }
 
 #[cfg(test)]

@@ -51,12 +51,12 @@ impl Mistakes {
     const MOST_LISTED: usize = 50;
 
     /// A single mistake of the whole file.
-    pub(super) fn of_file(path: &Path, line: Option<usize>, error: InputError) -> Self {
+    pub(crate) fn of_file(path: &Path, line: Option<usize>, error: InputError) -> Self {
         Self(vec![LocatedError { path: path.to_path_buf(), line, error }])
     }
 
     /// Mistakes by line; those of the whole file come first, those of one line in the order in which they are given.
-    pub(super) fn sorted(mut mistakes: Vec<LocatedError>) -> Self {
+    pub(crate) fn sorted(mut mistakes: Vec<LocatedError>) -> Self {
         mistakes.sort_by_key(|mistake| mistake.line);
         // Broken syntax can be found again in every character of a line.
         mistakes.dedup_by(|later, first| {
@@ -124,9 +124,22 @@ impl Source {
         for (key, value) in table.iter() {
             let full = join(path, key.get_ref());
             self.lines.insert(full.clone(), lines.line(key.span().start));
-            if let DeValue::Table(inner) = value.get_ref() {
-                self.note(lines, inner, &full);
+            self.note_value(lines, value.get_ref(), &full);
+        }
+    }
+
+    fn note_value(&mut self, lines: &Lines, value: &DeValue<'_>, full: &str) {
+        match value {
+            DeValue::Table(inner) => self.note(lines, inner, full),
+            DeValue::Array(items) => {
+                let tables = items.iter().enumerate().filter(|(_, item)| item.get_ref().is_table());
+                for (index, item) in tables {
+                    let full = format!("{full}[{index}]");
+                    self.lines.insert(full.clone(), lines.line(item.span().start));
+                    self.note_value(lines, item.get_ref(), &full);
+                }
             }
+            _ => {}
         }
     }
 
@@ -137,18 +150,18 @@ impl Source {
 
     /// Line of a dotted key, or of the nearest section around it that is in the file.
     pub fn line(&self, key: &str) -> Option<usize> {
-        let mut key = key.split('[').next().unwrap_or(key);
+        let mut key = key;
         loop {
             if let Some(line) = self.lines.get(key) {
                 return Some(*line);
             }
-            key = key.rsplit_once('.')?.0;
+            key = key.rsplit_once(['.', '['])?.0;
         }
     }
 
-    /// Whether the file itself has this key.
+    /// Whether the file itself has this key, of an entry of a list that list.
     pub fn gives(&self, key: &str) -> bool {
-        self.lines.contains_key(key.split('[').next().unwrap_or(key))
+        self.lines.contains_key(key) || self.lines.contains_key(key.split('[').next().unwrap_or(key))
     }
 
     /// Adds file and line to an error of any stage, by its key.

@@ -128,6 +128,11 @@ impl FineContact {
         [near.quadratic(&self.half_spaces, &normal), beyond(wheel), beyond(rail)]
     }
 
+    /// Compliance of both half-spaces under `forces` on the points, m·N.
+    pub fn half_spaces(&self, forces: &[f64]) -> f64 {
+        self.hybrid.near().quadratic(&self.half_spaces, forces)
+    }
+
     /// Lateral displacement and that along the track (m) of the opposing surface against the base at other `points`, with
     /// the compliance of the points `own` under their `forces`; `to` is the grid of those other points.
     pub fn tangential_at(

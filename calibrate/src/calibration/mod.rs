@@ -405,16 +405,46 @@ fn quadratic(matrix: &Mat<f64>, vector: &[f64]) -> f64 {
     product.iter().zip(vector).map(|(p, v)| p * v).sum()
 }
 
-/// Flexibility of the hub in world (y, z), m/N, all load-carrying points sticking.
+/// How the hub gives way under small further forces, all load-carrying points sticking.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sticking {
+    /// Flexibility of the hub in world (y, z), m/N.
+    pub flexibility: Matrix2<f64>,
+    /// Part of the lateral one, `flexibility[(0, 0)]`, that lies in the contact: both half-spaces under the contact forces that a
+    /// lateral force on the hub makes, m/N.
+    pub lateral_contact: f64,
+}
+
+/// Flexibility of the hub, and the contact's share of the lateral one.
 ///
 /// # Errors
 /// [`NumericsError`] where no point carries load, or none sticks.
-pub fn sticking_flexibility(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<Matrix2<f64>> {
+pub fn sticking_flexibility(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<Sticking> {
     let problem = state.problem(wheel_on_rail.friction);
+    let missing = || singular("horizontal stiffness", state);
     let response = hub_response(&problem, &state.solution, &[Vector3::y_axis(), Vector3::z_axis()], true)
-        .and_then(|r| r.stiffness.try_inverse())
-        .ok_or_else(|| singular("horizontal stiffness", state))?;
-    Ok(Matrix2::from_fn(|row, column| response[(row, column)]))
+        .ok_or_else(missing)?;
+    let inverse = response.stiffness.clone().try_inverse().ok_or_else(missing)?;
+    let flexibility = Matrix2::from_fn(|row, column| inverse[(row, column)]);
+    let forces: Vec<f64> = (0..response.forces.nrows())
+        .map(|row| (0..2).map(|axis| response.forces[(row, axis)] * flexibility[(axis, 0)]).sum())
+        .collect();
+    Ok(Sticking { flexibility, lateral_contact: half_spaces(wheel_on_rail, state, &forces) })
+}
+
+/// Compliance of both half-spaces under contact forces in all directions, m/N for those of a unit load.
+fn half_spaces(wheel_on_rail: &WheelOnRail, state: &Pressed, forces: &[f64]) -> f64 {
+    if let Some(fine) = state.fine() {
+        return fine.half_spaces(forces);
+    }
+    let [rail, wheel] = &wheel_on_rail.materials;
+    let directions = wheel_on_rail.directions();
+    [(rail, Side::Base), (wheel, Side::Opposing)]
+        .into_iter()
+        .map(|(material, side)| {
+            quadratic(&total(&[&HalfSpace::new(material, side)], &state.points, directions), forces)
+        })
+        .sum()
 }
 
 /// Horizontal stiffness at every preload, all points sticking, and its mean, against what the rail's compliance
@@ -440,7 +470,7 @@ pub fn calibrate_horizontal(
             }
             state => state?,
         };
-        let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
+        let Sticking { flexibility, .. } = sticking_flexibility(wheel_on_rail, &state)?;
         let modes = &state.solution.modes;
         points.push(HorizontalPoint {
             preload,

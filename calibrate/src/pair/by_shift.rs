@@ -8,7 +8,7 @@ use super::bodies::{CondensedPair, ContactConditions, Laws};
 use super::geometry::Pair;
 use super::references::ByReference;
 use crate::calibration::{
-    DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, WheelOnRail, load_point, regions,
+    DOWNWARDS, LoadPoint, NormalCalibration, Pressed, Reference, Sticking, WheelOnRail, load_point, regions,
     sticking_flexibility, subtract_bodies,
 };
 use crate::contact::Subsurface;
@@ -24,9 +24,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Along what a wheel is pressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PressDirection {
-    /// Vertically down, the hub held laterally.
+    /// Vertically down, the hub held laterally: the law of the hub, whatever number of contacts carries the load.
     Vertical,
-    /// Along the contact normal at the first touch, the hub held across it.
+    /// Along the contact normal at the first touch, the hub held across it: the law of one contact, which ends where another one carries.
     #[default]
     Normal,
 }
@@ -113,6 +113,8 @@ pub struct FixedLoad {
     pub horizontal_stiffness: f64,
     /// The same across the direction in which the wheel is pressed, N/m.
     pub tangential_stiffness: f64,
+    /// Part of the lateral flexibility, `1 / horizontal_stiffness`, that lies in the contact, m/N.
+    pub lateral_contact: f64,
     /// The largest stresses below the patch, the rail's section held; none for a contact between elements.
     pub subsurface: Option<Subsurface>,
 }
@@ -230,13 +232,17 @@ fn angle_law(
     let points = ByReference { foot: on_foot, beam: on_section.points, local };
     let across = Vector2::new(along.y, -along.x);
     let fixed = on_section.fixed.iter().filter(|fixed| fixed.load < carried);
-    let fixed = fixed.map(|Fixed { load, flexibility, subsurface }| FixedLoad {
-        points: points.map(|points| points[*load]),
-        flexibility: *flexibility,
-        horizontal_stiffness: 1.0 / flexibility[(0, 0)],
-        tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
-        subsurface: *subsurface,
-    });
+    let fixed =
+        fixed.map(|Fixed { load, sticking: Sticking { flexibility, lateral_contact }, subsurface }| {
+            FixedLoad {
+                points: points.map(|points| points[*load]),
+                flexibility: *flexibility,
+                horizontal_stiffness: 1.0 / flexibility[(0, 0)],
+                lateral_contact: *lateral_contact,
+                tangential_stiffness: 1.0 / across.dot(&(flexibility * across)),
+                subsurface: *subsurface,
+            }
+        });
     let fixed = fixed.collect();
     let laws = Laws {
         foot: points.foot.map(|points| NormalCalibration::new(Reference::Foot, points)).transpose()?,
@@ -259,8 +265,7 @@ struct Sequence {
 struct Fixed {
     /// Its number among all loads.
     load: usize,
-    /// Flexibility of the hub, all points sticking, m/N.
-    flexibility: Matrix2<f64>,
+    sticking: Sticking,
     subsurface: Option<Subsurface>,
 }
 
@@ -281,12 +286,16 @@ impl Sequence {
         let loads = loads_in_turn(settings.loads, settings.fixed_loads);
         for (i, load) in loads.into_iter().enumerate() {
             going_on()?;
-            let pressed = carried(wheel_on_rail, load, before.as_ref()).and_then(|state| {
+            let pressed = match settings.direction {
+                PressDirection::Vertical => wheel_on_rail.press(load, before.as_ref()),
+                PressDirection::Normal => carried(wheel_on_rail, load, before.as_ref()),
+            };
+            let pressed = pressed.and_then(|state| {
                 let point = load_point(wheel_on_rail, &state)?;
                 if reference == Reference::Beam && settings.fixed_loads.contains(&load) {
-                    let flexibility = sticking_flexibility(wheel_on_rail, &state)?;
+                    let sticking = sticking_flexibility(wheel_on_rail, &state)?;
                     let subsurface = state.subsurface(poisson);
-                    sequence.fixed.push(Fixed { load: i, flexibility, subsurface });
+                    sequence.fixed.push(Fixed { load: i, sticking, subsurface });
                 }
                 sequence.points.push(point);
                 Ok(state)

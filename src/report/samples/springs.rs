@@ -244,6 +244,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         published_displacement_mm: Some(0.008 * force.powf(0.7)),
         horizontal_kn_per_m: 4e5,
         tangential_kn_per_m: 4.1e5,
+        lateral_contact_um_per_kn: Some(2.2),
         contact_area_mm2: 80.0,
         max_pressure_mpa: 900.0,
         semi_axis_along_mm: 6.0,

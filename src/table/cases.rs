@@ -1,0 +1,471 @@
+//! The cases of a table: each is a study, made of the keys of its wheel, its rail and all that is varied.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use railspring_calibrate::error::InputError;
+use railspring_calibrate::units::KILONEWTON;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+use super::document::{CaseKeys, Keys, TableDocument};
+use crate::stages;
+use crate::study::{LocatedError, Mistakes, Source, Study, parsed, schema_of, text_of};
+
+/// What messages call a table.
+const WHOLE: &str = "table";
+/// Sections of a study that the cases of a table have.
+const SECTIONS: [&str; 7] = ["rail", "wheel", "track", "material", "mesh", "contact", "calibration"];
+/// Keys that a table sets itself, and with what.
+const OF_THE_TABLE: [(&str, &str); 3] = [
+    ("track.lateral_shift_mm", "the shifts of a table are `shifts_mm`"),
+    ("calibration.shifts_mm", "the shifts of a table are `shifts_mm`"),
+    ("mesh.target_error", "a table takes the meshes as they are; give `mesh.contact_element_mm`"),
+];
+/// Keys that say which profile a body has: those of a table's wheel or rail replace all of the base's.
+const OF_THE_PROFILE: [&str; 3] = ["profile", "standard", "section_file"];
+
+/// A pair of a wheel and a rail.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// Name of the wheel.
+    pub wheel: String,
+    /// Name of the rail.
+    pub rail: String,
+    /// Dotted keys that take several values in the table, and those of this case.
+    pub varied: BTreeMap<String, Value>,
+    /// The study of the pair.
+    pub study: Study,
+}
+
+/// A checked table.
+#[derive(Debug, Clone)]
+pub struct Table {
+    /// Its keys.
+    pub document: TableDocument,
+    /// The cases, in the order of the wheels and then of the rails.
+    pub cases: Vec<Case>,
+}
+
+/// A wheel or a rail of the table.
+struct Body<'a> {
+    name: String,
+    /// Its entry, for messages: `wheel[0]`.
+    entry: String,
+    keys: Map<String, Value>,
+    varied: BTreeMap<&'a str, Value>,
+}
+
+impl Table {
+    /// Reads and checks a table.
+    ///
+    /// # Errors
+    /// [`Mistakes`] for a file that cannot be read, is not TOML, has keys or values that it cannot have, or cases that are no studies.
+    pub fn read(path: &Path) -> Result<Self, Mistakes> {
+        Self::parse(path, &text_of(path, WHOLE)?)
+    }
+
+    /// Checks the text of a table; files are looked for beside `path`.
+    ///
+    /// # Errors
+    /// As [`Table::read`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, Mistakes> {
+        let parsed = parsed::<TableDocument>(path, text, WHOLE, &schema_of::<TableDocument>())?;
+        if !parsed.mistakes.is_empty() {
+            return Err(Mistakes::sorted(parsed.mistakes));
+        }
+        let (document, source) = (parsed.document, parsed.source);
+        let base = Base::of(path, document.base.as_deref(), &source)?;
+        let mut mistakes = Vec::new();
+        let locate = |mistake: InputError| source.locate(mistake);
+        mistakes.extend(of_the_lists(&document).into_iter().map(locate));
+        let wheels =
+            bodies(path, "wheel", &document.wheel, &mut |mistake| mistakes.push(source.locate(mistake)));
+        let rails =
+            bodies(path, "rail", &document.rail, &mut |mistake| mistakes.push(source.locate(mistake)));
+        let pairs =
+            pairs(&document.case, &wheels, &rails, &mut |mistake| mistakes.push(source.locate(mistake)));
+        if !mistakes.is_empty() {
+            return Err(Mistakes::sorted(mistakes));
+        }
+        let sweeps = product(document.sweep.iter().map(|(key, values)| (key.as_str(), values.as_slice())));
+        let mut cases = Vec::new();
+        for (wheel, rail) in pairs {
+            for swept in &sweeps {
+                match case(path, &document, &base, (wheel, rail), swept) {
+                    Ok(case) => cases.push(case),
+                    Err(found) => {
+                        mistakes.extend(
+                            found.all().iter().map(|mistake| {
+                                relocated(mistake, &source, &base, [&wheel.entry, &rail.entry])
+                            }),
+                        );
+                    }
+                }
+            }
+        }
+        if !mistakes.is_empty() {
+            return Err(Mistakes::sorted(mistakes));
+        }
+        Ok(Self { document, cases })
+    }
+}
+
+/// The study that all cases begin with.
+#[derive(Default)]
+struct Base {
+    keys: Map<String, Value>,
+    source: Source,
+}
+
+impl Base {
+    fn of(table: &Path, file: Option<&str>, source: &Source) -> Result<Self, Mistakes> {
+        let Some(file) = file else { return Ok(Self::default()) };
+        let path = beside(table, file);
+        if !path.is_file() {
+            let expected = format!("a study file; {} is none", path.display());
+            let mistake =
+                InputError::new("base", format!("{file:?}"), expected, "give its path relative to the table");
+            return Err(Mistakes::sorted(vec![source.locate(mistake)]));
+        }
+        let text = text_of(&path, "study")?;
+        // with all its keys as they are; what is wrong with them is said of the first case
+        Study::parse(&path, &text)?;
+        let (mut keys, source) = parsed_plainly::<Map<String, Value>>(&path, &text)?;
+        keys.retain(|section, _| SECTIONS.contains(&section.as_str()));
+        for body in ["rail", "wheel"] {
+            let Some(keys) = keys.get_mut(body).and_then(Value::as_object_mut) else { continue };
+            for (key, value) in keys {
+                if let (true, Some(file_of_base)) = (key.ends_with("_file"), value.as_str()) {
+                    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+                    *value = folder.join(file_of_base).to_string_lossy().into_owned().into();
+                }
+            }
+        }
+        Ok(Self { keys, source })
+    }
+}
+
+/// The keys of a TOML text as they stand, and where.
+fn parsed_plainly<T: DeserializeOwned>(path: &Path, text: &str) -> Result<(T, Source), Mistakes> {
+    let anything = Value::Object(Map::from_iter([("additionalProperties".to_string(), Value::Bool(true))]));
+    parsed::<T>(path, text, "study", &anything).map(|parsed| (parsed.document, parsed.source))
+}
+
+/// A file as the table names it.
+fn beside(table: &Path, file: &str) -> std::path::PathBuf {
+    table.parent().unwrap_or(Path::new("")).join(file)
+}
+
+/// What is wrong with lists and with keys that a table does not take.
+fn of_the_lists(document: &TableDocument) -> Vec<InputError> {
+    let mut mistakes = Vec::new();
+    for (key, list) in [("shifts_mm", &document.shifts_mm), ("stiffness_at_kn", &document.stiffness_at_kn)] {
+        if let Some(pair) = list.windows(2).find(|pair| pair[1] <= pair[0]) {
+            let value = format!("{}, {}", pair[0], pair[1]);
+            mistakes.push(InputError::new(
+                key,
+                value,
+                "ascending values without repetition",
+                "sort the list",
+            ));
+        }
+    }
+    if let [first, second] = document.sides[..]
+        && first == second
+    {
+        let value = format!("{:?} twice", first.name());
+        mistakes.push(InputError::new("sides", value, "different sides", "leave one of them out"));
+    }
+    let given = document.study.iter().flat_map(|(section, keys)| {
+        let keys = keys.keys().map(move |key| (format!("study.{section}.{key}"), format!("{section}.{key}")));
+        keys.chain([(format!("study.{section}"), section.clone())])
+    });
+    let swept = document.sweep.keys().map(|key| (format!("sweep.{key}"), key.clone()));
+    for (place, key) in given.chain(swept) {
+        let section = key.split('.').next().unwrap_or_default();
+        if !SECTIONS.contains(&section) {
+            let expected = format!("a key of the sections {}", SECTIONS.join(", "));
+            mistakes.push(InputError::new(
+                place,
+                section,
+                expected,
+                "the springs do not depend on it: remove it",
+            ));
+        } else if let Some((_, remedy)) = OF_THE_TABLE.iter().find(|(known, _)| *known == key) {
+            mistakes.push(InputError::new(place, "given", "a key that a table leaves to its study", *remedy));
+        }
+    }
+    for (key, values) in &document.sweep {
+        let place = format!("sweep.{key}");
+        if values.is_empty() {
+            mistakes.push(InputError::new(
+                place,
+                "[]",
+                "at least one value",
+                "list the values, or remove the key",
+            ));
+        } else if key.split('.').count() != 2 {
+            let expected = "a key with its section, such as `\"contact.friction\"`";
+            mistakes.push(InputError::new(
+                place,
+                "given",
+                expected,
+                "write section and key with a dot between them",
+            ));
+        }
+    }
+    mistakes
+}
+
+/// The wheels or the rails of the entries of a list.
+fn bodies<'a>(
+    table: &Path,
+    list: &str,
+    entries: &'a [Keys],
+    mistaken: &mut dyn FnMut(InputError),
+) -> Vec<Body<'a>> {
+    let mut bodies: Vec<Body<'a>> = Vec::new();
+    let mut names = BTreeSet::new();
+    for (index, keys) in entries.iter().enumerate() {
+        let entry = format!("{list}[{index}]");
+        let text = |key: &str| keys.get(key).map(|value| value.as_str().map(str::to_owned));
+        for key in ["name", "folder"] {
+            if text(key) == Some(None) {
+                let value = keys[key].to_string();
+                mistaken(InputError::new(
+                    format!("{entry}.{key}"),
+                    value,
+                    "a text in quotes",
+                    "write a text",
+                ));
+            }
+        }
+        let (name, folder) = (text("name").flatten(), text("folder").flatten());
+        let files: Vec<Option<(String, String)>> = match &folder {
+            None => vec![None],
+            Some(folder) => match files_of(table, folder) {
+                Ok(files) => files.into_iter().map(Some).collect(),
+                Err(mut mistake) => {
+                    mistake.key = format!("{entry}.folder");
+                    mistaken(mistake);
+                    continue;
+                }
+            },
+        };
+        let lists = keys.iter().filter_map(|(key, value)| Some((key.as_str(), value.as_array()?.as_slice())));
+        if let Some((key, _)) = lists.clone().find(|(_, values)| values.is_empty()) {
+            let place = format!("{entry}.{key}");
+            mistaken(InputError::new(place, "[]", "a value, or a list of values", "list the values"));
+        }
+        for file in files {
+            for varied in product(lists.clone()) {
+                let mut own: Map<String, Value> = keys.iter().map(|(k, v)| (k.clone(), v.clone())).collect();
+                own.retain(|key, _| key != "name" && key != "folder");
+                own.extend(varied.iter().map(|(key, value)| ((*key).to_string(), value.clone())));
+                if let Some((_, path)) = &file {
+                    own.insert("profile_file".into(), path.clone().into());
+                }
+                let stem = file.as_ref().map(|(stem, _)| stem.clone());
+                let profile = || own.get("profile").and_then(Value::as_str).map(str::to_owned);
+                let measured = || {
+                    let path = own.get("profile_file").and_then(Value::as_str)?;
+                    Some(Path::new(path).file_stem()?.to_string_lossy().into_owned())
+                };
+                let name = match (&name, stem) {
+                    (Some(name), Some(stem)) => format!("{name}/{stem}"),
+                    (Some(name), None) => name.clone(),
+                    (None, Some(stem)) => stem,
+                    (None, None) => {
+                        profile().or_else(measured).unwrap_or_else(|| format!("{list} {}", index + 1))
+                    }
+                };
+                bodies.push(Body { name, entry: entry.clone(), keys: own, varied });
+            }
+        }
+        let new: BTreeSet<String> =
+            bodies.iter().filter(|body| body.entry == entry).map(|body| body.name.clone()).collect();
+        for name in new {
+            if !names.insert(name.clone()) {
+                let expected = format!("a name that no other {list} has");
+                let remedy = "give one of them another `name`";
+                mistaken(InputError::new(format!("{entry}.name"), format!("{name:?}"), expected, remedy));
+            }
+        }
+    }
+    bodies
+}
+
+/// The files in a folder, by name: stem, and path as the table would name it.
+fn files_of(table: &Path, folder: &str) -> Result<Vec<(String, String)>, InputError> {
+    let path = beside(table, folder);
+    let refused = |value: String| {
+        let expected = format!("a folder with profile files; {}", path.display());
+        InputError::new("folder", value, expected, "give its path relative to the table")
+    };
+    let entries = std::fs::read_dir(&path).map_err(|cause| refused(format!("{folder:?}: {cause}")))?;
+    let mut files: Vec<(String, String)> = entries
+        .filter_map(|entry| {
+            let file = entry.ok()?;
+            let name = file.file_name().into_string().ok()?;
+            let stem = Path::new(&name).file_stem()?.to_string_lossy().into_owned();
+            let is_one = file.path().is_file() && !name.starts_with('.');
+            is_one.then(|| (stem, Path::new(folder).join(&name).to_string_lossy().into_owned()))
+        })
+        .collect();
+    files.sort_by(|a, b| a.1.cmp(&b.1));
+    if files.is_empty() {
+        return Err(refused(format!("{folder:?}, which has no file")));
+    }
+    // files of one stem keep their endings
+    let stems: Vec<String> = files.iter().map(|(stem, _)| stem.clone()).collect();
+    for (stem, path) in &mut files {
+        if stems.iter().filter(|other| *other == stem).count() > 1 {
+            *stem = Path::new(path).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        }
+    }
+    Ok(files)
+}
+
+/// The pairs of the table.
+fn pairs<'a, 'b>(
+    cases: &[CaseKeys],
+    wheels: &'a [Body<'b>],
+    rails: &'a [Body<'b>],
+    mistaken: &mut dyn FnMut(InputError),
+) -> Vec<(&'a Body<'b>, &'a Body<'b>)> {
+    if cases.is_empty() {
+        return wheels.iter().flat_map(|wheel| rails.iter().map(move |rail| (wheel, rail))).collect();
+    }
+    let mut pairs = Vec::new();
+    for (index, case) in cases.iter().enumerate() {
+        let named = |bodies: &'a [Body<'b>], name: &str| -> Vec<&'a Body<'b>> {
+            bodies.iter().filter(|body| body.name == name).collect()
+        };
+        let (of_wheels, of_rails) = (named(wheels, &case.wheel), named(rails, &case.rail));
+        for (list, name, found, all) in
+            [("wheel", &case.wheel, &of_wheels, wheels), ("rail", &case.rail, &of_rails, rails)]
+        {
+            if found.is_empty() {
+                let mut known: Vec<&str> = all.iter().map(|body| body.name.as_str()).collect();
+                known.dedup();
+                mistaken(InputError::new(
+                    format!("case[{index}].{list}"),
+                    format!("{name:?}"),
+                    format!("the name of a {list} of the table: {}", known.join(", ")),
+                    "correct the name",
+                ));
+            }
+        }
+        pairs.extend(of_wheels.iter().flat_map(|wheel| of_rails.iter().map(|rail| (*wheel, *rail))));
+    }
+    pairs
+}
+
+/// Every choice of a value for each key.
+fn product<'a>(lists: impl Iterator<Item = (&'a str, &'a [Value])>) -> Vec<BTreeMap<&'a str, Value>> {
+    let mut choices = vec![BTreeMap::new()];
+    for (key, values) in lists {
+        choices = choices
+            .into_iter()
+            .flat_map(|choice| {
+                values.iter().map(move |value| {
+                    let mut choice = choice.clone();
+                    choice.insert(key, value.clone());
+                    choice
+                })
+            })
+            .collect();
+    }
+    choices
+}
+
+/// The case of a wheel on a rail with values of the swept keys.
+fn case(
+    path: &Path,
+    document: &TableDocument,
+    base: &Base,
+    (wheel, rail): (&Body<'_>, &Body<'_>),
+    swept: &BTreeMap<&str, Value>,
+) -> Result<Case, Mistakes> {
+    let mut keys = base.keys.clone();
+    let mut put = |section: &str, key: &str, value: &Value| {
+        let section = keys.entry(section).or_insert_with(|| Map::new().into());
+        section.as_object_mut().expect("a section of a study").insert(key.into(), value.clone());
+    };
+    let common = document.study.iter().flat_map(|(section, keys)| keys.iter().map(move |key| (section, key)));
+    common.for_each(|(section, (key, value))| put(section, key, value));
+    put("calibration", "shifts_mm", &Value::Array(Vec::new()));
+    for (section, body) in [("wheel", wheel), ("rail", rail)] {
+        let section = keys.entry(section).or_insert_with(|| Map::new().into());
+        let section = section.as_object_mut().expect("a section of a study");
+        if body.keys.keys().any(|key| is_of_the_profile(key)) {
+            section.retain(|key, _| !is_of_the_profile(key));
+        }
+        section.extend(body.keys.clone());
+    }
+    for (key, value) in swept {
+        let (section, leaf) = key.split_once('.').expect("a key with its section");
+        let section = keys.entry(section).or_insert_with(|| Map::new().into());
+        section.as_object_mut().expect("a section of a study").insert(leaf.into(), value.clone());
+    }
+    keys.insert("name".into(), document.name.clone().into());
+    let text = toml::to_string(&Value::Object(keys)).expect("keys of TOML files are TOML");
+    let study = Study::parse(path, &text)?;
+    let of_a_case = |mistake: InputError| Mistakes::sorted(vec![study.source.locate(mistake)]);
+    if let Err(railspring_calibrate::error::Error::Input(mistake)) = stages::check_friction(&study) {
+        return Err(of_a_case(mistake));
+    }
+    in_range(document, &study).map_err(of_a_case)?;
+    let mut varied: BTreeMap<String, Value> =
+        swept.iter().map(|(key, value)| ((*key).to_string(), value.clone())).collect();
+    for (section, body) in [("wheel", wheel), ("rail", rail)] {
+        varied.extend(body.varied.iter().map(|(key, value)| (format!("{section}.{key}"), value.clone())));
+    }
+    Ok(Case { wheel: wheel.name.clone(), rail: rail.name.clone(), varied, study })
+}
+
+fn is_of_the_profile(key: &str) -> bool {
+    OF_THE_PROFILE.contains(&key) || key.starts_with("profile_")
+}
+
+/// Refuses loads of the columns that the loads of the study do not reach.
+fn in_range(document: &TableDocument, study: &Study) -> Result<(), InputError> {
+    let loads = &study.calibration.loads;
+    let range = [loads[0], loads[loads.len() - 1]].map(|load| load / KILONEWTON);
+    match document.stiffness_at_kn.iter().find(|load| !(range[0]..=range[1]).contains(*load)) {
+        None => Ok(()),
+        Some(load) => Err(InputError::new(
+            "stiffness_at_kn",
+            load,
+            format!("loads from {} to {} kN, those of the calibration", range[0], range[1]),
+            "leave it out, or set `load_min_kn` and `load_max_kn` in [study.calibration]",
+        )),
+    }
+}
+
+/// A mistake in the study of a case, as one of the table.
+fn relocated(mistake: &LocatedError, table: &Source, base: &Base, entries: [&String; 2]) -> LocatedError {
+    let mut error = mistake.error.clone();
+    let key = error.key.clone();
+    let swept = format!("sweep.{key}");
+    let common = format!("study.{key}");
+    let of_body = ["wheel", "rail"].iter().zip(entries).find_map(|(section, entry)| {
+        key.strip_prefix(section)
+            .and_then(|rest| rest.strip_prefix('.'))
+            .map(|rest| format!("{entry}.{rest}"))
+    });
+    let in_entry = of_body.filter(|place| table.gives(place) || !base.source.gives(&key));
+    if table.gives(&swept) {
+        error.key = swept;
+    } else if let Some(place) = in_entry {
+        error.key = place;
+    } else if table.gives(&common) {
+        error.key = common;
+    } else if base.source.gives(&key) {
+        let line = base.source.line(&key);
+        return LocatedError { path: base.source.path().to_path_buf(), line, error };
+    }
+    let line = table.line(&error.key);
+    LocatedError { path: table.path().to_path_buf(), line, error }
+}

@@ -1,0 +1,186 @@
+//! What is different between a table and an earlier one.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use railspring_calibrate::error::{InputError, Result};
+
+use super::rows::{INPUTS, Rows};
+use crate::output::read_text;
+
+/// A value that is another one now.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Changed {
+    /// The place: values of the columns that identify it.
+    pub place: Vec<String>,
+    /// The column.
+    pub column: String,
+    /// What it was, and what it is.
+    pub values: [String; 2],
+    /// By how much, relative to what it was; none for texts and where it was zero.
+    pub relative: Option<f64>,
+    /// Which inputs are others.
+    pub because: String,
+}
+
+/// The differences between two tables.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Changes {
+    /// Columns that identify a place in both.
+    pub identity: Vec<String>,
+    /// Places that the earlier table does not have.
+    pub new: Vec<Vec<String>>,
+    /// Places that only the earlier table has.
+    pub gone: Vec<Vec<String>>,
+    /// Values that are others.
+    pub changed: Vec<Changed>,
+    /// Places with such a value.
+    pub places_changed: usize,
+}
+
+/// Compares a table with the file of an earlier one.
+///
+/// # Errors
+/// [`InputError`] for a file that is no table.
+pub fn since(earlier: &Path, now: &Rows) -> Result<Changes> {
+    let refused = |value: String, expected: &str| {
+        InputError::new(
+            earlier.display().to_string(),
+            value,
+            expected,
+            "name a table.csv that `railspring table` has written",
+        )
+    };
+    let text = read_text(earlier, "table")?;
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header: Vec<String> = match reader.headers() {
+        Ok(header) => header.iter().map(str::to_owned).collect(),
+        Err(cause) => return Err(refused(cause.to_string(), "a table in CSV").into()),
+    };
+    if let Some(missing) =
+        ["wheel", "rail", "shift_mm", "status"].iter().find(|name| !header.iter().any(|h| h == *name))
+    {
+        return Err(refused(
+            format!("no column {missing:?}"),
+            "a table with the columns wheel, rail, shift_mm, status",
+        )
+        .into());
+    }
+    // what comes before the contact angle says which place it is
+    let end = |columns: &[String]| {
+        columns.iter().position(|column| column == "contact_angle_deg").unwrap_or(columns.len())
+    };
+    let identity: Vec<String> = now.columns[..end(&now.columns)]
+        .iter()
+        .filter(|column| header[..end(&header)].contains(column))
+        .cloned()
+        .collect();
+    let place = |columns: &[String], row: &[String]| -> Vec<String> {
+        let at = |name: &String| columns.iter().position(|column| column == name);
+        identity.iter().map(|name| at(name).and_then(|at| row.get(at)).cloned().unwrap_or_default()).collect()
+    };
+    let mut before: BTreeMap<Vec<String>, Vec<String>> = BTreeMap::new();
+    for row in reader.records() {
+        let row =
+            row.map_err(|cause| refused(cause.to_string(), "rows of as many fields as there are columns"))?;
+        let row: Vec<String> = row.iter().map(str::to_owned).collect();
+        before.insert(place(&header, &row), row);
+    }
+    let mut changes = Changes { identity: identity.clone(), ..Changes::default() };
+    for row in &now.rows {
+        let row: Vec<String> = row.iter().map(super::rows::Cell::text).collect();
+        let here = place(&now.columns, &row);
+        let Some(old) = before.remove(&here) else {
+            changes.new.push(here);
+            continue;
+        };
+        let old_value =
+            |name: &str| header.iter().position(|column| column == name).and_then(|at| old.get(at));
+        let because = because(&now.columns, &row, &old_value);
+        let count = changes.changed.len();
+        for (column, new) in now.columns.iter().zip(&row) {
+            let is_result = !identity.contains(column) && !INPUTS.iter().any(|(name, _)| name == column);
+            let Some(old) = old_value(column).filter(|old| is_result && *old != new) else { continue };
+            changes.changed.push(Changed {
+                place: here.clone(),
+                column: column.clone(),
+                values: [old.clone(), new.clone()],
+                relative: relative(old, new),
+                because: because.clone(),
+            });
+        }
+        changes.places_changed += usize::from(changes.changed.len() > count);
+    }
+    changes.gone = before.into_keys().collect();
+    Ok(changes)
+}
+
+/// The inputs that are others, in words.
+fn because<'a>(columns: &[String], row: &[String], old: &dyn Fn(&str) -> Option<&'a String>) -> String {
+    let other = INPUTS.iter().filter(|(name, _)| {
+        let new = columns.iter().position(|column| column == name).and_then(|at| row.get(at));
+        old(name) != new
+    });
+    let other: Vec<&str> = other.map(|(_, meaning)| *meaning).collect();
+    match other.is_empty() {
+        true => "another build of the program".into(),
+        false => other.join(", "),
+    }
+}
+
+fn relative(old: &str, new: &str) -> Option<f64> {
+    let (old, new): (f64, f64) = (old.parse().ok()?, new.parse().ok()?);
+    (old != 0.0).then(|| new / old - 1.0)
+}
+
+impl Changes {
+    /// The changes as CSV, a row for each value.
+    pub fn csv(&self) -> Vec<u8> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let written = "a row goes into memory";
+        let columns = ["change", "column", "before", "now", "relative_change", "because"];
+        let header = self.identity.iter().map(String::as_str).chain(columns);
+        writer.write_record(header).expect(written);
+        let mut row = |place: &[String], rest: [&str; 6]| {
+            writer.write_record(place.iter().map(String::as_str).chain(rest)).expect(written);
+        };
+        for place in &self.new {
+            row(place, ["new place", "", "", "", "", ""]);
+        }
+        for place in &self.gone {
+            row(place, ["place is gone", "", "", "", "", ""]);
+        }
+        for Changed { place, column, values: [old, new], relative, because } in &self.changed {
+            let relative = relative.map_or_else(String::new, |relative| relative.to_string());
+            row(place, ["value", column, old, new, &relative, because]);
+        }
+        writer.into_inner().expect(written)
+    }
+
+    /// The changes in a few lines: how many there are, and the largest.
+    pub fn lines(&self) -> Vec<String> {
+        const LISTED: usize = 10;
+        let Self { new, gone, changed, places_changed, .. } = self;
+        let mut lines = vec![format!(
+            "since the earlier table: {places_changed} places with other values, {} new, {} gone",
+            new.len(),
+            gone.len()
+        )];
+        let mut by_size: Vec<&Changed> =
+            changed.iter().filter(|changed| changed.column.starts_with("stiffness_kn_per_m_at_")).collect();
+        let size = |changed: &Changed| changed.relative.map_or(f64::INFINITY, f64::abs);
+        by_size.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        lines.extend(by_size.iter().take(LISTED).map(|changed| {
+            let by =
+                changed.relative.map_or_else(String::new, |relative| format!(" ({:+.2} %)", 1e2 * relative));
+            let [old, new] = &changed.values;
+            format!(
+                "{}: {} {old} -> {new}{by}, because of {}",
+                changed.place.join(", "),
+                changed.column,
+                changed.because
+            )
+        }));
+        lines
+    }
+}

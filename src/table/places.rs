@@ -1,0 +1,394 @@
+//! The places of a table: each a pair at one shift, taken from the store or made and kept there by itself, so that whatever ends a table
+//! takes nothing from it but the place that is under way.
+//!
+//! Neither body of a pair depends on the shift, and neither wheel nor rail on the other one: of W wheels and R rails W + R bodies are
+//! condensed, which the store keeps, and the rest is dense algebra.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::cases::{Case, Table};
+use super::document::{SideKey, TableDocument};
+use crate::estimate::{self, GIB, Resources, Work};
+use crate::output::to_json;
+use crate::pipeline::BodySource;
+use crate::records::ShiftRecord;
+use crate::stages::{self, Geometry, PlaceSettings};
+use crate::store::{Address, Artefact, Kind, Store};
+use crate::study::Study;
+
+/// Part of an artefact: the place.
+const PLACE: &str = "place.json";
+
+/// A pair at one shift of the wheelset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Number of the case.
+    pub case: usize,
+    /// The side of the wheelset.
+    pub side: SideKey,
+    /// Shift of the wheelset, mm.
+    pub shift_mm: f64,
+}
+
+/// What a place has come to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlaceRecord {
+    /// The law; the shift is that towards the rail of the side.
+    pub at: ShiftRecord,
+    /// Radius on which the wheel rolls at the first touch, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_radius_mm: Option<f64>,
+    /// Tangent stiffness of Hertz's contact at the first touch, under normal forces as large as the loads of the columns, kN/m; empty where
+    /// the bodies conform.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hertz_kn_per_m: Vec<f64>,
+}
+
+impl PlaceRecord {
+    /// One without a law.
+    fn failed(shift_mm: f64, reason: &Error) -> Self {
+        Self {
+            at: ShiftRecord {
+                shift_mm,
+                touch: None,
+                laws: Vec::new(),
+                loads: Vec::new(),
+                published_secant_ratio: None,
+                error_band: None,
+                reason: Some(reason.to_string()),
+            },
+            rolling_radius_mm: None,
+            hertz_kn_per_m: Vec::new(),
+        }
+    }
+}
+
+/// What a table is going to do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Pairs with what else is varied.
+    pub cases: usize,
+    /// Their places.
+    pub places: usize,
+    /// Those that the store has.
+    pub kept: usize,
+    /// Cases with a place that is to be made.
+    pub cases_made: usize,
+    /// Bodies of these cases, which are condensed unless the store has them.
+    pub bodies: usize,
+    /// What the making is expected to take: time (s) and memory (bytes); none where nothing is made, or that is not known.
+    pub needs: Option<(f64, f64)>,
+}
+
+impl Plan {
+    /// The plan in a sentence.
+    pub fn text(&self) -> String {
+        let Self { cases, places, kept, cases_made, bodies, needs } = self;
+        let whole = format!("{cases} pairs at {places} places, {kept} of them in the store");
+        if kept == places {
+            return whole;
+        }
+        let needs = needs.map_or_else(String::new, |(seconds, bytes)| {
+            format!(": about {} and {:.1} GiB on this machine", duration(seconds), bytes / GIB)
+        });
+        format!("{whole}; {} to be made on {cases_made} pairs of {bodies} bodies{needs}", places - kept)
+    }
+}
+
+fn duration(seconds: f64) -> String {
+    match seconds {
+        short if short < 90.0 => format!("{short:.0} s"),
+        long if long < 5400.0 => format!("{:.0} min", long / 60.0),
+        longer => format!("{:.1} h", longer / 3600.0),
+    }
+}
+
+/// The places of a table, with what the store has of them.
+pub struct Places<'a> {
+    table: &'a Table,
+    store: &'a Store,
+    resources: Resources<'a>,
+    places: Vec<Place>,
+    records: Vec<Option<PlaceRecord>>,
+}
+
+/// A place by what it depends on: its case, and the shift towards the rail of its side as it stands in memory.
+type Position = (usize, u64);
+
+impl<'a> Places<'a> {
+    /// All places of a table, cases first; those that are in the store are taken from it unless all are made `fresh`.
+    pub fn of(table: &'a Table, store: &'a Store, fresh: bool, resources: Resources<'a>) -> Self {
+        let document = &table.document;
+        let mut places = Vec::new();
+        for case in 0..table.cases.len() {
+            for side in &document.sides {
+                places.extend(document.shifts_mm.iter().map(|shift_mm| Place {
+                    case,
+                    side: *side,
+                    shift_mm: *shift_mm,
+                }));
+            }
+        }
+        let take = |place: &Place| {
+            let address = address(store, table, place);
+            let read = |artefact: Artefact| read(&artefact);
+            store.take_as(&address, read, &|text| resources.monitor.notice(&text))
+        };
+        let records = places.par_iter().map(|place| (!fresh).then(|| take(place)).flatten()).collect();
+        Self { table, store, resources, places, records }
+    }
+
+    /// What is going to be done.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn plan(&self) -> Result<Plan> {
+        let missing = self.missing();
+        let cases: BTreeSet<usize> = missing.keys().map(|(case, _)| *case).collect();
+        // beside a measured profile the contact zones go deeper, so that a body may be needed twice
+        let bodies = |part: usize| {
+            let of = |case: &usize| {
+                let Case { study, .. } = &self.table.cases[*case];
+                let measured = study.rail.measured.is_some() || study.wheel.measured.is_some();
+                (&study.keys.parts[part], measured)
+            };
+            cases.iter().map(of).collect::<BTreeSet<_>>().len()
+        };
+        let [wheels, rails] = [bodies(0), bodies(1)];
+        let needs = match cases.first() {
+            None => None,
+            Some(first) => self.needs(*first, (wheels, rails), cases.len(), missing.len())?,
+        };
+        Ok(Plan {
+            cases: self.table.cases.len(),
+            places: self.places.len(),
+            kept: self.records.iter().flatten().count(),
+            cases_made: cases.len(),
+            bodies: wheels + rails,
+            needs,
+        })
+    }
+
+    /// Time and memory by the estimate of one case, which the others resemble.
+    fn needs(
+        &self,
+        case: usize,
+        (wheels, rails): (usize, usize),
+        cases: usize,
+        places: usize,
+    ) -> Result<Option<(f64, f64)>> {
+        let mut study = self.table.cases[case].study.clone();
+        // a case has as many places as the table has shifts for it
+        let shifts = (0..places.div_ceil(cases)).map(|n| n as f64 * MILLIMETRE).collect();
+        study.calibration.shifts = Some(shifts);
+        let silent = Beneath::silent(self.resources.monitor);
+        let resources = Resources { monitor: &silent, ..self.resources };
+        let work = Work { calibrate: true, ..Work::default() };
+        match estimate::dry_run(&study, &work, &resources) {
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            // said of the case itself when it is made
+            Err(_) => Ok(None),
+            Ok(estimate) => {
+                let seconds = |stage: usize| estimate.stages.get(stage).map_or(0.0, |stage| stage.seconds);
+                let bodies = 0.5 * (wheels + rails) as f64;
+                Ok(Some((bodies * seconds(0) + cases as f64 * seconds(1), estimate.memory())))
+            }
+        }
+    }
+
+    /// What is to be made, each once: a left wheel shifted one way stands as a right one shifted the other way.
+    fn missing(&self) -> BTreeMap<Position, Vec<usize>> {
+        let mut missing: BTreeMap<Position, Vec<usize>> = BTreeMap::new();
+        for (index, (place, _)) in
+            self.places.iter().zip(&self.records).enumerate().filter(|(_, (_, r))| r.is_none())
+        {
+            let towards = place.side.towards(place.shift_mm);
+            missing.entry((place.case, towards.to_bits())).or_default().push(index);
+        }
+        missing
+    }
+
+    /// Makes the places that are missing; all of them, in the order of the table.
+    ///
+    /// # Errors
+    /// An interruption, after which the store has what was made.
+    pub fn make(mut self) -> Result<Vec<(Place, PlaceRecord)>> {
+        let missing = self.missing();
+        let monitor = self.resources.monitor;
+        let (done, total) = (AtomicUsize::new(0), missing.len());
+        let mut by_case: BTreeMap<usize, Vec<(f64, &Vec<usize>)>> = BTreeMap::new();
+        for ((case, towards), indices) in &missing {
+            by_case.entry(*case).or_default().push((f64::from_bits(*towards), indices));
+        }
+        let beneath = Beneath { monitor, count: Some((&done, total)) };
+        if total > 0 {
+            beneath.progress("", 0, 0)?;
+        }
+        for (case, wanted) in by_case {
+            let shifts: Vec<f64> = wanted.iter().map(|(shift, _)| *shift).collect();
+            let made = self.case(case, &shifts, &beneath, &done)?;
+            for ((_, indices), record) in wanted.iter().zip(made) {
+                indices.iter().for_each(|index| self.records[*index] = Some(record.clone()));
+            }
+        }
+        let records = self.records.into_iter().map(|record| record.expect("every place was taken or made"));
+        Ok(self.places.into_iter().zip(records).collect())
+    }
+
+    /// The places of a case at `shifts` (mm).
+    fn case(
+        &self,
+        number: usize,
+        shifts: &[f64],
+        monitor: &Beneath<'_>,
+        done: &AtomicUsize,
+    ) -> Result<Vec<PlaceRecord>> {
+        let case = &self.table.cases[number];
+        let one_done = || {
+            done.fetch_add(1, Ordering::Relaxed);
+            monitor.progress("", 0, 0)
+        };
+        let ready = match self.bodies(case, monitor) {
+            Ok(ready) => ready,
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            Err(error) => {
+                // not kept: memory, a disk or a Python may be another's the next time
+                let error = match error {
+                    Error::Input(input) => case.study.with_keys(input).into(),
+                    other => other,
+                };
+                return shifts
+                    .iter()
+                    .map(|shift| one_done().map(|()| PlaceRecord::failed(*shift, &error)))
+                    .collect();
+            }
+        };
+        let document = &self.table.document;
+        let fixed_loads: Vec<f64> = document.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
+        let settings = PlaceSettings { direction: document.direction.into(), fixed_loads: &fixed_loads };
+        let Ready { geometry, bodies, coarser } = &ready;
+        let make = |shift_mm: &f64| {
+            let shift = shift_mm * MILLIMETRE;
+            let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));
+            let at = stages::place(&case.study, geometry, bodies, &settings, shift, coarser, monitor)?;
+            let record = PlaceRecord {
+                rolling_radius_mm: at
+                    .touch
+                    .map(|touch| geometry.pair.wheel.radius / MILLIMETRE + touch.wheel_z_mm),
+                hertz_kn_per_m: hertz(&case.study, geometry, shift, &fixed_loads),
+                at,
+            };
+            let place = Place { case: number, side: SideKey::Right, shift_mm: *shift_mm };
+            let artefact = Artefact::default().with(PLACE, to_json(&record));
+            let say = |text: String| self.resources.monitor.notice(&text);
+            self.store.keep(
+                &address(self.store, self.table, &place),
+                "place of a table",
+                &document.name,
+                &artefact,
+                &say,
+            );
+            one_done()?;
+            Ok(record)
+        };
+        shifts.par_iter().map(make).collect()
+    }
+
+    /// A case up to its condensed bodies.
+    fn bodies(&self, case: &Case, monitor: &dyn Monitor) -> Result<Ready> {
+        let study = &case.study;
+        let geometry = stages::geometry(study)?;
+        let resources = Resources { monitor, ..self.resources };
+        let options = stages::mesh_options(study, &geometry);
+        let work = Work::of(study, true, false);
+        let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &resources)?;
+        let source = BodySource {
+            store: Some(self.store),
+            fresh: false,
+            foot_held: study.calibration.foot_held,
+            together: room.condensing,
+            study: &study.name,
+            monitor,
+        };
+        let bodies = source.condensed(&stages::solids(study, &geometry, &meshes), "", 0)?;
+        let coarser = study
+            .wants_error_band()
+            .then(|| {
+                let condense = |coarser: &stages::Meshes| {
+                    source.condensed(&stages::solids(study, &geometry, coarser), " of coarser elements", 0)
+                };
+                stages::coarser_bodies(study, &geometry, &meshes, condense)
+            })
+            .transpose()?;
+        let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
+        Ok(Ready { geometry, bodies, coarser })
+    }
+}
+
+/// A case up to its condensed bodies; those of coarser meshes with the edge of the contact elements of the others, m.
+struct Ready {
+    geometry: Geometry,
+    bodies: railspring_calibrate::pair::CondensedPair,
+    coarser: Option<(f64, stages::CoarserBodies)>,
+}
+
+/// Where the store has a place.
+fn address(store: &Store, table: &Table, place: &Place) -> Address {
+    let TableDocument { direction, stiffness_at_kn, .. } = &table.document;
+    let springs = &table.cases[place.case].study.keys.springs;
+    store.address(Kind::Place, &(springs, direction, stiffness_at_kn, place.side.towards(place.shift_mm)))
+}
+
+fn read(artefact: &Artefact) -> Result<PlaceRecord> {
+    let content = artefact.part(PLACE).unwrap_or_default();
+    let text = std::str::from_utf8(content).unwrap_or_default();
+    crate::output::parse_json(std::path::Path::new(PLACE), text, "table")
+}
+
+/// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces
+/// as large as the loads (N), kN/m.
+fn hertz(study: &Study, geometry: &Geometry, shift: f64, loads: &[f64]) -> Vec<f64> {
+    let Ok(pair) = geometry.pair.with_wheel_at(stages::tape_y(study, &geometry.pair, shift)) else {
+        return Vec::new();
+    };
+    let [along, across] = pair.relative_radii();
+    let modulus = study.material.contact_modulus();
+    let tangent = |load: &f64| {
+        let contact = point_contact(*load, along, across, modulus)?;
+        Ok(contact.tangent_stiffness / KILONEWTON_PER_METRE)
+    };
+    loads.iter().map(tangent).collect::<Result<_>>().unwrap_or_default()
+}
+
+/// Passes on whether to go on, and for all that is done to a place no more than how many there are.
+struct Beneath<'a> {
+    monitor: &'a dyn Monitor,
+    /// Places that are done, and all of them.
+    count: Option<(&'a AtomicUsize, usize)>,
+}
+
+impl<'a> Beneath<'a> {
+    fn silent(monitor: &'a dyn Monitor) -> Self {
+        Self { monitor, count: None }
+    }
+}
+
+impl Monitor for Beneath<'_> {
+    fn progress(&self, _: &str, _: usize, _: usize) -> Result<()> {
+        match self.count {
+            Some((done, total)) => self.monitor.progress("places", done.load(Ordering::Relaxed), total),
+            // a count that stays where it is shows nothing
+            None => self.monitor.progress("plan", 0, 1),
+        }
+    }
+
+    fn notice(&self, _: &str) {}
+}

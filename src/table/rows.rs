@@ -1,0 +1,289 @@
+//! `table.csv`: one row for each place, with its inputs, what it has come to, and why, where that is less than it should be.
+
+use std::collections::BTreeSet;
+
+use railspring_calibrate::units::MILLIMETRE;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::cases::{Case, Table};
+use super::places::{Place, PlaceRecord};
+use crate::records::{AngleLawRecord, FixedLoadRecord};
+
+/// Columns that say which place a row is of; the varied keys come after them.
+pub const IDENTITY: [&str; 9] = [
+    "wheel",
+    "rail",
+    "tape_diameter_m",
+    "rail_inclination",
+    "gauge_mm",
+    "friction",
+    "direction",
+    "side",
+    "shift_mm",
+];
+/// Varied keys that have a column among these.
+const WITH_A_COLUMN: [&str; 4] =
+    ["wheel.tape_diameter_m", "rail.inclination", "track.gauge_mm", "contact.friction"];
+/// Columns with hashes of inputs, and what each is of.
+pub const INPUTS: [(&str, &str); 4] = [
+    ("wheel_hash", "the wheel"),
+    ("rail_hash", "the rail"),
+    ("settings_hash", "the settings"),
+    ("version", "the program"),
+];
+
+/// What a place has come to, in a word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// A law of all loads.
+    Complete,
+    /// A law that ends before the largest load.
+    EndsEarly,
+    /// No law.
+    Failed,
+}
+
+impl Status {
+    /// The status of a place.
+    pub fn of(record: &PlaceRecord) -> Self {
+        match (record.at.laws.is_empty(), &record.at.reason) {
+            (true, _) => Self::Failed,
+            (false, Some(_)) => Self::EndsEarly,
+            (false, None) => Self::Complete,
+        }
+    }
+
+    /// Its name in rows.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Complete => "complete",
+            Self::EndsEarly => "ends early",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// A value of a row.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Cell {
+    /// Nothing.
+    Empty(()),
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(String),
+}
+
+impl Cell {
+    /// The value as `table.csv` has it: numbers to the last bit.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Empty(()) => String::new(),
+            Self::Number(number) => number.to_string(),
+            Self::Text(text) => text.clone(),
+        }
+    }
+
+    /// The number, if it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            _ => None,
+        }
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        if number.is_finite() { Self::Number(number) } else { Self::Empty(()) }
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(number: Option<f64>) -> Self {
+        number.map_or(Self::Empty(()), Self::from)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<&Value> for Cell {
+    fn from(value: &Value) -> Self {
+        match value {
+            Value::Number(number) => number.as_f64().into(),
+            Value::String(text) => text.as_str().into(),
+            other => Self::Text(other.to_string()),
+        }
+    }
+}
+
+/// The rows of a table under their columns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rows {
+    /// Names of the columns, with units.
+    pub columns: Vec<String>,
+    /// The rows, in the order of the places.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl Rows {
+    /// The rows of the places of a table.
+    pub fn of(table: &Table, places: &[(Place, PlaceRecord)]) -> Self {
+        let varied: BTreeSet<&str> =
+            table.cases.iter().flat_map(|case| case.varied.keys().map(String::as_str)).collect();
+        let varied: Vec<&str> = varied.into_iter().filter(|key| !WITH_A_COLUMN.contains(key)).collect();
+        let cells = |(place, record): &(Place, PlaceRecord)| {
+            let mut row = Row::default();
+            row.place(table, place, &varied);
+            row.touch(record);
+            row.law(record, law_in_use(&table.cases[place.case], record));
+            for load in &table.document.stiffness_at_kn {
+                row.load(&table.cases[place.case], record, &table.document.stiffness_at_kn, *load);
+            }
+            row.status(&table.cases[place.case], record);
+            row
+        };
+        let mut columns = Vec::new();
+        let mut rows = Vec::new();
+        for place in places {
+            let Row { names, cells } = cells(place);
+            columns = names;
+            rows.push(cells);
+        }
+        Self { columns, rows }
+    }
+
+    /// The number of a column.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|column| column == name)
+    }
+
+    /// The rows as CSV.
+    pub fn csv(&self) -> Vec<u8> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let written = "a row goes into memory";
+        writer.write_record(&self.columns).expect(written);
+        for row in &self.rows {
+            writer.write_record(row.iter().map(Cell::text)).expect(written);
+        }
+        writer.into_inner().expect(written)
+    }
+}
+
+/// The law with the reference that the study has in use.
+fn law_in_use<'a>(case: &Case, record: &'a PlaceRecord) -> Option<&'a AngleLawRecord> {
+    let reference = reference(case);
+    record.at.laws.iter().find(|law| law.reference == reference)
+}
+
+fn reference(case: &Case) -> &'static str {
+    railspring_calibrate::calibration::Reference::from(case.study.calibration.reference).name()
+}
+
+/// A row as it grows.
+#[derive(Default)]
+struct Row {
+    names: Vec<String>,
+    cells: Vec<Cell>,
+}
+
+impl Row {
+    fn put(&mut self, name: impl Into<String>, cell: impl Into<Cell>) {
+        self.names.push(name.into());
+        self.cells.push(cell.into());
+    }
+
+    fn place(&mut self, table: &Table, place: &Place, varied: &[&str]) {
+        let case = &table.cases[place.case];
+        let study = &case.study;
+        let values: [Cell; 9] = [
+            case.wheel.as_str().into(),
+            case.rail.as_str().into(),
+            study.wheel.tape_diameter.into(),
+            study.rail.inclination.into(),
+            (study.track.gauge / MILLIMETRE).into(),
+            study.contact.friction.into(),
+            table.document.direction.name().into(),
+            place.side.name().into(),
+            place.shift_mm.into(),
+        ];
+        IDENTITY.into_iter().zip(values).for_each(|(name, value)| self.put(name, value));
+        for key in varied {
+            self.put(key.replace('.', "_"), case.varied.get(*key).map_or(Cell::Empty(()), Cell::from));
+        }
+    }
+
+    fn touch(&mut self, record: &PlaceRecord) {
+        let touch = record.at.touch;
+        self.put("contact_angle_deg", touch.map(|touch| touch.contact_angle_deg));
+        self.put("rail_y_mm", touch.map(|touch| touch.rail_y_mm));
+        self.put("rail_z_mm", touch.map(|touch| touch.rail_z_mm));
+        self.put("wheel_y_mm", touch.map(|touch| touch.wheel_y_mm));
+        self.put("wheel_z_mm", touch.map(|touch| touch.wheel_z_mm));
+        self.put("rolling_radius_mm", record.rolling_radius_mm);
+    }
+
+    fn law(&mut self, record: &PlaceRecord, in_use: Option<&AngleLawRecord>) {
+        let law = in_use.map(|entry| entry.law);
+        self.put("reference", in_use.map_or(Cell::Empty(()), |entry| entry.reference.as_str().into()));
+        self.put("a_kn_per_m", law.map(|law| law.constants.a_kn_per_m));
+        self.put("b_kn_per_m", law.map(|law| law.constants.b_kn_per_m));
+        self.put("c", law.map(|law| law.constants.c));
+        self.put("f0_kn", law.map(|law| law.constants.f0_kn));
+        self.put("from_kn", law.map(|law| law.range_kn[0]));
+        self.put("to_kn", law.map(|law| law.range_kn[1]));
+        self.put("law_rms_rel_error", law.map(|law| law.rms_rel_error));
+        self.put("law_max_rel_error", law.map(|law| law.max_rel_error));
+        self.put("displacement_max_rel_error", in_use.map(|entry| entry.displacement.max_rel_error));
+        debug_assert!(record.at.laws.is_empty() || in_use.is_some());
+    }
+
+    fn load(&mut self, case: &Case, record: &PlaceRecord, loads: &[f64], load_kn: f64) {
+        let at = record.at.loads.iter().find(|at| near(at.force_kn, load_kn));
+        let with = |reference: &str| {
+            let of =
+                |at: &'_ FixedLoadRecord| at.references.iter().find(|at| at.reference == reference).cloned();
+            at.and_then(of)
+        };
+        let in_use = with(reference(case));
+        let local = with(railspring_calibrate::calibration::Reference::Local.name());
+        let band = at.and_then(|at| record.at.band(reference(case), at.force_kn));
+        let number = loads.iter().position(|load| *load == load_kn);
+        let hertz = number.and_then(|number| record.hertz_kn_per_m.get(number).copied());
+        let share = at.and_then(|at| Some(at.lateral_contact_um_per_kn? * 1e-6 * at.horizontal_kn_per_m));
+        let mut put = |name: &str, value: Option<f64>| self.put(format!("{name}_at_{load_kn}kn"), value);
+        put("displacement_mm", in_use.as_ref().map(|at| at.displacement_mm));
+        put("stiffness_kn_per_m", in_use.as_ref().map(|at| at.tangent_kn_per_m));
+        put("stiffness_rel_error_band", band.and_then(|band| band.tangent));
+        put("local_stiffness_kn_per_m", local.map(|at| at.tangent_kn_per_m));
+        put("hertz_normal_stiffness_kn_per_m", hertz);
+        put("horizontal_kn_per_m", at.map(|at| at.horizontal_kn_per_m));
+        put("horizontal_contact_share", share);
+        put("contact_area_mm2", at.map(|at| at.contact_area_mm2));
+        put("semi_axis_along_mm", at.map(|at| at.semi_axis_along_mm));
+        put("semi_axis_across_mm", at.map(|at| at.semi_axis_across_mm));
+        put("max_pressure_mpa", at.map(|at| at.max_pressure_mpa));
+    }
+
+    fn status(&mut self, case: &Case, record: &PlaceRecord) {
+        self.put("status", Status::of(record).name());
+        self.put("reason", record.at.reason.as_deref().unwrap_or_default());
+        /// Digits of a hash that are enough to tell inputs from each other.
+        const DIGITS: usize = 12;
+        let [wheel, rail, settings] = case.study.keys.parts.each_ref().map(|hash| &hash[..DIGITS]);
+        let values = [wheel, rail, settings, env!("CARGO_PKG_VERSION")];
+        INPUTS.into_iter().zip(values).for_each(|((name, _), value)| self.put(name, value));
+    }
+}
+
+/// Whether a load is one of the table's, which went through newtons.
+fn near(force_kn: f64, load_kn: f64) -> bool {
+    (force_kn - load_kn).abs() <= 1e-9 * load_kn
+}
