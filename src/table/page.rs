@@ -57,7 +57,7 @@ pub fn page(name: &str, description: &str, rows: &Rows) -> String {
             "figures": over_angle(rows, &loads),
             "heat": heat(&seen, &load),
             "odd": odd(&seen),
-            "odd_caption": format!("Stiffness at {load} against the median of the places with the nearest contact angles; the ten that are farthest from it."),
+            "odd_caption": format!("Stiffness at {load} against the median of the nearest places whose contact angles are within 2 degrees; the ten that are farthest from it."),
             "reasons": reasons,
             "reasons_caption": format!("{} of {} places.", reasons.len(), count(Status::EndsEarly) + count(Status::Failed)),
             "data": embedded(rows),
@@ -196,19 +196,22 @@ fn median(values: &mut [f64]) -> Option<f64> {
 
 /// The places whose stiffness is farthest from the median of those with the nearest contact angles.
 fn odd(seen: &[Seen<'_>]) -> Vec<Value> {
-    /// Places on either side of one with which it is compared.
+    /// Places on either side of one with which it is compared, at most.
     const BESIDE: usize = 12;
+    /// How far their contact angles may be from its own, degrees.
+    const NEAR: f64 = 2.0;
+    /// Places that a median is of, at least.
+    const LEAST: usize = 5;
     let mut places: Vec<(f64, f64, &Seen<'_>)> =
         seen.iter().filter_map(|place| Some((place.angle?, place.stiffness?, place))).collect();
-    if places.len() < 2 * ODD {
-        return Vec::new();
-    }
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut off: Vec<(f64, usize)> = (0..places.len())
         .filter_map(|at| {
-            let beside = at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(places.len());
-            let mut values: Vec<f64> = places[beside].iter().map(|place| place.1).collect();
-            Some((places[at].1 / median(&mut values)? - 1.0, at))
+            let beside = &places[at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(places.len())];
+            let near = beside.iter().filter(|other| (other.0 - places[at].0).abs() <= NEAR);
+            let mut values: Vec<f64> = near.map(|place| place.1).collect();
+            let median = (values.len() >= LEAST).then(|| median(&mut values)).flatten()?;
+            Some((places[at].1 / median - 1.0, at))
         })
         .collect();
     off.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));

@@ -19,7 +19,7 @@ fn rows() -> Rows {
             0.025.into(),
             "vertical".into(),
             shift.into(),
-            at(2.0 * shift).into(),
+            at(0.5 * shift).into(),
             at(stiffness).into(),
             status.into(),
             reason.into(),
