@@ -408,7 +408,7 @@ pub struct BodyMeshRecord {
 /// A measured profile on its way to a section, or a section from a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProfileRecord {
-    /// `rail` or `wheel`; `rail section` for the closed section of a file.
+    /// `rail` or `wheel`; `rail section` or `wheel section` for the closed section of a file.
     pub body: String,
     /// The file as the study names it.
     pub file: String,

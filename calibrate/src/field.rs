@@ -31,8 +31,6 @@ macro_rules! fields {
 fields! {
     /// Name of the rail's standard section.
     RailName = "rail_name",
-    /// The rail's own section.
-    RailSection = "rail_section",
     /// The rail's measured head.
     RailHead = "rail_head",
     /// Whether a measured head is placed on the standard section first.

@@ -80,7 +80,7 @@ pub struct Meshes {
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(study: &Study) -> Result<Geometry> {
     let (rail, rail_profiles) = sections::rail(study)?;
-    let (wheel, wheel_profile) = sections::wheel(study)?;
+    let (wheel, wheel_profiles) = sections::wheel(study)?;
     let track = TrackGeometry {
         gauge: study.track.gauge,
         gauge_height: study.track.gauge_height,
@@ -96,7 +96,7 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
         other => other,
     })?;
     let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
-    let profiles = rail_profiles.into_iter().chain(wheel_profile).collect();
+    let profiles = rail_profiles.into_iter().chain(wheel_profiles).collect();
     Ok(Geometry { pair, beam, profiles })
 }
 

@@ -1,12 +1,14 @@
-//! The two sections of a study: standard ones, a rail's from a file, or measured surfaces on these.
+//! The two sections of a study: standard ones, those of files, or measured surfaces on these.
 
 use railspring_calibrate::error::Result;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
-use railspring_calibrate::profile_file::{Action, Finding, parse_rail_section};
+use railspring_calibrate::profile_file::{
+    Action, ClosedSection, Finding, parse_rail_section, parse_wheel_section,
+};
 use railspring_calibrate::profile_placement::Reference;
 use railspring_calibrate::section::{
-    RailSection, WheelSection, rail_section, rail_section_on, rail_section_with_head, wheel_section_on,
-    wheel_section_with_profile,
+    RailSection, WheelSection, rail_section, rail_section_on, rail_section_with_head, wheel_section_of,
+    wheel_section_on, wheel_section_with_profile,
 };
 
 use super::measured::{Surface, surface};
@@ -32,15 +34,26 @@ pub(super) fn rail(study: &Study) -> Result<(RailSection, Vec<ProfileRecord>)> {
 /// The section of a study's own file.
 fn own_rail(own: &SectionFile) -> Result<(RailSection, ProfileRecord)> {
     let read = parse_rail_section(&own.path.display().to_string(), &own.content)?;
-    let record = ProfileRecord {
-        body: "rail section".into(),
+    let record = section_record("rail section", own, &read);
+    Ok((rail_section_on(&own.file, read.running, read.rest), record))
+}
+
+/// The section of a study's own file on a wheel of its diameter.
+fn own_wheel(own: &SectionFile, tape_diameter: f64) -> Result<(WheelSection, ProfileRecord)> {
+    let read = parse_wheel_section(&own.path.display().to_string(), &own.content)?;
+    let record = section_record("wheel section", own, &read);
+    Ok((wheel_section_of(&own.file, read.running, read.rest, tape_diameter)?, record))
+}
+
+fn section_record(body: &str, own: &SectionFile, read: &ClosedSection) -> ProfileRecord {
+    ProfileRecord {
+        body: body.into(),
         file: own.file.clone(),
         format: read.format.to_string(),
         standard: own.file.clone(),
         points: read.count,
         findings: read.findings.iter().map(finding_record).collect(),
-    };
-    Ok((rail_section_on(&own.file, read.running, read.rest), record))
+    }
 }
 
 /// What was done to measured profiles, and what is left to be looked at, one line each.
@@ -64,19 +77,24 @@ pub fn repairs(profiles: &[ProfileRecord]) -> Vec<String> {
         .collect()
 }
 
-/// Section of the wheel, and the record of its measured profile.
-pub(super) fn wheel(study: &Study) -> Result<(WheelSection, Option<ProfileRecord>)> {
+/// Section of the wheel, and the records of its own section and of its measured profile.
+pub(super) fn wheel(study: &Study) -> Result<(WheelSection, Vec<ProfileRecord>)> {
     let keys = &study.wheel;
     let standard = &keys.profile;
-    let nominal = wheel_profile_with_flange(standard, &keys.flange)
-        .and_then(|running| wheel_section_on(running, standard, keys.tape_diameter, &keys.body));
-    let Some(measured) = &keys.measured else {
-        return Ok((nominal?, None));
+    let (nominal, mut records) = match &keys.section {
+        Some(own) => own_wheel(own, keys.tape_diameter).map(|(section, record)| (section, vec![record]))?,
+        None => {
+            let running = wheel_profile_with_flange(standard, &keys.flange)?;
+            (wheel_section_on(running, standard, keys.tape_diameter, &keys.body)?, Vec::new())
+        }
     };
-    let nominal = nominal?;
+    let Some(measured) = &keys.measured else {
+        return Ok((nominal, records));
+    };
     let mut found = surface(measured, &Reference::wheel(&nominal))?;
     let section = wheel_section_with_profile(nominal, &found.curve, &mut found.findings)?;
-    Ok((section, Some(record("wheel", measured, standard, &found))))
+    records.push(record("wheel", measured, standard, &found));
+    Ok((section, records))
 }
 
 fn record(body: &str, measured: &MeasuredSurface, standard: &str, found: &Surface) -> ProfileRecord {

@@ -13,7 +13,6 @@ const ANY: &str = ".*.";
 /// field without keys is set by the program.
 pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::RailName, &["rail.standard", "rail.profile"]),
-    (InputField::RailSection, &["rail.section_file"]),
     (InputField::RailHead, &["rail.profile_file"]),
     (InputField::RailAligned, &["rail.profile_aligned"]),
     (InputField::RailProfilePart, &["rail.profile_part"]),

@@ -52,6 +52,7 @@ impl Keys {
         let mut numeric = document.clone();
         // A file counts by its content, wherever it lies.
         numeric.rail.section_file = rail.section.as_ref().map(SectionFile::fingerprint);
+        numeric.wheel.section_file = wheel.section.as_ref().map(SectionFile::fingerprint);
         numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
         numeric.wheel.profile_file = wheel.measured.as_ref().map(MeasuredSurface::fingerprint);
         // So does a slice, whose content that is.

@@ -110,6 +110,8 @@ pub struct Rail {
 pub struct Wheel {
     /// Name of the standard running profile.
     pub profile: String,
+    /// The study's own section, in the place of a standard profile on a generic body.
+    pub section: Option<SectionFile>,
     /// The measured profile that takes the place of the standard's.
     pub measured: Option<MeasuredSurface>,
     /// Diameter at the tape circle, m.

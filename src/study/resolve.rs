@@ -226,7 +226,7 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
         names: &WHEEL_NAMES,
         meaning: "Name of the standard running profile",
         profile: keys.profile.as_deref(),
-        own: None,
+        own: keys.section_file.as_deref(),
         file: keys.profile_file.as_deref(),
         part: keys.profile_part.as_deref(),
         standard: keys.standard.as_deref(),
@@ -234,6 +234,10 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
         aligned: keys.profile_aligned,
         unit: keys.profile_unit,
         mirrored: keys.profile_mirrored,
+    };
+    let section = match &keys.section_file {
+        Some(file) => named.own_section(file, source, collector).map(Some),
+        None => Some(None),
     };
     let surface = named.resolve(source, collector);
     let flange = Flange {
@@ -259,13 +263,37 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
     }
     .resolve(source.path(), collector);
     let (profile, measured) = surface?;
-    // A flange or a body that the standard cannot have.
-    if let Err(Error::Input(mistake)) = wheel_profile_with_flange(&profile, &flange)
+    if keys.section_file.is_some() {
+        refuse_beside_section(source, collector);
+    } else if let Err(Error::Input(mistake)) = wheel_profile_with_flange(&profile, &flange)
         .and_then(|running| wheel_section_on(running, &profile, keys.tape_diameter_m, &body))
     {
+        // A flange or a body that the standard cannot have.
         collector.add(&["wheel.*"], translate(mistake, source, None));
     }
-    Some(Wheel { profile, measured, tape_diameter: keys.tape_diameter_m, flange, body, mesh: mesh? })
+    let section = section?;
+    Some(Wheel { profile, section, measured, tape_diameter: keys.tape_diameter_m, flange, body, mesh: mesh? })
+}
+
+/// Refuses the keys of a generic wheel beside a section in a file, which has its own flange and body.
+fn refuse_beside_section(source: &Source, collector: &mut Collector) {
+    const GENERIC: [&str; 6] = [
+        "wheel.flange_height_mm",
+        "wheel.flange_thickness_mm",
+        "wheel.body",
+        "wheel.bore_mm",
+        "wheel.hub_diameter_mm",
+        "wheel.rim_depth_mm",
+    ];
+    for key in GENERIC.into_iter().filter(|key| source.gives(key)) {
+        let mistake = InputError::new(
+            key,
+            "given",
+            "no key of a generic wheel beside wheel.section_file",
+            "the file has flange, web, hub, bore and rim: remove one of the two keys",
+        );
+        collector.add(&["wheel.section_file"], mistake);
+    }
 }
 
 /// Slope of a ratio such as `1:40`.

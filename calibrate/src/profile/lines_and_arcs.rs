@@ -14,7 +14,8 @@
 //! ```
 //!
 //! Arcs go the shorter way round. The origin is that of the project: the top of the rail on its axis, the tape circle of the wheel.
-//! A rail is its head, or the whole closed section; a wheel is its running surface from the flange back to the chamfer.
+//! A rail is its head, or the whole closed section; a wheel is its running surface from the flange back to the chamfer, or the closed section
+//! on one side of its axle.
 
 use nalgebra::{Point2, Vector2};
 
@@ -22,6 +23,7 @@ use super::ProfileKind;
 use super::curve::ProfileCurve;
 use super::rails::RailOutline;
 use super::segment::{Segment, polyline};
+use super::split::{split_rail, split_wheel};
 use crate::error::{InputError, Result};
 use crate::units::MILLIMETRE;
 
@@ -33,8 +35,6 @@ const SHORTEST: f64 = 1e-3 * MILLIMETRE;
 const LARGEST_ARC: f64 = 170.0;
 /// How far the crown of a rail or the tread at the tape circle may lie from z = 0, m.
 const OFF_ORIGIN: f64 = 0.05 * MILLIMETRE;
-/// Lateral part of the tangent from which the side of a head has turned under it: 30° beyond vertical.
-const UNDER_HEAD: f64 = -0.5;
 /// Largest step of the samples of the curve, m.
 const STEP: f64 = 0.1 * MILLIMETRE;
 
@@ -47,7 +47,7 @@ pub struct LinesAndArcs {
     pub running: Vec<Segment>,
     /// Line of the file of each segment of `running`; the two halves of a symmetric one share theirs.
     pub lines: Vec<usize>,
-    /// The rest of a closed section of a rail, from the end of `running` back to its start; empty for a running surface alone.
+    /// The rest of a closed section, from the end of `running` back to its start; empty for a running surface alone.
     pub rest: Vec<Segment>,
     /// The joints at which a gap was closed or that have a corner, in the order of the outline.
     pub joints: Vec<Joint>,
@@ -83,7 +83,7 @@ impl LinesAndArcs {
 
     /// The closed section of a rail, if it is one.
     pub fn rail_outline(&self) -> Option<RailOutline> {
-        (!self.rest.is_empty())
+        (self.kind == ProfileKind::Rail && !self.rest.is_empty())
             .then(|| RailOutline { running: self.running.clone(), rest: self.rest.clone() })
     }
 
@@ -131,21 +131,15 @@ pub fn parse(name: &str, text: &str, overrides: &Overrides) -> Result<LinesAndAr
         pieces = unfold(name, &pieces)?;
     }
     let closed = is_closed(&pieces);
-    if closed && settings.kind == ProfileKind::Wheel {
-        return Err(at(
-            name,
-            pieces[0].line,
-            "a closed outline",
-            "the running surface of a wheel, from the flange back to the chamfer",
-            "leave out rim, web and hub: they follow from the keys of a study",
-        ));
-    }
-    put_in_order(&mut pieces, closed);
+    put_in_order(&mut pieces, settings.kind, closed);
     let (segments, joints) = join(&pieces, closed);
     let lines: Vec<usize> = pieces.iter().map(|piece| piece.line).collect();
     check_frame(name, settings.kind, &segments, &lines)?;
-    let (running, rest) =
-        if closed { split_rail(name, &segments, lines[0])? } else { (0..segments.len(), 0..0) };
+    let (running, rest) = match settings.kind {
+        _ if !closed => (0..segments.len(), 0..0),
+        ProfileKind::Rail => split_rail(name, &segments, lines[0])?,
+        ProfileKind::Wheel => split_wheel(name, &segments, Some(0.0), lines[0])?,
+    };
     let ring = |range: std::ops::Range<usize>| range.map(|i| segments[i % segments.len()]).collect();
     Ok(LinesAndArcs {
         kind: settings.kind,
@@ -447,10 +441,12 @@ fn check_joints(name: &str, pieces: &[Piece]) -> Result<()> {
     Ok(())
 }
 
-/// Turns the order round where it runs from the field side; a closed outline runs over its top to the field side.
-fn put_in_order(pieces: &mut Vec<Piece>, closed: bool) {
+/// Turns the order round where it runs from the field side; a closed outline runs along its running surface to the field side.
+fn put_in_order(pieces: &mut Vec<Piece>, kind: ProfileKind, closed: bool) {
     let forward = if closed {
-        pieces.iter().map(|p| p.start.coords.perp(&p.end.coords)).sum::<f64>() > 0.0
+        // The body lies below a rail's running surface and above a wheel's.
+        let turns = pieces.iter().map(|p| p.start.coords.perp(&p.end.coords)).sum::<f64>();
+        (turns > 0.0) == (kind == ProfileKind::Rail)
     } else {
         pieces[0].start.x < pieces[pieces.len() - 1].end.x
     };
@@ -510,10 +506,12 @@ fn check_frame(name: &str, kind: ProfileKind, segments: &[Segment], lines: &[usi
                 let expected = "the tip of a flange, at negative y and more than 10 mm below the tape circle";
                 return Err(at(name, lines[0], value, expected, "correct `# y:` or `# z:`"));
             }
-            let crossing = points.windows(2).find(|w| w[0].x <= 0.0 && w[1].x > 0.0).map(|w| {
+            // Of a closed section the hub, and a web that is not straight, pass y = 0 above the tread.
+            let crossings = points.windows(2).filter(|w| w[0].x <= 0.0 && w[1].x > 0.0).map(|w| {
                 let part = -w[0].x / (w[1].x - w[0].x);
                 w[0].y + part * (w[1].y - w[0].y)
             });
+            let crossing = crossings.reduce(f64::max);
             if crossing.is_none_or(|z| z.abs() > OFF_ORIGIN) {
                 let value =
                     crossing.map_or("no point at y = 0".into(), |z| format!("z = {} at y = 0", mm(z)));
@@ -523,32 +521,4 @@ fn check_frame(name: &str, kind: ProfileKind, segments: &[Segment], lines: &[usi
         }
     }
     Ok(())
-}
-
-/// The running surface and the rest of a closed section of a rail, as ranges in the ring of its segments: the head from where its
-/// sides have not yet turned under it.
-pub(crate) fn split_rail(
-    name: &str,
-    segments: &[Segment],
-    line: usize,
-) -> Result<(std::ops::Range<usize>, std::ops::Range<usize>)> {
-    let n = segments.len();
-    let height =
-        |s: &Segment| [0.0, 0.5, 1.0].map(|t| s.point(t).y).into_iter().fold(f64::INFINITY, f64::min);
-    let top = (0..n).min_by(|&a, &b| height(&segments[a]).total_cmp(&height(&segments[b]))).unwrap_or(0) + n;
-    let ring = |i: usize| &segments[i % n];
-    let end = (top..top + n).find(|&i| ring(i).tangent(1.0).x < UNDER_HEAD);
-    let start = (top + 1 - n..=top).rev().find(|&i| ring(i).tangent(0.0).x < UNDER_HEAD);
-    match (start, end) {
-        (Some(start), Some(end)) if start < top && top < end && end - start - 1 < n => {
-            Ok((start + 1..end, end..start + 1 + n))
-        }
-        _ => Err(at(
-            name,
-            line,
-            "a closed outline without a head",
-            "a section whose sides turn under a head above its web",
-            "check the order of the rows, or give the head alone",
-        )),
-    }
 }

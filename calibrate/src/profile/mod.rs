@@ -7,6 +7,7 @@
 mod spline;
 mod curve;
 mod segment;
+mod split;
 mod flange;
 mod rail_drawings;
 pub mod rails;
@@ -17,6 +18,7 @@ pub use curve::ProfileCurve;
 pub(crate) use segment::{EndlessLine, fillet};
 pub use segment::{Segment, polyline};
 pub(crate) use spline::Piece;
+pub(crate) use split::{TAPE, split_rail, split_wheel};
 
 /// What a profile belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

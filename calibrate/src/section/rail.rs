@@ -2,18 +2,14 @@
 
 use nalgebra::Point2;
 
-use super::FILLET_STEP;
 use super::join::join;
 use super::properties::{AreaProperties, area_moments};
+use super::{FILLET_STEP, thinned};
 use crate::error::Result;
 use crate::field::InputField;
 use crate::profile::rails::{RailOutline, rail_outline, running_curve};
 use crate::profile::{ProfileCurve, Segment, polyline};
 use crate::profile_file::Finding;
-use crate::units::MILLIMETRE;
-
-/// Shortest edge of a body's outline, m.
-const SHORTEST_EDGE: f64 = 1.0 * MILLIMETRE;
 
 /// Cross-section of a rail in its profile frame: y to the field side, z down, origin at the top on the axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,22 +71,6 @@ pub fn rail_section_on(name: &str, running: ProfileCurve, rest: Vec<Segment>) ->
         iyy: moments.yy,
     };
     RailSection { name: name.to_owned(), running, body, body_outline: rest, height, area }
-}
-
-/// Vertices without those that are nearer than the shortest edge to the one before them, or to the last one.
-fn thinned(vertices: Vec<Point2<f64>>) -> Vec<Point2<f64>> {
-    let Some(end) = vertices.last().copied() else { return vertices };
-    let mut kept: Vec<Point2<f64>> = Vec::with_capacity(vertices.len());
-    for p in &vertices[..vertices.len() - 1] {
-        if kept.last().is_none_or(|last| (p - last).norm() >= SHORTEST_EDGE) {
-            kept.push(*p);
-        }
-    }
-    while kept.len() > 1 && kept.last().is_some_and(|last| (end - last).norm() < SHORTEST_EDGE) {
-        kept.pop();
-    }
-    kept.push(end);
-    kept
 }
 
 /// The section of a measured head on the section `standard`: the running surface is the measured one, joined

@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use nalgebra::Point2;
 
-use super::FILLET_STEP;
 use super::join::join;
 use super::properties::boundary_integral;
 use super::wheel_body::WheelBody;
-use crate::error::Result;
+use super::{FILLET_STEP, thinned};
+use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::wheels::wheel_profile;
 use crate::profile::{ProfileCurve, Segment, polyline};
@@ -78,6 +78,35 @@ pub fn wheel_section_on(
     body[last] = running.point(0.0);
     let bore_radius = 0.5 * form.bore_diameter;
     Ok(WheelSection { name: name.to_owned(), running, body, body_outline, radius, bore_radius })
+}
+
+/// The section of a running surface and the `rest` of its outline, which goes on from the end of `running` over rim, web, hub and bore back to its
+/// start, with the given diameter at the tape circle (m). The bore is at the least z.
+///
+/// The vertices of the body are those of `rest` at least 1 mm apart; the integrals take all of `rest`.
+///
+/// # Errors
+/// [`crate::error::InputError`] for a diameter with which the outline has no bore, or an unlikely one.
+pub fn wheel_section_of(
+    name: &str,
+    running: ProfileCurve,
+    rest: Vec<Segment>,
+    tape_diameter: f64,
+) -> Result<WheelSection> {
+    /// Diameters of bores, m.
+    const BORE: std::ops::RangeInclusive<f64> = 0.04..=0.4;
+    let radius = 0.5 * tape_diameter;
+    let bore_radius = radius + rest.iter().map(|s| s.end().y).fold(f64::INFINITY, f64::min);
+    if !BORE.contains(&(2.0 * bore_radius)) {
+        let value = format!("{tape_diameter} m, which makes the bore {:.3} mm wide", 2e3 * bore_radius);
+        let remedy = "give the diameter of the wheel that is drawn";
+        return Err(InputError::new(InputField::TapeDiameter, value, "a bore of 40 to 400 mm", remedy).into());
+    }
+    let mut body = thinned(polyline(&rest, FILLET_STEP));
+    let last = body.len() - 1;
+    body[0] = running.point(running.length());
+    body[last] = running.point(0.0);
+    Ok(WheelSection { name: name.to_owned(), running, body, body_outline: rest, radius, bore_radius })
 }
 
 /// The section of a measured running profile on a `standard` wheel: the profile is joined to the standard's with

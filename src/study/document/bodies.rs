@@ -87,10 +87,14 @@ fn default_rail_length() -> f64 {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WheelKeys {
-    /// Name of the standard running profile, for instance `S1002`. Give this, or `profile_file` with `standard`.
+    /// Name of the standard running profile, for instance `S1002`. Give this, `section_file`, or `profile_file` with `standard`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile: Option<String>,
+    /// File of the closed section of a wheel of your own on one side of its axle, with its bore (lines and arcs, DXF, columns of points), relative to the study, in the place of a standard profile on a generic body: flange, web, hub, bore and rim are those of the file. A `profile_file` beside it is joined to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(length(min = 1))]
+    pub section_file: Option<String>,
     /// File of a measured profile (Simpack, MiniProf, text or CSV, lines and arcs, DXF, slices of CONTACT), relative to the study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
@@ -99,7 +103,7 @@ pub struct WheelKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile_part: Option<String>,
-    /// Name of the standard wheel that the measured profile is joined to.
+    /// Name of the standard wheel that the measured profile is joined to; none beside `section_file`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub standard: Option<String>,

@@ -1,0 +1,159 @@
+//! The closed section of a rail: head, web and foot.
+
+use nalgebra::{Point2, Vector2};
+
+use super::{
+    ClosedSection, Frame, Outline, Shape, at_line, bounds, direction, runs_to_the_field_side, through, width,
+};
+use crate::error::{Error, Result};
+use crate::profile::rails::{RailOutline, running_curve};
+use crate::profile::{ProfileCurve, Segment, split_rail};
+use crate::profile_file::finding::{Action, Finding, FindingKind};
+use crate::profile_file::{MeasuredPoint, ProfileKind};
+use crate::units::MILLIMETRE;
+
+/// Parts of the height at the top and at the bottom of which the widths are compared.
+const PART: f64 = 0.15;
+/// Ratio of the widths from which it is certain which of them is the foot's.
+const WIDER: f64 = 1.05;
+/// Departure from symmetry that is said, m.
+const ASYMMETRIC: f64 = 0.1 * MILLIMETRE;
+
+/// Reads the closed section of a rail from the content of a file: top at z = 0, the middle of the foot at y = 0. `name` is used in messages, and its
+/// ending tells the format where the content does not.
+///
+/// # Errors
+/// [`crate::error::InputError`] with the line of the file for an outline that is open, crosses itself or steps back, that has no head or
+/// not the size of a rail, or of which it is not certain which side is up.
+pub fn parse_rail_section(name: &str, bytes: &[u8]) -> Result<ClosedSection> {
+    let Outline { format, count, shape, mut ring, mut findings } =
+        Outline::read(name, bytes, ProfileKind::Rail)?;
+    let (running, rest) = match shape {
+        Shape::Table(lines) => {
+            if foot_is_up(name, &ring)? {
+                let value = "an outline with its foot at the top";
+                let remedy = "it is upside down: correct `# z:`";
+                return Err(at_line(name, ring[0].line, value, "the head at the top, z as stated", remedy));
+            }
+            say_asymmetry(&ring, &mut findings);
+            let outline = RailOutline { running: lines.running, rest: lines.rest };
+            (running_curve(&outline), outline.rest)
+        }
+        Shape::Drawn(mut drawn) => {
+            let frame = frame_of(name, &ring, &mut findings)?;
+            drawn.iter_mut().for_each(|(segment, _)| *segment = frame.segment(segment));
+            ring = frame.ring(&ring);
+            if !runs_to_the_field_side(ProfileKind::Rail, &ring) {
+                drawn.reverse();
+                drawn.iter_mut().for_each(|(segment, _)| *segment = segment.reversed());
+            }
+            say_asymmetry(&ring, &mut findings);
+            let segments: Vec<Segment> = drawn.iter().map(|(segment, _)| *segment).collect();
+            let (running, rest) = split_rail(name, &segments, drawn[0].1)?;
+            let part = |range: std::ops::Range<usize>| range.map(|i| segments[i % segments.len()]).collect();
+            let outline = RailOutline { running: part(running), rest: part(rest) };
+            (running_curve(&outline), outline.rest)
+        }
+        Shape::Points => {
+            ring = frame_of(name, &ring, &mut findings)?.ring(&ring);
+            if !runs_to_the_field_side(ProfileKind::Rail, &ring) {
+                ring.reverse();
+            }
+            say_asymmetry(&ring, &mut findings);
+            let n = ring.len() - 1;
+            let top = (0..n).min_by(|&a, &b| ring[a].point.y.total_cmp(&ring[b].point.y)).unwrap_or(0);
+            let at = |i: usize| ring[(top + i) % n];
+            let (first, last) = head(name, n, at)?;
+            let surface: Vec<MeasuredPoint> = (first..=last).map(at).collect();
+            let around: Vec<Point2<f64>> = (last..=first + n).map(|i| at(i).point).collect();
+            let rest = around.windows(2).map(|pair| Segment::line(pair[0], pair[1])).collect();
+            (through(&surface, &mut findings), rest)
+        }
+    };
+    check_head(name, &running, &ring)?;
+    Ok(ClosedSection { format, count, running, rest, findings })
+}
+
+/// First and last vertex of the head, counted from `n` after the top: where its sides turn under it.
+fn head(name: &str, n: usize, at: impl Fn(usize) -> MeasuredPoint) -> Result<(usize, usize)> {
+    /// Length over which the direction of a side is taken, m.
+    const OVER: f64 = 1.0 * MILLIMETRE;
+    /// Lateral part of the direction from which a side has turned: sides of heads lean inwards by less.
+    const TURNED: f64 = -0.1;
+    // The gauge side comes before the top, which is met again after `n` vertices.
+    let end = (n + 1..2 * n).find(|&i| direction(n, &at, i, true, OVER).x < TURNED);
+    let start = (1..n).rev().find(|&i| direction(n, &at, i, false, OVER).x < TURNED);
+    match (start, end) {
+        (Some(start), Some(end)) if end - n < start && end > n + 2 => Ok((start, end)),
+        _ => Err(no_head(name, at(0).line)),
+    }
+}
+
+fn no_head(name: &str, line: usize) -> Error {
+    let value = "a closed outline without a head";
+    let remedy = "give the outline of the whole section, in order";
+    at_line(name, line, value, "sides that turn under a head above its web", remedy)
+}
+
+/// Refuses an outline whose sides turn under it in its lower half only: at the foot, not under a head.
+fn check_head(name: &str, running: &ProfileCurve, ring: &[MeasuredPoint]) -> Result<()> {
+    let (low, high) = bounds(ring);
+    let middle = 0.5 * (low.y + high.y);
+    let ends = [0.0, running.length()].map(|s| running.point(s).y);
+    if ends.iter().all(|z| *z < middle) { Ok(()) } else { Err(no_head(name, ring[0].line)) }
+}
+
+/// Whether the foot, the wider end, is at small z.
+fn foot_is_up(name: &str, ring: &[MeasuredPoint]) -> Result<bool> {
+    let (low, high) = bounds(ring);
+    let depth = PART * (high.y - low.y);
+    let wide = |z| {
+        let (least, most) = width(ring, z);
+        most - least
+    };
+    let (up, down) = (wide(low.y..=low.y + depth), wide(high.y - depth..=high.y));
+    if up.max(down) < WIDER * up.min(down) {
+        let value = format!(
+            "an outline {:.2} mm wide at the top and {:.2} mm at the bottom",
+            up / MILLIMETRE,
+            down / MILLIMETRE
+        );
+        let remedy = "give it as lines and arcs, which say by `# z:` how they lie";
+        return Err(at_line(name, ring[0].line, &value, "a foot wider than the head", remedy));
+    }
+    Ok(up > down)
+}
+
+/// How the outline comes into the frame of a rail.
+fn frame_of(name: &str, ring: &[MeasuredPoint], findings: &mut Vec<Finding>) -> Result<Frame> {
+    let upside_down = foot_is_up(name, ring)?;
+    if upside_down {
+        let text = "z counts upwards: turned over, so that the foot is below";
+        findings.push(Finding::new(FindingKind::UpsideDown, Action::Repaired, text));
+    }
+    let mut frame = Frame { mirrored: false, upside_down, shift: Vector2::zeros() };
+    let ring = frame.ring(ring);
+    let (low, high) = bounds(&ring);
+    let foot = width(&ring, high.y - PART * (high.y - low.y)..=high.y);
+    frame.shift = Vector2::new(-0.5 * (foot.0 + foot.1), -low.y);
+    frame.say_shift("the middle of the foot to y = 0, the top to z = 0", findings);
+    Ok(frame)
+}
+
+/// Says how far a section is from being its own mirror image, and how it lies then.
+fn say_asymmetry(ring: &[MeasuredPoint], findings: &mut Vec<Finding>) {
+    /// Levels at which the two sides are compared.
+    const LEVELS: u32 = 100;
+    let (low, high) = bounds(ring);
+    let departure = |k: u32| {
+        let z = low.y + (high.y - low.y) * (f64::from(k) + 0.5) / f64::from(LEVELS);
+        let (least, most) = width(ring, z..=z);
+        0.5 * (least + most).abs()
+    };
+    let most = (0..LEVELS).map(departure).fold(0.0, f64::max);
+    if most > ASYMMETRIC {
+        let text = "the middle between the sides leaves y = 0: taken as the section of a right rail, y to the field side";
+        findings
+            .push(Finding::new(FindingKind::Shape, Action::Left, text).with_value(most / MILLIMETRE, "mm"));
+    }
+}
