@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::join::join;
+use super::join::{Joined, join};
 use super::properties::{AreaProperties, area_moments};
 use super::{FILLET_STEP, thinned};
 use crate::error::Result;
@@ -28,6 +28,9 @@ pub struct RailSection {
     pub height: f64,
     /// Area, centroid and second moments; torsion and shear are in [`crate::section_analysis`].
     pub area: AreaProperties,
+    /// Of a measured surface the arc lengths of `running` (m) at which the standard surface ends, the measured one begins and ends, and the
+    /// standard one goes on; between are the transitions.
+    pub seams: Option<[f64; 4]>,
 }
 
 /// The standard section `name`, one of [`crate::profile::rails::RAIL_NAMES`]; "UIC60" is the UIC60 head on the web
@@ -70,7 +73,7 @@ pub fn rail_section_on(name: &str, running: ProfileCurve, rest: Vec<Segment>) ->
         ixx: moments.zz,
         iyy: moments.yy,
     };
-    RailSection { name: name.to_owned(), running, body, body_outline: rest, height, area }
+    RailSection { name: name.to_owned(), running, body, body_outline: rest, height, area, seams: None }
 }
 
 /// The section of a measured head on the section `standard`: the running surface is the measured one, joined
@@ -86,10 +89,14 @@ pub fn rail_section_with_head(
     head: &ProfileCurve,
     findings: &mut Vec<Finding>,
 ) -> Result<RailSection> {
-    let running = join(&standard.running, head, InputField::RailHead, findings)?;
+    let Joined { curve: running, seams } = join(&standard.running, head, InputField::RailHead, findings)?;
     let moments = area_moments(&running, &standard.body_outline);
-    let mut section =
-        RailSection { name: format!("measured head on {}", standard.name), running, ..standard };
+    let mut section = RailSection {
+        name: format!("measured head on {}", standard.name),
+        running,
+        seams: Some(seams),
+        ..standard
+    };
     let last = section.body.len() - 1;
     section.body[0] = section.running.point(section.running.length());
     section.body[last] = section.running.point(0.0);

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Point2;
 
-use super::join::join;
+use super::join::{Joined, join};
 use super::properties::boundary_integral;
 use super::wheel_body::WheelBody;
 use super::{FILLET_STEP, thinned};
@@ -32,6 +32,9 @@ pub struct WheelSection {
     pub radius: f64,
     /// Radius of the bore, m.
     pub bore_radius: f64,
+    /// Of a measured surface the arc lengths of `running` (m) at which the standard surface ends, the measured one begins and ends, and the
+    /// standard one goes on; between are the transitions.
+    pub seams: Option<[f64; 4]>,
 }
 
 /// The standard profile `name` with its nominal flange on the generic straight-web body ([`WheelBody::default`])
@@ -77,7 +80,7 @@ pub fn wheel_section_on(
     body[0] = running.point(running.length());
     body[last] = running.point(0.0);
     let bore_radius = 0.5 * form.bore_diameter;
-    Ok(WheelSection { name: name.to_owned(), running, body, body_outline, radius, bore_radius })
+    Ok(WheelSection { name: name.to_owned(), running, body, body_outline, radius, bore_radius, seams: None })
 }
 
 /// The section of a running surface and the `rest` of its outline, which goes on from the end of `running` over rim, web, hub and bore back to its
@@ -106,7 +109,15 @@ pub fn wheel_section_of(
     let last = body.len() - 1;
     body[0] = running.point(running.length());
     body[last] = running.point(0.0);
-    Ok(WheelSection { name: name.to_owned(), running, body, body_outline: rest, radius, bore_radius })
+    Ok(WheelSection {
+        name: name.to_owned(),
+        running,
+        body,
+        body_outline: rest,
+        radius,
+        bore_radius,
+        seams: None,
+    })
 }
 
 /// The section of a measured running profile on a `standard` wheel: the profile is joined to the standard's with
@@ -121,9 +132,14 @@ pub fn wheel_section_with_profile(
     profile: &ProfileCurve,
     findings: &mut Vec<Finding>,
 ) -> Result<WheelSection> {
-    let running = join(&standard.running, profile, InputField::WheelProfile, findings)?;
-    let mut section =
-        WheelSection { name: format!("measured profile on {}", standard.name), running, ..standard };
+    let Joined { curve: running, seams } =
+        join(&standard.running, profile, InputField::WheelProfile, findings)?;
+    let mut section = WheelSection {
+        name: format!("measured profile on {}", standard.name),
+        running,
+        seams: Some(seams),
+        ..standard
+    };
     let last = section.body.len() - 1;
     section.body[0] = section.running.point(section.running.length());
     section.body[last] = section.running.point(0.0);
