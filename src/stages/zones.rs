@@ -143,9 +143,10 @@ fn meshes_are_ours(study: &Study) -> bool {
 }
 
 /// Half length of a window that a patch of the half length `patch` does not fill: an element beyond it, and what
-/// neighbouring curvatures may add.
+/// neighbouring curvatures may add; in whole steps, so that pairs whose patches are alike share their bodies.
 fn window_for(study: &Study, patch: f64) -> f64 {
-    1.15 * patch + study.mesh.contact_element_along
+    const STEP: f64 = 4e-3;
+    ((1.15 * patch + study.mesh.contact_element_along) / STEP).ceil() * STEP
 }
 
 /// Half length of the longest window that leaves most of the rail, and of the wheel below its axle, to the coarser mesh.

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cases::{Case, Table};
 use super::document::{SideKey, TableDocument};
-use crate::estimate::{self, GIB, Resources, Work};
+use crate::estimate::{self, GIB, Resources, Room, Work};
 use crate::output::to_json;
 use crate::pipeline::BodySource;
 use crate::records::ShiftRecord;
@@ -228,57 +228,75 @@ impl<'a> Places<'a> {
         for ((case, towards), indices) in &missing {
             by_case.entry(*case).or_default().push((f64::from_bits(*towards), indices));
         }
+        // a wheel near its flange takes ten times as long as on its tread: it comes first, so that no thread waits for it in the end
+        by_case.values_mut().for_each(|wanted| wanted.sort_by(|a, b| b.0.total_cmp(&a.0)));
         let beneath = Beneath { monitor, count: Some((&done, total)) };
         if total > 0 {
             beneath.progress("", 0, 0)?;
         }
-        for (case, wanted) in by_case {
+        let work = CaseWork { places: &self, monitor: &beneath, done: &done };
+        let mut made: Vec<(Vec<usize>, PlaceRecord)> = Vec::new();
+        let mut cases = by_case.into_iter().peekable();
+        let mut ready = cases.peek().map(|(case, _)| work.bodies(*case)).transpose()?;
+        while let (Some((case, wanted)), Some(bodies)) = (cases.next(), ready.take()) {
             let shifts: Vec<f64> = wanted.iter().map(|(shift, _)| *shift).collect();
-            let made = self.case(case, &shifts, &beneath, &done)?;
-            for ((_, indices), record) in wanted.iter().zip(made) {
-                indices.iter().for_each(|index| self.records[*index] = Some(record.clone()));
-            }
+            let coming = cases.peek().map(|(case, _)| *case);
+            let next = || coming.map(|case| work.bodies(case)).transpose();
+            let press = || work.places(case, &shifts, &bodies);
+            // the next bodies beside the places of these, where memory has room
+            let (records, next) = match &bodies {
+                Ok(Ready { room, .. }) if !room.stages => (press(), next()),
+                _ => rayon::join(press, next),
+            };
+            ready = next?;
+            made.extend(wanted.into_iter().map(|(_, indices)| indices.clone()).zip(records?));
+        }
+        for (indices, record) in made {
+            indices.into_iter().for_each(|index| self.records[index] = Some(record.clone()));
         }
         let records = self.records.into_iter().map(|record| record.expect("every place was taken or made"));
         Ok(self.places.into_iter().zip(records).collect())
     }
+}
 
-    /// The places of a case at `shifts` (mm).
-    fn case(
+/// The making of the places of cases.
+struct CaseWork<'a, 'b> {
+    places: &'b Places<'a>,
+    monitor: &'b Beneath<'b>,
+    /// Places that are done.
+    done: &'b AtomicUsize,
+}
+
+impl CaseWork<'_, '_> {
+    fn one_done(&self) -> Result<()> {
+        self.done.fetch_add(1, Ordering::Relaxed);
+        self.monitor.progress("", 0, 0)
+    }
+
+    /// The places of a case at `shifts` (mm) on its bodies.
+    fn places(
         &self,
         number: usize,
         shifts: &[f64],
-        monitor: &Beneath<'_>,
-        done: &AtomicUsize,
+        ready: &std::result::Result<Ready, Error>,
     ) -> Result<Vec<PlaceRecord>> {
-        let case = &self.table.cases[number];
-        let one_done = || {
-            done.fetch_add(1, Ordering::Relaxed);
-            monitor.progress("", 0, 0)
-        };
-        let ready = match self.bodies(case, monitor) {
+        let Places { table, store, resources, .. } = self.places;
+        let case = &table.cases[number];
+        let Ready { geometry, bodies, coarser, .. } = match ready {
             Ok(ready) => ready,
-            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            // not kept: memory, a disk or a Python may be another's the next time
             Err(error) => {
-                // not kept: memory, a disk or a Python may be another's the next time
-                let error = match error {
-                    Error::Input(input) => case.study.with_keys(input).into(),
-                    other => other,
-                };
-                return shifts
-                    .iter()
-                    .map(|shift| one_done().map(|()| PlaceRecord::failed(*shift, &error)))
-                    .collect();
+                let failed = |shift: &f64| self.one_done().map(|()| PlaceRecord::failed(*shift, error));
+                return shifts.iter().map(failed).collect();
             }
         };
-        let document = &self.table.document;
+        let document = &table.document;
         let fixed_loads: Vec<f64> = document.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
         let settings = PlaceSettings { direction: document.direction.into(), fixed_loads: &fixed_loads };
-        let Ready { geometry, bodies, coarser } = &ready;
         let make = |shift_mm: &f64| {
             let shift = shift_mm * MILLIMETRE;
             let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));
-            let at = stages::place(&case.study, geometry, bodies, &settings, shift, coarser, monitor)?;
+            let at = stages::place(&case.study, geometry, bodies, &settings, shift, coarser, self.monitor)?;
             let record = PlaceRecord {
                 rolling_radius_mm: at
                     .touch
@@ -288,30 +306,37 @@ impl<'a> Places<'a> {
             };
             let place = Place { case: number, side: SideKey::Right, shift_mm: *shift_mm };
             let artefact = Artefact::default().with(PLACE, to_json(&record));
-            let say = |text: String| self.resources.monitor.notice(&text);
-            self.store.keep(
-                &address(self.store, self.table, &place),
-                "place of a table",
-                &document.name,
-                &artefact,
-                &say,
-            );
-            one_done()?;
+            let say = |text: String| resources.monitor.notice(&text);
+            store.keep(&address(store, table, &place), "place of a table", &document.name, &artefact, &say);
+            self.one_done()?;
             Ok(record)
         };
         shifts.par_iter().map(make).collect()
     }
 
-    /// A case up to its condensed bodies.
-    fn bodies(&self, case: &Case, monitor: &dyn Monitor) -> Result<Ready> {
-        let study = &case.study;
+    /// A case up to its condensed bodies, or why it has none.
+    ///
+    /// # Errors
+    /// An interruption.
+    fn bodies(&self, case: usize) -> Result<std::result::Result<Ready, Error>> {
+        let study = &self.places.table.cases[case].study;
+        match self.condensed(study) {
+            Err(Error::Interrupted) => Err(Error::Interrupted),
+            Err(Error::Input(input)) => Ok(Err(study.with_keys(input).into())),
+            ready => Ok(ready),
+        }
+    }
+
+    fn condensed(&self, study: &Study) -> Result<Ready> {
+        let Places { store, resources, .. } = self.places;
+        let monitor: &dyn Monitor = self.monitor;
         let geometry = stages::geometry(study)?;
-        let resources = Resources { monitor, ..self.resources };
+        let resources = Resources { monitor, ..*resources };
         let options = stages::mesh_options(study, &geometry);
         let work = Work::of(study, true, false);
         let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &resources)?;
         let source = BodySource {
-            store: Some(self.store),
+            store: Some(store),
             fresh: false,
             foot_held: study.calibration.foot_held,
             together: room.condensing,
@@ -329,7 +354,7 @@ impl<'a> Places<'a> {
             })
             .transpose()?;
         let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
-        Ok(Ready { geometry, bodies, coarser })
+        Ok(Ready { geometry, bodies, coarser, room })
     }
 }
 
@@ -338,6 +363,8 @@ struct Ready {
     geometry: Geometry,
     bodies: railspring_calibrate::pair::CondensedPair,
     coarser: Option<(f64, stages::CoarserBodies)>,
+    /// What there is room for at the same time.
+    room: Room,
 }
 
 /// Where the store has a place.
