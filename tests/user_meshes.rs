@@ -15,7 +15,7 @@ use serde_json::Value;
 const RAIL: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n";
 const WHEEL: &str = "[wheel]\nprofile = \"S1002\"\n";
 /// Coarse enough for seconds.
-const COARSE: &str = "[mesh]\ncontact_element_mm = 6\ncontact_element_along_mm = 6\n";
+const COARSE: &str = "[mesh]\ncontact_element_mm = 6\ncontact_element_along_mm = 6\nwheel_section_element_mm = 40\nwheel_arc_element_mm = 300\n";
 const LOADS: &str = "[calibration]\nload_min_kn = 10\nload_max_kn = 85\nload_count = 4\nhorizontal_preloads_kn = [60]\nfoot_held = true\nshifts_mm = []\n";
 
 fn cache() -> PathBuf {
