@@ -126,6 +126,19 @@ struct StudyArgs {
     /// Output folder; left out, out/<name of the study>
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    work: WorkArgs,
+    /// Print what `run`, `calibrate`, `verify`, `deck` or `crosscheck` would need, and stop
+    #[arg(long)]
+    dry_run: bool,
+    /// Make again what `run`, `calibrate`, `simulate` or `verify` would take from the store, and replace it there
+    #[arg(long)]
+    fresh: bool,
+}
+
+/// What every command needs to know that solves.
+#[derive(Debug, Args)]
+struct WorkArgs {
     /// Print errors only
     #[arg(short, long)]
     quiet: bool,
@@ -139,21 +152,19 @@ struct StudyArgs {
     /// Refuse what is expected to need more memory, GiB; left out, what the machine has available
     #[arg(long, value_name = "GIB", value_parser = positive)]
     memory_limit: Option<f64>,
-    /// Print what `run`, `calibrate`, `verify`, `deck` or `crosscheck` would need, and stop
-    #[arg(long)]
-    dry_run: bool,
     /// Folder of the store, in which results are kept and found again; left out, one in the user's cache folder
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
-    /// Make again what `run`, `calibrate`, `simulate` or `verify` would take from the store, and replace it there
-    #[arg(long)]
-    fresh: bool,
 }
 
-impl StudyArgs {
+impl WorkArgs {
     fn resources<'a>(&'a self, progress: &'a Progress) -> Resources<'a> {
         let budget = Budget::new(self.memory_limit);
         Resources { budget, interpreter: self.python.as_deref(), monitor: progress }
+    }
+
+    fn store(&self) -> PathBuf {
+        self.cache.clone().unwrap_or_else(store::default_folder)
     }
 }
 
@@ -322,11 +333,11 @@ fn staged(
     } else {
         OutputFolder::open(&path)?
     };
-    take_threads(args.threads)?;
+    take_threads(args.work.threads)?;
     let _claim = folder.claim()?;
-    let progress = Progress::new(args.quiet);
-    let resources = args.resources(&progress);
-    let store = if keeps { open_store(args, &progress)? } else { None };
+    let progress = Progress::new(args.work.quiet);
+    let resources = args.work.resources(&progress);
+    let store = if keeps { open_store(&args.work, &progress)? } else { None };
     let pipeline = Pipeline::new(study, &folder, resources).keeping(store.as_ref(), args.fresh);
     let mut verdict = None;
     let holds = match command {
@@ -335,7 +346,7 @@ fn staged(
         Command::Simulate { .. } => {
             let runs = pipeline.simulate(law)?;
             progress.finish();
-            if !args.quiet {
+            if !args.work.quiet {
                 print_runs(&runs)?;
             }
             runs.iter().all(|(_, run)| run.ending() == Some(Ending::Completed))
@@ -350,7 +361,7 @@ fn staged(
             let cases = if *second_order { &CASES[..] } else { &CASES[..3] };
             let record = pipeline.crosscheck(cases, with.is_some(), keep.as_deref())?;
             progress.finish();
-            if !args.quiet {
+            if !args.work.quiet {
                 print_crosscheck(&record)?;
             }
             record.holds
@@ -365,7 +376,7 @@ fn staged(
         }
     };
     progress.finish();
-    if !args.quiet {
+    if !args.work.quiet {
         if let Some(verdict) = &verdict {
             print_lines(verdict)?;
         }
@@ -388,8 +399,8 @@ fn take_threads(threads: Option<u16>) -> Result<(), Error> {
 }
 
 /// The store. One that was named must be there; without the default one everything is made, which is said.
-fn open_store(args: &StudyArgs, progress: &Progress) -> Result<Option<Store>, Error> {
-    match (Store::open(&args.cache.clone().unwrap_or_else(store::default_folder)), &args.cache) {
+fn open_store(args: &WorkArgs, progress: &Progress) -> Result<Option<Store>, Error> {
+    match (Store::open(&args.store()), &args.cache) {
         (Ok(store), _) => Ok(Some(store)),
         (Err(error), Some(_)) => Err(error),
         (Err(error), None) => {
@@ -415,10 +426,10 @@ fn dry_run(command: &Command, args: &StudyArgs, study: &Study) -> Result<(), Err
             return Err(InputError::new("--dry-run", "given", expected, "leave it out").into());
         }
     };
-    let progress = Progress::new(args.quiet);
-    let estimate = estimate::dry_run(study, &work, &args.resources(&progress))?;
+    let progress = Progress::new(args.work.quiet);
+    let estimate = estimate::dry_run(study, &work, &args.work.resources(&progress))?;
     progress.finish();
-    if !args.quiet {
+    if !args.work.quiet {
         say(&estimate.text())?;
     }
     Ok(())

@@ -7,10 +7,9 @@ use railspring_calibrate::error::Error;
 
 use super::output::{remark, say};
 use super::progress::Progress;
-use super::{Failure, positive, take_threads};
-use crate::estimate::{Budget, Resources};
+use super::{Failure, WorkArgs, take_threads};
 use crate::output::OutputFolder;
-use crate::store::{self, Store};
+use crate::store::Store;
 use crate::table::rows::{Rows, Status};
 use crate::table::{Places, Table, changes, page, record};
 
@@ -32,24 +31,11 @@ pub(super) struct TableArgs {
     /// Say what is different from an earlier table.csv, by how much and because of which input, and write table_changes.csv
     #[arg(long, value_name = "FILE")]
     diff: Option<PathBuf>,
-    /// Print errors only
-    #[arg(short, long)]
-    quiet: bool,
-    /// Number of threads; left out, one for each core. The results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Python with meshio, for mesh files; left out, a virtual environment in the cache folder
-    #[arg(long, value_name = "PATH")]
-    python: Option<PathBuf>,
-    /// Refuse what is expected to need more memory, GiB; left out, what the machine has available
-    #[arg(long, value_name = "GIB", value_parser = positive)]
-    memory_limit: Option<f64>,
+    #[command(flatten)]
+    work: WorkArgs,
     /// Print what is to be done, and stop
     #[arg(long)]
     dry_run: bool,
-    /// Folder of the store, in which bodies and places are kept and found again; left out, one in the user's cache folder
-    #[arg(long, value_name = "DIR")]
-    cache: Option<PathBuf>,
     /// Make again the places that would be taken from the store, and replace them there
     #[arg(long)]
     fresh: bool,
@@ -62,14 +48,10 @@ pub(super) fn run(args: &TableArgs) -> Result<bool, Failure> {
 }
 
 fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
-    take_threads(args.threads)?;
-    let progress = Progress::new(args.quiet);
-    let resources = Resources {
-        budget: Budget::new(args.memory_limit),
-        interpreter: args.python.as_deref(),
-        monitor: &progress,
-    };
-    let store = Store::open(&args.cache.clone().unwrap_or_else(store::default_folder))?;
+    take_threads(args.work.threads)?;
+    let progress = Progress::new(args.work.quiet);
+    let resources = args.work.resources(&progress);
+    let store = Store::open(&args.work.store())?;
     let places = Places::of(table, &store, args.fresh, resources);
     let plan = places.plan()?;
     if args.dry_run {
@@ -79,7 +61,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&table.document.name));
     let folder = OutputFolder::create(&path)?;
     let _claim = folder.claim()?;
-    if !args.quiet {
+    if !args.work.quiet {
         remark(&plan.text());
     }
     let made = places.make()?;
@@ -95,7 +77,7 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     if let Some(changes) = &changes {
         folder.write(CHANGES, &changes.csv())?;
     }
-    if !args.quiet {
+    if !args.work.quiet {
         say(&format!(
             "{} places: {complete} complete, {early} with a law that ends early, {failed} without a law",
             made.len()

@@ -77,14 +77,11 @@ impl Table {
         let (document, source) = (parsed.document, parsed.source);
         let base = Base::of(path, document.base.as_deref(), &source)?;
         let mut mistakes = Vec::new();
-        let locate = |mistake: InputError| source.locate(mistake);
-        mistakes.extend(of_the_lists(&document).into_iter().map(locate));
-        let wheels =
-            bodies(path, "wheel", &document.wheel, &mut |mistake| mistakes.push(source.locate(mistake)));
-        let rails =
-            bodies(path, "rail", &document.rail, &mut |mistake| mistakes.push(source.locate(mistake)));
-        let pairs =
-            pairs(&document.case, &wheels, &rails, &mut |mistake| mistakes.push(source.locate(mistake)));
+        let mut mistaken = |mistake: InputError| mistakes.push(source.locate(mistake));
+        of_the_lists(&document).into_iter().for_each(&mut mistaken);
+        let wheels = bodies(path, "wheel", &document.wheel, &mut mistaken);
+        let rails = bodies(path, "rail", &document.rail, &mut mistaken);
+        let pairs = pairs(&document.case, &wheels, &rails, &mut mistaken);
         if !mistakes.is_empty() {
             return Err(Mistakes::sorted(mistakes));
         }
@@ -389,25 +386,20 @@ fn case(
     swept: &BTreeMap<&str, Value>,
 ) -> Result<Case, Mistakes> {
     let mut keys = base.keys.clone();
-    let mut put = |section: &str, key: &str, value: &Value| {
-        let section = keys.entry(section).or_insert_with(|| Map::new().into());
-        section.as_object_mut().expect("a section of a study").insert(key.into(), value.clone());
-    };
-    let common = document.study.iter().flat_map(|(section, keys)| keys.iter().map(move |key| (section, key)));
-    common.for_each(|(section, (key, value))| put(section, key, value));
-    put("calibration", "shifts_mm", &Value::Array(Vec::new()));
-    for (section, body) in [("wheel", wheel), ("rail", rail)] {
-        let section = keys.entry(section).or_insert_with(|| Map::new().into());
-        let section = section.as_object_mut().expect("a section of a study");
+    for (name, common) in &document.study {
+        section(&mut keys, name).extend(common.clone());
+    }
+    section(&mut keys, "calibration").insert("shifts_mm".into(), Value::Array(Vec::new()));
+    for (name, body) in [("wheel", wheel), ("rail", rail)] {
+        let section = section(&mut keys, name);
         if body.keys.keys().any(|key| is_of_the_profile(key)) {
             section.retain(|key, _| !is_of_the_profile(key));
         }
         section.extend(body.keys.clone());
     }
     for (key, value) in swept {
-        let (section, leaf) = key.split_once('.').expect("a key with its section");
-        let section = keys.entry(section).or_insert_with(|| Map::new().into());
-        section.as_object_mut().expect("a section of a study").insert(leaf.into(), value.clone());
+        let (name, leaf) = key.split_once('.').expect("a key with its section");
+        section(&mut keys, name).insert(leaf.into(), value.clone());
     }
     keys.insert("name".into(), document.name.clone().into());
     let text = toml::to_string(&Value::Object(keys)).expect("keys of TOML files are TOML");
@@ -423,6 +415,12 @@ fn case(
         varied.extend(body.varied.iter().map(|(key, value)| (format!("{section}.{key}"), value.clone())));
     }
     Ok(Case { wheel: wheel.name.clone(), rail: rail.name.clone(), varied, study })
+}
+
+/// The keys of a section, which is made if there is none.
+fn section<'k>(keys: &'k mut Map<String, Value>, name: &str) -> &'k mut Map<String, Value> {
+    let section = keys.entry(name).or_insert_with(|| Map::new().into());
+    section.as_object_mut().expect("a section of a study")
 }
 
 fn is_of_the_profile(key: &str) -> bool {

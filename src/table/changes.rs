@@ -75,35 +75,44 @@ pub fn since(earlier: &Path, now: &Rows) -> Result<Changes> {
         .filter(|column| header[..end(&header)].contains(column))
         .cloned()
         .collect();
-    let place = |columns: &[String], row: &[String]| -> Vec<String> {
-        let at = |name: &String| columns.iter().position(|column| column == name);
-        identity.iter().map(|name| at(name).and_then(|at| row.get(at)).cloned().unwrap_or_default()).collect()
+    let numbers = |columns: &[String]| -> Vec<usize> {
+        identity.iter().filter_map(|name| columns.iter().position(|column| column == name)).collect()
     };
+    let (in_old, in_new) = (numbers(&header), numbers(&now.columns));
+    let place = |numbers: &[usize], row: &[String]| -> Vec<String> {
+        numbers.iter().map(|at| row.get(*at).cloned().unwrap_or_default()).collect()
+    };
+    // of each column its number in the earlier table, and whether it is a result
+    let columns: Vec<(&String, Option<usize>, bool)> = now
+        .columns
+        .iter()
+        .map(|name| {
+            let is_result = !identity.contains(name) && !INPUTS.iter().any(|(input, _)| input == name);
+            (name, header.iter().position(|column| column == name), is_result)
+        })
+        .collect();
     let mut before: BTreeMap<Vec<String>, Vec<String>> = BTreeMap::new();
     for row in reader.records() {
         let row =
             row.map_err(|cause| refused(cause.to_string(), "rows of as many fields as there are columns"))?;
         let row: Vec<String> = row.iter().map(str::to_owned).collect();
-        before.insert(place(&header, &row), row);
+        before.insert(place(&in_old, &row), row);
     }
     let mut changes = Changes { identity: identity.clone(), ..Changes::default() };
     for row in &now.rows {
         let row: Vec<String> = row.iter().map(super::rows::Cell::text).collect();
-        let here = place(&now.columns, &row);
+        let here = place(&in_new, &row);
         let Some(old) = before.remove(&here) else {
             changes.new.push(here);
             continue;
         };
-        let old_value =
-            |name: &str| header.iter().position(|column| column == name).and_then(|at| old.get(at));
-        let because = because(&now.columns, &row, &old_value);
+        let because = because(&columns, &row, &old);
         let count = changes.changed.len();
-        for (column, new) in now.columns.iter().zip(&row) {
-            let is_result = !identity.contains(column) && !INPUTS.iter().any(|(name, _)| name == column);
-            let Some(old) = old_value(column).filter(|old| is_result && *old != new) else { continue };
+        for ((column, at, _), new) in columns.iter().zip(&row).filter(|((_, _, is_result), _)| *is_result) {
+            let Some(old) = at.and_then(|at| old.get(at)).filter(|old| *old != new) else { continue };
             changes.changed.push(Changed {
                 place: here.clone(),
-                column: column.clone(),
+                column: (*column).clone(),
                 values: [old.clone(), new.clone()],
                 relative: relative(old, new),
                 because: because.clone(),
@@ -116,10 +125,10 @@ pub fn since(earlier: &Path, now: &Rows) -> Result<Changes> {
 }
 
 /// The inputs that are others, in words.
-fn because<'a>(columns: &[String], row: &[String], old: &dyn Fn(&str) -> Option<&'a String>) -> String {
-    let other = INPUTS.iter().filter(|(name, _)| {
-        let new = columns.iter().position(|column| column == name).and_then(|at| row.get(at));
-        old(name) != new
+fn because(columns: &[(&String, Option<usize>, bool)], row: &[String], old: &[String]) -> String {
+    let other = INPUTS.iter().filter(|(input, _)| {
+        let of_it = columns.iter().zip(row).find(|((name, ..), _)| name == input);
+        of_it.is_none_or(|((_, at, _), new)| at.and_then(|at| old.get(at)) != Some(new))
     });
     let other: Vec<&str> = other.map(|(_, meaning)| *meaning).collect();
     match other.is_empty() {

@@ -120,8 +120,8 @@ pub struct Places<'a> {
     records: Vec<Option<PlaceRecord>>,
 }
 
-/// A place by what it depends on: its case, and the shift towards the rail of its side as it stands in memory.
-type Position = (usize, u64);
+/// What is to be made of a case: shifts towards the rail (mm), each with the numbers of its places.
+type Missing = BTreeMap<usize, Vec<(f64, Vec<usize>)>>;
 
 impl<'a> Places<'a> {
     /// All places of a table, cases first; those that are in the store are taken from it unless all are made `fresh`.
@@ -152,7 +152,6 @@ impl<'a> Places<'a> {
     /// An interruption.
     pub fn plan(&self) -> Result<Plan> {
         let missing = self.missing();
-        let cases: BTreeSet<usize> = missing.keys().map(|(case, _)| *case).collect();
         // beside a measured profile the contact zones go deeper, so that a body may be needed twice
         let bodies = |part: usize| {
             let of = |case: &usize| {
@@ -160,35 +159,27 @@ impl<'a> Places<'a> {
                 let measured = study.rail.measured.is_some() || study.wheel.measured.is_some();
                 (&study.keys.parts[part], measured)
             };
-            cases.iter().map(of).collect::<BTreeSet<_>>().len()
+            missing.keys().map(of).collect::<BTreeSet<_>>().len()
         };
         let [wheels, rails] = [bodies(0), bodies(1)];
-        let needs = match cases.first() {
+        let needs = match missing.first_key_value() {
             None => None,
-            Some(first) => self.needs(*first, (wheels, rails), cases.len(), missing.len())?,
+            Some((first, shifts)) => self.needs(*first, shifts.len(), wheels + rails, missing.len())?,
         };
         Ok(Plan {
             cases: self.table.cases.len(),
             places: self.places.len(),
             kept: self.records.iter().flatten().count(),
-            cases_made: cases.len(),
+            cases_made: missing.len(),
             bodies: wheels + rails,
             needs,
         })
     }
 
-    /// Time and memory by the estimate of one case, which the others resemble.
-    fn needs(
-        &self,
-        case: usize,
-        (wheels, rails): (usize, usize),
-        cases: usize,
-        places: usize,
-    ) -> Result<Option<(f64, f64)>> {
+    /// Time and memory of `bodies` and `cases` by the estimate of one of them at so many `places`, which the others resemble.
+    fn needs(&self, case: usize, places: usize, bodies: usize, cases: usize) -> Result<Option<(f64, f64)>> {
         let mut study = self.table.cases[case].study.clone();
-        // a case has as many places as the table has shifts for it
-        let shifts = (0..places.div_ceil(cases)).map(|n| n as f64 * MILLIMETRE).collect();
-        study.calibration.shifts = Some(shifts);
+        study.calibration.shifts = Some((0..places).map(|n| n as f64 * MILLIMETRE).collect());
         let silent = Beneath::silent(self.resources.monitor);
         let resources = Resources { monitor: &silent, ..self.resources };
         let work = Work { calibrate: true, ..Work::default() };
@@ -198,21 +189,27 @@ impl<'a> Places<'a> {
             Err(_) => Ok(None),
             Ok(estimate) => {
                 let seconds = |stage: usize| estimate.stages.get(stage).map_or(0.0, |stage| stage.seconds);
-                let bodies = 0.5 * (wheels + rails) as f64;
-                Ok(Some((bodies * seconds(0) + cases as f64 * seconds(1), estimate.memory())))
+                let pairs = 0.5 * bodies as f64;
+                Ok(Some((pairs * seconds(0) + cases as f64 * seconds(1), estimate.memory())))
             }
         }
     }
 
     /// What is to be made, each once: a left wheel shifted one way stands as a right one shifted the other way.
-    fn missing(&self) -> BTreeMap<Position, Vec<usize>> {
-        let mut missing: BTreeMap<Position, Vec<usize>> = BTreeMap::new();
-        for (index, (place, _)) in
-            self.places.iter().zip(&self.records).enumerate().filter(|(_, (_, r))| r.is_none())
+    fn missing(&self) -> Missing {
+        let mut missing = Missing::new();
+        for (index, place) in
+            self.places.iter().enumerate().filter(|(index, _)| self.records[*index].is_none())
         {
             let towards = place.side.towards(place.shift_mm);
-            missing.entry((place.case, towards.to_bits())).or_default().push(index);
+            let shifts = missing.entry(place.case).or_default();
+            match shifts.iter_mut().find(|(shift, _)| *shift == towards) {
+                Some((_, places)) => places.push(index),
+                None => shifts.push((towards, vec![index])),
+            }
         }
+        // a wheel near its flange takes ten times as long as on its tread: it comes first, so that no thread waits for it in the end
+        missing.values_mut().for_each(|shifts| shifts.sort_by(|a, b| b.0.total_cmp(&a.0)));
         missing
     }
 
@@ -223,20 +220,14 @@ impl<'a> Places<'a> {
     pub fn make(mut self) -> Result<Vec<(Place, PlaceRecord)>> {
         let missing = self.missing();
         let monitor = self.resources.monitor;
-        let (done, total) = (AtomicUsize::new(0), missing.len());
-        let mut by_case: BTreeMap<usize, Vec<(f64, &Vec<usize>)>> = BTreeMap::new();
-        for ((case, towards), indices) in &missing {
-            by_case.entry(*case).or_default().push((f64::from_bits(*towards), indices));
-        }
-        // a wheel near its flange takes ten times as long as on its tread: it comes first, so that no thread waits for it in the end
-        by_case.values_mut().for_each(|wanted| wanted.sort_by(|a, b| b.0.total_cmp(&a.0)));
+        let (done, total) = (AtomicUsize::new(0), missing.values().map(Vec::len).sum());
         let beneath = Beneath { monitor, count: Some((&done, total)) };
         if total > 0 {
             beneath.progress("", 0, 0)?;
         }
         let work = CaseWork { places: &self, monitor: &beneath, done: &done };
         let mut made: Vec<(Vec<usize>, PlaceRecord)> = Vec::new();
-        let mut cases = by_case.into_iter().peekable();
+        let mut cases = missing.into_iter().peekable();
         let mut ready = cases.peek().map(|(case, _)| work.bodies(*case)).transpose()?;
         while let (Some((case, wanted)), Some(bodies)) = (cases.next(), ready.take()) {
             let shifts: Vec<f64> = wanted.iter().map(|(shift, _)| *shift).collect();
@@ -249,7 +240,7 @@ impl<'a> Places<'a> {
                 _ => rayon::join(press, next),
             };
             ready = next?;
-            made.extend(wanted.into_iter().map(|(_, indices)| indices.clone()).zip(records?));
+            made.extend(wanted.into_iter().map(|(_, indices)| indices).zip(records?));
         }
         for (indices, record) in made {
             indices.into_iter().for_each(|index| self.records[index] = Some(record.clone()));

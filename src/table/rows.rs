@@ -1,6 +1,7 @@
 //! `table.csv`: one row for each place, with its inputs, what it has come to, and why, where that is less than it should be.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 
 use railspring_calibrate::units::MILLIMETRE;
 use serde::Serialize;
@@ -139,24 +140,20 @@ impl Rows {
         let varied: BTreeSet<&str> =
             table.cases.iter().flat_map(|case| case.varied.keys().map(String::as_str)).collect();
         let varied: Vec<&str> = varied.into_iter().filter(|key| !WITH_A_COLUMN.contains(key)).collect();
-        let cells = |(place, record): &(Place, PlaceRecord)| {
-            let mut row = Row::default();
+        let row = |(place, record): &(Place, PlaceRecord), named: bool| {
+            let mut row = Row { named, ..Row::default() };
             row.place(table, place, &varied);
             row.touch(record);
-            row.law(record, law_in_use(&table.cases[place.case], record));
+            row.law(law_in_use(&table.cases[place.case], record));
             for load in &table.document.stiffness_at_kn {
                 row.load(&table.cases[place.case], record, &table.document.stiffness_at_kn, *load);
             }
             row.status(&table.cases[place.case], record);
             row
         };
-        let mut columns = Vec::new();
-        let mut rows = Vec::new();
-        for place in places {
-            let Row { names, cells } = cells(place);
-            columns = names;
-            rows.push(cells);
-        }
+        // all rows have the columns of the first
+        let columns = places.first().map(|place| row(place, true).names).unwrap_or_default();
+        let rows = places.iter().map(|place| row(place, false).cells).collect();
         Self { columns, rows }
     }
 
@@ -190,13 +187,17 @@ fn reference(case: &Case) -> &'static str {
 /// A row as it grows.
 #[derive(Default)]
 struct Row {
+    /// Whether the names of the columns are wanted.
+    named: bool,
     names: Vec<String>,
     cells: Vec<Cell>,
 }
 
 impl Row {
-    fn put(&mut self, name: impl Into<String>, cell: impl Into<Cell>) {
-        self.names.push(name.into());
+    fn put(&mut self, name: impl Display, cell: impl Into<Cell>) {
+        if self.named {
+            self.names.push(name.to_string());
+        }
         self.cells.push(cell.into());
     }
 
@@ -230,7 +231,7 @@ impl Row {
         self.put("rolling_radius_mm", record.rolling_radius_mm);
     }
 
-    fn law(&mut self, record: &PlaceRecord, in_use: Option<&AngleLawRecord>) {
+    fn law(&mut self, in_use: Option<&AngleLawRecord>) {
         let law = in_use.map(|entry| entry.law);
         self.put("reference", in_use.map_or(Cell::Empty(()), |entry| entry.reference.as_str().into()));
         self.put("a_kn_per_m", law.map(|law| law.constants.a_kn_per_m));
@@ -242,7 +243,6 @@ impl Row {
         self.put("law_rms_rel_error", law.map(|law| law.rms_rel_error));
         self.put("law_max_rel_error", law.map(|law| law.max_rel_error));
         self.put("displacement_max_rel_error", in_use.map(|entry| entry.displacement.max_rel_error));
-        debug_assert!(record.at.laws.is_empty() || in_use.is_some());
     }
 
     fn load(&mut self, case: &Case, record: &PlaceRecord, loads: &[f64], load_kn: f64) {
@@ -258,7 +258,7 @@ impl Row {
         let number = loads.iter().position(|load| *load == load_kn);
         let hertz = number.and_then(|number| record.hertz_kn_per_m.get(number).copied());
         let share = at.and_then(|at| Some(at.lateral_contact_um_per_kn? * 1e-6 * at.horizontal_kn_per_m));
-        let mut put = |name: &str, value: Option<f64>| self.put(format!("{name}_at_{load_kn}kn"), value);
+        let mut put = |name: &str, value: Option<f64>| self.put(format_args!("{name}_at_{load_kn}kn"), value);
         put("displacement_mm", in_use.as_ref().map(|at| at.displacement_mm));
         put("stiffness_kn_per_m", in_use.as_ref().map(|at| at.tangent_kn_per_m));
         put("stiffness_rel_error_band", band.and_then(|band| band.tangent));
