@@ -231,7 +231,7 @@ fn through(points: &[MeasuredPoint], findings: &mut Vec<Finding>) -> ProfileCurv
     let mut pieces = Vec::new();
     let mut from = 0;
     for i in 1..=chords {
-        // A straight side is a piece of its own.
+        // A straight side is a separate piece.
         let ends = i == chords || kinks.contains(&i) || chord(i) > long || chord(i - 1) > long;
         if !ends {
             continue;

@@ -202,7 +202,7 @@ fn wrong_units_are_refused() {
     let message = parsed("x.prr", &text).unwrap_err().to_string();
     assert!(message.starts_with("x.prr:5:1") && message.contains("unit"), "{message}");
     let inches: Vec<_> = head_points().iter().map(|(y, z)| (y / 25.4, z / 25.4)).collect();
-    // Without a unit inches are told from the size; centimetres are none of the units that are tried.
+    // Without a unit inches are recognised by the size; centimetres are none of the units that are tried.
     let read = parsed("x.txt", &file(&inches)).unwrap();
     assert!((read.points[0].point.x + 35.5 * MILLIMETRE).abs() < 1e-6);
     assert!(read.findings.iter().any(|f| f.kind == FindingKind::Unit && f.text.contains("the unit is in")));

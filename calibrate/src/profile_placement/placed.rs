@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Point2, Rotation2, Vector2, Vector4};
 use super::fit::{Foot, Pose, Sample, covariance, feet_of, kept, settle};
 use super::noise::scatter;
 use super::reference::Reference;
-use super::side::{Side, told, worn_sides};
+use super::side::{Side, side_of, worn_sides};
 use super::starts::{Candidate, candidates, mirrored, thinned};
 use crate::error::{InputError, Result};
 use crate::units::MILLIMETRE;
@@ -117,7 +117,7 @@ pub struct Placed {
     pub length: f64,
     /// Share of the profile that is neither on the standard nor worn.
     pub unexplained: f64,
-    /// What told left from right.
+    /// What left and right were distinguished by.
     pub side: Side,
     /// The points, in the order in which they were given.
     pub points: Vec<PlacedPoint>,
@@ -219,7 +219,7 @@ fn finish(
     let (again, _) = settle(reference, &inner, pose, scale, STEPS, false);
     let spread = spread(found.as_ref(), &pose, &again, noise);
     let across = spread.y.max(spread.z);
-    let (side, over) = told(reference, worn_sides(reference, &feet, &lengths), across);
+    let (side, over) = side_of(reference, worn_sides(reference, &feet, &lengths), across);
     if over && !options.side_known {
         pose = Pose { middle: Point2::new(-pose.middle.x, pose.middle.y), angle: -pose.angle, ..pose };
         image = mirrored(&image);

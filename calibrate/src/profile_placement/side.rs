@@ -45,7 +45,7 @@ fn y(curve: &ProfileCurve, s: f64) -> f64 {
 }
 
 /// What the wear tells about the side, and whether the head has to be turned over for it.
-pub(super) fn told(reference: &Reference, worn: [Option<f64>; 2], uncertainty: f64) -> (Side, bool) {
+pub(super) fn side_of(reference: &Reference, worn: [Option<f64>; 2], uncertainty: f64) -> (Side, bool) {
     if reference.kind == ProfileKind::Wheel || !reference.symmetric {
         return (Side::Outline, false);
     }
