@@ -188,7 +188,10 @@ fn place_refuses_what_is_no_such_profile() {
         &["place", &worn("worn-s1002.whl"), "--standard", "60E1"],
         &["worn-s1002.whl", "the shape of a wheel", "the file is that of the other body", "S1002"],
     );
-    refused(&["place", &worn("worn-60e1.prr"), "--standard", "61E1"], &["61E1", "60E1", "profile list"]);
+    refused(
+        &["place", &worn("worn-60e1.prr"), "--standard", "61E1"],
+        &["61E1", "60E1", "profile list", "nearest to the profile are ", " 60E1 (0.03", "UIC60 (0.03"],
+    );
 }
 
 #[test]

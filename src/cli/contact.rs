@@ -224,16 +224,10 @@ fn picture(
             lines.push((f64::NAN, f64::NAN));
         }
     }
-    let panel = |x_label: &str, y_label: &str, from_zero, series| Panel {
-        x_label: x_label.into(),
-        y_label: y_label.into(),
-        from_zero,
-        series,
-    };
     let difference =
         function.points().iter().map(|p| (p.shift / MILLIMETRE, p.difference / MILLIMETRE)).collect();
     let panels = [
-        panel(
+        Panel::new(
             "y from the track centre, wheelset in the middle (mm)",
             "height, the wheel lifted (mm)",
             false,
@@ -243,13 +237,13 @@ fn picture(
                 Series::line("rail", rail, GREY, Dash::Solid),
             ],
         ),
-        panel(
+        Panel::new(
             "lateral shift (mm)",
             "rolling-radius difference (mm)",
             false,
             vec![Series::line("rolling-radius difference", difference, BLUE, Dash::Solid)],
         ),
-        panel(
+        Panel::new(
             "amplitude (mm)",
             "equivalent conicity",
             true,

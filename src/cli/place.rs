@@ -11,7 +11,7 @@ use railspring_calibrate::profile_file::{
     write as profile_text,
 };
 use railspring_calibrate::profile_placement::{
-    PlaceOptions, Placed, Reference, nearest, place_profile, rail_wear, wheel_wear,
+    PlaceOptions, Placed, Reference, in_words, nearest, place_profile, rail_wear, resembled, wheel_wear,
 };
 use railspring_calibrate::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
 use railspring_calibrate::section::{
@@ -22,14 +22,16 @@ use railspring_calibrate::units::MILLIMETRE;
 use super::file_args::FileArgs;
 use super::shapes::write;
 use super::{Failure, say};
-use crate::report::panel::{Panel, stacked_with_notes};
-use crate::report::plot::{BLUE, DARK, Dash, GREY, Marker, RED, Series};
+use crate::report::measured::figure;
+use crate::stages::{Seams, on_standard};
 
 /// Diameter of the wheel at the tape circle, m.
 const TAPE_DIAMETER: f64 = 0.92;
 /// The new pair against which a worn profile runs.
 const NEW_RAIL: &str = "60E1";
 const NEW_WHEEL: &str = "S1002";
+/// Width of the figure, px.
+const WIDTH: u32 = 860;
 /// Amplitude of the equivalent conicity, m.
 const AMPLITUDE: f64 = 3.0 * MILLIMETRE;
 
@@ -52,7 +54,8 @@ pub(super) fn place(args: &PlaceArgs) -> Result<bool, Failure> {
     let place_options = PlaceOptions { side_known: options.mirror_y.is_some() };
     let (profile, reference) = match &args.standard {
         Some(name) => {
-            let reference = Reference::standard(name)?;
+            let reference = Reference::standard(name)
+                .map_err(|error| with_nearest(args, &options, place_options, error))?;
             let kind = options.kind.or(Some(reference.kind));
             (read(&args.file.file, &ReadOptions { kind, ..options })?, reference)
         }
@@ -77,9 +80,22 @@ pub(super) fn place(args: &PlaceArgs) -> Result<bool, Failure> {
     let source = args.file.file.file_name().unwrap_or_default().to_string_lossy();
     let comment = format!("{source} placed on {}", reference.name);
     write(&file("csv"), &profile_text(ProfileFormat::Csv, moved.kind, &prepared.points, &comment))?;
-    write(&file("svg"), &picture(&placed, &reference, &prepared))?;
+    write(&file("svg"), &picture(&source, &moved, &prepared, &placed, &reference)?)?;
     say(&format!("{}\n{}", file("csv").display(), file("svg").display()))?;
     Ok(prepared.findings.iter().all(|finding| finding.action != Action::Left))
+}
+
+/// The message about an unknown standard, with the standards that the profile resembles.
+fn with_nearest(args: &PlaceArgs, options: &ReadOptions, place_options: PlaceOptions, error: Error) -> Error {
+    let Ok(profile) = read(&args.file.file, options) else { return error };
+    let near = resembled(&profile, options.kind, place_options);
+    match error {
+        Error::Input(error) if !near.is_empty() => {
+            let remedy = format!("{}; nearest to the profile are {}", error.remedy, in_words(&near));
+            InputError { remedy, ..error }.into()
+        }
+        error => error,
+    }
 }
 
 /// The profile, and the standard that fits it best; the nearest ones are listed.
@@ -96,11 +112,14 @@ fn nearest_standard(
     })?;
     let points: Vec<Point2<f64>> = repaired(&profile, &mut Vec::new())?.iter().map(|p| p.point).collect();
     let found = nearest(&points, options.kind, place_options)?;
-    say("standard        off it %   RMS of what is kept \u{b5}m")?;
+    say("standard       RMS off what wear leaves alone mm   worn or unlike %")?;
     for misfit in found.iter().take(LISTED) {
         let unlike = if misfit.placed.fits() { "" } else { "   another shape" };
-        let (share, rms) = (100.0 * misfit.share, misfit.placed.rms / (1e-3 * MILLIMETRE));
-        say(&format!("{:14} {share:9.1} {rms:25.1}{unlike}", misfit.name))?;
+        let rms = misfit.rms.map_or_else(|| "-".into(), |rms| format!("{:.4}", rms / MILLIMETRE));
+        let size = misfit.placed.size;
+        let size =
+            if size.is_one() { String::new() } else { format!("   {:.4} times as large", size.factor) };
+        say(&format!("{:14} {rms:>33} {:18.1}{unlike}{size}", misfit.name, 100.0 * misfit.share))?;
     }
     let Some(first) = found.first() else {
         let remedy =
@@ -178,75 +197,30 @@ fn conicity(prepared: Option<&Prepared>, reference: &Reference) -> Result<Option
     Ok(function.equivalent_conicity(AMPLITUDE))
 }
 
-/// Measured over standard, and the distance from the standard along its outline; what is kept is marked.
-fn picture(placed: &Placed, reference: &Reference, prepared: &Prepared) -> String {
-    /// Weight from which a point counts as kept.
-    const KEPT: f64 = 0.5;
-    /// Distance of the marks, m along the profile.
-    const MARKS: f64 = 1.5 * MILLIMETRE;
-    let seen = |p: &Point2<f64>| (p.x / MILLIMETRE, -p.y / MILLIMETRE);
-    // A rail's outline is closed: what lies before its running surface is at its end.
-    let along = |s: f64| {
-        let whole = reference.curve.length();
-        let rest = 0.5 * (reference.running[1] + whole);
-        let before = reference.kind == ProfileKind::Rail && s > rest;
-        (s - reference.running[0] - if before { whole } else { 0.0 }) / MILLIMETRE
-    };
-    let mut last = f64::NEG_INFINITY;
-    let (mut shape, mut distance) = (Vec::new(), Vec::new());
-    for point in placed.points.iter().filter(|p| p.kept > KEPT) {
-        if (point.s - last).abs() >= MARKS {
-            last = point.s;
-            shape.push(seen(&point.point));
-            distance.push((along(point.s), point.missing / MILLIMETRE));
+/// The profile on its standard: joined to that as a study does it, where that is possible.
+fn picture(
+    file: &str,
+    read: &MeasuredProfile,
+    prepared: &Prepared,
+    placed: &Placed,
+    reference: &Reference,
+) -> Result<String, Error> {
+    let mut ignored = Vec::new();
+    let both = (read, prepared);
+    let on = |seams| on_standard(file, reference, both, seams, Some(placed));
+    let surface = match reference.kind {
+        ProfileKind::Rail => {
+            let section =
+                rail_section_with_head(rail_section(&reference.name)?, &prepared.curve, &mut ignored);
+            on(section.as_ref().ok().and_then(Seams::of_rail))
         }
-    }
-    let mut deviations: Vec<(f64, f64)> =
-        placed.points.iter().map(|p| (along(p.s), p.missing / MILLIMETRE)).collect();
-    deviations.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let ends = placed
-        .points
-        .iter()
-        .map(|p| p.point.x)
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], y| [a.min(y), b.max(y)]);
-    let lowest = placed.points.iter().map(|p| p.point.y).fold(f64::NEG_INFINITY, f64::max);
-    // The standard about what was measured alone: the foot would make the head small.
-    const MARGIN: f64 = 8.0 * MILLIMETRE;
-    let near = |p: &Point2<f64>| p.x > ends[0] - MARGIN && p.x < ends[1] + MARGIN && p.y < lowest + MARGIN;
-    let standard: Vec<(f64, f64)> = reference
-        .curve
-        .sample(0.25 * MILLIMETRE)
-        .iter()
-        .map(|p| if near(p) { seen(p) } else { (f64::NAN, f64::NAN) })
-        .collect();
-    let measured: Vec<(f64, f64)> = placed.points.iter().map(|p| seen(&p.point)).collect();
-    let panel = |x_label: &str, y_label: &str, from_zero: bool, series: Vec<Series>| Panel {
-        x_label: x_label.into(),
-        y_label: y_label.into(),
-        from_zero,
-        series,
+        ProfileKind::Wheel => {
+            let standard = wheel_section(&reference.name, TAPE_DIAMETER)?;
+            let section = wheel_section_with_profile(standard, &prepared.curve, &mut ignored);
+            on(section.as_ref().ok().and_then(Seams::of_wheel))
+        }
     };
-    let panels = [
-        panel(
-            "y to the field side (mm)",
-            "height \u{2212}z (mm)",
-            false,
-            vec![
-                Series::line(&reference.name, standard, GREY, Dash::Solid),
-                Series::line("measured", measured, RED, Dash::Dashed),
-                Series::marks("kept", shape, BLUE, Marker::Circle),
-            ],
-        ),
-        panel(
-            "along the standard from the start of its running surface (mm)",
-            "material missing, normal to it (mm)",
-            true,
-            vec![
-                Series::line("missing", deviations, DARK, Dash::Solid),
-                Series::marks("kept", distance, BLUE, Marker::Circle),
-            ],
-        ),
-    ];
-    let notes: Vec<String> = prepared.findings.iter().map(ToString::to_string).collect();
-    stacked_with_notes(760, 330, &panels, &notes)
+    let findings = prepared.findings.iter().map(ToString::to_string);
+    let notes: Vec<String> = std::iter::once(surface.changes()).chain(findings).collect();
+    Ok(figure(WIDTH, &surface, &notes))
 }

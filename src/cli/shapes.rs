@@ -226,12 +226,7 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
         shapes.push(series(height));
         curvatures.push(series(1.1 * top));
     }
-    let panel = |y_label: &str, series| Panel {
-        x_label: "y to the field side (mm)".into(),
-        y_label: y_label.into(),
-        from_zero: false,
-        series,
-    };
+    let panel = |y_label: &str, series| Panel::new("y to the field side (mm)", y_label, false, series);
     let panels = [panel("height \u{2212}z (mm)", shapes), panel("curvature (1/mm)", curvatures)];
     let figure = stacked_with_notes(760, 320, &panels, &listed.notes);
     write(output, &figure)?;

@@ -40,7 +40,8 @@ impl<'a> Stage for Report<'a> {
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let profiles = stages::profiles(&*at.geometry()?);
+        let geometry = at.geometry()?;
+        let profiles = stages::profiles(&geometry);
         let scenarios = self
             .runs
             .iter()
@@ -81,6 +82,7 @@ impl<'a> Stage for Report<'a> {
             patches: &self.calibration.patches,
             by_angle: self.by_angle,
             profiles: &profiles,
+            surfaces: &geometry.surfaces,
             scenarios,
             ratio_window: at.study.limits.ratio_window_s,
             verdict: self.verdict,

@@ -15,6 +15,7 @@ mod statics;
 mod positions;
 mod patches;
 mod patch_section;
+pub mod measured;
 pub mod catalogue;
 pub mod scaling;
 pub mod step_times;
@@ -80,6 +81,8 @@ pub struct ReportData<'a> {
     pub by_angle: Option<&'a StiffnessByAngleRecord>,
     /// The two profiles.
     pub profiles: &'a ProfilePair,
+    /// The measured profiles on their standards.
+    pub surfaces: &'a [measured::OnStandard],
     /// The load cases.
     pub scenarios: Vec<ScenarioRun<'a>>,
     /// Time over which Q and P are averaged, s.
@@ -161,11 +164,13 @@ pub fn build(data: &ReportData<'_>) -> Report {
     let scenarios: Vec<Value> =
         data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();
     let chapter = crosscheck::chapter(&data.crosscheck, &mut collected);
+    let surfaces: Vec<Value> = data.surfaces.iter().map(|of| surface(of, &mut collected)).collect();
     let html = html::render(
         "report.html",
         json!({
             "name": data.name,
             "description": data.description,
+            "surfaces": surfaces,
             "inputs": tables::grouped(data.inputs),
             "stiffness": stiffness,
             "springs": springs,
@@ -184,6 +189,12 @@ pub fn build(data: &ReportData<'_>) -> Report {
         }),
     );
     Report { html, figures: collected.figures }
+}
+
+fn surface(of: &measured::OnStandard, collected: &mut Collector) -> Value {
+    let drawn = measured::figure(figures::WIDTH, of, &[]);
+    let figure = collected.add(&format!("measured-{}", of.body), drawn, measured::caption(of));
+    json!({ "body": of.body, "figure": figure, "rows": of.rows() })
 }
 
 fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collector) -> Value {

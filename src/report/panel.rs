@@ -26,6 +26,13 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
+impl Panel {
+    /// Curves over axes with these labels; `from_zero`: the vertical axis shows zero.
+    pub fn new(x_label: &str, y_label: &str, from_zero: bool, series: Vec<Series>) -> Self {
+        Self { x_label: x_label.into(), y_label: y_label.into(), from_zero, series }
+    }
+}
+
 /// Draws panels under each other, with one legend for all above them.
 pub fn stacked(width: u32, panel_height: u32, panels: &[Panel]) -> String {
     stacked_with_notes(width, panel_height, panels, &[])

@@ -13,8 +13,10 @@ use super::ProfilePair;
 mod springs;
 mod patches;
 mod crosscheck;
+mod measured;
 
 pub(crate) use crosscheck::{crosscheck, sections};
+pub(crate) use measured::surface;
 pub(crate) use patches::patches;
 pub(crate) use springs::{by_angle, load_curve, stiffness};
 

@@ -28,6 +28,7 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
         patches: &patches,
         by_angle: Some(&laws),
         profiles: &profiles,
+        surfaces: &[samples::surface()],
         scenarios: vec![ScenarioRun {
             name: "sample",
             description: "Constant lateral force.",
@@ -111,7 +112,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
         }
     }
     assert_eq!(report.html.matches("<figure>").count(), report.figures.len());
-    assert_eq!(report.figures.len(), 21);
+    assert_eq!(report.figures.len(), 22);
     assert!(!report.html.contains("could not be written"), "{}", report.html);
     assert!(!report.html.contains("figure failed"));
     for outside in ["src=\"", "@import", "url("] {
@@ -130,6 +131,9 @@ fn the_page_is_complete_and_needs_nothing_else() {
         "<td>100 to 275 ms</td>",
         "peak memory",
         "scaled Jacobian",
+        // the measured surface: what was changed, and where its parts meet
+        "400 points read, 399 left after the repair, 1 of those read more than 0.01 mm off the surface; the largest change is 0.310 mm",
+        "<td>transition</td><td class=\"n\">(2.000, 1.000)</td><td class=\"n\">(10.000, 0.000)</td><td class=\"n\">8.062</td>",
     ] {
         assert!(report.html.contains(word), "{word}");
     }
@@ -143,7 +147,7 @@ fn the_chapter_says_what_is_missing() {
         (Crosscheck::Stale, "of another study"),
     ] {
         let report = build_with(state);
-        assert_eq!(report.figures.len(), 16);
+        assert_eq!(report.figures.len(), 17);
         assert!(report.html.contains(word) && report.html.contains("railspring crosscheck"), "{word}");
         assert!(!report.html.contains("href=\""), "{word}");
     }

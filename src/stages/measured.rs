@@ -2,9 +2,9 @@
 
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::field::InputField;
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile_file::{
-    Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, ProfileKind, ReadOptions, parse, prepare,
+    Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, parse,
+    prepare,
 };
 use railspring_calibrate::profile_placement::{
     PlaceOptions, Placed, Reference, Side, find_place, place_profile,
@@ -24,10 +24,11 @@ const SWAPPED: f64 = 0.3 * MILLIMETRE;
 
 /// A measured surface in the frame of its body.
 pub(super) struct Surface {
-    /// As it was read.
-    pub profile: MeasuredProfile,
-    pub curve: ProfileCurve,
-    pub findings: Vec<Finding>,
+    /// As it was read, in its place.
+    pub in_place: MeasuredProfile,
+    pub prepared: Prepared,
+    /// How it was placed, if it was.
+    pub placed: Option<Placed>,
 }
 
 /// Reads the profile of a study and prepares it. With `profile_aligned` it is placed on the standard; without, one that evidently
@@ -44,10 +45,11 @@ pub(super) fn surface(measured: &MeasuredSurface, reference: &Reference) -> Resu
     let mut profile = parse(&name, &measured.content, &options)?;
     profile.findings.splice(0..0, measured.findings.iter().cloned());
     let options = PlaceOptions { side_known: measured.mirrored.is_some() };
-    let in_place = match measured.aligned {
+    let (in_place, placed) = match measured.aligned {
         Some(true) => {
             let placed = place_profile(&profile, reference, options);
-            placed.map_err(|error| in_study(measured, reference.kind, error, None))?.0
+            let (moved, placed) = placed.map_err(|error| in_study(measured, reference.kind, error, None))?;
+            (moved, Some(placed))
         }
         given => {
             turned_over(measured, &profile)?;
@@ -57,11 +59,11 @@ pub(super) fn surface(measured: &MeasuredSurface, reference: &Reference) -> Resu
                 let found = checked_place(measured, &profile, reference, options, given.is_some())?;
                 checked.findings.extend(found);
             }
-            checked
+            (checked, None)
         }
     };
     let prepared = prepare(&in_place, &PrepareOptions { smoothing: measured.smoothing })?;
-    Ok(Surface { profile, curve: prepared.curve, findings: prepared.findings })
+    Ok(Surface { in_place, prepared, placed })
 }
 
 /// The keys of a body: its file, and whether that is placed.

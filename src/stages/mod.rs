@@ -13,6 +13,7 @@ mod by_angle;
 mod crosscheck;
 mod mesh_files;
 mod measured;
+mod on_standard;
 mod sections;
 mod simulate;
 
@@ -26,6 +27,7 @@ pub use error_band::{
     CoarserBodies, FINER, check_target, coarser_bodies, coarser_options, error_band, finer_meshes,
 };
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
+pub use on_standard::{Seams, on_standard};
 pub use sections::repairs;
 pub use simulate::{MovingBodies, Springs, Tried, simulate, simulate_solid};
 pub use zones::{Reached, Within, check_loads, mesh_options, within_zones};
@@ -46,6 +48,7 @@ use railspring_calibrate::units::MILLIMETRE;
 
 use crate::records::ProfileRecord;
 use crate::report::ProfilePair;
+use crate::report::measured::OnStandard;
 use crate::study::{ElementKey, EnforcementKey, FieldKey, MeshFile, Study};
 
 /// The two sections in place, and where they first touch.
@@ -56,6 +59,8 @@ pub struct Geometry {
     pub beam: RailBeam,
     /// The measured profiles among the two, and what was done to them.
     pub profiles: Vec<ProfileRecord>,
+    /// The same on their standards, for pictures; not the sections of files.
+    pub surfaces: Vec<OnStandard>,
 }
 
 /// The meshes of both bodies.
@@ -79,8 +84,8 @@ pub struct Meshes {
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(study: &Study) -> Result<Geometry> {
-    let (rail, rail_profiles) = sections::rail(study)?;
-    let (wheel, wheel_profiles) = sections::wheel(study)?;
+    let sections::Sectioned { section: rail, records: rail_profiles, surface: head } = sections::rail(study)?;
+    let sections::Sectioned { section: wheel, records: wheel_profiles, surface } = sections::wheel(study)?;
     let track = TrackGeometry {
         gauge: study.track.gauge,
         gauge_height: study.track.gauge_height,
@@ -97,7 +102,8 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
     })?;
     let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
     let profiles = rail_profiles.into_iter().chain(wheel_profiles).collect();
-    Ok(Geometry { pair, beam, profiles })
+    let surfaces = head.into_iter().chain(surface).collect();
+    Ok(Geometry { pair, beam, profiles, surfaces })
 }
 
 /// Meshes of both bodies: the tool's own with `options`, or those of the study's mesh files, which `interpreter` reads

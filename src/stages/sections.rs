@@ -12,23 +12,39 @@ use railspring_calibrate::section::{
 };
 
 use super::measured::{Surface, surface};
+use super::on_standard::{Seams, on_standard};
 use crate::records::{FindingRecord, ProfileRecord};
+use crate::report::measured::OnStandard;
 use crate::study::{MeasuredSurface, SectionFile, Study};
 
-/// Section of the rail, and the records of its own section and of its measured head.
-pub(super) fn rail(study: &Study) -> Result<(RailSection, Vec<ProfileRecord>)> {
+/// The section of a body.
+pub(super) struct Sectioned<S> {
+    pub section: S,
+    /// The records of its own section and of its measured surface.
+    pub records: Vec<ProfileRecord>,
+    /// The measured surface on its standard.
+    pub surface: Option<OnStandard>,
+}
+
+/// Section of the rail.
+pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
     let standard = &study.rail.profile;
     let (standard_section, mut records) = match &study.rail.section {
         Some(own) => own_rail(own).map(|(section, record)| (section, vec![record]))?,
         None => (rail_section(standard)?, Vec::new()),
     };
     let Some(measured) = &study.rail.measured else {
-        return Ok((standard_section, records));
+        return Ok(Sectioned { section: standard_section, records, surface: None });
     };
-    let mut found = surface(measured, &Reference::rail(&standard_section))?;
-    let section = rail_section_with_head(standard_section, &found.curve, &mut found.findings)?;
+    let reference = Reference::rail(&standard_section);
+    let mut found = surface(measured, &reference)?;
+    let prepared = &mut found.prepared;
+    let section = rail_section_with_head(standard_section, &prepared.curve, &mut prepared.findings)?;
+    let seams = Seams::of_rail(&section);
+    let both = (&found.in_place, &found.prepared);
+    let surface = on_standard(&measured.file, &reference, both, seams, found.placed.as_ref());
     records.push(record("rail", measured, standard, &found));
-    Ok((section, records))
+    Ok(Sectioned { section, records, surface: Some(surface) })
 }
 
 /// The section of a study's own file.
@@ -77,8 +93,8 @@ pub fn repairs(profiles: &[ProfileRecord]) -> Vec<String> {
         .collect()
 }
 
-/// Section of the wheel, and the records of its own section and of its measured profile.
-pub(super) fn wheel(study: &Study) -> Result<(WheelSection, Vec<ProfileRecord>)> {
+/// Section of the wheel.
+pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
     let keys = &study.wheel;
     let standard = &keys.profile;
     let (nominal, mut records) = match &keys.section {
@@ -89,22 +105,27 @@ pub(super) fn wheel(study: &Study) -> Result<(WheelSection, Vec<ProfileRecord>)>
         }
     };
     let Some(measured) = &keys.measured else {
-        return Ok((nominal, records));
+        return Ok(Sectioned { section: nominal, records, surface: None });
     };
-    let mut found = surface(measured, &Reference::wheel(&nominal))?;
-    let section = wheel_section_with_profile(nominal, &found.curve, &mut found.findings)?;
+    let reference = Reference::wheel(&nominal);
+    let mut found = surface(measured, &reference)?;
+    let prepared = &mut found.prepared;
+    let section = wheel_section_with_profile(nominal, &prepared.curve, &mut prepared.findings)?;
+    let seams = Seams::of_wheel(&section);
+    let both = (&found.in_place, &found.prepared);
+    let surface = on_standard(&measured.file, &reference, both, seams, found.placed.as_ref());
     records.push(record("wheel", measured, standard, &found));
-    Ok((section, records))
+    Ok(Sectioned { section, records, surface: Some(surface) })
 }
 
 fn record(body: &str, measured: &MeasuredSurface, standard: &str, found: &Surface) -> ProfileRecord {
     ProfileRecord {
         body: body.into(),
         file: measured.file.clone(),
-        format: found.profile.format.to_string(),
+        format: found.in_place.format.to_string(),
         standard: standard.into(),
-        points: found.profile.points.len(),
-        findings: found.findings.iter().map(finding_record).collect(),
+        points: found.in_place.points.len(),
+        findings: found.prepared.findings.iter().map(finding_record).collect(),
     }
 }
 

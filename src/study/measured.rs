@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::input;
-use railspring_calibrate::profile_file::{LARGEST_FILE, ProfileKind, ProfileSource};
+use railspring_calibrate::profile_file::{LARGEST_FILE, ProfileKind, ProfileSource, ReadOptions, parse};
+use railspring_calibrate::profile_placement::{PlaceOptions, in_words, resembled};
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::check::nearest;
@@ -92,20 +93,22 @@ impl SurfaceKeys<'_> {
             );
             collector.add(&reads, mistake);
         }
+        let (path, content) = self.read("profile_file", file, source);
         let standard = match self.own {
             Some(own) => Some(own.to_owned()),
             None => {
                 let standard = self
                     .standard
                     .ok_or_else(|| missing("standard", "what the measured profile is joined to"))
-                    .and_then(|name| self.known("standard", name));
+                    .and_then(|name| self.known("standard", name))
+                    .map_err(|mistake| {
+                        self.with_nearest(mistake, &path, content.as_deref().unwrap_or_default())
+                    });
                 collector.take(&reads, standard)
             }
         };
-        let (path, content) = self.read("profile_file", file, source);
         let content = collector.take(&[&key("profile_file")], content);
-        let kind = if section == "rail" { ProfileKind::Rail } else { ProfileKind::Wheel };
-        let chosen = ProfileSource::of(&path, content?, self.part, Some(kind)).map_err(|error| {
+        let chosen = ProfileSource::of(&path, content?, self.part, Some(self.kind())).map_err(|error| {
             let (leaf, value) = self.part.map_or(("profile_file", file), |part| ("profile_part", part));
             let (expected, remedy) = match error {
                 Error::Input(error) => {
@@ -129,6 +132,36 @@ impl SurfaceKeys<'_> {
             mirrored: self.mirrored,
         };
         Some((standard?, Some(measured)))
+    }
+
+    /// Rail or wheel.
+    fn kind(&self) -> ProfileKind {
+        if self.section == "rail" { ProfileKind::Rail } else { ProfileKind::Wheel }
+    }
+
+    /// A mistake about the standard, with those that the measured profile resembles, if it does.
+    fn with_nearest(&self, mistake: InputError, path: &Path, content: &[u8]) -> InputError {
+        let kind = Some(self.kind());
+        let read = || {
+            let chosen = ProfileSource::of(path, content.to_vec(), self.part, kind).ok()?;
+            let options = ReadOptions {
+                kind,
+                unit: self.unit.map(ProfileUnitKey::metres),
+                mirror_y: self.mirrored,
+                part: chosen.part,
+                ..ReadOptions::default()
+            };
+            parse(&chosen.path.display().to_string(), &chosen.content, &options).ok()
+        };
+        let near = read().map_or_else(Vec::new, |profile| {
+            resembled(&profile, kind, PlaceOptions { side_known: self.mirrored.is_some() })
+        });
+        if near.is_empty() {
+            return mistake;
+        }
+        let file = self.file.unwrap_or_default();
+        let remedy = format!("{}; nearest to {file:?} are {}", mistake.remedy, in_words(&near));
+        InputError { remedy, ..mistake }
     }
 
     /// The body's own section, which takes the place of a standard one.

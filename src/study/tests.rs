@@ -316,6 +316,18 @@ fn measured_profiles_are_named_by_file_and_body() {
     let refused = |rail: &str| study(rail).unwrap_err().to_string();
     let body = refused("profile_file = \"head.csv\"");
     assert!(body.contains(":2: rail.standard = (missing): expected") && body.contains("joined to"), "{body}");
+    // A head of 60E1, without wear: it lies on its standard within its rounding to 0.0001 mm.
+    let section = railspring_calibrate::section::rail_section("60E1").unwrap();
+    let rows = section.running.sample(0.5e-3).into_iter();
+    let rows: String = rows.map(|p| format!("{:.4},{:.4}\n", 1e3 * p.x, 1e3 * p.y)).collect();
+    std::fs::write(folder.path().join("new.csv"), rows).unwrap();
+    for standard in ["", "\nstandard = \"61E1\""] {
+        let near = refused(&format!("profile_file = \"new.csv\"{standard}"));
+        assert!(
+            near.contains("nearest to \"new.csv\" are 60E1 (0.000 mm off what wear leaves alone)"),
+            "{near}"
+        );
+    }
     let both = refused("profile = \"60E1\"\nprofile_file = \"head.csv\"");
     assert!(both.contains(":3: rail.profile = \"60E1\": expected either"), "{both}");
     let absent = refused("profile_file = \"no.csv\"\nstandard = \"60E1\"");

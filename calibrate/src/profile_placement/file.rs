@@ -2,16 +2,13 @@
 
 use nalgebra::Point2;
 
-use super::nearest::nearest;
+use super::nearest::{in_words, resembled};
 use super::placed::{GREATEST_SHIFT, GREATEST_TURN, PlaceOptions, Placed, place};
 use super::reference::Reference;
 use super::side::Side;
-use crate::error::{InputError, Result};
+use crate::error::{Error, InputError, Result};
 use crate::profile_file::{Action, Finding, FindingKind, MeasuredProfile, ProfileKind, repaired};
 use crate::units::MILLIMETRE;
-
-/// Standards that a message names.
-const NAMED: usize = 3;
 
 /// Where a profile lies against the standard.
 ///
@@ -27,7 +24,7 @@ pub fn find_place(profile: &MeasuredProfile, reference: &Reference, options: Pla
     let points: Vec<Point2<f64>> = repaired(profile, &mut Vec::new())?.iter().map(|p| p.point).collect();
     match place(&points, reference, options)? {
         Some(placed) if placed.resembles() => Ok(placed),
-        _ => Err(refused(&profile.name, &points, reference, options)?),
+        _ => Err(refused(profile, reference, options)),
     }
 }
 
@@ -62,23 +59,15 @@ pub fn place_profile(
 }
 
 /// The message about a profile that does not fit, with the standards that do.
-fn refused(
-    name: &str,
-    points: &[Point2<f64>],
-    reference: &Reference,
-    options: PlaceOptions,
-) -> Result<crate::error::Error> {
-    let near = nearest(points, None, options)?;
-    let fitting: Vec<_> = near.iter().filter(|misfit| misfit.placed.fits()).take(NAMED).collect();
+fn refused(profile: &MeasuredProfile, reference: &Reference, options: PlaceOptions) -> Error {
+    let fitting = resembled(profile, None, options);
     let (kind, standard) = (reference.kind.name(), &reference.name);
     let (value, remedy) = match fitting.first() {
         Some(first) => {
-            let names: Vec<String> =
-                fitting.iter().map(|m| format!("{} ({:.0} % off it)", m.name, 100.0 * m.share)).collect();
             let value = format!("the shape of a {}", first.kind.name());
             let swapped =
                 if first.kind == reference.kind { "" } else { "the file is that of the other body; " };
-            (value, format!("{swapped}the nearest standards are {}", names.join(", ")))
+            (value, format!("{swapped}the nearest standards are {}", in_words(&fitting)))
         }
         None => (
             "the shape of no known standard".to_owned(),
@@ -87,7 +76,7 @@ fn refused(
         ),
     };
     let expected = format!("the {kind} {standard}, new or worn");
-    Ok(InputError::new(name, value, expected, remedy).into())
+    InputError::new(&profile.name, value, expected, remedy).into()
 }
 
 /// What to measure of a body so that its place is determined.

@@ -78,6 +78,12 @@ pub(super) fn foot(reference: &Reference, p: &Point2<f64>, guess: Option<f64>) -
     }
 }
 
+/// Arc length of the place of the standard's outline that is nearest to a point, and the material missing at the point, both m.
+pub fn missing(reference: &Reference, p: &Point2<f64>) -> (f64, f64) {
+    let foot = foot(reference, p, None);
+    (foot.s, foot.missing)
+}
+
 /// Cost of a point, and its slope over the square of the distance in units of the scale.
 fn loss(reference: &Reference, foot: &Foot, scale: f64) -> (f64, f64) {
     if reference.ends(foot.s) {

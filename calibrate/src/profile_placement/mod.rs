@@ -17,7 +17,8 @@ mod file;
 mod wear;
 
 pub use file::{find_place, place_profile};
-pub use nearest::{Misfit, nearest};
+pub use fit::missing;
+pub use nearest::{Misfit, in_words, nearest, resembled};
 pub use placed::{Motion, PlaceOptions, Placed, PlacedPoint, Size, Spread, place};
 pub use reference::Reference;
 pub use side::Side;

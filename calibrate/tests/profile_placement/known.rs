@@ -9,7 +9,7 @@ use railspring_calibrate::profile_file::{
     MeasuredProfile, PrepareOptions, ProfileKind, ReadOptions, parse, prepare, read, repaired,
 };
 use railspring_calibrate::profile_placement::{
-    PlaceOptions, Reference, place, place_profile, rail_wear, wheel_wear,
+    PlaceOptions, Reference, nearest, place, place_profile, rail_wear, wheel_wear,
 };
 
 use super::MM;
@@ -171,4 +171,26 @@ fn the_worn_files_stay_in_their_frame() {
             assert!(moved.abs() <= 2.0 * uncertainty, "{file}: {motion:?} {spread:?}");
         }
     }
+}
+
+/// Goal: the misfit of a standard in mm over what wear leaves alone, not over the worn crown. A head of 60E1 worn by 1.5 mm on its crown, whose sides have waves of
+/// 0.02 mm: their root mean square, 0.02 / sqrt 2. Accuracy: DISCRETISATION, the waves down the sides have no whole number of periods, and the fit levels some out.
+#[test]
+fn the_misfit_is_that_of_unworn_surface() {
+    const WAVE: f64 = 0.02 * MM;
+    const DISCRETISATION: f64 = 0.15;
+    let rail = Reference::standard("60E1").unwrap();
+    let length = (rail.running[1] - rail.running[0]) / MM;
+    let points = measured(&rail, [0.0, length], |p| {
+        let t = 1.0 - (p.x / (24.0 * MM)).powi(2);
+        let wave = WAVE * (std::f64::consts::TAU * p.y / (4.0 * MM)).sin();
+        if t > 0.0 { 1.5 * MM * t * t } else { wave }
+    });
+    let found = nearest(&points, Some(ProfileKind::Rail), PlaceOptions { side_known: true }).unwrap();
+    let own = found.iter().find(|misfit| misfit.name == "60E1").unwrap();
+    let ratio = own.rms.unwrap() / (WAVE * 0.5f64.sqrt());
+    assert!((ratio - 1.0).abs() < DISCRETISATION, "{ratio}");
+    // Another standard lies farther off.
+    let light = found.iter().find(|misfit| misfit.name == "30E1");
+    assert!(light.is_none_or(|light| light.rms.is_none_or(|rms| rms > 5.0 * WAVE)), "{light:?}");
 }
