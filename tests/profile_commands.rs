@@ -95,6 +95,63 @@ fn a_table_of_lines_and_arcs_is_a_profile() {
 
 /// Source: EN 13674-1, area and second moments as published (`data/profiles/README.md`). Goal: what is printed.
 /// Accuracy: 0.1 %.
+/// Goal: the section of a file that crosses itself, turns back or is open is refused with the place, mm, and drawn with a mark there; a sound one is
+/// drawn without. Source: a rail of straight lines, 100 by 120 mm, with a point of the web beyond its other side, one that turns back, or the last side left out.
+#[test]
+fn faults_of_a_section_are_drawn() {
+    let place = tempfile::tempdir().unwrap();
+    let sound = [
+        (-30, 0),
+        (-10, 0),
+        (10, 0),
+        (30, 0),
+        (30, 30),
+        (8, 40),
+        (8, 100),
+        (50, 110),
+        (50, 120),
+        (-50, 120),
+        (-50, 110),
+        (-8, 100),
+        (-8, 40),
+        (-30, 30),
+        (-30, 0),
+    ];
+    let mut crossing = sound;
+    crossing[11] = (20, 70);
+    let mut cusp = sound;
+    (cusp[1], cusp[2]) = ((15, 0), (10, -1));
+    let cases = [
+        ("sound", &sound[..], None),
+        ("crossing", &crossing[..], Some("crosses itself at (")),
+        ("cusp", &cusp[..], Some("a cusp at (15.000, 0.000) mm")),
+        (
+            "open",
+            &sound[..13],
+            Some("an open outline: it ends at (-8.000, 40.000) mm and began at (-30.000, 0.000)"),
+        ),
+    ];
+    for (name, points, fault) in cases {
+        let rows: String = points.iter().map(|(y, z)| format!("{y},{z}\n")).collect();
+        std::fs::write(place.path().join(format!("{name}.csv")), format!("y_mm,z_mm\n{rows}")).unwrap();
+        let (file, figure) = (format!("{name}.csv"), format!("{name}.svg"));
+        let output =
+            railspring(place.path(), &["check", &file, "--kind", "rail", "--section", "--figure", &figure]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let drawn = std::fs::read_to_string(place.path().join(&figure)).unwrap();
+        assert!(drawn.starts_with("<svg") && drawn.contains("first coordinate of the file (mm)"), "{name}");
+        assert_eq!(drawn.contains("[1] "), fault.is_some(), "{name}");
+        match fault {
+            None => assert!(output.status.success(), "{said}"),
+            Some(fault) => {
+                assert_eq!(output.status.code(), Some(2), "{said}");
+                assert!(said.contains(fault), "{name}: {said}");
+            }
+        }
+    }
+    refused(&["check", "sound.csv", "--section"], &["--kind", "rail or wheel"]);
+}
+
 #[test]
 fn show_prints_the_published_properties() {
     let place = tempfile::tempdir().unwrap();

@@ -12,8 +12,11 @@ use railspring_calibrate::profile_file::parse_rail_section;
 use railspring_calibrate::section::{rail_section, rail_section_on, wheel_section};
 use serde_json::Value;
 
-/// The coarse study with these keys of the rail, or those of the wheel, in the place of the standard's.
+/// The coarse study with these keys of the rail, of the wheel, or of both, in the place of the standards'.
 fn study(keys: &str) -> String {
+    if let Some((wheel, rail)) = keys.split_once("\n[rail] ") {
+        return study(wheel).replace("profile = \"60E1\"", rail);
+    }
     let study = include_str!("studies/coarse.toml");
     match keys.strip_prefix("[wheel] ") {
         Some(wheel) => study.replace("profile = \"S1002\"", wheel),
@@ -206,6 +209,74 @@ fn a_users_rail_runs_to_a_report() {
     refused("section_file = \"head.csv\"", &["head.csv:", "an open outline", "mm away", "close the outline"]);
 }
 
+/// Source: 49E1 and LMA on the generic body. Goal: rail and wheel of one study from DXF drawings, and from tables of lines and arcs, run to a report that names both files,
+/// with the same load curve (mm, kN/m); a measured profile, worn by 0.5 mm throughout, is joined to the user's wheel, which
+/// touches the rail on it. Accuracy: `SMOOTHING`.
+#[test]
+fn a_users_rail_and_wheel_run_to_a_report() {
+    /// Depth of the wear, mm.
+    const WORN: f64 = 0.5;
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    let rail = rail_outline("49E1").unwrap();
+    let lines = lines_and_arcs::parse(
+        "LMA",
+        include_str!("../calibrate/src/profile/wheels/LMA.csv"),
+        &lines_and_arcs::Overrides::default(),
+    )
+    .unwrap();
+    let section = wheel_section("LMA", 0.858).unwrap();
+    let wheel = || lines.running.iter().chain(&section.body_outline);
+    for (name, text) in [
+        ("rail.dxf", drawing(around(&rail))),
+        ("wheel.dxf", drawing(wheel())),
+        ("rail.csv", table("rail", around(&rail))),
+        ("wheel.csv", table("wheel", wheel())),
+    ] {
+        std::fs::write(root.join(name), text).unwrap();
+    }
+    let both = |wheel: &str, ending: &str| {
+        format!("[wheel] section_file = \"wheel.{ending}\"{wheel}\n[rail] section_file = \"rail.{ending}\"")
+    };
+    let mut curves = Vec::new();
+    for ending in ["dxf", "csv"] {
+        done(root, "run", &both("", ending));
+        curves.push(load_curve(root));
+        let report = std::fs::read_to_string(root.join("out/report.html")).unwrap();
+        for body in ["rail", "wheel"] {
+            assert!(
+                report.contains(&format!("{body} section: <code>{body}.{ending}</code>")),
+                "{body}, {ending}"
+            );
+        }
+    }
+    assert!(curves[0].len() > 9 && curves[0].len() == curves[1].len());
+    for (a, b) in curves[0].iter().zip(&curves[1]) {
+        assert!((a / b - 1.0).abs() < SMOOTHING, "{a} {b}");
+    }
+    let mut worn = String::from("y_mm,z_mm\n");
+    for p in section.running.sample(0.2e-3) {
+        let _ = writeln!(worn, "{:.6},{:.6}", 1e3 * p.x, 1e3 * p.y - WORN);
+    }
+    std::fs::write(root.join("worn.csv"), worn).unwrap();
+    let record = done(root, "run", &both("\nprofile_file = \"worn.csv\"", "csv"));
+    let joined = record["profiles"].as_array().unwrap().iter().find(|p| p["file"] == "worn.csv").unwrap();
+    assert_eq!((&joined["body"], &joined["standard"]), (&"wheel".into(), &"wheel.csv".into()));
+    // The wheel touches the rail on the worn profile. ROUNDOFF: the rows have six digits behind the point, and splines through them lie within 20 nm.
+    const ROUNDOFF: f64 = 1e-4;
+    let [y, z] = ["wheel_y_mm", "wheel_z_mm"].map(|key| record["touch"][key].as_f64().unwrap());
+    let new = section.running.point(section.running.s_at_y(1e-3 * y).unwrap()).y;
+    assert!((z - (1e3 * new - WORN)).abs() < ROUNDOFF, "({y}, {z}) mm, new {new} m");
+    let report = std::fs::read_to_string(root.join("out/report.html")).unwrap();
+    assert!(report.contains("worn.csv on wheel.csv, in the frame of the standard"), "the figure is missing");
+}
+
+/// Mass of a body's mesh, kg.
+fn mass(record: &Value, body: &str) -> f64 {
+    let meshes = record["mesh"].as_array().unwrap();
+    meshes.iter().find(|mesh| mesh["body"] == body).unwrap()["mass_kg"].as_f64().unwrap()
+}
+
 /// Source: wheel LMA, which is lines and arcs throughout, and S1002, on the generic body of the coarse study. Goal: the same wheel from a DXF, from
 /// a table and from columns runs to the results of the standard by its name: load curve and laws (mm, kN/m), mass of the mesh (kg), elements; the report names the
 /// file; keys of the generic body are refused beside it. Accuracy: lines and arcs `SMOOTHING`; columns, whose web, hub and rim have vertices 2 mm apart as
@@ -252,11 +323,9 @@ fn a_wheel_from_a_file_has_the_law_of_its_standard() {
             };
             assert!((a / b - 1.0).abs() < most, "{file}, value {i}: {:e}", a / b - 1.0);
         }
-        let [own, by_name] = [&record, &named].map(|r| {
-            let meshes = r["mesh"].as_array().unwrap();
-            meshes.iter().find(|mesh| mesh["body"] == "wheel").unwrap()
-        });
-        let ratio = own["mass_kg"].as_f64().unwrap() / by_name["mass_kg"].as_f64().unwrap();
+        let meshes = record["mesh"].as_array().unwrap();
+        let own = meshes.iter().find(|mesh| mesh["body"] == "wheel").unwrap();
+        let ratio = mass(&record, "wheel") / mass(&named, "wheel");
         assert!((ratio - 1.0).abs() < SMOOTHING, "{file}: {ratio}");
         assert!(own["min_scaled_jacobian"].as_f64().unwrap() > 0.2, "{own}");
         let profile = &record["profiles"][0];

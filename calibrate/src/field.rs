@@ -71,6 +71,10 @@ fields! {
     HubDiameter = "hub_diameter",
     /// Depth of the rim.
     RimDepth = "rim_depth",
+    /// Place of the web at the hub.
+    WebHubY = "web_hub_y",
+    /// Place of the web at the rim.
+    WebRimY = "web_rim_y",
     /// A wheel mesh made elsewhere.
     WheelMesh = "wheel_mesh",
     /// Unit of its coordinates.

@@ -147,7 +147,7 @@ fn every_rail_is_meshed() {
 #[test]
 fn every_wheel_is_meshed() {
     for name in WHEEL_NAMES {
-        for web in [WebShape::Straight, WebShape::S] {
+        for web in [WebShape::Straight, WebShape::S, WebShape::Conical { hub: -20e-3, rim: 10e-3 }] {
             let body = WheelBody { web, ..WheelBody::default() };
             let section = wheel_section_on(wheel_profile(name).unwrap(), name, 0.92, &body).unwrap();
             // The finest takes long, and the web does not matter to it.

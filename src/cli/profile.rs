@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::profile_file::{Action, MeasuredProfile, Prepared, format_of_ending, write};
+use railspring_calibrate::input;
+use railspring_calibrate::profile_file::{
+    Action, LARGEST_FILE, MeasuredProfile, Prepared, format_of_ending, sketch_section, write,
+};
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::contact::{ContactArgs, contact};
@@ -18,7 +21,16 @@ pub(super) enum ProfileCommand {
     /// Check a profile file: what is wrong with it, and what can be repaired
     ///
     /// Exit code 1 if something is left that could not be repaired.
-    Check(FileArgs),
+    Check {
+        #[command(flatten)]
+        file: FileArgs,
+        /// The file is the closed section of a body, as of `section_file` in a study
+        #[arg(long)]
+        section: bool,
+        /// Figure to write: the profile with its findings, or the section with the places at which it is at fault
+        #[arg(long, value_name = "SVG")]
+        figure: Option<PathBuf>,
+    },
     /// Write a profile file in another format, by its extension: .prr .prw .ban .whl .txt .dat .csv .dxf
     Convert {
         #[command(flatten)]
@@ -71,14 +83,43 @@ pub(super) fn run(command: &ProfileCommand) -> Result<bool, Failure> {
         ProfileCommand::Plot { profiles, output } => Ok(shapes::plot(profiles, output).map(|()| true)?),
         ProfileCommand::Contact(args) => contact(args).map(|()| true),
         ProfileCommand::Place(args) => place(args),
-        ProfileCommand::Check(file) => Ok(check(file)?),
+        ProfileCommand::Check { file, section: false, figure } => Ok(check(file, figure.as_deref())?),
+        ProfileCommand::Check { file, section: true, figure } => Ok(section(file, figure.as_deref())?),
         ProfileCommand::Convert { file, out, raw } => Ok(convert(file, out, *raw)?),
     }
 }
 
-fn check(file: &FileArgs) -> Result<bool, Error> {
+/// Checks the closed section of a body; a figure is written of one that is at fault as well.
+fn section(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
+    let name = file.file.display().to_string();
+    let kind = file
+        .options()
+        .kind
+        .ok_or_else(|| InputError::new("--kind", "(missing)", "rail or wheel", "say whose section it is"))?;
+    let content = input::read(&file.file, LARGEST_FILE)
+        .map_err(|cause| InputError::new(&name, cause, "a readable file of a section", "check the path"))?;
+    let (sketch, section) = sketch_section(&name, &content, kind);
+    if let Some(figure) = figure.filter(|_| !sketch.points.is_empty()) {
+        shapes::write(figure, &shapes::sketched(&name, &sketch))?;
+        say(&figure.display().to_string())?;
+    }
+    let section = section?;
+    let count = section.count;
+    say(&format!(
+        "{name}: {}, closed section of a {}, {count} points or segments",
+        section.format,
+        kind.name()
+    ))?;
+    section.findings.iter().try_for_each(|finding| say(&finding.to_string()))?;
+    Ok(section.findings.iter().all(|finding| finding.action != Action::Left))
+}
+
+fn check(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
     let profile = file.read()?;
     let prepared = file.prepare(&profile)?;
+    if let Some(figure) = figure {
+        shapes::write(figure, &shapes::checked(&profile, &prepared))?;
+    }
     say_profile(&profile, &prepared)?;
     for finding in &prepared.findings {
         say(&finding.to_string())?;

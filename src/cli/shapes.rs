@@ -9,13 +9,13 @@ use railspring_calibrate::profile::lines_and_arcs::LinesAndArcs;
 use railspring_calibrate::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
 use railspring_calibrate::profile::wheels::{STANDARD_WHEELS, WHEEL_NAMES, wheel_profile};
 use railspring_calibrate::profile_file::{
-    Action, MeasuredProfile, PrepareOptions, Prepared, ReadOptions, prepare, read,
+    Action, MeasuredProfile, PrepareOptions, Prepared, ReadOptions, Sketch, prepare, read,
 };
 use railspring_calibrate::section::{rail_section, rail_section_of};
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::units::MILLIMETRE;
 
-use super::findings::{Listed, marked};
+use super::findings::{Listed, Mark, marked};
 use super::say;
 use crate::report::catalogue::{Shape, catalogue};
 use crate::report::panel::{Panel, stacked_with_notes};
@@ -42,7 +42,9 @@ pub(super) fn list(figure: Option<&Path>) -> Result<(), Error> {
     for name in RAIL_NAMES.iter().chain(&WHEEL_NAMES) {
         say(&format!("{name:14} {}", meaning(name)))?;
     }
-    say("wheel bodies   straight-web, s-web: generic, with bore, hub and rim to be set in a study")?;
+    say(
+        "wheel bodies   straight-web, s-web, conical-web: generic, with bore, hub and rim to be set in a study",
+    )?;
     match figure {
         Some(path) => write(path, &every_standard()?),
         None => Ok(()),
@@ -180,9 +182,9 @@ const STYLES: [(plotters::style::RGBColor, Dash); 4] =
 /// Draws profiles over each other, and their curvature below; the findings of files are marked where they are and
 /// listed at the bottom.
 pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
-    let (mut shapes, mut curvatures) = (Vec::new(), Vec::new());
-    let (mut found, mut listed) = (Vec::new(), Listed::default());
-    for (profile, (color, dash)) in profiles.iter().zip(STYLES.iter().cycle().copied()) {
+    let mut listed = Listed::default();
+    let mut curves = Vec::new();
+    for profile in profiles {
         let (curve, marks) = match standard(profile)? {
             Some(curve) => (curve, Vec::new()),
             None => {
@@ -191,6 +193,47 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
                 (prepared.curve, marks)
             }
         };
+        curves.push((profile.clone(), curve, marks));
+    }
+    write(output, &figure(curves, &listed))?;
+    say(&output.display().to_string())
+}
+
+/// Figure of a file with its findings.
+pub(super) fn checked(measured: &MeasuredProfile, prepared: &Prepared) -> String {
+    let mut listed = Listed::default();
+    let marks = marked(measured, prepared, &mut listed);
+    figure(vec![(measured.name.clone(), prepared.curve.clone(), marks)], &listed)
+}
+
+/// Figure of the outline of a section, with the places at which it is at fault.
+pub(super) fn sketched(name: &str, sketch: &Sketch) -> String {
+    let at = |p: &Point2<f64>| (p.x / MILLIMETRE, p.y / MILLIMETRE);
+    let mut series = vec![Series::line(name, sketch.points.iter().map(at).collect(), DARK, Dash::Solid)];
+    // Axes end with what they show: the outline stands clear of the frame.
+    const CLEAR: f64 = 0.05;
+    let first = sketch.points.first().copied().unwrap_or_default();
+    let (low, high) = sketch.points.iter().fold((first, first), |(a, b), p| (a.inf(p), b.sup(p)));
+    let margin = CLEAR * (high - low);
+    series.push(Series::line("", vec![at(&(low - margin)), at(&(high + margin))], DARK, Dash::None));
+    let mut notes = Vec::new();
+    for (n, (place, what)) in sketch.faults.iter().enumerate() {
+        let (first, second) = at(place);
+        notes.push(format!("[{}] {what}, at ({first:.3}, {second:.3}) mm in the axes of the file", n + 1));
+        let mark = Series::marks("fault", vec![at(place)], DARK_RED, Marker::Triangle);
+        series.push(mark.labelled(vec![(n + 1).to_string()]));
+    }
+    let panel =
+        Panel::new("first coordinate of the file (mm)", "second coordinate of the file (mm)", false, series);
+    stacked_with_notes(760, 560, &[panel], &notes)
+}
+
+/// Figure of curves, each with its name and the marks on it.
+fn figure(curves: Vec<(String, ProfileCurve, Vec<Mark>)>, listed: &Listed) -> String {
+    let (mut shapes, mut curvatures) = (Vec::new(), Vec::new());
+    let mut found = Vec::new();
+    for ((profile, curve, marks), (color, dash)) in curves.into_iter().zip(STYLES.iter().cycle().copied()) {
+        let profile = profile.as_str();
         let parameters = curve.sample_parameters(0.1 * MILLIMETRE);
         let points = |f: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
             parameters.iter().map(|&s| (curve.point(s).x / MILLIMETRE, f(s))).collect()
@@ -228,9 +271,7 @@ pub(super) fn plot(profiles: &[String], output: &Path) -> Result<(), Error> {
     }
     let panel = |y_label: &str, series| Panel::new("y to the field side (mm)", y_label, false, series);
     let panels = [panel("height \u{2212}z (mm)", shapes), panel("curvature (1/mm)", curvatures)];
-    let figure = stacked_with_notes(760, 320, &panels, &listed.notes);
-    write(output, &figure)?;
-    say(&output.display().to_string())
+    stacked_with_notes(760, 320, &panels, &listed.notes)
 }
 
 /// Writes a file.

@@ -33,6 +33,8 @@ pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::BoreDiameter, &["wheel.bore_mm"]),
     (InputField::HubDiameter, &["wheel.hub_diameter_mm"]),
     (InputField::RimDepth, &["wheel.rim_depth_mm"]),
+    (InputField::WebHubY, &["wheel.web_hub_y_mm"]),
+    (InputField::WebRimY, &["wheel.web_rim_y_mm"]),
     (InputField::WheelMesh, &["wheel.mesh_file"]),
     (InputField::WheelMeshUnit, &["wheel.mesh_unit"]),
     (InputField::WheelContactSurface, &["wheel.contact_surface"]),

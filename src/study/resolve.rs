@@ -248,6 +248,9 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
         web: match keys.body {
             WebKey::StraightWeb => WebShape::Straight,
             WebKey::SWeb => WebShape::S,
+            WebKey::ConicalWeb => {
+                WebShape::Conical { hub: keys.web_hub_y_mm * MILLIMETRE, rim: keys.web_rim_y_mm * MILLIMETRE }
+            }
         },
         bore_diameter: keys.bore_mm * MILLIMETRE,
         hub_diameter: keys.hub_diameter_mm * MILLIMETRE,
@@ -263,6 +266,16 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
     }
     .resolve(source.path(), collector);
     let (profile, measured) = surface?;
+    if keys.body != WebKey::ConicalWeb {
+        for key in ["wheel.web_hub_y_mm", "wheel.web_rim_y_mm"].into_iter().filter(|key| source.gives(key)) {
+            let value = match key {
+                "wheel.web_hub_y_mm" => keys.web_hub_y_mm,
+                _ => keys.web_rim_y_mm,
+            };
+            let remedy = "set wheel.body = \"conical-web\", or remove the key";
+            collector.add(&[key], InputError::new(key, value, "a conical web beside it", remedy));
+        }
+    }
     if keys.section_file.is_some() {
         refuse_beside_section(source, collector);
     } else if let Err(Error::Input(mistake)) = wheel_profile_with_flange(&profile, &flange)
@@ -277,13 +290,15 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
 
 /// Refuses the keys of a generic wheel beside a section in a file, which has its own flange and body.
 fn refuse_beside_section(source: &Source, collector: &mut Collector) {
-    const GENERIC: [&str; 6] = [
+    const GENERIC: [&str; 8] = [
         "wheel.flange_height_mm",
         "wheel.flange_thickness_mm",
         "wheel.body",
         "wheel.bore_mm",
         "wheel.hub_diameter_mm",
         "wheel.rim_depth_mm",
+        "wheel.web_hub_y_mm",
+        "wheel.web_rim_y_mm",
     ];
     for key in GENERIC.into_iter().filter(|key| source.gives(key)) {
         let mistake = InputError::new(

@@ -16,6 +16,7 @@ use super::smoothing::{Freedom, smooth};
 use super::triangulation::{Cell, fill, pair, smallest_sine};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
+use crate::units::MILLIMETRE;
 
 /// Turning within this length (m) makes a corner of the outline.
 const CORNER_WINDOW: f64 = 4e-3;
@@ -30,6 +31,9 @@ const EDGE_TO_RADIUS: f64 = 0.8;
 /// Least width of the layers' lower side, as part of that of the surface above it: on an edge that is rounded more tightly than the
 /// layers are deep, they would fold.
 const LEAST_LAYER_WIDTH: f64 = 0.2;
+
+/// Smallest scaled Jacobian that a mesh may have: a corner of 11.5 or of 168.5 degrees.
+const LEAST_JACOBIAN: f64 = 0.2;
 
 /// How far a node of the outline may slide, as part of the distance to the next.
 const SLIDE: f64 = 0.4;
@@ -110,7 +114,7 @@ impl SectionMesh {
 ///
 /// # Errors
 /// When the outline crosses itself, its fine part has an odd number of elements
-/// or the layers do not fit in the section.
+/// or the layers do not fit in the section; where an element is nearly flat.
 pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<SectionMesh> {
     let broken = |p: &Point2<f64>| !(p.x.is_finite() && p.y.is_finite());
     if let Some(p) = outline.fine.iter().map(|p| &p.point).chain(&outline.rest).find(|p| broken(p)) {
@@ -159,18 +163,42 @@ pub fn mesh_section(outline: &SectionOutline, sizes: &SectionSizes) -> Result<Se
         mesh.contact_s.reverse();
         return Ok(mesh);
     }
-    let mesh = Builder::new(outline, sizes, &closed).build()?;
-    let worst = mesh.min_scaled_jacobian();
-    if worst <= 0.0 {
-        return Err(InputError::new(
-            "section outline",
-            format!("smallest scaled Jacobian {worst:.3}"),
-            "an outline the mesher can fill with convex quadrilaterals",
-            "make the layers thinner or the elements of the section smaller",
-        )
-        .into());
+    best_of(outline, sizes, &closed)
+}
+
+/// The mesh with the layers as thick as wanted, if that is good enough; else the best one with thinner layers, which leave more room for the
+/// elements below them.
+///
+/// # Errors
+/// When none has a smallest scaled Jacobian above [`LEAST_JACOBIAN`].
+fn best_of(outline: &SectionOutline, sizes: &SectionSizes, closed: &[Point2<f64>]) -> Result<SectionMesh> {
+    /// Thickness of the layers, as part of the wanted one.
+    const THINNER: [f64; 4] = [1.0, 0.7, 0.5, 0.35];
+    let mut best: Option<(f64, SectionMesh)> = None;
+    for part in THINNER {
+        let sizes = SectionSizes { first_layer: part * sizes.first_layer, ..*sizes };
+        let mesh = Builder::new(outline, &sizes, closed).build()?;
+        let worst = mesh.min_scaled_jacobian();
+        if worst > LEAST_JACOBIAN {
+            return Ok(mesh);
+        }
+        if best.as_ref().is_none_or(|(least, _)| worst > *least) {
+            best = Some((worst, mesh));
+        }
     }
-    Ok(mesh)
+    let place = best.and_then(|(worst, mesh)| {
+        let quad = mesh.quads.iter().find(|quad| smallest_sine(&mesh.nodes, quad) <= worst)?;
+        let middle = quad.iter().map(|&v| mesh.nodes[v].coords).sum::<Vector2<f64>>() / 4.0;
+        let [y, z] = [middle.x, middle.y].map(|v| v / MILLIMETRE);
+        Some(format!("an element of scaled Jacobian {worst:.3} at y = {y:.2}, z = {z:.2} mm of the profile"))
+    });
+    Err(InputError::new(
+        "section outline",
+        place.unwrap_or_else(|| "no finite element".into()),
+        format!("an outline that is filled with scaled Jacobians above {LEAST_JACOBIAN}"),
+        "make the elements of the section smaller; look there for a step, a sharp corner or a narrow part of the outline",
+    )
+    .into())
 }
 
 /// A vertex of the coarse boundary of the inner domain, with the edge that follows it.

@@ -36,7 +36,7 @@ use crate::profile::lines_and_arcs::{self, LinesAndArcs};
 pub use crate::profile::ProfileKind;
 pub use finding::{Action, Finding, FindingKind};
 pub use prepare::{PrepareOptions, Prepared, prepare, repaired};
-pub use section::{ClosedSection, parse_rail_section, parse_wheel_section};
+pub use section::{ClosedSection, Sketch, parse_rail_section, parse_wheel_section, sketch_section};
 pub use smooth::{Smoothed, smooth};
 
 /// Largest profile file that is read, bytes.

@@ -57,6 +57,36 @@ pub struct ClosedSection {
     pub findings: Vec<Finding>,
 }
 
+/// An outline as it is drawn in its file, and the places at which it is at fault, in the axes of the file, m.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sketch {
+    /// Points around it; empty where the file has no outline.
+    pub points: Vec<Point2<f64>>,
+    /// Places at which it is open, turns back or crosses itself, and which of these it is.
+    pub faults: Vec<(Point2<f64>, String)>,
+}
+
+impl Sketch {
+    /// An outline that is open between its ends.
+    fn open(&mut self, points: &[MeasuredPoint]) {
+        self.points = points.iter().map(|p| p.point).collect();
+        let ends = [(points.first(), "begins here, open"), (points.last(), "ends here, open")];
+        self.faults = ends.into_iter().filter_map(|(p, text)| Some((p?.point, text.to_owned()))).collect();
+    }
+}
+
+/// The outline of the file of a section as it is drawn, with the section itself or what is wrong with it. `name` is used in messages, and its
+/// ending tells the format where the content does not.
+pub fn sketch_section(name: &str, bytes: &[u8], kind: ProfileKind) -> (Sketch, Result<ClosedSection>) {
+    let mut sketch = Sketch::default();
+    let outline = Outline::sketched(name, bytes, kind, &mut sketch);
+    let section = outline.and_then(|_| match kind {
+        ProfileKind::Rail => parse_rail_section(name, bytes),
+        ProfileKind::Wheel => parse_wheel_section(name, bytes),
+    });
+    (sketch, section)
+}
+
 /// An outline that is closed and sound, in the axes of its file, m.
 struct Outline {
     format: ProfileFormat,
@@ -100,19 +130,24 @@ fn outline_of(kind: ProfileKind) -> &'static str {
 impl Outline {
     /// Reads the outline of a file; its size, and that it is closed and neither steps back nor crosses itself, is checked.
     fn read(name: &str, bytes: &[u8], kind: ProfileKind) -> Result<Self> {
+        Self::sketched(name, bytes, kind, &mut Sketch::default())
+    }
+
+    /// The same; what is drawn, and where it is at fault, is put into `sketch`.
+    fn sketched(name: &str, bytes: &[u8], kind: ProfileKind, sketch: &mut Sketch) -> Result<Self> {
         dxf::refuse_binary(name, bytes)?;
         let text = text::decode(name, bytes)?;
         let ending = std::path::Path::new(name).extension();
         let ending = ending.map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         match recognised(&text, &ending) {
-            Some(ProfileFormat::LinesAndArcs) => Self::table(name, &text, kind),
+            Some(ProfileFormat::LinesAndArcs) => Self::table(name, &text, kind, sketch),
             Some(ProfileFormat::Dxf) => {
                 let remedy = "leave the outline of the section alone in the drawing, one closed line";
                 let dxf::Closed { shape, unit, findings } = dxf::closed_line(name, &text, remedy)?;
                 match shape {
-                    ClosedShape::Segments(drawn) => Self::drawn(name, kind, drawn, unit, findings),
+                    ClosedShape::Segments(drawn) => Self::drawn(name, kind, drawn, unit, (findings, sketch)),
                     ClosedShape::Points(points) => {
-                        Self::vertices(name, kind, ProfileFormat::Dxf, points, unit, findings)
+                        Self::vertices(name, kind, ProfileFormat::Dxf, points, unit, (findings, sketch))
                     }
                 }
             }
@@ -124,16 +159,17 @@ impl Outline {
             Some(ProfileFormat::Text | ProfileFormat::Csv) | None => {
                 let part = Part { name: None, field: "the part".into() };
                 let raw = columns::parse(name, &text, &ending, &part)?;
-                Self::vertices(name, kind, raw.format, raw.points, raw.unit, raw.findings)
+                Self::vertices(name, kind, raw.format, raw.points, raw.unit, (raw.findings, sketch))
             }
         }
     }
 
-    fn table(name: &str, text: &str, kind: ProfileKind) -> Result<Self> {
+    fn table(name: &str, text: &str, kind: ProfileKind, sketch: &mut Sketch) -> Result<Self> {
         let options = ReadOptions { kind: Some(kind), ..ReadOptions::default() };
         let read = drawn::read(name, text, &options)?;
         let [first, last] = [read.points[0], read.points[read.points.len() - 1]];
         let Some(lines) = read.drawn.filter(|lines| !lines.rest.is_empty()) else {
+            sketch.open(&read.points);
             return Err(open(name, kind, &last, &first));
         };
         let ring: Vec<MeasuredPoint> = polyline(&lines.running, STEP)
@@ -142,7 +178,7 @@ impl Outline {
             .map(|point| MeasuredPoint { point, line: first.line, weight: 1.0 })
             .collect();
         let ring = without_duplicates(ring);
-        check_ring(name, kind, &ring)?;
+        check_ring(name, kind, &ring, sketch)?;
         check_size(name, kind, &ring, "correct the unit in the names of the columns")?;
         let count = lines.running.len() + lines.rest.len();
         let format = ProfileFormat::LinesAndArcs;
@@ -154,7 +190,7 @@ impl Outline {
         kind: ProfileKind,
         mut drawn: Vec<(Segment, usize)>,
         unit: Option<(f64, usize)>,
-        mut findings: Vec<Finding>,
+        (mut findings, sketch): (Vec<Finding>, &mut Sketch),
     ) -> Result<Self> {
         let sampled = |drawn: &[(Segment, usize)], step: f64| -> Vec<MeasuredPoint> {
             let of = |(segment, line): &(Segment, usize)| {
@@ -168,7 +204,7 @@ impl Outline {
         let scale = unit_of(name, kind, &sampled(&drawn, f64::INFINITY), unit, &mut findings)?;
         drawn.iter_mut().for_each(|(segment, _)| *segment = segment.scaled(scale));
         let ring = without_duplicates(sampled(&drawn, STEP));
-        check_ring(name, kind, &ring)?;
+        check_ring(name, kind, &ring, sketch)?;
         check_size(name, kind, &ring, "correct the unit of the file, or its scale")?;
         let (format, count) = (ProfileFormat::Dxf, drawn.len());
         Ok(Self { format, count, shape: Shape::Drawn(drawn), ring, findings })
@@ -180,7 +216,7 @@ impl Outline {
         format: ProfileFormat,
         mut points: Vec<MeasuredPoint>,
         unit: Option<(f64, usize)>,
-        mut findings: Vec<Finding>,
+        (mut findings, sketch): (Vec<Finding>, &mut Sketch),
     ) -> Result<Self> {
         let count = points.len();
         let line = points.last().map_or(1, |p| p.line);
@@ -194,12 +230,12 @@ impl Outline {
         }
         let scale = unit_of(name, kind, &points, unit, &mut findings)?;
         points.iter_mut().for_each(|p| p.point *= scale);
-        close(name, kind, &mut points, &mut findings)?;
+        close(name, kind, &mut points, &mut findings).inspect_err(|_| sketch.open(&points))?;
         let ring = without_duplicates(points);
         if ring.len() < FEWEST {
             return Err(few());
         }
-        check_ring(name, kind, &ring)?;
+        check_ring(name, kind, &ring, sketch)?;
         check_size(name, kind, &ring, "correct the unit of the file, or its scale")?;
         Ok(Self { format, count, shape: Shape::Points, ring, findings })
     }
@@ -333,8 +369,9 @@ fn without_duplicates(mut ring: Vec<MeasuredPoint>) -> Vec<MeasuredPoint> {
     ring
 }
 
-/// Refuses a ring that steps back or crosses itself.
-fn check_ring(name: &str, kind: ProfileKind, ring: &[MeasuredPoint]) -> Result<()> {
+/// Refuses a ring that steps back or crosses itself, and puts the place into `sketch`.
+fn check_ring(name: &str, kind: ProfileKind, ring: &[MeasuredPoint], sketch: &mut Sketch) -> Result<()> {
+    sketch.points = ring.iter().map(|p| p.point).collect();
     let n = ring.len() - 1;
     let place = |p: &Point2<f64>| format!("({:.3}, {:.3}) mm", p.x / MILLIMETRE, p.y / MILLIMETRE);
     for i in 0..n {
@@ -344,6 +381,7 @@ fn check_ring(name: &str, kind: ProfileKind, ring: &[MeasuredPoint]) -> Result<(
             let value =
                 format!("a cusp at {} in the axes of the file, a turn of {turn:.0}°", place(&here.point));
             let remedy = "remove the point, or what is drawn twice there";
+            sketch.faults.push((here.point, "cusp".into()));
             return Err(at_line(name, here.line, &value, outline_of(kind), remedy));
         }
     }
@@ -355,6 +393,7 @@ fn check_ring(name: &str, kind: ProfileKind, ring: &[MeasuredPoint]) -> Result<(
             ring[j].line
         );
         let remedy = "put the points in the order of the outline, or remove the loop";
+        sketch.faults.push((at, "crossing".into()));
         return Err(at_line(name, ring[j].line, &value, outline_of(kind), remedy));
     }
     Ok(())

@@ -11,13 +11,20 @@ use crate::root::bisection;
 use crate::units::MILLIMETRE;
 
 /// Course of the web between hub and rim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum WebShape {
     /// Straight, its thickness falling from the hub to the rim.
     #[default]
     Straight,
     /// S-shaped: it leaves the hub towards the flange, bulges to the field side and meets the rim in its middle.
     S,
+    /// Conical: straight from the hub to the rim, but not at the same place across the wheel; its thickness falls as that of the straight one.
+    Conical {
+        /// Middle of the web at the surface of the hub, m from the tape circle to the field side.
+        hub: f64,
+        /// The same at the inner side of the rim.
+        rim: f64,
+    },
 }
 
 /// Dimensions of a generic wheel body; the rim is 135 mm wide with its field face at y = 65 mm, or as wide as a profile that ends beyond, the
@@ -59,10 +66,12 @@ const LEAST_HUB_WALL: f64 = 10.0;
 /// Longest piece of the polygon that approximates the side of an S web, mm.
 const WEB_STEP: f64 = 2.0;
 
-/// Straight web: middle plane, and thickness at hub and rim, mm.
+/// Straight or conical web: middle plane of the straight one, and thickness at hub and rim, mm.
 mod straight {
     pub const MIDDLE: f64 = -2.5;
     pub const THICKNESS: [f64; 2] = [30.0, 24.0];
+    /// Faces of the hub.
+    pub const HUB: [f64; 2] = [-82.0, 88.0];
 }
 
 /// S web at five stations from the hub to the rim: fraction of the way, middle line and thickness in mm.
@@ -115,23 +124,42 @@ impl WheelBody {
         tread_end: Point2<f64>,
         flange_start: Point2<f64>,
         radius: f64,
-    ) -> Vec<Segment> {
+    ) -> Result<Vec<Segment>> {
         let (tread_end, flange_start) = (tread_end / MILLIMETRE, flange_start / MILLIMETRE);
         let r0 = radius / MILLIMETRE;
         let levels =
             Levels { rim: -self.rim_depth / MILLIMETRE, hub: 0.5 * self.hub_diameter / MILLIMETRE - r0 };
         let bore = 0.5 * self.bore_diameter / MILLIMETRE - r0;
         let ([field, back], [hub_back, hub_face]) = match self.web {
-            WebShape::Straight => (straight_sides(&levels), [-82.0, 88.0]),
+            WebShape::Straight => (straight_sides(&levels, [straight::MIDDLE; 2]), straight::HUB),
             WebShape::S => (s_sides(&levels), [-87.0, 88.0]),
+            WebShape::Conical { hub, rim } => {
+                let middle = [hub, rim].map(|y| y / MILLIMETRE);
+                check_cone(&levels, middle)?;
+                (straight_sides(&levels, middle), straight::HUB)
+            }
         };
         let chamfer = (RIM_FACE - tread_end.x).max(0.0);
         let rim_face = tread_end.x + chamfer;
+        if let WebShape::Conical { hub, rim } = self.web {
+            check_room(
+                [field[1].end().x, back[0].start().x],
+                [hub_back, hub_face],
+                InputField::WebHubY,
+                hub,
+            )?;
+            check_room(
+                [field[0].start().x, back[1].end().x],
+                [flange_start.x, rim_face],
+                InputField::WebRimY,
+                rim,
+            )?;
+        }
         let mut outline = Outline::from(tread_end);
         if chamfer > 0.0 {
             outline = outline.to(Point2::new(rim_face, tread_end.y - chamfer));
         }
-        outline
+        let outline = outline
             .to(Point2::new(rim_face, levels.rim))
             .along(&field)
             .to(Point2::new(hub_face, levels.hub))
@@ -144,8 +172,47 @@ impl WheelBody {
             .segments
             .iter()
             .map(|s| s.scaled(MILLIMETRE))
-            .collect()
+            .collect();
+        Ok(outline)
     }
+}
+
+/// Refuses a conical web that is steeper than such wheels are, or without a straight part between its fillets.
+fn check_cone(levels: &Levels, [hub, rim]: [f64; 2]) -> Result<()> {
+    /// Greatest inclination against the plane of the wheel, degrees.
+    const STEEPEST: f64 = 30.0;
+    let wanted = format!("finite, and no more than {STEEPEST} degrees between hub and rim");
+    let refuse = |value: String| {
+        let remedy = "move `web_hub_y` and `web_rim_y` towards each other";
+        Err(InputError::new(InputField::WebRimY, value, wanted.clone(), remedy).into())
+    };
+    let angle = ((rim - hub) / (levels.rim - levels.hub)).atan();
+    if !angle.is_finite() || angle.to_degrees().abs() > STEEPEST {
+        return refuse(format!("{rim} mm, {:.1} degrees from {hub} mm at the hub", angle.to_degrees()));
+    }
+    // A fillet reaches its radius times 1 + sin of the inclination across the web's end.
+    let room = levels.rim - levels.hub - 2.0 * FILLET * (1.0 + angle.sin().abs());
+    if room < 0.0 {
+        return refuse(format!("{rim} mm, with fillets that overlap by {:.1} mm", -room));
+    }
+    Ok(())
+}
+
+/// Refuses a web whose fillets do not end on the hub or on the rim between `low` and `high`.
+fn check_room(ends: [f64; 2], [low, high]: [f64; 2], field: InputField, value: f64) -> Result<()> {
+    let [least, greatest] = if ends[0] < ends[1] { ends } else { [ends[1], ends[0]] };
+    if least >= low && greatest <= high {
+        return Ok(());
+    }
+    Err(InputError::new(
+        field,
+        format!("{} mm", value / MILLIMETRE),
+        format!(
+            "a web whose fillets end between {low} and {high} mm, not at {least:.1} and {greatest:.1} mm"
+        ),
+        "move the web to the middle",
+    )
+    .into())
 }
 
 /// z of the inner side of the rim and of the hub's surface, mm.
@@ -154,14 +221,16 @@ struct Levels {
     hub: f64,
 }
 
-/// InputField side (from rim to hub) and back (from hub to rim) of the straight web with their fillets.
-fn straight_sides(levels: &Levels) -> [Vec<Segment>; 2] {
+/// Field side (from rim to hub) and back (from hub to rim) of the straight or conical web with their fillets; `middle` is the place of its middle at the hub's surface
+/// and at the rim's inner side, mm.
+fn straight_sides(levels: &Levels, [hub_y, rim_y]: [f64; 2]) -> [Vec<Segment>; 2] {
     // Half the web's thickness grows linearly from the rim to the hub.
     let [z_hub, z_rim] = [levels.hub - OVERLAP, levels.rim + OVERLAP];
     let [half_hub, half_rim] = straight::THICKNESS.map(|t| 0.5 * t);
+    let middle = |z: f64| hub_y + (rim_y - hub_y) * (z - levels.hub) / (levels.rim - levels.hub);
     let towards_hub = |side: f64| {
-        let at_rim = Point2::new(straight::MIDDLE + side * half_rim, z_rim);
-        let at_hub = Point2::new(straight::MIDDLE + side * half_hub, z_hub);
+        let at_rim = Point2::new(middle(z_rim) + side * half_rim, z_rim);
+        let at_hub = Point2::new(middle(z_hub) + side * half_hub, z_hub);
         EndlessLine::new(at_rim, at_hub - at_rim)
     };
     let reverse = |line: &EndlessLine| EndlessLine::new(line.point, -line.direction);

@@ -147,6 +147,14 @@ pub struct WheelKeys {
     #[serde(default = "default_rim_depth")]
     #[schemars(range(min = 30.0, max = 150.0))]
     pub rim_depth_mm: f64,
+    /// Middle of a conical web at the surface of the hub, mm from the tape circle to the field side; with `body = "conical-web"`.
+    #[serde(default = "default_web_hub_y")]
+    #[schemars(range(min = -80.0, max = 80.0))]
+    pub web_hub_y_mm: f64,
+    /// Middle of a conical web at the inner side of the rim, mm from the tape circle to the field side; with `body = "conical-web"`.
+    #[serde(default = "default_web_rim_y")]
+    #[schemars(range(min = -80.0, max = 80.0))]
+    pub web_rim_y_mm: f64,
     /// File of a mesh of hexahedra that takes the place of the tool's own (Gmsh, Abaqus, VTU, all that meshio reads), relative to the study. The whole wheel: y along the axle to the field side, from the tape circle; z down, the contact below the axle; x along the track. The profile stays the study's: it carries the gap, the mesh the stiffness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
@@ -173,6 +181,8 @@ pub enum WebKey {
     StraightWeb,
     /// S-shaped.
     SWeb,
+    /// Straight, but inclined: from `web_hub_y_mm` to `web_rim_y_mm`.
+    ConicalWeb,
 }
 
 fn default_tape_diameter() -> f64 {
@@ -193,6 +203,14 @@ fn default_bore() -> f64 {
 
 fn default_hub_diameter() -> f64 {
     270.0
+}
+
+fn default_web_hub_y() -> f64 {
+    -20.0
+}
+
+fn default_web_rim_y() -> f64 {
+    10.0
 }
 
 fn default_rim_depth() -> f64 {
