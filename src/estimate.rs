@@ -19,7 +19,7 @@ use crate::stages::{self, Geometry, Meshes};
 use crate::study::Study;
 
 use condensing::{NODE, VALUE};
-pub use condensing::{condensing, least_memory};
+pub use condensing::{condensing, least_memory, stepping};
 use machine::available;
 use needs::{Beside, reference_memory, steps_in_each};
 pub use needs::{Estimate, StageEstimate};
@@ -28,6 +28,8 @@ pub use needs::{Estimate, StageEstimate};
 pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 /// Values of a factor for every equation to the power of 4/3, for a first look before there is a mesh. Measured: 20.
 const FILL: f64 = 20.0;
+/// Share of them in the factor of one half of a body: half of the equations to the power 4/3.
+const OF_HALVES: f64 = 0.4;
 /// A first look may be wrong by this factor.
 const FIRST_LOOK: f64 = 2.0;
 
@@ -219,7 +221,7 @@ fn first_look(size: &MeshSize, work: &Work) -> f64 {
     }
     let values = FILL * (3.0 * size.nodes as f64).powf(4.0 / 3.0);
     let dense = (3.0 * size.contact as f64).powi(2);
-    let own = VALUE * (values + 2.0 * dense);
+    let own = VALUE * (OF_HALVES * values + 1.5 * dense);
     let factored = work.reference.map_or(own, |purpose| own.max(reference_memory(purpose, values)));
     factored + NODE * size.nodes as f64
 }

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use serde_json::{Value, json};
+
 use super::machine::available;
 use super::{Estimate, GIB, StageEstimate};
 
@@ -12,7 +14,7 @@ impl Estimate {
             "expected: {} degrees of freedom, {} contact nodes, {:.0} million values in the factors",
             self.degrees_of_freedom(),
             self.contact_nodes.iter().sum::<usize>(),
-            self.bodies.iter().map(|body| body.values as f64).sum::<f64>() / 1e6
+            self.bodies.iter().map(|body| (body.parts * body.values) as f64).sum::<f64>() / 1e6
         );
         for StageEstimate { stage, memory, seconds } in &self.stages {
             let _ = write!(text, "\n  {stage}: about {:.1} GiB and {}", memory / GIB, duration(*seconds));
@@ -29,6 +31,17 @@ impl Estimate {
             let _ = write!(text, "\n  available: {:.1} GiB", bytes / GIB);
         }
         text
+    }
+
+    /// The same for a program: bytes and seconds.
+    pub fn json(&self) -> Value {
+        let stage = |stage: &StageEstimate| json!({ "stage": stage.stage, "memory_bytes": stage.memory, "seconds": stage.seconds });
+        json!({
+            "degrees_of_freedom": self.degrees_of_freedom(),
+            "contact_nodes": self.contact_nodes.iter().sum::<usize>(),
+            "stages": self.stages.iter().map(stage).collect::<Vec<_>>(),
+            "available_bytes": available(),
+        })
     }
 }
 
