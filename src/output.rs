@@ -237,7 +237,7 @@ pub fn read_text(path: &Path, made_by: &str) -> Result<String> {
 }
 
 /// A temporary file is private to its owner; a result should have the permissions of any other new file.
-fn readable_by_all(path: &Path) -> std::io::Result<()> {
+pub(crate) fn readable_by_all(path: &Path) -> std::io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

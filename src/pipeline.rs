@@ -21,6 +21,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_calibrate::history::Ending;
+use railspring_calibrate::mesh::MeshSize;
 use railspring_calibrate::pair::CondensedPair;
 use serde::de::DeserializeOwned;
 
@@ -35,9 +37,9 @@ use crate::results::{NewFile, Results, hash};
 use crate::springs;
 use crate::stages::{self, Calibration, Geometry, Meshes, MovingBodies};
 use crate::store::{Artefact, Store};
-use crate::study::Study;
+use crate::study::{LawKey, Study};
 
-pub(crate) use bodies::BodySource;
+pub(crate) use bodies::{BodySource, body_address};
 use by_angle::ByAngle;
 use calibration::{Calibrate, FoundOn};
 use pages::Report;
@@ -80,6 +82,26 @@ type Moving = (usize, Arc<MovingBodies>);
 
 /// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.
 type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>);
+
+/// What a command has found of a study: as much as it had to look at.
+#[derive(Debug, Clone, Default)]
+pub struct Found {
+    /// The springs of the study; none where all load cases ran with those of a file.
+    pub stiffness: Option<StiffnessRecord>,
+    /// Load cases that were run on the simple model alone.
+    pub runs: Vec<(String, RunRecord)>,
+    /// The verdict.
+    pub verdict: Option<VerificationRecord>,
+}
+
+impl Found {
+    /// Whether all is as it should be: every limit of the verdict, every run to its last step, every load of the springs.
+    pub fn holds(&self) -> bool {
+        let whole = || self.stiffness.as_ref().is_none_or(|stiffness| stiffness.loads_left_out() == 0);
+        let completed = self.runs.iter().all(|(_, run)| run.ending() == Some(Ending::Completed));
+        completed && self.verdict.as_ref().map_or_else(whole, |verdict| verdict.holds)
+    }
+}
 
 /// A study on its way through the stages.
 pub struct Pipeline<'a> {
@@ -136,11 +158,11 @@ impl<'a> Pipeline<'a> {
         Self { store, fresh, ..self }
     }
 
-    /// All stages; the verdict.
+    /// All stages; springs and verdict.
     ///
     /// # Errors
     /// Those of the stages.
-    pub fn run(mut self) -> Result<VerificationRecord> {
+    pub fn run(mut self) -> Result<Found> {
         springs::check_reference(self.study)?;
         self.measured.stages.clear();
         self.check_calibration()?;
@@ -171,7 +193,7 @@ impl<'a> Pipeline<'a> {
             runs: &runs,
             verdict: &verdict,
         })?;
-        Ok(verdict)
+        Ok(Found { stiffness: Some(calibration.stiffness), runs: Vec::new(), verdict: Some(verdict) })
     }
 
     /// The stages but those on the solids in time. As soon as a calibration that is made has the springs, `begin` gets these runs: they need
@@ -199,15 +221,15 @@ impl<'a> Pipeline<'a> {
         Ok((calibration, by_angle, simple))
     }
 
-    /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files; whether its springs have all loads.
+    /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files; the springs.
     ///
     /// # Errors
     /// Those of the stages.
-    pub fn calibrate(mut self) -> Result<bool> {
+    pub fn calibrate(mut self) -> Result<Found> {
         self.check_calibration()?;
         let stiffness = self.calibration()?.stiffness;
         self.by_angle(&stiffness)?;
-        Ok(stiffness.loads_left_out() == 0)
+        Ok(Found { stiffness: Some(stiffness), ..Found::default() })
     }
 
     /// The calibration; says what its law is worth, and which loads it does not have.
@@ -238,11 +260,11 @@ impl<'a> Pipeline<'a> {
         stages::repairs(&geometry.profiles).iter().for_each(|line| self.resources.monitor.notice(line));
     }
 
-    /// The meshes alone: `rail.vtu` and `wheel.vtu`.
+    /// The meshes alone, of rail and wheel: `rail.vtu` and `wheel.vtu`.
     ///
     /// # Errors
     /// Those of the stage.
-    pub fn mesh(mut self) -> Result<()> {
+    pub fn mesh(mut self) -> Result<[MeshSize; 2]> {
         let geometry = self.geometry()?;
         self.say_repairs(&geometry);
         let Resources { budget, interpreter, monitor } = self.resources;
@@ -254,25 +276,28 @@ impl<'a> Pipeline<'a> {
             .into_iter()
             .map(|(mesh, name)| Ok(NewFile::new(name, stages::mesh_vtu(mesh)?.into_bytes(), &key)))
             .collect::<Result<_>>()?;
-        self.results.write(files, &[])
+        self.results.write(files, &[])?;
+        Ok([&meshes.rail, &meshes.wheel].map(MeshSize::of))
     }
 
-    /// The simple model alone, with the springs of `law` or of the folder; the records of its runs by scenario.
+    /// The simple model alone, with the springs of `law` or of the folder; its runs.
     ///
     /// # Errors
     /// Those of the stage, and springs that are not there or do not suit the study.
-    pub fn simulate(mut self, law: Option<&Path>) -> Result<Vec<(String, RunRecord)>> {
+    pub fn simulate(mut self, law: Option<&Path>) -> Result<Found> {
         let (springs, laws) = match law {
             Some(path) => (springs::from_file(self.study, &*self.geometry()?, path)?, None),
             None => self.stored_springs()?,
         };
-        let mut records = Vec::new();
+        let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
             let run = self.get(&Simulate { name, scenario, springs: &springs })?;
             self.other_element(name, scenario, &springs, laws.as_ref())?;
-            records.push((name.clone(), run.record));
+            runs.push((name.clone(), run.record));
         }
-        Ok(records)
+        let own = law.is_none() && self.study.simulation.law == LawKey::Calibrated;
+        let stiffness = own.then(|| self.stored_stiffness()).transpose()?;
+        Ok(Found { stiffness, runs, verdict: None })
     }
 
     /// The solid model on the load cases of the folder, and the verdict.
@@ -281,7 +306,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// Those of the stages, and histories of the simple model that are missing or were made from other inputs.
-    pub fn verify(mut self) -> Result<VerificationRecord> {
+    pub fn verify(mut self) -> Result<Found> {
         let (stiffness, simple) = self.stored_simple_runs()?;
         let mut runs = Vec::new();
         for ((name, scenario), (simple, (springs, laws))) in self.study.scenarios.iter().zip(simple) {
@@ -295,21 +320,23 @@ impl<'a> Pipeline<'a> {
             };
             runs.push((name.clone(), Runs { simple, other, solid }));
         }
-        self.get(&Verify { stiffness: stiffness.as_ref(), runs: &runs })
+        let verdict = self.get(&Verify { stiffness: stiffness.as_ref(), runs: &runs })?;
+        Ok(Found { stiffness, runs: Vec::new(), verdict: Some(verdict) })
     }
 
     /// The report from the files of the folder.
     ///
     /// # Errors
     /// Files that are missing or were made from other inputs: all of them in one message.
-    pub fn report(mut self) -> Result<()> {
+    pub fn report(mut self) -> Result<Found> {
         let Stored { calibration, by_angle, runs, verdict } = self.stored_results()?;
         self.report_stage(&Report {
             calibration: &calibration,
             by_angle: by_angle.as_ref(),
             runs: &runs,
             verdict: &verdict,
-        })
+        })?;
+        Ok(Found { stiffness: Some(calibration.stiffness), runs: Vec::new(), verdict: Some(verdict) })
     }
 
     /// The pages after a cross-check: the report too, if the folder has the study's other results;
@@ -319,7 +346,7 @@ impl<'a> Pipeline<'a> {
     /// As [`Pipeline::report`], and a cross-check that is not there.
     pub fn crosscheck_pages(self) -> Result<bool> {
         if self.stored_results().is_ok() {
-            self.report().map(|()| true)
+            self.report().map(|_| true)
         } else {
             self.crosscheck_alone().map(|()| false)
         }

@@ -90,7 +90,8 @@ impl Address {
         Self { kind, key: hash(inputs.to_string().as_bytes()) }
     }
 
-    fn file(&self) -> String {
+    /// Name of the entry's file in a store's folder; whoever copies the file takes the artefact to another store.
+    pub fn file(&self) -> String {
         format!("{}-{}{ENDING}", self.kind.name(), self.key)
     }
 
@@ -223,6 +224,11 @@ impl Store {
     /// The folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
+    }
+
+    /// Hash of the program, which is a part of every key: what another program makes is never taken.
+    pub fn program(&self) -> &'static str {
+        self.program
     }
 
     /// Where an artefact of this program stands; `inputs` is all that it depends on.
@@ -367,7 +373,7 @@ impl Store {
 }
 
 /// Hash of the program's own file.
-fn program() -> Option<&'static str> {
+pub(crate) fn program() -> Option<&'static str> {
     static HASH: OnceLock<Option<String>> = OnceLock::new();
     HASH.get_or_init(|| {
         let mut hasher = blake3::Hasher::new();

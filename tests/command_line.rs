@@ -386,7 +386,13 @@ fn a_folder_that_cannot_be_written() {
 #[test]
 fn unknown_commands_and_missing_arguments() {
     let place = Place::with_study(GOOD);
-    for arguments in [&["fit", "study.toml"][..], &["run"], &[], &["run", "study.toml", "--threads", "0"]] {
+    for arguments in [
+        &["calibrat", "study.toml"][..],
+        &["fit", "S1002"],
+        &["run"],
+        &[],
+        &["run", "study.toml", "--threads", "0"],
+    ] {
         let output = place.run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(

@@ -287,7 +287,7 @@ fn a_law_against_the_foot_is_not_put_on_a_beam() {
     assert!(!place.out("").exists(), "nothing is left behind");
 }
 
-/// Goal: a load case in which nothing touches ends with exit code 1, and the last line says the verdict.
+/// Goal: a load case in which nothing touches ends with exit code 1, and the last lines say the verdict and where the results are.
 #[test]
 fn nothing_touches_is_no_pass() {
     let place = Place::new();
@@ -296,8 +296,10 @@ fn nothing_touches_is_no_pass() {
     assert_eq!(output.status.code(), Some(1), "{}", message(&output));
     let again = place.run(&up, &["verify"]);
     let text = printed(&again);
-    let last = text.lines().last().unwrap();
-    assert!(last.starts_with("verdict: ") && last.contains(" lines fail; worst: one: "), "{text}");
+    let verdict = text.lines().skip_while(|line| !line.starts_with("verdict: ")).collect::<Vec<_>>();
+    assert!(verdict[0].contains(" limits fail"), "{text}");
+    assert!(verdict[1].starts_with("  FAILS  one: ") && verdict[1].contains("(limit "), "{text}");
+    assert!(verdict.last().is_some_and(|last| last.ends_with("out")), "{text}");
     assert!(text.contains("FAILS  one: Models in which the wheel never touches the rail"), "{text}");
 }
 

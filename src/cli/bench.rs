@@ -7,6 +7,7 @@ use railspring_calibrate::error::Error;
 
 use super::output::say;
 use super::progress::Progress;
+use super::set_args::SetArgs;
 use super::{Failure, positive, take_threads};
 use crate::estimate::{Budget, Resources};
 use crate::output::OutputFolder;
@@ -77,6 +78,8 @@ pub(super) struct SolidArgs {
     /// A study, of which the bodies are refined; left out, the default study
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Output folder
     #[arg(short, long, value_name = "DIR", default_value = "out/bench-solid")]
     output: PathBuf,
@@ -103,8 +106,13 @@ fn degrees_of_freedom(text: &str) -> Result<usize, String> {
 /// Runs a command.
 pub(super) fn run(command: &BenchCommand) -> Result<(), Failure> {
     let study = match command {
-        BenchCommand::Solid(SolidArgs { study: Some(path), .. }) => Study::read(path)?,
-        _ => Study::parse(Path::new("uic60-s1002.toml"), DEFAULT)?,
+        BenchCommand::Solid(SolidArgs { study: Some(path), set, .. }) => {
+            Study::read_with(path, set.settings())?
+        }
+        BenchCommand::Solid(SolidArgs { set, .. }) => {
+            Study::parse_with(Path::new("uic60-s1002.toml"), DEFAULT, set.settings())?
+        }
+        BenchCommand::Moving(_) => Study::parse(Path::new("uic60-s1002.toml"), DEFAULT)?,
     };
     let done = match command {
         BenchCommand::Solid(args) => solid(args, &study),

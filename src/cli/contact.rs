@@ -14,6 +14,7 @@ use railspring_calibrate::rigid_contact::{
 use railspring_calibrate::section::rail_section;
 use railspring_calibrate::units::MILLIMETRE;
 
+use super::set_args::SetArgs;
 use super::shapes::write;
 use super::{Failure, say};
 use crate::report::panel::{Panel, stacked};
@@ -27,6 +28,8 @@ pub(super) struct ContactArgs {
     /// A study, or the names of a wheel and a rail, for instance `S1002 60E1`
     #[arg(value_name = "STUDY | WHEEL RAIL", num_args = 1..=2, required = true)]
     pair: Vec<String>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Slope of the rails with a named pair
     #[arg(long, value_name = "SLOPE", default_value_t = 0.025)]
     inclination: f64,
@@ -55,6 +58,16 @@ pub(super) struct ContactArgs {
 
 impl ContactArgs {
     fn wheelset(&self) -> Result<Wheelset, Failure> {
+        if let ([_, _], Some(setting)) = (self.pair.as_slice(), self.set.settings().first()) {
+            let expected = "a study whose keys are set";
+            return Err(InputError::new(
+                setting.option(),
+                "given",
+                expected,
+                "name a study in the place of the pair",
+            )
+            .into());
+        }
         let (side, tape_y) = if let [wheel, rail] = self.pair.as_slice() {
             let track = TrackGeometry { inclination: self.inclination, ..TrackGeometry::standard() };
             if !(100.0..=1000.0).contains(&self.radius_mm) {
@@ -67,7 +80,7 @@ impl ContactArgs {
             let tape_y = track.tape_y(&side.wheel);
             (side, tape_y)
         } else {
-            let study = Study::read(self.pair[0].as_ref())?;
+            let study = Study::read_with(self.pair[0].as_ref(), self.set.settings())?;
             let found = geometry(&study).map_err(|error| Failure::of_stage(&study, error))?;
             let side = WheelOnRail {
                 rail: found.pair.placed,

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use railspring_calibrate::error::{Error, InputError};
 
+use super::set_args::SetArgs;
 use super::{Failure, say};
 use crate::export::{ExportFile, Format, files};
 use crate::output::OutputFolder;
@@ -25,6 +26,8 @@ pub(super) struct ExportArgs {
     /// The study of the springs, for formats with profiles
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Folder to write to, or for a single file its name
     #[arg(short, long, value_name = "PATH", default_value = ".")]
     output: PathBuf,
@@ -35,7 +38,14 @@ pub(super) struct ExportArgs {
 /// # Errors
 /// Those of the study and of [`files`]; a folder that cannot be written.
 pub(super) fn export(args: &ExportArgs) -> Result<(), Failure> {
-    let study = args.study.as_deref().map(Study::read).transpose()?;
+    let set = args.set.settings();
+    let study = args.study.as_deref().map(|study| Study::read_with(study, set)).transpose()?;
+    if let (None, Some(setting)) = (&study, set.first()) {
+        let expected = "a study whose keys are set";
+        return Err(
+            InputError::new(setting.option(), "given", expected, "name the study with --study").into()
+        );
+    }
     let files = files(&args.file, args.format, args.reference.as_deref(), study.as_ref())?;
     Ok(write(&files, &args.output)?)
 }

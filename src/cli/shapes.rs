@@ -95,20 +95,24 @@ fn standard(profile: &str) -> Result<Option<ProfileCurve>, Error> {
     Ok(None)
 }
 
+/// That a text is neither one of the standards `names` nor a file; `key` says where it was given.
+pub(super) fn unknown_profile(key: &str, profile: &str, names: &[&str]) -> InputError {
+    let near = nearest(profile, names.iter().copied());
+    let near = near.map(|name| format!("did you mean {name:?}? ")).unwrap_or_default();
+    InputError::new(
+        key,
+        format!("{profile:?}"),
+        format!("one of {}, or a profile file", names.join(", ")),
+        format!("{near}see `railspring profile list`, or check the path"),
+    )
+}
+
 /// A file as it was read, and prepared.
 fn measured(profile: &str) -> Result<(MeasuredProfile, Prepared), Error> {
     let path = Path::new(profile);
     if !path.exists() {
         let names: Vec<&str> = RAIL_NAMES.iter().chain(&WHEEL_NAMES).copied().collect();
-        let near = nearest(profile, names.iter().copied());
-        let near = near.map(|name| format!("did you mean {name:?}? ")).unwrap_or_default();
-        return Err(InputError::new(
-            "profile",
-            format!("{profile:?}"),
-            format!("one of {}, or a profile file", names.join(", ")),
-            format!("{near}see `railspring profile list`, or check the path"),
-        )
-        .into());
+        return Err(unknown_profile("profile", profile, &names).into());
     }
     let measured = read(path, &ReadOptions::default())?;
     let prepared = prepare(&measured, &PrepareOptions { smoothing: None })?;

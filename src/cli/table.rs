@@ -2,12 +2,16 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
-use railspring_calibrate::error::Error;
+use clap::{Args, ValueEnum};
+use railspring_calibrate::error::{Error, InputError};
+use serde_json::json;
 
-use super::output::{remark, say};
+use super::output::remark;
 use super::progress::Progress;
+use super::results::Results;
 use super::{Failure, WorkArgs, take_threads};
+use crate::cluster::Cluster;
+use crate::estimate::Resources;
 use crate::output::OutputFolder;
 use crate::store::Store;
 use crate::table::rows::{Rows, Status};
@@ -39,6 +43,70 @@ pub(super) struct TableArgs {
     /// Make again the places that would be taken from the store, and replace them there
     #[arg(long)]
     fresh: bool,
+    #[command(flatten)]
+    cluster: ClusterArgs,
+}
+
+/// Where the places are made.
+#[derive(Debug, Args)]
+struct ClusterArgs {
+    /// What makes the places
+    #[arg(long, value_enum, default_value_t = Executor::Local, requires_if("dask", "scheduler"))]
+    executor: Executor,
+    /// Scheduler of a running Dask cluster, for instance tcp://node1:8786; --threads is then for each step, 1 unless given
+    #[arg(long, value_name = "ADDRESS")]
+    scheduler: Option<String>,
+    /// Folder of the store on the workers, relative to the folder of each; left out, that of this machine where a worker sees it, else one
+    /// in the folder of the worker
+    #[arg(long, value_name = "DIR", requires = "scheduler")]
+    worker_cache: Option<PathBuf>,
+    /// This program on the workers; left out, under the same path as here or on the search path
+    #[arg(long, value_name = "PATH", requires = "scheduler")]
+    worker_program: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Executor {
+    /// The threads of this machine
+    Local,
+    /// The workers of a Dask cluster
+    Dask,
+}
+
+impl ClusterArgs {
+    /// The cluster, if it is to make the places.
+    ///
+    /// # Errors
+    /// [`InputError`] for a scheduler of another executor.
+    fn cluster<'a>(&'a self, work: &WorkArgs, fresh: bool) -> Result<Option<Cluster<'a>>, InputError> {
+        match (self.executor, &self.scheduler) {
+            (Executor::Dask, Some(scheduler)) => Ok(Some(Cluster {
+                scheduler,
+                cache: self.worker_cache.as_deref(),
+                program: self.worker_program.as_deref(),
+                threads: work.threads.unwrap_or(1),
+                memory_limit_gib: work.memory_limit,
+                fresh,
+            })),
+            (Executor::Local, Some(scheduler)) => {
+                let expected = "no scheduler for --executor local";
+                Err(InputError::new(
+                    "--scheduler",
+                    scheduler,
+                    expected,
+                    "give --executor dask, or leave it out",
+                ))
+            }
+            (_, None) => Ok(None),
+        }
+    }
+}
+
+impl TableArgs {
+    /// What all commands that solve need to know.
+    pub fn work(&self) -> &WorkArgs {
+        &self.work
+    }
 }
 
 /// Makes a table; whether every place has a law.
@@ -48,7 +116,10 @@ pub(super) fn run(args: &TableArgs) -> Result<bool, Failure> {
 }
 
 fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
-    take_threads(args.work.threads)?;
+    let cluster = args.cluster.cluster(&args.work, args.fresh)?;
+    // those of a step on a cluster are not those of this machine
+    take_threads(args.work.threads.filter(|_| cluster.is_none()))?;
+    let (results, json) = (Results::of("table").of_study(&table.document.name), args.work.json);
     let progress = Progress::new(args.work.quiet);
     let resources = args.work.resources(&progress);
     let store = Store::open(&args.work.store())?;
@@ -56,7 +127,9 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let plan = places.plan()?;
     if args.dry_run {
         progress.finish();
-        return say(&plan.text()).map(|()| true);
+        let text = plan.text();
+        let more = json!({ "plan": text });
+        return results.with_more(vec![text], more).print(json, args.work.quiet).map(|()| true);
     }
     let path = args.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&table.document.name));
     let folder = OutputFolder::create(&path)?;
@@ -64,6 +137,10 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     if !args.work.quiet {
         remark(&plan.text());
     }
+    let places = match &cluster {
+        Some(cluster) => on_cluster(cluster, table, &store, places, resources)?,
+        None => places,
+    };
     let made = places.make()?;
     progress.finish();
     let rows = Rows::of(table, &made);
@@ -77,15 +154,36 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     if let Some(changes) = &changes {
         folder.write(CHANGES, &changes.csv())?;
     }
-    if !args.work.quiet {
-        say(&format!(
-            "{} places: {complete} complete, {early} with a law that ends early, {failed} without a law",
-            made.len()
-        ))?;
-        for line in changes.iter().flat_map(changes::Changes::lines) {
-            say(&line)?;
-        }
-        say(&folder.file(PAGE).display().to_string())?;
-    }
+    let count = format!(
+        "{} places: {complete} complete, {early} with a law that ends early, {failed} without a law",
+        made.len()
+    );
+    let changed: Vec<String> = changes.iter().flat_map(changes::Changes::lines).collect();
+    let more = json!({
+        "places": made.len(), "complete": complete, "ends_early": early, "failed": failed, "changes": changed
+    });
+    results
+        .with_more([count].into_iter().chain(changed).collect(), more)
+        .at(&folder.file(PAGE))
+        .holding(failed == 0)
+        .print(json, args.work.quiet)?;
     Ok(failed == 0)
+}
+
+/// The places after a cluster has made those that are missing; what is left is for this machine.
+fn on_cluster<'a>(
+    cluster: &Cluster<'_>,
+    table: &'a Table,
+    store: &'a Store,
+    places: Places<'a>,
+    resources: Resources<'a>,
+) -> Result<Places<'a>, Error> {
+    let summary = cluster.make(table, &places, store, &resources)?;
+    resources.monitor.notice(&summary.text());
+    let after = Places::of(table, store, false, resources);
+    let left: usize = after.wanted().iter().map(|(_, shifts)| shifts.len()).sum();
+    if left > 0 {
+        resources.monitor.notice(&format!("{left} places are made on this machine"));
+    }
+    Ok(after)
 }

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use super::Pipeline;
 use crate::stages::MovingBodies;
-use crate::store::{Artefact, Kind, Store};
+use crate::store::{Address, Artefact, Kind, Store};
 
 /// Part of an artefact: the body's file.
 const BODY: &str = "body.safetensors";
@@ -49,6 +49,19 @@ impl<'a> BodySource<'a> {
     }
 }
 
+/// Where a store has a body of `solids` with `modes` modes.
+pub(crate) fn body_address(store: &Store, solids: &PairSolids<'_>, body: PairBody, modes: usize) -> Address {
+    address(store, &solids.key(body), modes_of(body, modes))
+}
+
+fn address(store: &Store, key: &str, modes: usize) -> Address {
+    store.address(Kind::Body, &(key, modes))
+}
+
+fn modes_of(body: PairBody, modes: usize) -> usize {
+    if body.is_in_time() { modes } else { 0 }
+}
+
 impl BodySource<'_> {
     /// The bodies of `solids` that the calibration presses, those that move with `modes` modes; `which` goes with their names in messages.
     ///
@@ -75,6 +88,14 @@ impl BodySource<'_> {
             Ok(<[_; 2]>::try_from(bodies).expect("two bodies"))
         })?;
         Ok(MovingBodies::Own(Box::new([rail, wheel])))
+    }
+
+    /// One body of `solids` by itself, with `modes` modes if it moves: in the store afterwards, if that can be written.
+    ///
+    /// # Errors
+    /// As [`Self::condensed`].
+    pub fn one(&self, solids: &PairSolids<'_>, body: PairBody, modes: usize) -> Result<()> {
+        self.body(solids, body, modes, &|text| self.monitor.notice(&text)).map(drop)
     }
 
     /// What `make` makes; what it says of the bodies is said afterwards, in one order, whichever body is there first.
@@ -104,12 +125,12 @@ impl BodySource<'_> {
         say: &dyn Fn(String),
     ) -> Result<CondensedBody> {
         let key = solids.key(body);
-        let modes = if body.is_in_time() { modes } else { 0 };
+        let modes = modes_of(body, modes);
         let condense = |key| solids.condense_in_time(body, key, modes);
         let Some(store) = self.store else {
             return condense(key);
         };
-        let address = store.address(Kind::Body, &(&key, modes));
+        let address = address(store, &key, modes);
         let read = |artefact: Artefact| CondensedBody::read(artefact.part(BODY).unwrap_or_default());
         if let Some(condensed) = (!self.fresh).then(|| store.take_as(&address, read, say)).flatten() {
             say("taken from the store".into());

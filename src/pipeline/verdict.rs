@@ -196,7 +196,8 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord, runs: &[(String
         let line = match farthest {
             Some(at) => line.noted(format!(
                 "of the condensed element, with the wheelset {} mm aside under {} kN",
-                at.shift_mm, at.force_kn
+                (at.shift_mm * 1e3).round() / 1e3,
+                at.force_kn
             )),
             None => line.noted("no place and load has a displacement of both"),
         };

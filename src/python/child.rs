@@ -115,7 +115,7 @@ fn within<T>(
 }
 
 /// The last part of what a program writes to its standard error, once that is closed.
-pub(super) fn messages_of(child: &mut Child) -> Receiver<String> {
+pub(crate) fn messages_of(child: &mut Child) -> Receiver<String> {
     let mut errors = child.stderr.take().expect("stderr is piped");
     in_thread(move || {
         let mut last = VecDeque::new();

@@ -9,12 +9,9 @@ use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
 
 use super::child::Limits;
-use super::{PROBE_LIMITS, Purpose, answer, cache_error, isolated, missing};
+use super::package::Package;
+use super::{PROBE_LIMITS, answer, cache_error, isolated};
 
-/// Exact versions and hashes of all packages.
-const LOCK: &str = include_str!("../../reference/requirements.lock");
-/// The same with what elements of second order need besides.
-const SECOND_ORDER_LOCK: &str = include_str!("../../reference/requirements-second-order.lock");
 /// Limits of making the environment and of loading packages over a slow line.
 const LIMITS: Limits = Limits { time: Duration::from_secs(1800), output: 64 << 20 };
 /// Shown while that goes on.
@@ -53,18 +50,14 @@ pub fn cache_folder() -> PathBuf {
         .unwrap_or_else(|| PathBuf::from(".railspring-cache"))
 }
 
-/// The interpreter of the virtual environment in `cache`, an absolute path; made if its mark of completion is absent.
-/// Programs work in the folder `place`.
+/// The interpreter of the virtual environment in `cache` with the `packages` of a lock, an absolute path; made if its mark of completion is
+/// absent. Programs work in the folder `place`.
 pub(super) fn interpreter(
     cache: &Path,
-    purpose: Purpose,
+    (of, packages): (&Package, &str),
     place: &Path,
     monitor: &dyn Monitor,
 ) -> Result<PathBuf> {
-    let packages = match purpose {
-        Purpose::FirstOrder => LOCK,
-        Purpose::SecondOrder => SECOND_ORDER_LOCK,
-    };
     let name = format!("venv-{}", &blake3::hash(packages.as_bytes()).to_hex()[..12]);
     // of two commands at the same time one makes the environment and the other waits for it
     let _one = std::fs::File::create(cache.join(format!("{name}.lock")))
@@ -84,10 +77,10 @@ pub(super) fn interpreter(
         .find(|name| {
             let mut command = isolated(name, place);
             command.args(["-c", SUITABLE]);
-            answer(&mut command, &PROBE_LIMITS, monitor, STAGE).is_ok_and(|ended| ended.status.success())
+            answer(of, &mut command, &PROBE_LIMITS, monitor, STAGE).is_ok_and(|ended| ended.status.success())
         })
         .ok_or_else(|| {
-            missing(Path::new("python3"), "no Python 3.11 or newer with venv was found on the path")
+            of.missing(Path::new("python3"), "no Python 3.11 or newer with venv was found on the path")
         })?;
     monitor.progress(STAGE, 0, 2)?;
     let lock = cache.join(format!("{name}.txt"));
@@ -96,13 +89,13 @@ pub(super) fn interpreter(
         let mut command = isolated(program, place);
         keep_network_settings(&mut command);
         command.args(arguments);
-        let ended = answer(&mut command, &LIMITS, monitor, STAGE)?;
+        let ended = answer(of, &mut command, &LIMITS, monitor, STAGE)?;
         if ended.status.success() {
             return Ok(());
         }
         let said = format!("{}\n{}", ended.messages, String::from_utf8_lossy(&ended.output));
         let cause = said.lines().find(|line| line.contains("ERROR")).or(said.trim_end().lines().last());
-        Err(missing(program, cause.unwrap_or("failed")).into())
+        Err(of.missing(program, cause.unwrap_or("failed")).into())
     };
     made(base, &["-m".as_ref(), "venv".as_ref(), "--clear".as_ref(), folder.as_os_str()])?;
     monitor.progress(STAGE, 1, 2)?;
@@ -133,6 +126,7 @@ fn changes_the_installation(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::package::{CLUSTER_LOCK, LOCK, SECOND_ORDER_LOCK};
     use super::*;
 
     /// Goal: the way to the index stays, another target does not.
@@ -146,10 +140,14 @@ mod tests {
         }
     }
 
-    /// Goal: every package of both locks has a version and at least one hash, and the locks name no host.
+    /// Goal: every package of the locks has a version and at least one hash, and the locks name no host.
     #[test]
     fn the_locks_have_hashes_for_every_package() {
-        for lock in [LOCK, SECOND_ORDER_LOCK] {
+        for (lock, names) in [
+            (LOCK, &["meshio", "numpy", "scikit-fem", "scipy", "pytest"][..]),
+            (SECOND_ORDER_LOCK, &["meshio", "numpy", "scikit-fem", "scipy", "pytest", "pypardiso"]),
+            (CLUSTER_LOCK, &["dask", "distributed", "tornado"]),
+        ] {
             assert!(!lock.contains("://") && !lock.contains("--index"), "a host in a lock");
             let whole = lock.replace("\\\n", " ");
             let packages: Vec<&str> =
@@ -158,13 +156,12 @@ mod tests {
             for package in &packages {
                 assert!(package.contains("==") && package.contains("--hash=sha256:"), "{package}");
             }
-            for name in ["meshio", "numpy", "scikit-fem", "scipy", "pytest"] {
+            for name in names {
                 assert!(packages.iter().any(|package| package.starts_with(&format!("{name}=="))), "{name}");
             }
         }
         for line in LOCK.lines().filter(|line| line.contains("==")) {
             assert!(SECOND_ORDER_LOCK.contains(line), "{line}: not the same in both locks");
         }
-        assert!(SECOND_ORDER_LOCK.contains("pypardiso=="));
     }
 }

@@ -1,13 +1,14 @@
-//! Finding or making the Python environment, and running the package of `reference/` in it: the independent solution,
-//! and the reader of mesh files.
+//! Finding or making the Python environment of a package of this project, and running the package in it: that of `reference/`, which is the
+//! independent solution and the reader of mesh files, or that of `cluster/`, which has tables made by a Dask cluster.
 //!
 //! Python runs isolated: it imports what is installed beside the interpreter and the package of this program, whatever
 //! lies in the working folder, beside a study or on `PYTHONPATH`.
 
+mod package;
 mod child;
 mod environment;
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf, absolute};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -17,25 +18,11 @@ use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason}
 use railspring_calibrate::monitor::Monitor;
 use tempfile::TempDir;
 
+pub(crate) use child::messages_of;
 use child::{Ended, Limits, Stop};
 pub use environment::cache_folder;
+use package::{CLUSTER, Package, REFERENCE};
 
-/// The reference package itself, so that the installed program needs no source tree.
-const PACKAGE: [(&str, &str); 11] = [
-    ("__init__.py", include_str!("../../reference/src/railspring_reference/__init__.py")),
-    ("__main__.py", include_str!("../../reference/src/railspring_reference/__main__.py")),
-    ("iteration.py", include_str!("../../reference/src/railspring_reference/iteration.py")),
-    ("ordering.py", include_str!("../../reference/src/railspring_reference/ordering.py")),
-    ("factor.py", include_str!("../../reference/src/railspring_reference/factor.py")),
-    ("body.py", include_str!("../../reference/src/railspring_reference/body.py")),
-    ("exchange.py", include_str!("../../reference/src/railspring_reference/exchange.py")),
-    ("surface.py", include_str!("../../reference/src/railspring_reference/surface.py")),
-    ("contact.py", include_str!("../../reference/src/railspring_reference/contact.py")),
-    ("run.py", include_str!("../../reference/src/railspring_reference/run.py")),
-    ("mesh_in.py", include_str!("../../reference/src/railspring_reference/mesh_in.py")),
-];
-/// Name of the package.
-const NAME: &str = "railspring_reference";
 /// Loads the package from its own folder (first argument) and runs one of its modules (second argument). The folder is
 /// not put on the path of modules: what else lies there is never imported.
 const BOOTSTRAP: &str = "\
@@ -49,19 +36,16 @@ sys.modules[name] = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(sys.modules[name])
 runpy.run_module(module, run_name='__main__', alter_sys=True)
 ";
-/// Fails where the interpreter is too old or lacks a package; says its version and those of the packages.
+/// Fails where the interpreter is too old or lacks one of the packages in the argument; says its version and those of the packages.
 const PROBE: &str = "\
-import sys
+import importlib, sys
 if sys.version_info < (3, 11):
     sys.exit('Python ' + sys.version.split()[0] + ' is older than 3.11')
-import skfem, meshio, scipy, numpy
+for name in sys.argv[1].split():
+    importlib.import_module(name)
 from importlib.metadata import distributions
 print(sys.version, sorted({(str(d.metadata['Name']), str(d.version)) for d in distributions()}))
 ";
-/// What to do where Python is missing.
-const REMEDY: &str = "install Python 3.11 or newer with the module venv (Debian: apt install python3-venv), or name an \
-                      interpreter that has scikit-fem, meshio and scipy with --python PATH; only `crosscheck` and studies \
-                      with a mesh_file need it";
 /// Limits of a command that answers at once.
 const PROBE_LIMITS: Limits = Limits { time: Duration::from_secs(120), output: 1 << 20 };
 /// Time for the reader of mesh files to start, for files of any size.
@@ -82,10 +66,12 @@ pub enum Purpose {
     SecondOrder,
 }
 
-/// An interpreter that can run the reference.
+/// An interpreter that can run one of the packages.
 #[derive(Debug, Clone)]
 pub struct Python {
+    of: &'static Package,
     interpreter: PathBuf,
+    /// Folder of the package's modules.
     package: PathBuf,
     versions: String,
     /// An empty working folder.
@@ -94,7 +80,7 @@ pub struct Python {
 
 impl Python {
     /// Takes the given interpreter, or makes a virtual environment in `cache` with the locked
-    /// packages if none is there yet.
+    /// packages if none is there yet: for the package of `reference/`.
     ///
     /// # Errors
     /// [`InputError`] with key `--python` that says what is missing and how to get it; an interruption by the user.
@@ -104,10 +90,32 @@ impl Python {
         purpose: Purpose,
         monitor: &dyn Monitor,
     ) -> Result<Self> {
+        let lock = match purpose {
+            Purpose::FirstOrder => package::LOCK,
+            Purpose::SecondOrder => package::SECOND_ORDER_LOCK,
+        };
+        Self::of(&REFERENCE, lock, given, cache, monitor)
+    }
+
+    /// The same for the package of `cluster/`.
+    ///
+    /// # Errors
+    /// As [`Python::prepare`].
+    pub fn for_cluster(given: Option<&Path>, cache: &Path, monitor: &dyn Monitor) -> Result<Self> {
+        Self::of(&CLUSTER, package::CLUSTER_LOCK, given, cache, monitor)
+    }
+
+    fn of(
+        of: &'static Package,
+        lock: &str,
+        given: Option<&Path>,
+        cache: &Path,
+        monitor: &dyn Monitor,
+    ) -> Result<Self> {
         // Python works in another folder, so that paths have to be whole
         let cache = absolute(cache).map_err(|cause| cache_error(cache, &cause))?;
-        let package = cache.join(format!("reference-{}", &package_hash()[..12])).join(NAME);
-        write_package(&package).map_err(|cause| cache_error(&cache, &cause))?;
+        let package = cache.join(format!("{}-{}", of.short, &of.hash()[..12])).join(of.name);
+        of.write(&package).map_err(|cause| cache_error(&cache, &cause))?;
         let place = tempfile::tempdir().map_err(|cause| {
             InputError::new(
                 "temporary folder",
@@ -118,10 +126,10 @@ impl Python {
         })?;
         let interpreter = match given {
             Some(path) => whole(path),
-            None => environment::interpreter(&cache, purpose, place.path(), monitor)?,
+            None => environment::interpreter(&cache, (of, lock), place.path(), monitor)?,
         };
-        let versions = probe(&interpreter, place.path(), monitor)?;
-        Ok(Self { interpreter, package, versions, place: Arc::new(place) })
+        let versions = probe(of, &interpreter, place.path(), monitor)?;
+        Ok(Self { of, interpreter, package, versions, place: Arc::new(place) })
     }
 
     /// The interpreter.
@@ -134,10 +142,15 @@ impl Python {
         &self.versions
     }
 
+    /// The error of an interpreter that does not run the package.
+    pub(crate) fn missing(&self, cause: &str) -> InputError {
+        self.of.missing(&self.interpreter, cause)
+    }
+
     /// A module of the package, to be run.
-    fn module(&self, name: &str) -> Command {
+    pub(crate) fn module(&self, name: &str) -> Command {
         let mut command = isolated(&self.interpreter, self.place.path());
-        command.args(["-c", BOOTSTRAP]).arg(&self.package).arg(format!("{NAME}.{name}"));
+        command.args(["-c", BOOTSTRAP]).arg(&self.package).arg(format!("{}.{name}", self.of.name));
         command
     }
 
@@ -178,7 +191,7 @@ impl Python {
         let ended = match child::run(&mut command, limits, &go_on) {
             Ok(ended) => ended,
             Err(Stop::Asked(stop)) => return Err(stop),
-            Err(Stop::Failed(cause)) => return Err(missing(&self.interpreter, &cause.to_string()).into()),
+            Err(Stop::Failed(cause)) => return Err(self.missing(&cause.to_string()).into()),
             Err(Stop::Time) => {
                 let seconds = limits.time.as_secs_f64();
                 return Err(InputError::new(
@@ -206,7 +219,7 @@ impl Python {
         };
         if ended.output.is_empty() {
             let cause = last_line(&ended.messages).unwrap_or("no message");
-            return Err(missing(&self.interpreter, cause).into());
+            return Err(self.missing(cause).into());
         }
         Ok(ended.output)
     }
@@ -217,7 +230,7 @@ impl Python {
     /// [`NumericsError`] where an iteration of the reference does not converge; [`InputError`] with what the
     /// reference said when it failed otherwise; an interruption by the user.
     pub fn run(&self, folder: &Path, monitor: &dyn Monitor) -> Result<()> {
-        let failed = |cause: std::io::Error| missing(&self.interpreter, &cause.to_string());
+        let failed = |cause: std::io::Error| self.missing(&cause.to_string());
         let mut child = self
             .module("__main__")
             .arg(whole(folder))
@@ -288,13 +301,19 @@ fn isolated(interpreter: &Path, place: &Path) -> Command {
 }
 
 /// Runs a command that the user waits for.
-fn answer(command: &mut Command, limits: &Limits, monitor: &dyn Monitor, stage: &str) -> Result<Ended> {
+fn answer(
+    of: &Package,
+    command: &mut Command,
+    limits: &Limits,
+    monitor: &dyn Monitor,
+    stage: &str,
+) -> Result<Ended> {
     let program = PathBuf::from(command.get_program());
     child::run(command, limits, &|| monitor.progress(stage, 0, 1)).map_err(|stop| match stop {
         Stop::Asked(stop) => stop,
-        Stop::Failed(cause) => missing(&program, &cause.to_string()).into(),
-        Stop::Time => missing(&program, &format!("no result within {} s", limits.time.as_secs())).into(),
-        Stop::Output => missing(&program, "it writes without end").into(),
+        Stop::Failed(cause) => of.missing(&program, &cause.to_string()).into(),
+        Stop::Time => of.missing(&program, &format!("no result within {} s", limits.time.as_secs())).into(),
+        Stop::Output => of.missing(&program, "it writes without end").into(),
     })
 }
 
@@ -310,46 +329,19 @@ fn last_line(text: &str) -> Option<&str> {
 
 /// BLAKE3 of the reference package's source files.
 pub fn package_hash() -> String {
-    blake3::hash(&package_bytes()).to_hex().to_string()
+    REFERENCE.hash()
 }
 
-fn package_bytes() -> Vec<u8> {
-    PACKAGE.iter().flat_map(|(name, text)| [name.as_bytes(), text.as_bytes()].concat()).collect()
-}
-
-fn write_package(package: &Path) -> std::io::Result<()> {
-    std::fs::create_dir_all(package)?;
-    for (name, text) in PACKAGE {
-        let file = package.join(name);
-        if std::fs::read(&file).ok().as_deref() != Some(text.as_bytes()) {
-            // commands that run at the same time must not see half a file
-            let mut whole = tempfile::NamedTempFile::new_in(package)?;
-            whole.write_all(text.as_bytes())?;
-            whole.persist(file)?;
-        }
-    }
-    Ok(())
-}
-
-/// Version of an interpreter and of its packages; fails if the packages of the reference cannot be imported.
-fn probe(interpreter: &Path, place: &Path, monitor: &dyn Monitor) -> Result<String> {
+/// Version of an interpreter and of its packages; fails if those that the package needs cannot be imported.
+fn probe(of: &Package, interpreter: &Path, place: &Path, monitor: &dyn Monitor) -> Result<String> {
     let mut command = isolated(interpreter, place);
-    command.args(["-c", PROBE]);
-    let ended = answer(&mut command, &PROBE_LIMITS, monitor, "looking for Python")?;
+    command.args(["-c", PROBE, of.imports]);
+    let ended = answer(of, &mut command, &PROBE_LIMITS, monitor, "looking for Python")?;
     if ended.status.success() {
         return Ok(String::from_utf8_lossy(&ended.output).trim().into());
     }
     let cause = last_line(&ended.messages).unwrap_or("it cannot import the packages");
-    Err(missing(interpreter, cause).into())
-}
-
-fn missing(interpreter: &Path, cause: &str) -> InputError {
-    InputError::new(
-        "--python",
-        format!("{} ({cause})", interpreter.display()),
-        "a Python that runs the reference (scikit-fem, meshio, numpy, scipy)",
-        REMEDY,
-    )
+    Err(of.missing(interpreter, cause).into())
 }
 
 fn cache_error(cache: &Path, cause: &std::io::Error) -> InputError {

@@ -126,24 +126,36 @@ impl VerificationRecord {
         })
     }
 
-    /// The verdict in a sentence: how many lines fail, and by which line most.
-    pub fn summary(&self) -> String {
-        let total = self.lines().count();
-        let failing: Vec<_> = self.lines().filter(|(_, line)| !line.holds).collect();
+    /// The lines that fail with their subjects, the worst first; equals in their order, so that the list is the same every time.
+    pub fn failing(&self) -> Vec<(&str, &Line)> {
+        let mut failing: Vec<_> = self.lines().filter(|(_, line)| !line.holds).collect();
+        failing.sort_by(|a, b| b.1.excess().total_cmp(&a.1.excess()));
+        failing
+    }
+
+    /// How many limits hold or fail, and over how many load cases both models were compared.
+    pub fn headline(&self) -> String {
+        let (total, failing) = (self.lines().count(), self.lines().filter(|(_, line)| !line.holds).count());
         let compared = self.scenarios.iter().filter(|s| s.compared.is_some()).count();
         let scope = match compared {
             0 => "; no load case was compared with the solid model".into(),
             1 => String::new(),
             n => format!("; {n} load cases compared with the solid model"),
         };
-        // The first of equals, so that the sentence is the same every time.
-        let worst = failing.iter().rev().max_by(|a, b| a.1.excess().total_cmp(&b.1.excess()));
-        match worst {
-            None => format!("all {total} lines hold{scope}"),
+        match failing {
+            0 => format!("all {total} limits hold{scope}"),
+            1 => format!("1 of {total} limits fails{scope}"),
+            _ => format!("{failing} of {total} limits fail{scope}"),
+        }
+    }
+
+    /// The verdict in a sentence: how many limits fail, and which one most.
+    pub fn summary(&self) -> String {
+        let headline = self.headline();
+        match self.failing().first() {
+            None => headline,
             Some((subject, line)) => format!(
-                "{} of {total} lines {}; worst: {subject}: {} {} (limit {}{}){scope}",
-                failing.len(),
-                if failing.len() == 1 { "fails" } else { "fail" },
+                "{headline}; worst: {subject}: {} {} (limit {}{})",
                 line.meaning,
                 with_unit(line.value, &line.unit),
                 with_unit(Some(line.limit), &line.unit),

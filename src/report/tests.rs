@@ -173,7 +173,7 @@ fn the_first_screen_says_the_verdict() {
     let first = page.split("<h2>Springs</h2>").next().unwrap();
     assert!(first.contains("<span class=\"verdict failing\">"), "{first}");
     assert!(
-        first.contains(" lines fail; worst: sample: ") && first.contains("P leaves the range"),
+        first.contains(" limits fail; worst: sample: ") && first.contains("P leaves the range"),
         "{first}"
     );
     let same = samples::history(0.0);

@@ -57,14 +57,34 @@ pub fn without<'i>(document: Spanned<DeTable<'i>>, wrong: &BTreeSet<usize>) -> S
     Spanned::new(span, sound(document.into_inner(), wrong))
 }
 
-struct Checker<'a> {
-    root: &'a Value,
-    whole: &'a str,
+/// A schema, and what messages call the document that it describes.
+pub(super) struct Checker<'a> {
+    pub root: &'a Value,
+    pub whole: &'a str,
 }
 
 impl<'a> Checker<'a> {
+    /// The schema of a key by its sections.
+    pub fn at(&self, path: &[String]) -> Option<&'a Value> {
+        path.iter().try_fold(self.root, |schema, name| {
+            let schema = self.resolve(schema);
+            let named = schema.get("properties").and_then(|properties| properties.get(name));
+            named.or_else(|| schema.get("additionalProperties").filter(|other| other.is_object()))
+        })
+    }
+
+    /// The alternatives of a schema; itself if it has none.
+    pub fn options(&self, schema: &'a Value) -> Vec<&'a Value> {
+        let resolved = self.resolve(schema);
+        let options = resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array);
+        match options {
+            Some(options) => options.iter().flat_map(|option| self.options(option)).collect(),
+            None => vec![resolved],
+        }
+    }
+
     /// Follows a `$ref` into the definitions.
-    fn resolve(&self, schema: &'a Value) -> &'a Value {
+    pub fn resolve(&self, schema: &'a Value) -> &'a Value {
         match schema.get("$ref").and_then(Value::as_str).and_then(|r| r.strip_prefix('#')) {
             Some(pointer) => self.root.pointer(pointer).unwrap_or(schema),
             None => schema,
@@ -215,14 +235,15 @@ impl<'a> Checker<'a> {
         })
     }
 
-    fn describe(&self, schema: &'a Value) -> String {
+    /// What a schema means, without a full stop.
+    pub fn describe(&self, schema: &'a Value) -> String {
         let own = schema.get("description").and_then(Value::as_str);
         let text = own.or_else(|| self.resolve(schema).get("description").and_then(Value::as_str));
         text.unwrap_or_default().replace('\n', " ").trim_end_matches('.').to_string()
     }
 
     /// What a schema accepts, in words.
-    fn expectation(&self, schema: &'a Value) -> String {
+    pub fn expectation(&self, schema: &'a Value) -> String {
         let resolved = self.resolve(schema);
         if let Some(options) =
             resolved.get("anyOf").or_else(|| resolved.get("oneOf")).and_then(Value::as_array)
@@ -280,7 +301,8 @@ fn kind(schema: &Value) -> &str {
     }
 }
 
-fn accepts_type(schema: &Value, value: &DeValue<'_>) -> bool {
+/// Whether a value is of the type that a schema asks for.
+pub(super) fn accepts_type(schema: &Value, value: &DeValue<'_>) -> bool {
     matches!(
         (kind(schema), value),
         ("number", DeValue::Float(_) | DeValue::Integer(_))

@@ -5,6 +5,8 @@ pub mod document;
 
 mod check;
 mod source;
+mod settings;
+mod explain;
 mod collect;
 mod content;
 mod fields;
@@ -35,8 +37,10 @@ pub use document::{
     ReferenceKey, SlidingMatrixKey, SolidKeys, SolidLoadsKey, SpacingKey, StudyDocument, TransientKey,
     VerticalKey,
 };
+pub use explain::explain;
 pub use keys::Keys;
-pub use source::{LocatedError, Mistakes, Source};
+pub use settings::Setting;
+pub use source::{LocatedError, Mistakes, Place, Source};
 
 use source::Lines;
 
@@ -314,8 +318,15 @@ impl Study {
     /// [`Mistakes`] for a file that cannot be read, is not TOML, has unknown, missing or mistyped keys, or values
     /// out of range.
     pub fn read(path: &Path) -> Result<Self, Mistakes> {
-        let text = text_of(path, WHOLE)?;
-        Self::parse(path, &text)
+        Self::read_with(path, &[])
+    }
+
+    /// Reads and checks a study file with `settings` in the place of its keys.
+    ///
+    /// # Errors
+    /// As [`Study::read`]; of a key that a setting gives with the option in the place of the line.
+    pub fn read_with(path: &Path, settings: &[Setting]) -> Result<Self, Mistakes> {
+        Self::parse_with(path, &text_of(path, WHOLE)?, settings)
     }
 
     /// Checks the text of a study file; `path` is only named in messages.
@@ -323,7 +334,16 @@ impl Study {
     /// # Errors
     /// As [`Study::read`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, Mistakes> {
-        let Parsed { document, source, findings, mistakes } = parsed(path, text, WHOLE, study_schema())?;
+        Self::parse_with(path, text, &[])
+    }
+
+    /// Checks the text of a study file with `settings` in the place of its keys.
+    ///
+    /// # Errors
+    /// As [`Study::read_with`].
+    pub fn parse_with(path: &Path, text: &str, settings: &[Setting]) -> Result<Self, Mistakes> {
+        let Parsed { document, source, findings, mistakes } =
+            parsed(path, text, settings, WHOLE, study_schema())?;
         resolve::resolve(document, source, &findings, mistakes).map_err(Mistakes::sorted)
     }
 
@@ -376,7 +396,7 @@ pub(crate) fn schema_of<T: schemars::JsonSchema>() -> serde_json::Value {
 /// # Errors
 /// [`Mistakes`] for a file that cannot be read or is no text.
 pub(crate) fn text_of(path: &Path, whole: &str) -> Result<String, Mistakes> {
-    content::read(path, whole).map_err(|error| Mistakes::of_file(path, None, error))
+    content::read(path, whole).map_err(|error| Mistakes::of_file(path, error))
 }
 
 /// A document that was checked against its schema.
@@ -390,20 +410,23 @@ pub(crate) struct Parsed<T> {
     pub mistakes: Vec<LocatedError>,
 }
 
-/// The document of a TOML text, checked against its `schema`; `path` is only named in messages, and `whole` is what they call it.
+/// The document of a TOML text with `settings` in the place of its keys, checked against its `schema`; `path` is only named in messages, and
+/// `whole` is what they call it.
 ///
 /// # Errors
-/// [`Mistakes`] for a text that is not TOML, and for keys without which there is no document.
+/// [`Mistakes`] for a text that is not TOML, for settings that are none, and for keys without which there is no document.
 pub(crate) fn parsed<T: DeserializeOwned>(
     path: &Path,
     text: &str,
+    settings: &[Setting],
     whole: &str,
     schema: &serde_json::Value,
 ) -> Result<Parsed<T>, Mistakes> {
-    let lines = Lines::of(text);
+    let mut lines = Lines::of(text);
+    let set = settings::texts(text.len(), settings, schema, &mut lines);
     let at = |offset: Option<usize>, error: InputError| LocatedError {
         path: path.to_path_buf(),
-        line: offset.map(|offset| lines.line(offset)),
+        place: offset.map(|offset| lines.place(offset)),
         error,
     };
     let syntax = |cause: toml::de::Error| {
@@ -412,12 +435,16 @@ pub(crate) fn parsed<T: DeserializeOwned>(
         let error = InputError::new(key, said, "a TOML file", "correct the syntax on this line");
         at(cause.span().map(|span| span.start), error)
     };
-    let (parsed, broken) = DeTable::parse_recoverable(text);
+    let (mut parsed, broken) = DeTable::parse_recoverable(text);
     if !broken.is_empty() {
         if let Some(foreign) = content::foreign(path, text) {
-            return Err(Mistakes::of_file(path, None, foreign));
+            return Err(Mistakes::of_file(path, foreign));
         }
         return Err(Mistakes::sorted(broken.into_iter().map(syntax).collect()));
+    }
+    for (setting, text) in settings.iter().zip(&set) {
+        settings::put(parsed.get_mut(), setting, text)
+            .map_err(|error| Mistakes::of_option(path, setting.option(), error))?;
     }
     let findings = check::check(parsed.get_ref(), schema, whole);
     let source = Source::new(path, &lines, parsed.get_ref());

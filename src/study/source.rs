@@ -12,24 +12,37 @@ use super::check::join;
 /// Shown in a message as the value of a key that has to be given.
 pub(super) const MISSING: &str = "(missing)";
 
+/// Where a key was given.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// On a line of the file, counted from one.
+    Line(usize),
+    /// Beside the file, by an option of the command line.
+    Option(String),
+}
+
 /// An input error with the place where it stands.
 #[derive(Debug, Clone)]
 pub struct LocatedError {
-    /// The file.
+    /// The file; empty where there is none.
     pub path: PathBuf,
-    /// The line, counted from one, if the error stands on one.
-    pub line: Option<usize>,
+    /// The line or the option, if the error stands in one.
+    pub place: Option<Place>,
     /// What is wrong.
     pub error: InputError,
 }
 
 impl fmt::Display for LocatedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&shown_path(&self.path))?;
-        if let Some(line) = self.line {
-            write!(f, ":{line}")?;
+        let path = shown_path(&self.path);
+        match &self.place {
+            None if path.is_empty() => {}
+            None => write!(f, "{path}: ")?,
+            Some(Place::Line(line)) => write!(f, "{path}:{line}: ")?,
+            Some(Place::Option(option)) if path.is_empty() => write!(f, "{option}: ")?,
+            Some(Place::Option(option)) => write!(f, "{path} with {option}: ")?,
         }
-        write!(f, ": {}", self.error)
+        write!(f, "{}", self.error)
     }
 }
 
@@ -51,16 +64,22 @@ impl Mistakes {
     const MOST_LISTED: usize = 50;
 
     /// A single mistake of the whole file.
-    pub(crate) fn of_file(path: &Path, line: Option<usize>, error: InputError) -> Self {
-        Self(vec![LocatedError { path: path.to_path_buf(), line, error }])
+    pub(crate) fn of_file(path: &Path, error: InputError) -> Self {
+        Self(vec![LocatedError { path: path.to_path_buf(), place: None, error }])
     }
 
-    /// Mistakes by line; those of the whole file come first, those of one line in the order in which they are given.
+    /// A single mistake of an option.
+    pub(super) fn of_option(path: &Path, option: &str, error: InputError) -> Self {
+        let place = Some(Place::Option(option.into()));
+        Self(vec![LocatedError { path: path.to_path_buf(), place, error }])
+    }
+
+    /// Mistakes by line; those of the whole file come first, those of options last, those of one place in the order in which they are given.
     pub(crate) fn sorted(mut mistakes: Vec<LocatedError>) -> Self {
-        mistakes.sort_by_key(|mistake| mistake.line);
+        mistakes.sort_by(|a, b| a.place.cmp(&b.place));
         // Broken syntax can be found again in every character of a line.
         mistakes.dedup_by(|later, first| {
-            let same = |mistake: &LocatedError| (mistake.line, mistake.error.to_string());
+            let same = |mistake: &LocatedError| (mistake.place.clone(), mistake.error.to_string());
             same(later) == same(first)
         });
         Self(mistakes)
@@ -90,18 +109,31 @@ impl fmt::Display for Mistakes {
 
 impl std::error::Error for Mistakes {}
 
-/// Where the lines of a text begin.
-pub(super) struct Lines(Vec<usize>);
+/// Where the lines of a text begin, and the options of which the texts follow it.
+pub(super) struct Lines {
+    ends: Vec<usize>,
+    /// Where the text of each option begins, and the option.
+    options: Vec<(usize, String)>,
+}
 
 impl Lines {
     /// Looks through the text, once.
     pub(super) fn of(text: &str) -> Self {
-        Self(text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect())
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
+        Self { ends, options: Vec::new() }
     }
 
-    /// Line on which a byte stands, counted from one.
-    pub(super) fn line(&self, offset: usize) -> usize {
-        self.0.partition_point(|end| *end < offset) + 1
+    /// The same with an option whose text begins at a byte behind all others.
+    pub(super) fn with_option(&mut self, begin: usize, option: &str) {
+        self.options.push((begin, option.into()));
+    }
+
+    /// Line on which a byte stands, or option.
+    pub(super) fn place(&self, offset: usize) -> Place {
+        match self.options.partition_point(|(begin, _)| *begin <= offset).checked_sub(1) {
+            Some(option) => Place::Option(self.options[option].1.clone()),
+            None => Place::Line(self.ends.partition_point(|end| *end < offset) + 1),
+        }
     }
 }
 
@@ -109,7 +141,7 @@ impl Lines {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Source {
     path: PathBuf,
-    lines: BTreeMap<String, usize>,
+    places: BTreeMap<String, Place>,
 }
 
 impl Source {
@@ -123,7 +155,7 @@ impl Source {
     fn note(&mut self, lines: &Lines, table: &DeTable<'_>, path: &str) {
         for (key, value) in table.iter() {
             let full = join(path, key.get_ref());
-            self.lines.insert(full.clone(), lines.line(key.span().start));
+            self.places.insert(full.clone(), lines.place(key.span().start));
             self.note_value(lines, value.get_ref(), &full);
         }
     }
@@ -135,7 +167,7 @@ impl Source {
                 let tables = items.iter().enumerate().filter(|(_, item)| item.get_ref().is_table());
                 for (index, item) in tables {
                     let full = format!("{full}[{index}]");
-                    self.lines.insert(full.clone(), lines.line(item.span().start));
+                    self.places.insert(full.clone(), lines.place(item.span().start));
                     self.note_value(lines, item.get_ref(), &full);
                 }
             }
@@ -148,27 +180,27 @@ impl Source {
         &self.path
     }
 
-    /// Line of a dotted key, or of the nearest section around it that is in the file.
-    pub fn line(&self, key: &str) -> Option<usize> {
+    /// Line or option of a dotted key, or of the nearest section around it that is given.
+    pub fn place(&self, key: &str) -> Option<Place> {
         let mut key = key;
         loop {
-            if let Some(line) = self.lines.get(key) {
-                return Some(*line);
+            if let Some(place) = self.places.get(key) {
+                return Some(place.clone());
             }
             key = key.rsplit_once(['.', '['])?.0;
         }
     }
 
-    /// Whether the file itself has this key, of an entry of a list that list.
+    /// Whether the file or an option has this key, of an entry of a list that list.
     pub fn gives(&self, key: &str) -> bool {
-        self.lines.contains_key(key) || self.lines.contains_key(key.split('[').next().unwrap_or(key))
+        self.places.contains_key(key) || self.places.contains_key(key.split('[').next().unwrap_or(key))
     }
 
-    /// Adds file and line to an error of any stage, by its key.
+    /// Adds file and place to an error of any stage, by its key.
     pub fn locate(&self, mut error: InputError) -> LocatedError {
         if !self.gives(&error.key) && error.value != MISSING {
             error.value = format!("{} (default)", error.value);
         }
-        LocatedError { path: self.path.clone(), line: self.line(&error.key), error }
+        LocatedError { path: self.path.clone(), place: self.place(&error.key), error }
     }
 }

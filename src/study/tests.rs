@@ -343,8 +343,12 @@ fn all_mistakes_are_reported_together_in_the_order_of_the_file() {
                 scenario = \"x\"\n[scenario.s]\nlateral_force = {}\nvertical_force = {}\nspeed_m_per_s = 1\n\
                 time_step_s = 0.1\n";
     let mistakes = parse(text).unwrap_err();
+    let line = |place: &Option<Place>| match place {
+        Some(Place::Line(line)) => *line,
+        other => panic!("{other:?}"),
+    };
     let found: Vec<(usize, &str)> =
-        mistakes.all().iter().map(|m| (m.line.unwrap(), m.error.key.as_str())).collect();
+        mistakes.all().iter().map(|m| (line(&m.place), m.error.key.as_str())).collect();
     let expected = [
         (1, "name"),
         (3, "rail.profile"),
@@ -465,7 +469,7 @@ fn messages_are_short_and_have_no_control_characters() {
     }
     let located = LocatedError {
         path: "a\u{1b}[31m.toml".into(),
-        line: None,
+        place: None,
         error: InputError::new("k\n", "v\r", "e", "r"),
     };
     assert_eq!(located.to_string(), "a\\u{1b}[31m.toml: k\\n = v\\r: expected e; r");
@@ -486,7 +490,7 @@ fn lines_are_found_in_one_pass() {
     let lines = Lines::of(text);
     for offset in 0..text.len() {
         let counted = text.as_bytes()[..offset].iter().filter(|byte| **byte == b'\n').count() + 1;
-        assert_eq!(lines.line(offset), counted, "{offset}");
+        assert_eq!(lines.place(offset), Place::Line(counted), "{offset}");
     }
     let scenarios: String = (0..4000)
         .map(|i| {

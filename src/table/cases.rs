@@ -36,6 +36,8 @@ pub struct Case {
     pub varied: BTreeMap<String, Value>,
     /// The study of the pair.
     pub study: Study,
+    /// Its keys as they were given.
+    pub(super) keys: Map<String, Value>,
 }
 
 /// A checked table.
@@ -70,7 +72,7 @@ impl Table {
     /// # Errors
     /// As [`Table::read`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, Mistakes> {
-        let parsed = parsed::<TableDocument>(path, text, WHOLE, &schema_of::<TableDocument>())?;
+        let parsed = parsed::<TableDocument>(path, text, &[], WHOLE, &schema_of::<TableDocument>())?;
         if !parsed.mistakes.is_empty() {
             return Err(Mistakes::sorted(parsed.mistakes));
         }
@@ -146,7 +148,7 @@ impl Base {
 /// The keys of a TOML text as they stand, and where.
 fn parsed_plainly<T: DeserializeOwned>(path: &Path, text: &str) -> Result<(T, Source), Mistakes> {
     let anything = Value::Object(Map::from_iter([("additionalProperties".to_string(), Value::Bool(true))]));
-    parsed::<T>(path, text, "study", &anything).map(|parsed| (parsed.document, parsed.source))
+    parsed::<T>(path, text, &[], "study", &anything).map(|parsed| (parsed.document, parsed.source))
 }
 
 /// A file as the table names it.
@@ -402,8 +404,7 @@ fn case(
         section(&mut keys, name).insert(leaf.into(), value.clone());
     }
     keys.insert("name".into(), document.name.clone().into());
-    let text = toml::to_string(&Value::Object(keys)).expect("keys of TOML files are TOML");
-    let study = Study::parse(path, &text)?;
+    let study = Study::parse(path, &text_of_keys(&keys))?;
     let of_a_case = |mistake: InputError| Mistakes::sorted(vec![study.source.locate(mistake)]);
     if let Err(railspring_calibrate::error::Error::Input(mistake)) = stages::check_friction(&study) {
         return Err(of_a_case(mistake));
@@ -414,7 +415,12 @@ fn case(
     for (section, body) in [("wheel", wheel), ("rail", rail)] {
         varied.extend(body.varied.iter().map(|(key, value)| (format!("{section}.{key}"), value.clone())));
     }
-    Ok(Case { wheel: wheel.name.clone(), rail: rail.name.clone(), varied, study })
+    Ok(Case { wheel: wheel.name.clone(), rail: rail.name.clone(), varied, study, keys })
+}
+
+/// The text of a study with given keys.
+pub(super) fn text_of_keys(keys: &Map<String, Value>) -> String {
+    toml::to_string(keys).expect("keys of TOML files are TOML")
 }
 
 /// The keys of a section, which is made if there is none.
@@ -461,9 +467,9 @@ fn relocated(mistake: &LocatedError, table: &Source, base: &Base, entries: [&Str
     } else if table.gives(&common) {
         error.key = common;
     } else if base.source.gives(&key) {
-        let line = base.source.line(&key);
-        return LocatedError { path: base.source.path().to_path_buf(), line, error };
+        let place = base.source.place(&key);
+        return LocatedError { path: base.source.path().to_path_buf(), place, error };
     }
-    let line = table.line(&error.key);
-    LocatedError { path: table.path().to_path_buf(), line, error }
+    let place = table.place(&error.key);
+    LocatedError { path: table.path().to_path_buf(), place, error }
 }

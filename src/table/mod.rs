@@ -2,12 +2,15 @@
 //!
 //! * [`TableDocument`]: the file; [`Table`]: its cases, each of which is a study;
 //! * [`Places`]: the places of all cases, taken from the store or made, each kept there by itself;
+//! * [`SentCase`], [`Work`]: a case and a step of it as another machine gets them;
 //! * [`rows`]: what `table.csv` has of a place; [`changes`]: what is different from an earlier table;
 //! * [`record()`]: `table.json`; [`page()`]: `table.html`.
 
 pub mod document;
 mod cases;
+mod making;
 mod places;
+mod work;
 pub mod rows;
 pub mod changes;
 mod record;
@@ -15,6 +18,8 @@ mod page;
 
 pub use cases::{Case, Table};
 pub use document::TableDocument;
+pub use making::PlaceRecord;
 pub use page::page;
-pub use places::{Place, PlaceRecord, Places, Plan};
+pub use places::{Place, Places, Plan};
 pub use record::{CaseRecord, FileRecord, PlaceEntry, TableRecord, record};
+pub use work::{Answer, SentCase, Work};

@@ -7,25 +7,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_calibrate::units::MILLIMETRE;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use super::cases::{Case, Table};
-use super::document::{SideKey, TableDocument};
-use crate::estimate::{self, GIB, Resources, Room, Work};
-use crate::output::to_json;
-use crate::pipeline::BodySource;
-use crate::records::ShiftRecord;
-use crate::stages::{self, Geometry, PlaceSettings};
-use crate::store::{Address, Artefact, Kind, Store};
-use crate::study::Study;
-
-/// Part of an artefact: the place.
-const PLACE: &str = "place.json";
+use super::document::SideKey;
+use super::making::{CaseWork, PlaceRecord, Ready, Settings};
+use crate::estimate::{self, GIB, Resources, Work};
+use crate::store::Store;
 
 /// A pair at one shift of the wheelset.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,39 +27,6 @@ pub struct Place {
     pub side: SideKey,
     /// Shift of the wheelset, mm.
     pub shift_mm: f64,
-}
-
-/// What a place has come to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PlaceRecord {
-    /// The law; the shift is that towards the rail of the side.
-    pub at: ShiftRecord,
-    /// Radius on which the wheel rolls at the first touch, mm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rolling_radius_mm: Option<f64>,
-    /// Tangent stiffness of Hertz's contact at the first touch, under normal forces as large as the loads of the columns, kN/m; empty where
-    /// the bodies conform.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub hertz_kn_per_m: Vec<f64>,
-}
-
-impl PlaceRecord {
-    /// One without a law.
-    fn failed(shift_mm: f64, reason: &Error) -> Self {
-        Self {
-            at: ShiftRecord {
-                shift_mm,
-                touch: None,
-                laws: Vec::new(),
-                loads: Vec::new(),
-                published_secant_ratio: None,
-                error_band: None,
-                reason: Some(reason.to_string()),
-            },
-            rolling_radius_mm: None,
-            hertz_kn_per_m: Vec::new(),
-        }
-    }
 }
 
 /// What a table is going to do.
@@ -138,9 +96,12 @@ impl<'a> Places<'a> {
             }
         }
         let take = |place: &Place| {
-            let address = address(store, table, place);
-            let read = |artefact: Artefact| read(&artefact);
-            store.take_as(&address, read, &|text| resources.monitor.notice(&text))
+            let study = &table.cases[place.case].study;
+            let towards = place.side.towards(place.shift_mm);
+            let address = Settings::of(document).address(store, study, towards);
+            store.take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| {
+                resources.monitor.notice(&text)
+            })
         };
         let records = places.par_iter().map(|place| (!fresh).then(|| take(place)).flatten()).collect();
         Self { table, store, resources, places, records }
@@ -195,6 +156,12 @@ impl<'a> Places<'a> {
         }
     }
 
+    /// The cases with places that are to be made, in order, each with its shifts towards the rail (mm).
+    pub fn wanted(&self) -> Vec<(usize, Vec<f64>)> {
+        let shifts = |places: Vec<(f64, Vec<usize>)>| places.into_iter().map(|(shift, _)| shift).collect();
+        self.missing().into_iter().map(|(case, places)| (case, shifts(places))).collect()
+    }
+
     /// What is to be made, each once: a left wheel shifted one way stands as a right one shifted the other way.
     fn missing(&self) -> Missing {
         let mut missing = Missing::new();
@@ -225,7 +192,7 @@ impl<'a> Places<'a> {
         if total > 0 {
             beneath.progress("", 0, 0)?;
         }
-        let work = CaseWork { places: &self, monitor: &beneath, done: &done };
+        let work = Making { places: &self, monitor: &beneath, done: &done };
         let mut made: Vec<(Vec<usize>, PlaceRecord)> = Vec::new();
         let mut cases = missing.into_iter().peekable();
         let mut ready = cases.peek().map(|(case, _)| work.bodies(*case)).transpose()?;
@@ -236,7 +203,7 @@ impl<'a> Places<'a> {
             let press = || work.places(case, &shifts, &bodies);
             // the next bodies beside the places of these, where memory has room
             let (records, next) = match &bodies {
-                Ok(Ready { room, .. }) if !room.stages => (press(), next()),
+                Ok(ready) if !ready.room().stages => (press(), next()),
                 _ => rayon::join(press, next),
             };
             ready = next?;
@@ -251,58 +218,53 @@ impl<'a> Places<'a> {
 }
 
 /// The making of the places of cases.
-struct CaseWork<'a, 'b> {
+struct Making<'a, 'b> {
     places: &'b Places<'a>,
     monitor: &'b Beneath<'b>,
     /// Places that are done.
     done: &'b AtomicUsize,
 }
 
-impl CaseWork<'_, '_> {
+impl Making<'_, '_> {
     fn one_done(&self) -> Result<()> {
         self.done.fetch_add(1, Ordering::Relaxed);
         self.monitor.progress("", 0, 0)
     }
 
+    fn case(&self, number: usize) -> CaseWork<'_> {
+        let Places { table, store, resources, .. } = self.places;
+        let case = &table.cases[number];
+        CaseWork {
+            study: &case.study,
+            settings: Settings::of(&table.document),
+            store,
+            resources: Resources { monitor: self.monitor, ..*resources },
+            said: resources.monitor,
+        }
+    }
+
     /// The places of a case at `shifts` (mm) on its bodies.
     fn places(
         &self,
-        number: usize,
+        case: usize,
         shifts: &[f64],
         ready: &std::result::Result<Ready, Error>,
     ) -> Result<Vec<PlaceRecord>> {
-        let Places { table, store, resources, .. } = self.places;
-        let case = &table.cases[number];
-        let Ready { geometry, bodies, coarser, .. } = match ready {
-            Ok(ready) => ready,
+        match ready {
+            Ok(ready) => {
+                let work = self.case(case);
+                let make = |shift: &f64| {
+                    let record = work.place(ready, *shift)?;
+                    self.one_done().map(|()| record)
+                };
+                shifts.par_iter().map(make).collect()
+            }
             // not kept: memory, a disk or a Python may be another's the next time
             Err(error) => {
                 let failed = |shift: &f64| self.one_done().map(|()| PlaceRecord::failed(*shift, error));
-                return shifts.iter().map(failed).collect();
+                shifts.iter().map(failed).collect()
             }
-        };
-        let document = &table.document;
-        let fixed_loads: Vec<f64> = document.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
-        let settings = PlaceSettings { direction: document.direction.into(), fixed_loads: &fixed_loads };
-        let make = |shift_mm: &f64| {
-            let shift = shift_mm * MILLIMETRE;
-            let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));
-            let at = stages::place(&case.study, geometry, bodies, &settings, shift, coarser, self.monitor)?;
-            let record = PlaceRecord {
-                rolling_radius_mm: at
-                    .touch
-                    .map(|touch| geometry.pair.wheel.radius / MILLIMETRE + touch.wheel_z_mm),
-                hertz_kn_per_m: hertz(&case.study, geometry, shift, &fixed_loads),
-                at,
-            };
-            let place = Place { case: number, side: SideKey::Right, shift_mm: *shift_mm };
-            let artefact = Artefact::default().with(PLACE, to_json(&record));
-            let say = |text: String| resources.monitor.notice(&text);
-            store.keep(&address(store, table, &place), "place of a table", &document.name, &artefact, &say);
-            self.one_done()?;
-            Ok(record)
-        };
-        shifts.par_iter().map(make).collect()
+        }
     }
 
     /// A case up to its condensed bodies, or why it has none.
@@ -310,80 +272,11 @@ impl CaseWork<'_, '_> {
     /// # Errors
     /// An interruption.
     fn bodies(&self, case: usize) -> Result<std::result::Result<Ready, Error>> {
-        let study = &self.places.table.cases[case].study;
-        match self.condensed(study) {
+        match self.case(case).ready() {
             Err(Error::Interrupted) => Err(Error::Interrupted),
-            Err(Error::Input(input)) => Ok(Err(study.with_keys(input).into())),
             ready => Ok(ready),
         }
     }
-
-    fn condensed(&self, study: &Study) -> Result<Ready> {
-        let Places { store, resources, .. } = self.places;
-        let monitor: &dyn Monitor = self.monitor;
-        let geometry = stages::geometry(study)?;
-        let resources = Resources { monitor, ..*resources };
-        let options = stages::mesh_options(study, &geometry);
-        let work = Work::of(study, true, false);
-        let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &resources)?;
-        let source = BodySource {
-            store: Some(store),
-            fresh: false,
-            foot_held: study.calibration.foot_held,
-            together: room.condensing,
-            study: &study.name,
-            monitor,
-        };
-        let bodies = source.condensed(&stages::solids(study, &geometry, &meshes), "", 0)?;
-        let coarser = study
-            .wants_error_band()
-            .then(|| {
-                let condense = |coarser: &stages::Meshes| {
-                    source.condensed(&stages::solids(study, &geometry, coarser), " of coarser elements", 0)
-                };
-                stages::coarser_bodies(study, &geometry, &meshes, condense)
-            })
-            .transpose()?;
-        let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
-        Ok(Ready { geometry, bodies, coarser, room })
-    }
-}
-
-/// A case up to its condensed bodies; those of coarser meshes with the edge of the contact elements of the others, m.
-struct Ready {
-    geometry: Geometry,
-    bodies: railspring_calibrate::pair::CondensedPair,
-    coarser: Option<(f64, stages::CoarserBodies)>,
-    /// What there is room for at the same time.
-    room: Room,
-}
-
-/// Where the store has a place.
-fn address(store: &Store, table: &Table, place: &Place) -> Address {
-    let TableDocument { direction, stiffness_at_kn, .. } = &table.document;
-    let springs = &table.cases[place.case].study.keys.springs;
-    store.address(Kind::Place, &(springs, direction, stiffness_at_kn, place.side.towards(place.shift_mm)))
-}
-
-fn read(artefact: &Artefact) -> Result<PlaceRecord> {
-    let content = artefact.part(PLACE).unwrap_or_default();
-    let text = std::str::from_utf8(content).unwrap_or_default();
-    crate::output::parse_json(std::path::Path::new(PLACE), text, "table")
-}
-
-/// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces
-/// as large as the loads (N), kN/m.
-fn hertz(study: &Study, geometry: &Geometry, shift: f64, loads: &[f64]) -> Vec<f64> {
-    let Ok(pair) = geometry.pair.with_wheel_at(stages::tape_y(study, &geometry.pair, shift)) else {
-        return Vec::new();
-    };
-    let [along, across] = pair.relative_radii();
-    let modulus = study.material.contact_modulus();
-    let tangent = |load: &f64| {
-        let contact = point_contact(*load, along, across, modulus)?;
-        Ok(contact.tangent_stiffness / KILONEWTON_PER_METRE)
-    };
-    loads.iter().map(tangent).collect::<Result<_>>().unwrap_or_default()
 }
 
 /// Passes on whether to go on, and for all that is done to a place no more than how many there are.

@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use super::cases::Table;
 use super::document::TableDocument;
-use super::places::{Place, PlaceRecord};
+use super::making::PlaceRecord;
+use super::places::Place;
 use super::rows::Status;
 use crate::records::ResolvedKey;
 

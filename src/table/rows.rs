@@ -8,7 +8,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::cases::{Case, Table};
-use super::places::{Place, PlaceRecord};
+use super::making::PlaceRecord;
+use super::places::Place;
 use crate::records::{AngleLawRecord, FixedLoadRecord};
 
 /// Columns that say which place a row is of; the varied keys come after them.

@@ -1,0 +1,305 @@
+//! The commands that take a study through its stages.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand, ValueEnum};
+use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::monitor::Monitor;
+use serde_json::json;
+
+use super::progress::Progress;
+use super::results::Results;
+use super::set_args::SetArgs;
+use super::{Failure, WorkArgs, take_threads};
+use crate::crosscheck::deck::Format;
+use crate::crosscheck::exchange::Case;
+use crate::crosscheck::write_deck;
+use crate::estimate::{self, Work};
+use crate::output::OutputFolder;
+use crate::pipeline::{Pipeline, REPORT};
+use crate::python::Purpose;
+use crate::store::Store;
+use crate::study::Study;
+
+#[derive(Debug, Subcommand)]
+pub(super) enum StudyCommand {
+    /// Run the whole study: calibrate, simulate, verify, report
+    Run(StudyArgs),
+    /// Calibrate: the load curve, the normal law and the horizontal stiffness
+    Calibrate(StudyArgs),
+    /// Simulate the load cases with the simple model
+    Simulate {
+        #[command(flatten)]
+        study: StudyArgs,
+        /// Springs to simulate with, a stiffness.json or a law written by hand; left out, those of the output folder
+        #[arg(long, value_name = "FILE")]
+        law: Option<PathBuf>,
+    },
+    /// Run the solid model where its histories are missing, and compare the simple model with it
+    Verify(StudyArgs),
+    /// Write the meshes of wheel and rail
+    Mesh(StudyArgs),
+    /// Write the report again from the files of the output folder
+    Report(StudyArgs),
+    /// Compare the solid model with reference solvers: scikit-fem, and CalculiX on request
+    Crosscheck {
+        #[command(flatten)]
+        study: StudyArgs,
+        /// Compare with elements of second order, too: some minutes, and 12 GB of memory with the default mesh
+        #[arg(long)]
+        second_order: bool,
+        /// Compare with another program, too, if it is installed
+        #[arg(long = "with", value_name = "PROGRAM")]
+        with: Option<OtherProgram>,
+        /// Write a copy of the record to this file, to be kept with the study
+        #[arg(long, value_name = "FILE")]
+        keep: Option<PathBuf>,
+    },
+    /// Write the solid problem as a deck for another program
+    Deck {
+        #[command(flatten)]
+        study: StudyArgs,
+        /// The program
+        #[arg(long, value_name = "FORMAT")]
+        format: Format,
+    },
+}
+
+/// The study, and how it is done.
+#[derive(Debug, Args)]
+pub(super) struct StudyArgs {
+    /// The study, a TOML file
+    #[arg(value_name = "STUDY")]
+    study: PathBuf,
+    #[command(flatten)]
+    set: SetArgs,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// How a study is done, and where its results go.
+#[derive(Debug, Args)]
+pub(super) struct RunArgs {
+    /// Output folder; left out, out/<name of the study>
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    pub work: WorkArgs,
+    /// Print what the command would need, and stop
+    #[arg(long)]
+    dry_run: bool,
+    /// Make again what would be taken from the store, and replace it there
+    #[arg(long)]
+    fresh: bool,
+}
+
+/// A program that repeats the contact besides the Python reference.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum OtherProgram {
+    /// CalculiX, run on the exported deck
+    Calculix,
+}
+
+impl StudyCommand {
+    /// Its name, and its arguments.
+    pub fn parts(&self) -> (&'static str, &StudyArgs) {
+        match self {
+            Self::Run(study) => ("run", study),
+            Self::Calibrate(study) => ("calibrate", study),
+            Self::Simulate { study, .. } => ("simulate", study),
+            Self::Verify(study) => ("verify", study),
+            Self::Mesh(study) => ("mesh", study),
+            Self::Report(study) => ("report", study),
+            Self::Crosscheck { study, .. } => ("crosscheck", study),
+            Self::Deck { study, .. } => ("deck", study),
+        }
+    }
+
+    fn action(&self) -> Action<'_> {
+        match self {
+            Self::Run(_) => Action::Run,
+            Self::Calibrate(_) => Action::Calibrate,
+            Self::Simulate { law, .. } => Action::Simulate(law.as_deref()),
+            Self::Verify(_) => Action::Verify,
+            Self::Mesh(_) => Action::Mesh,
+            Self::Report(_) => Action::Report,
+            Self::Crosscheck { second_order, with, keep, .. } => Action::Crosscheck {
+                second_order: *second_order,
+                with_calculix: with.is_some(),
+                keep: keep.as_deref(),
+            },
+            Self::Deck { format, .. } => Action::Deck(*format),
+        }
+    }
+}
+
+impl StudyArgs {
+    /// What all commands that solve need to know.
+    pub fn work(&self) -> &WorkArgs {
+        &self.run.work
+    }
+}
+
+/// What is done with a study.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Action<'a> {
+    Run,
+    Calibrate,
+    Simulate(Option<&'a Path>),
+    Verify,
+    Mesh,
+    Report,
+    Crosscheck { second_order: bool, with_calculix: bool, keep: Option<&'a Path> },
+    Deck(Format),
+}
+
+impl Action<'_> {
+    /// Whether it takes results from the store and keeps them there.
+    fn keeps(self) -> bool {
+        !matches!(self, Self::Mesh | Self::Report | Self::Deck(_))
+    }
+
+    /// Whether it begins without the results of an earlier command.
+    fn begins(self) -> bool {
+        !matches!(self, Self::Simulate(None) | Self::Verify | Self::Report)
+    }
+}
+
+/// Runs a command; whether all limits hold.
+pub(super) fn run(command: &StudyCommand) -> Result<bool, Failure> {
+    let (name, args) = command.parts();
+    let study = Study::read_with(&args.study, args.set.settings())?;
+    let results = Results::of(name).of_study(&study.name);
+    done(command.action(), results, &args.run, &study, &[]).map_err(|error| Failure::of_stage(&study, error))
+}
+
+/// Writes a file of a kind into a folder and says its path.
+type WriteFile<'w> = &'w dyn Fn(&Path) -> Result<String, Error>;
+
+/// Does it with a study and prints `results` with what was found; whether all limits hold. `files` are further files of the output folder: a function
+/// of the folder for the text of each.
+///
+/// # Errors
+/// Those of the stages, and a folder that cannot be used.
+pub(super) fn done(
+    action: Action<'_>,
+    results: Results,
+    args: &RunArgs,
+    study: &Study,
+    files: &[(&str, WriteFile<'_>)],
+) -> Result<bool, Error> {
+    let RunArgs { output, work, dry_run, fresh } = args;
+    let path = output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
+    if *dry_run {
+        return tried(action, results, work, study, &path)?.print(work.json, work.quiet).map(|()| true);
+    }
+    if *fresh && !action.keeps() {
+        let expected = "one of the commands `run`, `calibrate`, `simulate`, `verify` and `crosscheck`";
+        return Err(InputError::new("--fresh", "given", expected, "leave it out").into());
+    }
+    let folder = if action.begins() { OutputFolder::create(&path)? } else { OutputFolder::open(&path)? };
+    take_threads(work.threads)?;
+    let _claim = folder.claim()?;
+    let progress = Progress::new(work.quiet);
+    let resources = work.resources(&progress);
+    let store = if action.keeps() { open_store(work, &progress)? } else { None };
+    let pipeline = Pipeline::new(study, &folder, resources).keeping(store.as_ref(), *fresh);
+    let (results, holds) = match action {
+        Action::Mesh => {
+            let sizes = pipeline.mesh()?;
+            let bodies = ["rail", "wheel"].into_iter().zip(sizes);
+            let said = bodies.clone().map(|(body, size)| {
+                format!(
+                    "{body}: {} nodes, {} elements, {} contact nodes",
+                    size.nodes, size.hexes, size.contact
+                )
+            });
+            let more = bodies.clone().map(|(body, size)| {
+                json!({ "body": body, "nodes": size.nodes, "elements": size.hexes, "contact_nodes": size.contact })
+            });
+            (results.with_more(said.collect(), more.collect()), true)
+        }
+        Action::Deck(format) => {
+            write_deck(study, format, &folder, &resources)?;
+            (results, true)
+        }
+        Action::Crosscheck { second_order, with_calculix, keep } => {
+            const CASES: [Case; 4] =
+                [Case::SameMesh, Case::SameMeshFriction, Case::OtherSurface, Case::SecondOrder];
+            let cases = if second_order { &CASES[..] } else { &CASES[..3] };
+            let record = pipeline.crosscheck(cases, with_calculix, keep)?;
+            (results.with_crosscheck(&record), record.holds)
+        }
+        Action::Run | Action::Calibrate | Action::Simulate(_) | Action::Verify | Action::Report => {
+            let found = match action {
+                Action::Run => pipeline.run()?,
+                Action::Calibrate => pipeline.calibrate()?,
+                Action::Simulate(law) => pipeline.simulate(law)?,
+                Action::Verify => pipeline.verify()?,
+                _ => pipeline.report()?,
+            };
+            // a report is written whatever it says
+            (results.with(&found), matches!(action, Action::Report) || found.holds())
+        }
+    };
+    for (name, text) in files {
+        folder.write(name, text(&path)?.as_bytes())?;
+    }
+    progress.finish();
+    let first = match action {
+        Action::Run | Action::Report => folder.file(REPORT),
+        _ => path,
+    };
+    results.at(&first).holding(holds).print(work.json, work.quiet)?;
+    Ok(holds)
+}
+
+/// The store. One that was named must be there; without the default one everything is made, which is said.
+fn open_store(args: &WorkArgs, progress: &Progress) -> Result<Option<Store>, Error> {
+    match (Store::open(&args.store()), &args.cache) {
+        (Ok(store), _) => Ok(Some(store)),
+        (Err(error), Some(_)) => Err(error),
+        (Err(error), None) => {
+            progress.notice(&format!("nothing is taken from the store or kept there: {error}"));
+            Ok(None)
+        }
+    }
+}
+
+/// What a command would need.
+fn tried(
+    action: Action<'_>,
+    results: Results,
+    args: &WorkArgs,
+    study: &Study,
+    path: &Path,
+) -> Result<Results, Error> {
+    let work = match action {
+        Action::Run => Work::of(study, true, true),
+        Action::Calibrate | Action::Deck(_) => Work::of(study, true, false),
+        Action::Verify => Work::of(study, false, true),
+        Action::Mesh => Work::default(),
+        Action::Crosscheck { second_order, .. } => Work::of_crosscheck(match second_order {
+            true => Purpose::SecondOrder,
+            false => Purpose::FirstOrder,
+        }),
+        Action::Simulate(_) | Action::Report => {
+            let steps: Vec<(&String, usize)> =
+                study.scenarios.iter().map(|(name, case)| (name, case.scenario.steps)).collect();
+            let said = match action {
+                Action::Report => {
+                    vec![format!("expected: the report from the results in {}", path.display())]
+                }
+                _ => steps
+                    .iter()
+                    .map(|(name, steps)| format!("expected: {name}: {steps} time steps"))
+                    .collect(),
+            };
+            return Ok(results.with_more(said, json!({ "time_steps": steps })));
+        }
+    };
+    let progress = Progress::new(args.quiet);
+    let estimate = estimate::dry_run(study, &work, &args.resources(&progress))?;
+    progress.finish();
+    Ok(results.with_estimate(&estimate))
+}

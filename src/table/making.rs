@@ -1,0 +1,270 @@
+//! What is made of one case of a table: its bodies and its places, each kept in the store as soon as it is there.
+
+use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::{CondensedPair, PairBody};
+use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+use serde::{Deserialize, Serialize};
+
+use super::document::{DirectionKey, TableDocument};
+use crate::estimate::{self, Resources, Room, Work};
+use crate::output::to_json;
+use crate::pipeline::{BodySource, body_address};
+use crate::records::ShiftRecord;
+use crate::stages::{self, Geometry, Meshes, PlaceSettings};
+use crate::store::{Address, Artefact, Kind, Store};
+use crate::study::Study;
+
+/// Part of an artefact: the place.
+const PLACE: &str = "place.json";
+
+/// What a place has come to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlaceRecord {
+    /// The law; the shift is that towards the rail of the side.
+    pub at: ShiftRecord,
+    /// Radius on which the wheel rolls at the first touch, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_radius_mm: Option<f64>,
+    /// Tangent stiffness of Hertz's contact at the first touch, under normal forces as large as the loads of the columns, kN/m; empty where
+    /// the bodies conform.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hertz_kn_per_m: Vec<f64>,
+}
+
+impl PlaceRecord {
+    /// The place of an artefact of the store.
+    ///
+    /// # Errors
+    /// [`railspring_calibrate::error::InputError`] for one that is no place.
+    pub(super) fn read(artefact: &Artefact) -> Result<Self> {
+        let content = artefact.part(PLACE).unwrap_or_default();
+        let text = std::str::from_utf8(content).unwrap_or_default();
+        crate::output::parse_json(std::path::Path::new(PLACE), text, "table")
+    }
+
+    /// One without a law.
+    pub(super) fn failed(shift_mm: f64, reason: &Error) -> Self {
+        Self {
+            at: ShiftRecord {
+                shift_mm,
+                touch: None,
+                laws: Vec::new(),
+                loads: Vec::new(),
+                published_secant_ratio: None,
+                error_band: None,
+                reason: Some(reason.to_string()),
+            },
+            rolling_radius_mm: None,
+            hertz_kn_per_m: Vec::new(),
+        }
+    }
+}
+
+/// What the places of all cases have in common.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Settings<'a> {
+    /// Name of the table, for lists.
+    pub name: &'a str,
+    /// Along what the wheels are pressed.
+    pub direction: DirectionKey,
+    /// Loads of the columns, kN.
+    pub stiffness_at_kn: &'a [f64],
+}
+
+impl<'a> Settings<'a> {
+    /// Those of a table.
+    pub fn of(document: &'a TableDocument) -> Self {
+        let TableDocument { name, direction, stiffness_at_kn, .. } = document;
+        Self { name, direction: *direction, stiffness_at_kn }
+    }
+
+    /// Where the store has the place of a study at a shift towards the rail (mm).
+    pub fn address(&self, store: &Store, study: &Study, towards: f64) -> Address {
+        store.address(Kind::Place, &(&study.keys.springs, self.direction, self.stiffness_at_kn, towards))
+    }
+}
+
+/// A case that is being made.
+#[derive(Clone, Copy)]
+pub(super) struct CaseWork<'a> {
+    pub study: &'a Study,
+    pub settings: Settings<'a>,
+    pub store: &'a Store,
+    pub resources: Resources<'a>,
+    /// Who hears what the store does not keep.
+    pub said: &'a dyn Monitor,
+}
+
+/// A body that a case is pressed with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct BodyOfCase {
+    /// Whether it is that of the coarser meshes, which the error band is from.
+    pub coarser: bool,
+    pub body: PairBody,
+}
+
+impl CaseWork<'_> {
+    /// The case up to its meshes.
+    ///
+    /// # Errors
+    /// What is wrong with the study, by its keys; more memory than there is.
+    pub fn meshed(&self) -> Result<Meshed> {
+        self.with_keys(|| {
+            let study = self.study;
+            let geometry = stages::geometry(study)?;
+            let options = stages::mesh_options(study, &geometry);
+            let work = Work::of(study, true, false);
+            let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
+            Ok(Meshed { geometry, meshes, room })
+        })
+    }
+
+    /// The case up to its condensed bodies, taken from the store or made.
+    ///
+    /// # Errors
+    /// As [`Self::meshed`]; those of condensing.
+    pub fn ready(&self) -> Result<Ready> {
+        let meshed = self.meshed()?;
+        self.with_keys(|| {
+            let Meshed { geometry, meshes, .. } = &meshed;
+            let (study, source) = (self.study, self.source(meshed.room));
+            let bodies = source.condensed(&stages::solids(study, geometry, meshes), "", 0)?;
+            let coarser = study
+                .wants_error_band()
+                .then(|| {
+                    let condense = |coarser: &Meshes| {
+                        source.condensed(&stages::solids(study, geometry, coarser), " of coarser elements", 0)
+                    };
+                    stages::coarser_bodies(study, geometry, meshes, condense)
+                })
+                .transpose()?;
+            let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
+            Ok((bodies, coarser))
+        })
+        .map(|(bodies, coarser)| Ready { meshed, bodies, coarser })
+    }
+
+    /// The bodies of the case, and where the store has them. Coarser meshes that cannot be made have none: their place says why.
+    pub fn bodies(&self, meshed: &Meshed) -> Vec<(BodyOfCase, Address)> {
+        let Meshed { geometry, meshes, .. } = meshed;
+        let own_mesh = self.study.rail.mesh.is_none() && self.study.wheel.mesh.is_none();
+        let coarser =
+            (self.study.wants_error_band() && own_mesh).then(|| self.coarser(meshed)).and_then(Result::ok);
+        let of = |meshes: &Meshes, coarser: bool| -> Vec<(BodyOfCase, Address)> {
+            let solids = stages::solids(self.study, geometry, meshes);
+            let bodies = PairBody::of_pair(self.study.calibration.foot_held).iter();
+            let entry = |body: &PairBody| {
+                let address = body_address(self.store, &solids, *body, 0);
+                (BodyOfCase { coarser, body: *body }, address)
+            };
+            bodies.map(entry).collect()
+        };
+        let coarser = coarser.map(|meshes| of(&meshes, true)).unwrap_or_default();
+        of(meshes, false).into_iter().chain(coarser).collect()
+    }
+
+    /// Condenses one body of the case, unless the store has it.
+    ///
+    /// # Errors
+    /// Those of meshing and condensing.
+    pub fn condense(&self, meshed: &Meshed, BodyOfCase { coarser, body }: BodyOfCase) -> Result<()> {
+        let meshes = if coarser { &self.coarser(meshed)? } else { &meshed.meshes };
+        self.source(meshed.room).one(&stages::solids(self.study, &meshed.geometry, meshes), body, 0)
+    }
+
+    fn coarser(&self, Meshed { geometry, meshes, .. }: &Meshed) -> Result<Meshes> {
+        let options = stages::coarser_options(geometry, meshes.options());
+        stages::remeshed_with(self.study, geometry, meshes, options)
+    }
+
+    /// Whether the store has the place at a shift towards the rail (mm), complete.
+    pub fn has_place(&self, shift_mm: f64) -> bool {
+        let address = self.settings.address(self.store, self.study, shift_mm);
+        self.store
+            .take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| self.said.notice(&text))
+            .is_some()
+    }
+
+    /// The place at a shift towards the rail (mm), kept in the store.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn place(&self, ready: &Ready, shift_mm: f64) -> Result<PlaceRecord> {
+        let Self { study, settings, store, .. } = self;
+        let Ready { meshed: Meshed { geometry, .. }, bodies, coarser } = ready;
+        let fixed_loads: Vec<f64> = settings.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
+        let pressed = PlaceSettings { direction: settings.direction.into(), fixed_loads: &fixed_loads };
+        let shift = shift_mm * MILLIMETRE;
+        let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));
+        let at = stages::place(study, geometry, bodies, &pressed, shift, coarser, self.resources.monitor)?;
+        let record = PlaceRecord {
+            rolling_radius_mm: at
+                .touch
+                .map(|touch| geometry.pair.wheel.radius / MILLIMETRE + touch.wheel_z_mm),
+            hertz_kn_per_m: hertz(study, geometry, shift, &fixed_loads),
+            at,
+        };
+        let artefact = Artefact::default().with(PLACE, to_json(&record));
+        let address = settings.address(store, study, shift_mm);
+        store.keep(&address, "place of a table", settings.name, &artefact, &|text| self.said.notice(&text));
+        Ok(record)
+    }
+
+    fn source(&self, room: Room) -> BodySource<'_> {
+        BodySource {
+            store: Some(self.store),
+            fresh: false,
+            foot_held: self.study.calibration.foot_held,
+            together: room.condensing,
+            study: &self.study.name,
+            monitor: self.resources.monitor,
+        }
+    }
+
+    /// What `make` makes; what is wrong with the study is said by its keys.
+    fn with_keys<T>(&self, make: impl FnOnce() -> Result<T>) -> Result<T> {
+        make().map_err(|error| match error {
+            Error::Input(input) => self.study.with_keys(input).into(),
+            other => other,
+        })
+    }
+}
+
+/// A case up to its meshes.
+pub(super) struct Meshed {
+    geometry: Geometry,
+    meshes: Meshes,
+    /// What there is room for at the same time.
+    room: Room,
+}
+
+/// A case up to its condensed bodies; those of coarser meshes with the edge of the contact elements of the others, m.
+pub(super) struct Ready {
+    meshed: Meshed,
+    bodies: CondensedPair,
+    coarser: Option<(f64, stages::CoarserBodies)>,
+}
+
+impl Ready {
+    /// What there is room for at the same time.
+    pub fn room(&self) -> Room {
+        self.meshed.room
+    }
+}
+
+/// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces
+/// as large as the loads (N), kN/m.
+fn hertz(study: &Study, geometry: &Geometry, shift: f64, loads: &[f64]) -> Vec<f64> {
+    let Ok(pair) = geometry.pair.with_wheel_at(stages::tape_y(study, &geometry.pair, shift)) else {
+        return Vec::new();
+    };
+    let [along, across] = pair.relative_radii();
+    let modulus = study.material.contact_modulus();
+    let tangent = |load: &f64| {
+        let contact = point_contact(*load, along, across, modulus)?;
+        Ok(contact.tangent_stiffness / KILONEWTON_PER_METRE)
+    };
+    loads.iter().map(tangent).collect::<Result<_>>().unwrap_or_default()
+}

@@ -1,0 +1,218 @@
+//! The steps of a case on another machine: what it gets, what it does with it, and what it answers. A step needs nothing but its store.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use railspring_calibrate::error::{Error, InputError, Result};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use super::cases::{Case, Table, text_of_keys};
+use super::document::DirectionKey;
+use super::making::{CaseWork, Settings};
+use crate::estimate::Resources;
+use crate::store::Store;
+use crate::study::Study;
+
+/// A case that goes to another machine: its keys, with the files that they name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SentCase {
+    table: String,
+    direction: DirectionKey,
+    stiffness_at_kn: Vec<f64>,
+    /// The keys of the study; files are named as in `files`.
+    keys: Map<String, Value>,
+    /// Content of the files (base64).
+    files: BTreeMap<String, String>,
+    /// Hash of what springs depend on: the study must be the same there.
+    springs: String,
+}
+
+/// A step of a case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Work {
+    /// Hash of the program that asks for it.
+    program: String,
+    /// Whether places that the store has are made again.
+    fresh: bool,
+    step: Step,
+    case: SentCase,
+}
+
+/// What is done.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
+enum Step {
+    /// Mesh the bodies, and say which they are.
+    Prepare,
+    /// Condense the body of an entry.
+    Condense { entry: String },
+    /// Press the pair at shifts towards the rail, mm.
+    Press { shifts_mm: Vec<f64> },
+}
+
+/// What has come of a step.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Answer {
+    /// Why the case cannot be made, wherever it is tried.
+    refused: Option<String>,
+    /// The bodies that it needs.
+    bodies: Vec<NeededBody>,
+    /// Files of the store that were made, or were there.
+    entries: Vec<String>,
+}
+
+/// A body that a case needs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct NeededBody {
+    /// Its name in messages.
+    name: String,
+    /// Its file in the store.
+    entry: String,
+}
+
+impl SentCase {
+    /// Why a case stays on this machine: a mesh file, which another program reads, or a slice among several.
+    pub fn obstacle(case: &Case) -> Option<&'static str> {
+        let Study { rail, wheel, .. } = &case.study;
+        if rail.mesh.is_some() || wheel.mesh.is_some() {
+            return Some("mesh files are read on this machine");
+        }
+        let mut measured = [&rail.measured, &wheel.measured].into_iter().flatten();
+        measured.any(|measured| measured.part.is_some()).then_some("slices are chosen on this machine")
+    }
+
+    /// A case of a table without an [`obstacle`](Self::obstacle).
+    pub fn of(table: &Table, case: &Case) -> Self {
+        let Settings { name, direction, stiffness_at_kn } = Settings::of(&table.document);
+        let Study { rail, wheel, .. } = &case.study;
+        let mut keys = case.keys.clone();
+        let mut files = BTreeMap::new();
+        let mut send = |section: &str, leaf: &str, path: &Path, content: &[u8]| {
+            let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy()));
+            let name = format!("{section}-{leaf}{}", ending.unwrap_or_default());
+            files.insert(name.clone(), STANDARD.encode(content));
+            keys[section][leaf] = name.into();
+        };
+        for (section, measured, own) in
+            [("rail", &rail.measured, &rail.section), ("wheel", &wheel.measured, &wheel.section)]
+        {
+            if let Some(measured) = measured {
+                send(section, "profile_file", &measured.path, &measured.content);
+            }
+            if let Some(own) = own {
+                send(section, "section_file", &own.path, &own.content);
+            }
+        }
+        let (stiffness_at_kn, springs) = (stiffness_at_kn.to_vec(), case.study.keys.springs.clone());
+        Self { table: name.into(), direction, stiffness_at_kn, keys, files, springs }
+    }
+
+    /// The study, with its files in `folder`.
+    fn study(&self, folder: &Path) -> Result<Study> {
+        let unusable = |value: String| {
+            let expected = "a case as `railspring table` sends it";
+            InputError::new("case", value, expected, "run the same program on all machines")
+        };
+        for (name, content) in &self.files {
+            let content = STANDARD.decode(content).map_err(|cause| unusable(format!("{name}: {cause}")))?;
+            // a name without a folder
+            if Path::new(name).file_name() != Some(name.as_ref()) {
+                return Err(unusable(format!("a file {name:?}")).into());
+            }
+            std::fs::write(folder.join(name), content)
+                .map_err(|cause| unusable(format!("{name}: {cause}")))?;
+        }
+        let study = Study::parse(&folder.join("case.toml"), &text_of_keys(&self.keys))
+            .map_err(|mistakes| unusable(mistakes.messages().join("; ")))?;
+        if study.keys.springs != self.springs {
+            return Err(unusable("another study than on the machine that sends it".into()).into());
+        }
+        Ok(study)
+    }
+}
+
+impl Work {
+    /// Does the step with the store.
+    ///
+    /// # Errors
+    /// Another program than the one that asks, a temporary folder or a store that cannot be written, and an interruption: another machine
+    /// may do it. What is wrong with the case is an answer.
+    pub fn done(&self, store: &Store, resources: Resources<'_>) -> Result<Answer> {
+        if self.program != store.program() {
+            let expected = format!("the program that makes the table, {}", self.program);
+            let remedy = "install the same build on all machines";
+            return Err(InputError::new("program", store.program(), expected, remedy).into());
+        }
+        let folder = tempfile::tempdir().map_err(|cause| {
+            let expected = "a temporary folder that can be written";
+            InputError::new("temporary folder", cause, expected, "make room, or set TMPDIR to another one")
+        })?;
+        let study = self.case.study(folder.path())?;
+        let SentCase { table, direction, stiffness_at_kn, .. } = &self.case;
+        let settings = Settings { name: table, direction: *direction, stiffness_at_kn };
+        let case = CaseWork { study: &study, settings, store, resources, said: resources.monitor };
+        let answer = match &self.step {
+            Step::Prepare => prepared(&case),
+            Step::Condense { entry } => condensed(&case, entry),
+            Step::Press { shifts_mm } => self.pressed(&case, shifts_mm),
+        };
+        let answer = match answer {
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            Err(error) => Answer { refused: Some(error.to_string()), ..Answer::default() },
+            Ok(answer) => answer,
+        };
+        // a result that the store does not keep goes nowhere
+        let absent = |entry: &&String| !store.path().join(entry).is_file();
+        if let Some(absent) = answer.entries.iter().find(absent) {
+            let value = store.path().join(absent).display().to_string();
+            let expected = "a store that keeps what is made";
+            return Err(InputError::new(
+                "--cache",
+                value,
+                expected,
+                "make room there, or name another folder",
+            )
+            .into());
+        }
+        Ok(answer)
+    }
+
+    fn pressed(&self, case: &CaseWork<'_>, shifts: &[f64]) -> Result<Answer> {
+        let address = |shift: &f64| case.settings.address(case.store, case.study, *shift);
+        let missing: Vec<f64> =
+            shifts.iter().copied().filter(|shift| self.fresh || !case.has_place(*shift)).collect();
+        if !missing.is_empty() {
+            let ready = case.ready()?;
+            missing.par_iter().map(|shift| case.place(&ready, *shift).map(drop)).collect::<Result<()>>()?;
+        }
+        Ok(Answer {
+            entries: shifts.iter().map(|shift| address(shift).file()).collect(),
+            ..Answer::default()
+        })
+    }
+}
+
+fn prepared(case: &CaseWork<'_>) -> Result<Answer> {
+    let needed = case.bodies(&case.meshed()?).into_iter().map(|(body, address)| {
+        let of_coarser = if body.coarser { " of coarser elements" } else { "" };
+        NeededBody { name: format!("{}{of_coarser}", body.body.name()), entry: address.file() }
+    });
+    Ok(Answer { bodies: needed.collect(), ..Answer::default() })
+}
+
+fn condensed(case: &CaseWork<'_>, entry: &str) -> Result<Answer> {
+    let meshed = case.meshed()?;
+    let Some((body, _)) = case.bodies(&meshed).into_iter().find(|(_, address)| address.file() == entry)
+    else {
+        let expected = "the file of one of the bodies of the case";
+        return Err(InputError::new("entry", entry, expected, "run the same program on all machines").into());
+    };
+    case.condense(&meshed, body)?;
+    Ok(Answer { entries: vec![entry.to_owned()], ..Answer::default() })
+}
