@@ -6,7 +6,8 @@
 //! lock file of `cluster/`.
 #![cfg(unix)]
 
-use std::collections::BTreeMap;
+mod tables;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -16,9 +17,7 @@ use std::time::{Duration, Instant};
 use railspring::python::Python;
 use railspring_calibrate::monitor::Silent;
 use serde_json::{Value, json};
-
-/// Bodies with as few degrees of freedom as hold the loads: what is compared are bytes.
-const COARSER: &str = "[mesh]\nwheel_section_element_mm = 40\nwheel_arc_element_mm = 300\nrail_length_element_mm = 60\ngrowth = 2.5\n";
+use tables::Place;
 
 /// A measured wheel and a file that is no profile on two rails at two shifts.
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\
@@ -118,29 +117,7 @@ fn dask(python: &Path, folder: &Path, arguments: &[&str], last: &Path) -> Proces
     Process(command.stderr(said).spawn().unwrap())
 }
 
-struct Place(tempfile::TempDir);
-
 impl Place {
-    fn new(table: &str) -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        let base = include_str!("studies/coarse.toml").replace("[mesh]\n", COARSER);
-        let loads = "loads_kn = [5, 20, 40, 60, 85]";
-        let base = base.replace("load_min_kn = 5\nload_max_kn = 85\nload_count = 5", loads);
-        assert!(base.contains(loads));
-        place.write("base.toml", &base);
-        place.write("worn.whl", include_str!("../data/profiles/worn-s1002.whl"));
-        place.write("table.toml", table);
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.path(name), text).unwrap();
-    }
-
     /// The table into a folder, with a store of the folder's name.
     fn table(&self, out: &str, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_railspring"));
@@ -152,11 +129,6 @@ impl Place {
 
     fn on(&self, cluster: &DaskCluster, out: &str, more: &[&str]) -> Command {
         self.table(out, &[&["--executor", "dask", "--scheduler", &cluster.address], more].concat())
-    }
-
-    fn files(&self, out: &str) -> BTreeMap<&'static str, Vec<u8>> {
-        let read = |name| (name, std::fs::read(self.path(out).join(name)).unwrap());
-        ["table.csv", "table.json", "table.html"].map(read).into()
     }
 }
 

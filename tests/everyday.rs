@@ -81,8 +81,8 @@ fn a_pair_is_fitted_without_a_study() {
     let place = Place::new();
     std::fs::write(place.path("head.csv"), head()).unwrap();
     let output = place.run(&[&["fit", "S1002", "head.csv"], &COARSELY[..]].concat());
-    let (text, told) = (said(&output), message(&output));
-    assert!(matches!(output.status.code(), Some(0 | 1)), "{told}");
+    let (text, remarks) = (said(&output), message(&output));
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{remarks}");
     for part in [
         "law: k(f) = ",
         "  a  ",
@@ -101,7 +101,7 @@ fn a_pair_is_fitted_without_a_study() {
         "assumed: ",
         "contact.friction = 0.5",
     ] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(remarks.contains(part), "{part}: {remarks}");
     }
     let study = place.read("out/S1002-on-head/study.toml");
     assert!(

@@ -4,44 +4,22 @@
 //! influence on stays; a case that fails is a row; tables that are killed lose nothing. Source: `railspring calibrate` on the studies that
 //! the cases are, and tables with an empty store, equal to the byte.
 
+mod tables;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
-
-/// Bodies with as few degrees of freedom as hold the loads: what is compared are bytes.
-const COARSER: &str = "[mesh]\nwheel_section_element_mm = 40\nwheel_arc_element_mm = 300\nrail_length_element_mm = 60\ngrowth = 2.5\n";
+use tables::Place;
 
 /// Two wheels on two rails at two shifts, with columns at loads of the study.
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\
     [[wheel]]\nprofile = \"S1002\"\n[[wheel]]\nname = \"worn\"\nprofile_file = \"worn.whl\"\nstandard = \"S1002\"\n\
     [[rail]]\nprofile = \"60E1\"\n[[rail]]\nprofile = \"54E1\"\ninclination = \"1:20\"\n";
 
-struct Place(tempfile::TempDir);
-
 impl Place {
-    fn new() -> Self {
-        let place = Self(tempfile::tempdir().unwrap());
-        let base = include_str!("studies/coarse.toml").replace("[mesh]\n", COARSER);
-        let loads = "loads_kn = [5, 20, 40, 60, 85]";
-        let base = base.replace("load_min_kn = 5\nload_max_kn = 85\nload_count = 5", loads);
-        assert!(base.contains(loads));
-        place.write("base.toml", &base);
-        place.write("worn.whl", include_str!("../data/profiles/worn-s1002.whl"));
-        place.write("table.toml", TABLE);
-        place
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.path(name), text).unwrap();
-    }
-
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_railspring"));
         command.current_dir(self.0.path()).args(arguments).env("RAILSPRING_CACHE", "cache");
@@ -60,11 +38,6 @@ impl Place {
         let (code, said) = self.run(&[&["table", file, "-o", out], more].concat());
         assert_eq!(code, Some(0), "{said}");
         said
-    }
-
-    fn files(&self, out: &str) -> BTreeMap<&'static str, Vec<u8>> {
-        let read = |name| (name, std::fs::read(self.path(out).join(name)).unwrap());
-        ["table.csv", "table.json", "table.html"].map(read).into()
     }
 
     fn rows(&self, out: &str) -> Vec<BTreeMap<String, String>> {
@@ -91,7 +64,7 @@ fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
 #[test]
 fn a_row_is_the_calibration_of_its_study() {
     const ROUNDOFF: f64 = 1e-9;
-    let place = Place::new();
+    let place = Place::new(TABLE);
     place.table("table.toml", "out", &[]);
     let rows = place.rows("out");
     assert_eq!(rows.len(), 8);
@@ -139,7 +112,7 @@ fn a_row_is_the_calibration_of_its_study() {
 fn hertz_and_mindlin_stand_beside_the_solid() {
     const MODEL: f64 = 0.25;
     const MINDLIN: f64 = 1.214;
-    let place = Place::new();
+    let place = Place::new(TABLE);
     place.write("one.toml", &TABLE.replace("shifts_mm = [0, 2]", "shifts_mm = [-2]"));
     place.table("one.toml", "out", &[]);
     let rows = place.rows("out");
@@ -158,7 +131,7 @@ fn hertz_and_mindlin_stand_beside_the_solid() {
 /// and is not made again.
 #[test]
 fn what_is_there_is_not_made_again() {
-    let place = Place::new();
+    let place = Place::new(TABLE);
     let said = place.table("table.toml", "out", &["--cache", "store"]);
     assert!(
         said.contains("4 pairs at 8 places, 0 of them in the store; 8 to be made on 4 pairs of 6 bodies"),
@@ -240,7 +213,7 @@ fn moved(profile: &str) -> String {
 /// and the exit code says that not all is; the table of the folder has a wheel for every file.
 #[test]
 fn a_case_that_fails_is_a_row() {
-    let place = Place::new();
+    let place = Place::new(TABLE);
     std::fs::create_dir(place.path("measured")).unwrap();
     place.write("measured/good.whl", include_str!("../data/profiles/worn-s1002.whl"));
     place.write("measured/notes.txt", "the wheels of the third of May\n");
@@ -269,7 +242,7 @@ fn a_case_that_fails_is_a_row() {
 #[test]
 #[cfg(unix)]
 fn a_table_that_is_killed_goes_on() {
-    let place = Place::new();
+    let place = Place::new(TABLE);
     place.table("table.toml", "whole", &["--cache", "other"]);
     let kept = || {
         let files = std::fs::read_dir(place.path("store")).into_iter().flatten().flatten();
@@ -295,7 +268,7 @@ fn a_table_that_is_killed_goes_on() {
 /// earlier table.
 #[test]
 fn mistakes_are_said_with_their_lines() {
-    let place = Place::new();
+    let place = Place::new(TABLE);
     let refused = |change: [&str; 2], expected: &[&str]| {
         let text = TABLE.replacen(change[0], change[1], 1);
         assert_ne!(text, TABLE);

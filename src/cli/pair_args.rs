@@ -145,16 +145,18 @@ fn plain(profile: &str) -> String {
 /// What is wrong with keys that the command line gives, with how to give others.
 pub(super) fn by_option(failure: Failure) -> Failure {
     const HOW: &str = "keys are given with `--set KEY=VALUE`";
-    let told = |mut error: InputError| {
+    let with_how = |mut error: InputError| {
         error.remedy = format!("{}; {HOW}", error.remedy);
         error
     };
     match failure {
         Failure::Located(mut located) => {
-            located.error = told(located.error);
+            located.error = with_how(located.error);
             Failure::Located(located)
         }
-        Failure::Plain(Error::Input(error)) if error.key.contains('.') => Failure::Plain(told(error).into()),
+        Failure::Plain(Error::Input(error)) if error.key.contains('.') => {
+            Failure::Plain(with_how(error).into())
+        }
         other => other,
     }
 }

@@ -3,7 +3,7 @@
 use railspring_calibrate::error::Result;
 use railspring_calibrate::superelement::{FactorSize, Parts};
 
-use super::{FILL, OF_HALVES};
+use super::FILL;
 
 /// Bytes of a value.
 pub(super) const VALUE: f64 = 8.0;
@@ -60,5 +60,5 @@ pub fn least_memory(degrees_of_freedom: usize) -> f64 {
     /// Share of the values of a first look that bodies have which are refined.
     const LESS: f64 = 0.5;
     let degrees_of_freedom = degrees_of_freedom as f64;
-    NODE * degrees_of_freedom / 3.0 + LESS * VALUE * OF_HALVES * FILL * degrees_of_freedom.powf(4.0 / 3.0)
+    NODE * degrees_of_freedom / 3.0 + LESS * VALUE * FILL * degrees_of_freedom.powf(4.0 / 3.0)
 }

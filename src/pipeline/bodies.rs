@@ -7,8 +7,9 @@ use railspring_calibrate::superelement::CondensedBody;
 use std::sync::Mutex;
 
 use super::Pipeline;
-use crate::stages::MovingBodies;
+use crate::stages::{self, CoarserBodies, Geometry, Meshes, MovingBodies};
 use crate::store::{Address, Artefact, Kind, Store};
+use crate::study::Study;
 
 /// Part of an artefact: the body's file.
 const BODY: &str = "body.safetensors";
@@ -73,6 +74,16 @@ impl BodySource<'_> {
             let said = (&*format!("superelements{which}"), self.monitor);
             let bodies = condense_all(said, PairBody::of_pair(self.foot_held), self.together, get)?;
             CondensedPair::new(solids.material, bodies)
+        })
+    }
+
+    /// The bodies of coarser meshes, which error bands are from.
+    ///
+    /// # Errors
+    /// Those of coarser meshes, and as [`Self::condensed`].
+    pub fn coarser(&self, study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
+        stages::coarser_bodies(study, geometry, meshes, |coarser| {
+            self.condensed(&stages::solids(study, geometry, coarser), " of coarser elements", 0)
         })
     }
 

@@ -200,11 +200,7 @@ impl Pipeline<'_> {
 
     /// The bodies of coarser meshes.
     pub(super) fn coarser(&self, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
-        let (study, source) = (self.study, self.body_source());
-        stages::coarser_bodies(study, geometry, meshes, |coarser| {
-            let solids = stages::solids(study, geometry, coarser);
-            source.condensed(&solids, " of coarser elements", 0)
-        })
+        self.body_source().coarser(self.study, geometry, meshes)
     }
 
     /// The error bands; `coarser` are the bodies of coarser meshes, if they are there.

@@ -20,7 +20,7 @@ use crate::study::{MeasuredSurface, SectionFile, Study};
 /// The section of a body.
 pub(super) struct Sectioned<S> {
     pub section: S,
-    /// The records of its own section and of its measured surface.
+    /// The records of the section that the study brings, and of the measured surface.
     pub records: Vec<ProfileRecord>,
     /// The measured surface on its standard.
     pub surface: Option<OnStandard>,

@@ -131,15 +131,8 @@ impl CaseWork<'_> {
             let Meshed { geometry, meshes, .. } = &meshed;
             let (study, source) = (self.study, self.source(meshed.room));
             let bodies = source.condensed(&stages::solids(study, geometry, meshes), "", 0)?;
-            let coarser = study
-                .wants_error_band()
-                .then(|| {
-                    let condense = |coarser: &Meshes| {
-                        source.condensed(&stages::solids(study, geometry, coarser), " of coarser elements", 0)
-                    };
-                    stages::coarser_bodies(study, geometry, meshes, condense)
-                })
-                .transpose()?;
+            let coarser =
+                study.wants_error_band().then(|| source.coarser(study, geometry, meshes)).transpose()?;
             let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
             Ok((bodies, coarser))
         })
