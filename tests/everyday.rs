@@ -146,6 +146,9 @@ fn a_pair_that_cannot_be_fitted_is_named() {
         }
         assert_eq!(std::fs::read_dir(place.0.path()).unwrap().count(), 2, "{arguments:?} leaves nothing");
     }
+    // a place in a file is no key
+    let of_file = message(&place.run(&["fit", "S1002", "bad.csv"]));
+    assert!(!of_file.contains("keys are given with"), "{of_file}");
 }
 
 /// A new study is read as it stands, names files from its own folder, and takes the place of no other file.

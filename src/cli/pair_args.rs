@@ -11,7 +11,7 @@ use railspring_calibrate::profile_placement::{PlaceOptions, in_words, resembled}
 use super::Failure;
 use super::shapes::unknown_profile;
 use crate::study::document::ProfileUnitKey;
-use crate::study::{Setting, Study};
+use crate::study::{SECTIONS, Setting, Study};
 use crate::template::{Body, Pair};
 
 /// A pair, its study without load cases, and what has to be known about it.
@@ -154,9 +154,14 @@ pub(super) fn by_option(failure: Failure) -> Failure {
             located.error = with_how(located.error);
             Failure::Located(located)
         }
-        Failure::Plain(Error::Input(error)) if error.key.contains('.') => {
+        Failure::Plain(Error::Input(error)) if is_of_section(&error.key) => {
             Failure::Plain(with_how(error).into())
         }
         other => other,
     }
+}
+
+/// Whether a key is one of a section of the study; that of an error may also be a place in a file.
+fn is_of_section(key: &str) -> bool {
+    key.split_once('.').is_some_and(|(section, _)| SECTIONS.contains(&section))
 }
