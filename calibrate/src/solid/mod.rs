@@ -6,7 +6,6 @@
 
 mod brick;
 mod numbering;
-mod mirror;
 mod columns;
 mod assembly;
 mod locate;
@@ -16,7 +15,6 @@ pub use assembly::{NodalMass, System};
 pub use brick::Formulation;
 pub use columns::Pattern;
 pub use locate::Cut;
-pub use mirror::{MirrorHalf, Symmetry};
 pub use numbering::{Numbering, Supports, rigid_motion};
 pub use stress::{largest_shear, nodal_stress, von_mises};
 
