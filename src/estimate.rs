@@ -19,7 +19,7 @@ use crate::stages::{self, Geometry, Meshes};
 use crate::study::Study;
 
 use condensing::{NODE, VALUE};
-pub use condensing::{condensing, least_memory};
+pub use condensing::{condensing, least_memory, stepping};
 use machine::available;
 use needs::{Beside, reference_memory, steps_in_each};
 pub use needs::{Estimate, StageEstimate};
@@ -28,6 +28,8 @@ pub use needs::{Estimate, StageEstimate};
 pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 /// Values of a factor for every equation to the power of 4/3, for a first look before there is a mesh. Measured: 20.
 const FILL: f64 = 20.0;
+/// Share of them in the factor of one half of a body: half of the equations to the power 4/3.
+const OF_HALVES: f64 = 0.4;
 /// A first look may be wrong by this factor.
 const FIRST_LOOK: f64 = 2.0;
 
@@ -89,7 +91,7 @@ impl Budget {
         let Some((budget, whose)) = self.bytes() else { return Ok(()) };
         let needed = |study: &Study| -> Result<(f64, usize)> {
             let sizes = sizes(study, geometry)?;
-            let memory: f64 = sizes.iter().map(|size| first_look(size, work)).sum();
+            let memory: f64 = sizes.iter().map(|size| first_look(size, work, study.modes() == 0)).sum();
             Ok((memory, sizes.iter().map(|size| 3 * size.nodes).sum()))
         };
         let (memory, equations) = needed(study)?;
@@ -112,7 +114,7 @@ impl Budget {
         }
         // what the first look says of other sizes, in proportion
         let look = |study: &Study| -> Result<f64> {
-            Ok(sizes(study, geometry)?.iter().map(|size| first_look(size, work)).sum())
+            Ok(sizes(study, geometry)?.iter().map(|size| first_look(size, work, study.modes() == 0)).sum())
         };
         let here = look(study)?;
         let needed = |study: &Study| look(study).map(|there| memory * there / here);
@@ -212,14 +214,14 @@ fn sizes(study: &Study, geometry: &Geometry) -> Result<Vec<MeshSize>> {
     Ok(sizes)
 }
 
-/// Bytes of a body by the numbers of its mesh alone.
-fn first_look(size: &MeshSize, work: &Work) -> f64 {
+/// Bytes of a body by the numbers of its mesh alone; bodies without modes are condensed by halves.
+fn first_look(size: &MeshSize, work: &Work, by_halves: bool) -> f64 {
     if *work == Work::default() {
         return NODE * size.nodes as f64;
     }
     let values = FILL * (3.0 * size.nodes as f64).powf(4.0 / 3.0);
     let dense = (3.0 * size.contact as f64).powi(2);
-    let own = VALUE * (values + 2.0 * dense);
+    let own = VALUE * if by_halves { OF_HALVES * values + 1.5 * dense } else { values + 2.0 * dense };
     let factored = work.reference.map_or(own, |purpose| own.max(reference_memory(purpose, values)));
     factored + NODE * size.nodes as f64
 }

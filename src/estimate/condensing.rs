@@ -1,8 +1,7 @@
 //! What a body takes that is condensed by itself.
 
 use railspring_calibrate::error::Result;
-use railspring_calibrate::solid::System;
-use railspring_calibrate::superelement::FactorSize;
+use railspring_calibrate::superelement::{FactorSize, Parts};
 
 use super::FILL;
 
@@ -24,9 +23,9 @@ const AT_ONCE: f64 = 24.0;
 ///
 /// # Errors
 /// A mesh that cannot be ordered.
-pub fn condensing(system: &System<'_>, modes: usize) -> Result<(FactorSize, f64)> {
-    let size = FactorSize::of(system.mesh, &system.numbering)?;
-    Ok((size, largest(system.mesh.nodes.len(), &size, modes as f64)))
+pub fn condensing(parts: &Parts<'_>, modes: usize) -> Result<(FactorSize, f64)> {
+    let size = parts.size()?;
+    Ok((size, largest(&size, modes as f64)))
 }
 
 /// Bytes of a factor of so many values, with the indices and the work space of its factorisation.
@@ -34,16 +33,26 @@ pub(super) fn factor(values: usize) -> f64 {
     FACTORISATION * VALUE * values as f64
 }
 
-/// The largest of the stages of a body with so many nodes: factorisation, condensation, modes.
-pub(super) fn largest(nodes: usize, size: &FactorSize, modes: f64) -> f64 {
+/// The largest of the stages of a body: factorisation, condensation, modes, and the compliance of the whole from those of its parts.
+pub(super) fn largest(size: &FactorSize, modes: f64) -> f64 {
+    let parts = size.parts as f64;
     let dense = VALUE * (size.retained as f64).powi(2);
-    let vectors = if modes > 0.0 {
-        (modes + AT_ONCE) * VALUE * size.equations as f64 + MASS * nodes as f64
-    } else {
-        0.0
-    };
-    let beside = [ENTRY * size.entries as f64, 2.0 * dense, dense + vectors];
-    factor(size.values) + beside.into_iter().fold(0.0, f64::max)
+    let of_part = dense / parts.powi(2);
+    let equations = size.equations as f64 / parts;
+    let vectors =
+        if modes > 0.0 { (modes + AT_ONCE) * VALUE * equations + MASS * equations / 3.0 } else { 0.0 };
+    // the compliances of the parts before
+    let before = (parts - 1.0) * of_part;
+    let beside = [ENTRY * size.entries as f64, before + 2.0 * of_part, of_part + vectors];
+    let joined = if size.parts > 1 { dense + parts * of_part } else { 0.0 };
+    (factor(size.values) + beside.into_iter().fold(0.0, f64::max)).max(joined)
+}
+
+/// Bytes of a reduced body in time: its compliance, and its far field in the steps of three runs, with all modes, with fewer and with a
+/// larger input.
+pub fn stepping(size: &FactorSize, modes: usize) -> f64 {
+    let (rows, modes) = (size.retained as f64, modes as f64);
+    VALUE * (4.0 * rows * rows + 6.0 * rows * modes)
 }
 
 /// Bytes that meshes with so many degrees of freedom and one of their factors take at least, before there is a mesh.

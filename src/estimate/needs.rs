@@ -8,7 +8,7 @@ use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::FactorSize;
 
 use super::Work;
-use super::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest};
+use super::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};
 use crate::python::Purpose;
 use crate::stages::{self, FINER, Geometry, Meshes};
 use crate::study::{FieldKey, Study, TransientKey};
@@ -116,9 +116,11 @@ impl Estimate {
     /// Those of counting the equations and the sizes of other meshes.
     pub(super) fn of(study: &Study, geometry: &Geometry, meshes: &Meshes, work: &Work) -> Result<Self> {
         let solids = stages::solids(study, geometry, meshes);
-        let count = |body: PairBody| -> Result<FactorSize> {
+        let count = |body: PairBody| -> Result<FactorSize> { solids.parts(body, study.modes())?.size() };
+        // references factor whole bodies, and so does full order in time
+        let whole = |mesh: MeshSize, body: PairBody| -> Result<Body> {
             let system = solids.system(body)?;
-            FactorSize::of(system.mesh, &system.numbering)
+            Ok(Body { mesh, size: FactorSize::of(system.mesh, &system.numbering)? })
         };
         let (rail, wheel) = rayon::join(|| count(PairBody::RailOnEnds), || count(PairBody::Wheel));
         let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail? };
@@ -152,7 +154,8 @@ impl Estimate {
             }
         }
         if let Some(purpose) = work.reference {
-            let values = (rail.size.values + wheel.size.values) as f64;
+            let bodies = [whole(rail.mesh, PairBody::RailOnEnds)?, whole(wheel.mesh, PairBody::Wheel)?];
+            let values = bodies.iter().map(|body| body.size.values as f64).sum();
             stages.push(StageEstimate {
                 stage: "reference".into(),
                 memory: reference_memory(purpose, values),
@@ -160,24 +163,30 @@ impl Estimate {
             });
         }
         let both = [&rail, &wheel];
-        let substitution: f64 =
-            both.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum();
+        let substitution = |bodies: [&Body; 2]| -> f64 {
+            bodies.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum()
+        };
         for (n, (name, steps)) in work.solids.iter().enumerate() {
             let steps = *steps as f64;
             let within = study.solid.steps();
             let other = if within.doubled() == within { 0.0 } else { 1.0 };
             let compared = steps.min(STEPS_COMPARED * steps_in_each(study));
             let (memory, seconds) = match study.solid.transient {
-                TransientKey::Full => (
-                    both.map(Body::making_in_time).iter().sum::<f64>(),
-                    // the first steps are done a second time with twice the length
-                    both.map(|body| (1.0 + other) * body.seconds()).iter().sum::<f64>()
-                        + (steps + 0.5 * other * compared) * (substitution + SECONDS_STEP),
-                ),
+                TransientKey::Full => {
+                    let bodies =
+                        [whole(rail.mesh, PairBody::RailOnEnds)?, whole(wheel.mesh, PairBody::Wheel)?];
+                    let bodies = bodies.each_ref();
+                    (
+                        bodies.map(Body::making_in_time).iter().sum::<f64>(),
+                        // the first steps are done a second time with twice the length
+                        bodies.map(|body| (1.0 + other) * body.seconds()).iter().sum::<f64>()
+                            + (steps + 0.5 * other * compared) * (substitution(bodies) + SECONDS_STEP),
+                    )
+                }
                 TransientKey::Reduced => {
                     let modes = study.modes() as f64;
                     let condensing = condensing(&wheel, &rail, 0.0, modes);
-                    let stepping = both.map(|body| body.reduced(modes)).iter().sum::<f64>();
+                    let stepping = both.map(|body| stepping(&body.size, study.modes())).iter().sum::<f64>();
                     // on two threads: the run and the same with a larger input; the first steps with fewer modes as well, with longer
                     // steps both ways
                     let contact = (steps + 0.5 * (1.0 + other) * compared) * SECONDS_STEP;
@@ -186,7 +195,10 @@ impl Estimate {
                         (stepping, contact)
                     } else {
                         let making = both.map(|body| body.seconds()).iter().sum::<f64>();
-                        (condensing.max(stepping), contact + making + modes * SOLVED_AT_ONCE * substitution)
+                        (
+                            condensing.max(stepping),
+                            contact + making + modes * SOLVED_AT_ONCE * substitution(both),
+                        )
                     }
                 }
             };
@@ -233,7 +245,7 @@ impl Body {
 
     /// Largest memory on the way there, with so many modes, bytes.
     fn making(&self, modes: f64) -> f64 {
-        largest(self.mesh.nodes, &self.size, modes)
+        largest(&self.size, modes)
     }
 
     /// Bytes of the inside of the body: the factor and the matrix.
@@ -243,19 +255,14 @@ impl Body {
 
     /// Time to make it, s: half of the multiplications.
     fn seconds_inside(&self) -> f64 {
-        SECONDS_ASSEMBLY * self.mesh.hexes as f64 + 0.5 * self.size.multiplications / SPEED
+        // the symmetric half alone
+        (SECONDS_ASSEMBLY * self.mesh.hexes as f64 + 0.5 * self.size.multiplications / SPEED)
+            / self.size.parts as f64
     }
 
     /// The same for a body at full order in time, which has its mass and its damping besides.
     fn making_in_time(&self) -> f64 {
         self.making(0.0) + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
-    }
-
-    /// Bytes of a reduced body in time: its compliance, and its far field in the steps of three runs, with all modes, with fewer and with a
-    /// larger input.
-    fn reduced(&self, modes: f64) -> f64 {
-        let rows = self.size.retained as f64;
-        VALUE * (4.0 * rows * rows + 6.0 * rows * modes)
     }
 
     /// The same body on a mesh of another size, whose factor grows as that of a body that is refined: the values with the power
@@ -264,6 +271,7 @@ impl Body {
         let ratio = mesh.nodes as f64 / self.mesh.nodes as f64;
         let times = |count: usize, power: f64| (count as f64 * ratio.powf(power)) as usize;
         let size = FactorSize {
+            parts: self.size.parts,
             equations: times(self.size.equations, 1.0),
             retained: 3 * mesh.contact,
             entries: times(self.size.entries, 1.0),
@@ -276,7 +284,8 @@ impl Body {
 
     /// Time of order, assembly, factor and reduction, s.
     fn seconds(&self) -> f64 {
-        let reduction = (self.size.retained as f64).powi(3);
+        let parts = self.size.parts as f64;
+        let reduction = parts * (self.size.retained as f64 / parts).powi(3);
         SECONDS_ORDER * self.mesh.nodes as f64
             + SECONDS_ASSEMBLY * self.mesh.hexes as f64
             + (self.size.multiplications + reduction) / SPEED

@@ -14,7 +14,7 @@ impl Estimate {
             "expected: {} degrees of freedom, {} contact nodes, {:.0} million values in the factors",
             self.degrees_of_freedom(),
             self.contact_nodes.iter().sum::<usize>(),
-            self.bodies.iter().map(|body| body.values as f64).sum::<f64>() / 1e6
+            self.bodies.iter().map(|body| (body.parts * body.values) as f64).sum::<f64>() / 1e6
         );
         for StageEstimate { stage, memory, seconds } in &self.stages {
             let _ = write!(text, "\n  {stage}: about {:.1} GiB and {}", memory / GIB, duration(*seconds));

@@ -155,7 +155,9 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
     let modes = study.solid.modes.unwrap_or(START_MODES);
     let ordered = parts::Ordered::both(&solids, modes, monitor)?;
     let resident = Stopwatch::start().read().1.unwrap_or(0.0) * MIB;
-    let predicted = resident + ordered.iter().map(|body| body.memory).fold(0.0, f64::max);
+    let condensing = ordered.iter().map(|body| body.memory).fold(0.0, f64::max);
+    let stepping = ordered.iter().map(|body| body.stepping).sum();
+    let predicted = resident + condensing.max(stepping);
     if let Some(skipped) = too_large(predicted) {
         return Ok(skipped);
     }

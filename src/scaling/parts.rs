@@ -5,13 +5,12 @@ use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
-use railspring_calibrate::solid::System;
 use railspring_calibrate::step_control::InnerSteps;
-use railspring_calibrate::superelement::{CondensedBody, Factor, FactorSize, Superelement};
+use railspring_calibrate::superelement::{CondensedBody, FactorSize, Step};
 use railspring_calibrate::transient::{ModeCount, TransientModel};
 
 use super::clock::Clock;
-use crate::estimate::condensing;
+use crate::estimate::{condensing, stepping};
 use crate::measure::Stopwatch;
 use crate::records::{ScalingBody, ScalingSize, ScalingStage};
 use crate::stages::{self, Geometry};
@@ -36,14 +35,17 @@ fn measured(stage: &str, watch: &Stopwatch) -> ScalingStage {
     ScalingStage { stage: stage.into(), seconds, peak_memory_mib }
 }
 
-/// A body whose equations have their order, and whose factor is counted.
+/// A body whose equations have their order, and whose factors are counted.
 pub(super) struct Ordered<'a> {
     body: PairBody,
-    system: System<'a>,
+    solids: PairSolids<'a>,
+    nodes: usize,
     size: FactorSize,
     ordering: ScalingStage,
     /// Bytes that it takes on the way to its condensed form.
     pub memory: f64,
+    /// Bytes that it takes in steps in time.
+    pub stepping: f64,
 }
 
 impl<'a> Ordered<'a> {
@@ -52,13 +54,17 @@ impl<'a> Ordered<'a> {
     /// # Errors
     /// A mesh that cannot be ordered, and an interruption.
     pub fn both(solids: &PairSolids<'a>, modes: usize, monitor: &dyn Monitor) -> Result<[Self; 2]> {
-        let one = |body: PairBody| -> Result<Self> {
+        let one = |body: PairBody, nodes: usize| -> Result<Self> {
             monitor.progress(body.name(), 0, 5)?;
-            let (system, ordering) = timed("ordering", || solids.system(body))?;
-            let (size, memory) = condensing(&system, modes)?;
-            Ok(Self { body, system, size, ordering, memory })
+            let (parts, ordering) = timed("ordering", || solids.parts(body, modes))?;
+            let (size, memory) = condensing(&parts, modes)?;
+            let stepping = stepping(&size, modes);
+            Ok(Self { body, solids: *solids, nodes, size, ordering, memory, stepping })
         };
-        Ok([one(PairBody::RailOnEnds)?, one(PairBody::Wheel)?])
+        Ok([
+            one(PairBody::RailOnEnds, solids.rail.nodes.len())?,
+            one(PairBody::Wheel, solids.wheel.nodes.len())?,
+        ])
     }
 
     /// Assembles, factors and condenses the body; `product` is the speed of the dense product, multiplications a second.
@@ -71,34 +77,78 @@ impl<'a> Ordered<'a> {
         product: f64,
         monitor: &dyn Monitor,
     ) -> Result<(CondensedBody, ScalingBody)> {
-        let Self { body, system, size, ordering, .. } = self;
-        let progress = |done| monitor.progress(body.name(), done, 5);
-        progress(1)?;
-        let (matrix, assembly) = timed("assembly", || system.matrix(1.0, 0.0, &[]))?;
-        progress(2)?;
-        let (factor, factorisation) =
-            timed("factorisation", || Factor::new(matrix.as_ref(), system.numbering.interior))?;
-        drop(matrix);
-        progress(3)?;
-        let (compliance, condensation) = timed("condensation", || Ok(factor.retained_compliance()))?;
-        let factor_values = factor.stored_values();
-        let share_of_product = size.multiplications / factorisation.seconds / product;
-        let element = Superelement { system, factor, compliance };
-        progress(4)?;
-        let (modes, of_modes) = timed("modes", || element.modes(modes))?;
-        progress(5)?;
+        let Self { body, solids, nodes, size, ordering, .. } = self;
+        let mut clock = StepClock::new(body.name(), monitor);
+        // nothing is kept of it, so that it needs no key
+        let condensed =
+            solids.condense_in_steps(body, String::new(), modes, &mut |step| clock.begin(step))?;
+        let stages = clock.stages()?;
+        let factorisation =
+            stages.iter().find(|stage| stage.stage == "factorisation").map(|stage| stage.seconds);
+        let share_of_product = size.multiplications / factorisation.unwrap_or(f64::NAN) / product;
         let record = ScalingBody {
             body: body.name().into(),
-            nodes: element.system.mesh.nodes.len(),
-            degrees_of_freedom: element.system.numbering.equations,
+            nodes,
+            degrees_of_freedom: condensed.equations,
             retained: size.retained,
-            factor_values,
+            factor_values: size.parts * size.values,
             multiplications: size.multiplications,
             share_of_product,
-            stages: vec![ordering, assembly, factorisation, condensation, of_modes],
+            stages: std::iter::once(ordering).chain(stages).collect(),
         };
-        // nothing is kept of it, so that it needs no key
-        Ok((CondensedBody { modes: Some(modes), ..element.condensed(String::new()) }, record))
+        Ok((condensed, record))
+    }
+}
+
+/// Adds up what the steps of a body take, of all its parts.
+struct StepClock<'m> {
+    body: &'static str,
+    monitor: &'m dyn Monitor,
+    /// Time and largest memory of the stages so far.
+    stages: [ScalingStage; 4],
+    /// The stage that is being done.
+    running: Option<(usize, Stopwatch)>,
+    interrupted: Result<()>,
+}
+
+impl<'m> StepClock<'m> {
+    fn new(body: &'static str, monitor: &'m dyn Monitor) -> Self {
+        let stages = ["assembly", "factorisation", "condensation", "modes"].map(|stage| ScalingStage {
+            stage: stage.into(),
+            seconds: 0.0,
+            peak_memory_mib: None,
+        });
+        Self { body, monitor, stages, running: None, interrupted: Ok(()) }
+    }
+
+    fn begin(&mut self, step: Step) {
+        self.end();
+        let stage = match step {
+            Step::Assembly => 0,
+            Step::Factorisation => 1,
+            Step::Condensation | Step::Section => 2,
+            Step::Modes => 3,
+        };
+        if self.interrupted.is_ok() {
+            self.interrupted = self.monitor.progress(self.body, stage + 1, 5);
+        }
+        self.running = Some((stage, Stopwatch::start()));
+    }
+
+    fn end(&mut self) {
+        if let Some((stage, watch)) = self.running.take() {
+            let (seconds, peak) = watch.read();
+            let stage = &mut self.stages[stage];
+            stage.seconds += seconds;
+            stage.peak_memory_mib = [stage.peak_memory_mib, peak].into_iter().flatten().reduce(f64::max);
+        }
+    }
+
+    fn stages(mut self) -> Result<[ScalingStage; 4]> {
+        self.end();
+        self.interrupted?;
+        self.monitor.progress(self.body, 5, 5)?;
+        Ok(self.stages)
     }
 }
 

@@ -15,7 +15,7 @@ use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{ContactConditions, PairBody, PairSolids};
 use railspring_calibrate::solid::Formulation;
-use railspring_calibrate::superelement::{CondensedBody, Interior};
+use railspring_calibrate::superelement::{CondensedBody, Parts};
 use railspring_calibrate::units::KILONEWTON;
 
 use super::bodies::rail_in_use;
@@ -107,9 +107,9 @@ pub fn answers(
         (None, smooth_states)
     };
     let largest = states.last().expect("there are loads");
-    let inside = |body| full.solids.interior(body);
-    let rail = answer(&meshes.rail, (&full.rail, inside(rail_in_use(study))?), largest, Side::Base);
-    let wheel = answer(&meshes.wheel, (&full.wheel, inside(PairBody::Wheel)?), largest, Side::Opposing);
+    let parts = |body| full.solids.parts(body, 0);
+    let rail = answer(&meshes.rail, (&full.rail, parts(rail_in_use(study))?), largest, Side::Base)?;
+    let wheel = answer(&meshes.wheel, (&full.wheel, parts(PairBody::Wheel)?), largest, Side::Opposing)?;
     let element = formulation(study);
     let (own_element, faceted) = if element == Formulation::FullIntegration {
         (frictionless.clone(), asked.faceted(&full)?)
@@ -233,10 +233,10 @@ impl<'a> Asked<'a> {
 /// Displacements under the contact forces of a state, and compliance columns under its most loaded nodes.
 fn answer(
     mesh: &HexMesh,
-    (body, interior): (&CondensedBody, Interior<'_>),
+    (body, parts): (&CondensedBody, Parts<'_>),
     state: &Pressed,
     side: Side,
-) -> AnsweredBody {
+) -> Result<AnsweredBody> {
     let contact_nodes = mesh.contact.nodes.len();
     let retained = state.body_forces(side, body.compliance.nrows());
     let mut forces = vec![Vector3::zeros(); mesh.nodes.len()];
@@ -256,11 +256,11 @@ fn answer(
         .iter()
         .map(|&(n, axis)| body.compliance.col_as_slice(3 * n + axis)[..3 * contact_nodes].to_vec())
         .collect();
-    let displacement = interior.displacement(body, &retained);
-    AnsweredBody {
+    let displacement = parts.displacements(body, &[retained])?.remove(0);
+    Ok(AnsweredBody {
         forces,
         displacement: displacement.chunks_exact(3).map(|u| Vector3::new(u[0], u[1], u[2])).collect(),
         columns,
         compliance,
-    }
+    })
 }

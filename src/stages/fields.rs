@@ -8,8 +8,8 @@ use railspring_calibrate::contact::{PointMode, Side, Surface};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, pvd, vtu};
 use railspring_calibrate::pair::{PairBody, PairSolids};
-use railspring_calibrate::solid::{largest_shear, nodal_stress, von_mises};
-use railspring_calibrate::superelement::{CondensedBody, Interior};
+use railspring_calibrate::solid::{Material, largest_shear, nodal_stress, von_mises};
+use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::KILONEWTON;
 
 use super::patches::chosen;
@@ -55,32 +55,35 @@ pub(super) fn field_files<'a>(
     let axle =
         Vector3::new(0.0, geometry.pair.tape_y, geometry.pair.touch.tape_z - geometry.pair.wheel.radius);
     let [rail, wheel] = pressed.bodies;
-    let text = |fields: &Fields, state: &Pressed| match fields {
-        Fields::Contact => ContactFields::new(state, &surface).vtu(output.vertical),
-        Fields::Rail(inside) => {
-            let (origin, rigid) = (Vector3::zeros(), Vector3::zeros());
-            BodyFields::new((rail.1, inside), state, Side::Base, origin, rigid).vtu(output.vertical)
-        }
-        Fields::Wheel(inside) => {
-            let moved = state.hub - pressed.carried * state.force_on_wheel().yz();
-            let rigid = Vector3::new(0.0, moved.x, moved.y);
-            BodyFields::new((wheel.1, inside), state, Side::Opposing, axle, rigid).vtu(output.vertical)
-        }
+    let rail_fields = |_: &Pressed, displacement| {
+        let (origin, rigid) = (Vector3::zeros(), Vector3::zeros());
+        BodyFields::new(&meshes.rail, pressed.solids.material, displacement, origin, rigid)
     };
-    // the inside of one body at a time
-    let of_the_rail = || pressed.solids.interior(rail.0).map(Fields::Rail);
-    let of_the_wheel = || pressed.solids.interior(wheel.0).map(Fields::Wheel);
-    let of_the_contact = || Ok(Fields::Contact);
-    let mut files = Vec::new();
-    let digits = states.len().to_string().len().max(2);
+    let wheel_fields = |state: &Pressed, displacement| {
+        let moved = state.hub - pressed.carried * state.force_on_wheel().yz();
+        let rigid = Vector3::new(0.0, moved.x, moved.y);
+        BodyFields::new(&meshes.wheel, pressed.solids.material, displacement, axle, rigid)
+    };
+    let of_body = |(body, condensed): (PairBody, &CondensedBody), side, fields: &BodyOf| {
+        let rows = condensed.compliance.nrows();
+        let forces: Vec<_> = solid.iter().map(|&load| states[load].body_forces(side, rows)).collect();
+        // the inside of one body at a time
+        let moved = pressed.solids.parts(body, 0)?.displacements(condensed, &forces)?;
+        let texts = solid.iter().zip(moved);
+        texts.map(|(&load, moved)| fields(&states[load], moved).vtu(output.vertical)).collect()
+    };
     let every: Vec<usize> = (0..states.len()).collect();
-    let of_each: [(&dyn Fn() -> Result<Fields<'a>>, _, _); 3] = [
-        (&of_the_rail, "rail", &solid),
-        (&of_the_wheel, "wheel", &solid),
+    let of_the_contact =
+        || states.iter().map(|state| ContactFields::new(state, &surface).vtu(output.vertical)).collect();
+    type Texts<'t> = &'t dyn Fn() -> Result<Vec<String>>;
+    let of_each: [(Texts<'_>, _, _); 3] = [
+        (&|| of_body(rail, Side::Base, &rail_fields), "rail", &solid),
+        (&|| of_body(wheel, Side::Opposing, &wheel_fields), "wheel", &solid),
         (&of_the_contact, "contact", &every),
     ];
-    for (fields, stem, loads) in of_each {
-        let fields = fields()?;
+    let mut files = Vec::new();
+    let digits = states.len().to_string().len().max(2);
+    for (texts, stem, loads) in of_each {
         let name = |load: usize| match load + 1 == states.len() {
             true => format!("{stem}.vtu"),
             false => format!("{FIELDS}{stem}-{:0digits$}.vtu", load + 1),
@@ -88,22 +91,13 @@ pub(super) fn field_files<'a>(
         let entries: Vec<(f64, String)> =
             loads.iter().map(|&load| (states[load].load / KILONEWTON, name(load))).collect();
         files.push((format!("{stem}.pvd"), pvd(&entries)));
-        for &load in loads {
-            files.push((name(load), text(&fields, &states[load])?));
-        }
+        files.extend(loads.iter().map(|&load| name(load)).zip(texts()?));
     }
     Ok(files)
 }
 
-/// What a file of fields is about.
-enum Fields<'a> {
-    /// The rail with displacement and stress.
-    Rail(Interior<'a>),
-    /// The wheel with displacement and stress, in the world frame.
-    Wheel(Interior<'a>),
-    /// The contact patch and its surroundings on the rail.
-    Contact,
-}
+/// The fields of a body from a state and the displacements of its nodes.
+type BodyOf<'b> = dyn Fn(&Pressed, Vec<f64>) -> BodyFields + 'b;
 
 impl VerticalKey {
     /// A place or a vector in the axes of the files. Up is half a turn about the track, so that axes and cells stay right-handed.
@@ -154,20 +148,18 @@ struct ContactFields {
 }
 
 impl BodyFields {
+    /// From the displacements of all nodes of a mesh (`3·node + direction`, m), whose nodes are moved to `origin` and by `rigid` besides, m.
     fn new(
-        (body, interior): (&CondensedBody, &Interior),
-        state: &Pressed,
-        side: Side,
+        mesh: &HexMesh,
+        material: Material,
+        displacement: Vec<f64>,
         origin: Vector3<f64>,
         rigid: Vector3<f64>,
     ) -> Self {
-        let forces = state.body_forces(side, body.compliance.nrows());
-        let displacement = interior.displacement(body, &forces);
-        let mesh = interior.system.mesh;
         Self {
             points: mesh.nodes.iter().map(|p| p + origin).collect(),
             hexes: mesh.hexes.clone(),
-            stress: nodal_stress(mesh, &interior.system.material, &displacement),
+            stress: nodal_stress(mesh, &material, &displacement),
             displacement: displacement
                 .chunks_exact(3)
                 .map(|u| Vector3::new(u[0], u[1], u[2]) + rigid)

@@ -4,8 +4,8 @@ use super::geometry::Pair;
 use crate::error::Result;
 use crate::mesh::HexMesh;
 use crate::section_analysis::StressSample;
-use crate::solid::{Formulation, Material, Numbering, Supports, System};
-use crate::superelement::{CondensedBody, Interior, SectionMotion, Superelement, body_key};
+use crate::solid::{Formulation, Material, MirrorHalf, Numbering, Supports, Symmetry, System};
+use crate::superelement::{CondensedBody, Parts, SectionMotion, Step, Wanted, body_key};
 use nalgebra::Point2;
 use std::sync::OnceLock;
 
@@ -48,9 +48,18 @@ impl PairBody {
 }
 
 /// The orders of the bodies' equations, each found once: it takes as long as the assembly of a body, and the prediction of its memory, the
-/// condensed body and its inside ask for it in turn. They belong to the meshes, whatever material and element.
+/// condensed body and its inside ask for it in turn; and the halves of those that are their own mirror images. They belong to the meshes,
+/// whatever material and element.
 #[derive(Debug, Clone, Default)]
-pub struct Orders([OnceLock<Numbering>; 3]);
+pub struct Orders([OfBody; 3]);
+
+/// What is known of a body.
+#[derive(Debug, Clone, Default)]
+struct OfBody {
+    whole: OnceLock<Numbering>,
+    half: OnceLock<Option<MirrorHalf>>,
+    of_half: OnceLock<Numbering>,
+}
 
 /// Wheel and rail of a pair as solids.
 #[derive(Clone, Copy)]
@@ -106,41 +115,63 @@ impl<'a> PairSolids<'a> {
     /// # Errors
     /// As [`Self::condense`].
     pub fn condense_in_time(&self, body: PairBody, key: String, modes: usize) -> Result<CondensedBody> {
-        let element = Superelement::new(self.system(body)?)?;
-        let modes = (modes > 0 && body.is_in_time()).then(|| element.modes(modes)).transpose()?;
-        let section = match body {
-            PairBody::Wheel | PairBody::RailOnFoot => None,
-            PairBody::RailOnEnds => {
-                let Pair { shear_stresses, placed, .. } = self.pair;
-                Some(SectionMotion::new(&element, shear_stresses, placed, self.pair.node_line(), 0.0)?)
-            }
-        };
-        Ok(CondensedBody { section, modes, ..element.condensed(key) })
+        self.condense_in_steps(body, key, modes, &mut |_| ())
     }
 
-    /// Assembles and factors the inside of a body.
+    /// The same, which says which step `begins`.
     ///
     /// # Errors
-    /// An inverted element.
-    pub fn interior(&self, body: PairBody) -> Result<Interior<'a>> {
-        Interior::new(self.system(body)?)
+    /// As [`Self::condense`].
+    pub fn condense_in_steps(
+        &self,
+        body: PairBody,
+        key: String,
+        modes: usize,
+        begins: &mut dyn FnMut(Step),
+    ) -> Result<CondensedBody> {
+        let section = |solve: &dyn Fn(&[f64]) -> Vec<f64>| {
+            let Pair { shear_stresses, placed, .. } = self.pair;
+            let centre = self.pair.node_line();
+            (body == PairBody::RailOnEnds)
+                .then(|| SectionMotion::new(self.rail, solve, shear_stresses, placed, centre, 0.0))
+                .transpose()
+        };
+        let modes = if body.is_in_time() { modes } else { 0 };
+        self.parts(body, modes)?.condensed(Wanted { key, modes, section: &section }, begins)
     }
 
-    /// A body with its supports and the order of its equations.
+    /// The body as its equations are eliminated: by halves, if it is its own mirror image and is to have no `modes`; those of bodies in time are
+    /// of the whole.
+    ///
+    /// # Errors
+    /// As [`Self::system`].
+    pub fn parts(&self, body: PairBody, modes: usize) -> Result<Parts<'a>> {
+        if modes > 0 && body.is_in_time() {
+            return Ok(Parts::Whole(Box::new(self.system(body)?)));
+        }
+        let (whole, supports) = self.held(body);
+        let Orders(known) = self.orders;
+        let known = &known[body as usize];
+        let Some(half) = known.half.get_or_init(|| MirrorHalf::of(whole, &supports)) else {
+            return Ok(Parts::Whole(Box::new(self.system(body)?)));
+        };
+        let numbering = ordered(&known.of_half, &half.mesh, &half.supports)?;
+        let system = |symmetry| {
+            let numbering = half.numbered(&numbering, symmetry);
+            System::with_numbering(&half.mesh, self.material, self.element, numbering)
+        };
+        let [symmetric, antisymmetric] = Symmetry::BOTH;
+        Ok(Parts::Halves { whole, half, systems: Box::new([system(symmetric)?, system(antisymmetric)?]) })
+    }
+
+    /// The whole body with its supports and the order of its equations.
     ///
     /// # Errors
     /// An impossible material, and a mesh that cannot be ordered.
     pub fn system(&self, body: PairBody) -> Result<System<'a>> {
         let (mesh, supports) = self.held(body);
         let Orders(known) = self.orders;
-        let known = &known[body as usize];
-        let numbering = match known.get() {
-            Some(numbering) => numbering.clone(),
-            None => {
-                let numbering = Numbering::new(mesh, &supports)?;
-                known.get_or_init(|| numbering).clone()
-            }
-        };
+        let numbering = ordered(&known[body as usize].whole, mesh, &supports)?;
         System::with_numbering(mesh, self.material, self.element, numbering)
     }
 
@@ -154,4 +185,13 @@ impl<'a> PairSolids<'a> {
             PairBody::RailOnEnds => (self.rail, fixed(&self.rail.ends)),
         }
     }
+}
+
+/// The order of the equations of a mesh, which is found once.
+fn ordered(known: &OnceLock<Numbering>, mesh: &HexMesh, supports: &Supports) -> Result<Numbering> {
+    if let Some(numbering) = known.get() {
+        return Ok(numbering.clone());
+    }
+    let numbering = Numbering::new(mesh, supports)?;
+    Ok(known.get_or_init(|| numbering).clone())
 }

@@ -111,6 +111,9 @@ impl<'a> System<'a> {
             }
         }
         diagonal.iter().for_each(|&(equation, value)| matrix.add_diagonal(equation, value));
+        if self.numbering.degrees_of_freedom() < self.numbering.equations {
+            matrix.part(&self.numbering);
+        }
         Ok(matrix.finish())
     }
 
@@ -137,7 +140,10 @@ impl<'a> System<'a> {
                 for &(column, b) in of_column[..*count].iter().filter(|(column, _)| columns.contains(column))
                 {
                     for (i, (of_row, count)) in terms.iter().enumerate() {
-                        let rows = of_row[..*count].iter().filter(|(row, _)| *row <= column);
+                        let rests = |e: usize| self.numbering.is_at_rest(e);
+                        let meet =
+                            |row: usize| row == column || row < column && !rests(row) && !rests(column);
+                        let rows = of_row[..*count].iter().filter(|(row, _)| meet(*row));
                         entries
                             .extend(rows.map(|&(row, a)| Triplet::new(row, column, a * b * element[(i, j)])));
                     }

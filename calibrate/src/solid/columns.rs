@@ -160,6 +160,19 @@ impl UpperMatrix {
         self.values[self.starts[equation + 1] - 1] += value;
     }
 
+    /// Leaves of the equations that stay at zero their diagonal alone.
+    pub fn part(&mut self, numbering: &Numbering) {
+        for column in 0..self.starts.len() - 1 {
+            let alone = numbering.is_at_rest(column);
+            for entry in self.starts[column]..self.starts[column + 1] {
+                let row = self.rows[entry];
+                if row != column && (alone || numbering.is_at_rest(row)) {
+                    self.values[entry] = 0.0;
+                }
+            }
+        }
+    }
+
     /// The matrix.
     pub fn finish(self) -> SparseColMat<usize, f64> {
         let n = self.starts.len() - 1;

@@ -6,6 +6,7 @@
 
 mod brick;
 mod numbering;
+mod mirror;
 mod columns;
 mod assembly;
 mod locate;
@@ -15,6 +16,7 @@ pub use assembly::{NodalMass, System};
 pub use brick::Formulation;
 pub use columns::Pattern;
 pub use locate::Cut;
+pub use mirror::{MirrorHalf, Symmetry};
 pub use numbering::{Numbering, Supports, rigid_motion};
 pub use stress::{largest_shear, nodal_stress, von_mises};
 

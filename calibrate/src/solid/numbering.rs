@@ -6,7 +6,7 @@ use feral_metis::{CscPattern, metis_order};
 use nalgebra::{Point3, Vector3};
 
 /// How a solid is held.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Supports {
     /// Nodes that cannot move.
     pub held: Vec<usize>,
@@ -34,6 +34,8 @@ pub struct Numbering {
     follower: Vec<bool>,
     master: Point3<f64>,
     master_equation: [usize; 6],
+    /// Which equations of nodes stay at zero; empty if all are free.
+    at_rest: Vec<bool>,
     /// Number of equations that are eliminated.
     pub interior: usize,
     /// Number of equations of the contact nodes; they follow the interior ones.
@@ -78,10 +80,33 @@ impl Numbering {
             follower,
             master: supports.master,
             master_equation,
+            at_rest: Vec::new(),
             interior,
             contact,
             equations: next,
         })
+    }
+
+    /// The same with nodes that cannot move in a direction (0 to 2: x, y, z): these equations stay, by themselves, and their values are zero.
+    #[must_use]
+    pub fn with_at_rest(mut self, directions: &[(usize, usize)]) -> Self {
+        self.at_rest = vec![false; self.equations];
+        for &(node, direction) in directions {
+            if let Some(place) = self.place(node) {
+                self.at_rest[3 * place + direction] = true;
+            }
+        }
+        self
+    }
+
+    /// Whether an equation stays at zero.
+    pub fn is_at_rest(&self, equation: usize) -> bool {
+        self.at_rest.get(equation).copied().unwrap_or(false)
+    }
+
+    /// Number of equations that do not stay at zero.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.equations - self.at_rest.iter().filter(|rests| **rests).count()
     }
 
     /// Equation of a free motion of the master node (0 to 5: translations x, y, z, rotations), if it is free.
@@ -130,7 +155,8 @@ impl Numbering {
         for (n, position) in mesh.nodes.iter().enumerate() {
             for d in 0..3 {
                 let (terms, count) = self.terms(n, position, d);
-                nodal[3 * n + d] = terms[..count].iter().map(|&(e, c)| c * solution[e]).sum();
+                let moving = terms[..count].iter().filter(|(e, _)| !self.is_at_rest(*e));
+                nodal[3 * n + d] = moving.map(|&(e, c)| c * solution[e]).sum();
             }
         }
         nodal
@@ -156,7 +182,7 @@ impl Numbering {
         for (n, position) in mesh.nodes.iter().enumerate() {
             for d in 0..3 {
                 let (terms, count) = self.terms(n, position, d);
-                for &(e, c) in &terms[..count] {
+                for &(e, c) in terms[..count].iter().filter(|(e, _)| !self.is_at_rest(*e)) {
                     rhs[e] += c * nodal[3 * n + d];
                 }
             }

@@ -1,6 +1,6 @@
 //! What is kept of a factored body: small, owned, and able to travel.
 
-use super::{Modes, SectionMotion, times};
+use super::{Modes, SectionMotion};
 use crate::error::Result;
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::solid::{Formulation, Material, Numbering, Supports, System};
@@ -36,9 +36,9 @@ pub struct CondensedBody {
 /// The inside of a body, which only fields need once it is condensed: it borrows the mesh and holds the factor of the stiffness between
 /// the nodes that were eliminated. That is half of the work and three quarters of the memory of the factor that condensed the body, so that
 /// nobody keeps that one.
-pub struct Interior<'a> {
+pub(crate) struct Interior<'a> {
     /// The body.
-    pub system: System<'a>,
+    system: System<'a>,
     /// Upper triangle of the stiffness.
     matrix: SparseColMat<usize, f64>,
     factor: Factor,
@@ -105,17 +105,16 @@ impl<'a> Interior<'a> {
     }
 
     /// Number of values stored in the factor.
+    #[cfg(test)]
     pub fn stored_values(&self) -> usize {
         self.factor.stored_values()
     }
 
-    /// Displacements of all nodes (`3·node + direction`, m) under forces on the retained equations of `body` (N): the retained ones
-    /// by its compliance, the others as these move them.
-    pub fn displacement(&self, body: &CondensedBody, retained_forces: &[f64]) -> Vec<f64> {
+    /// Displacements of all nodes (`3·node + direction`, m) where the retained equations move by `retained` (m).
+    pub fn moved(&self, retained: &[f64]) -> Vec<f64> {
         let Numbering { interior, equations, .. } = self.system.numbering;
         let mut x = vec![0.0; interior];
-        let retained = times(&body.compliance, retained_forces);
-        for (column, moved) in (interior..equations).zip(&retained) {
+        for (column, moved) in (interior..equations).zip(retained) {
             let entries = self.matrix.col_ptr()[column]..self.matrix.col_ptr()[column + 1];
             let terms = self.matrix.row_idx()[entries.clone()].iter().zip(&self.matrix.val()[entries]);
             terms.filter(|(row, _)| **row < interior).for_each(|(row, value)| x[*row] -= value * moved);
@@ -131,6 +130,7 @@ impl<'a> Interior<'a> {
 mod tests {
     use super::*;
     use crate::mesh::{BlockOptions, mesh_block};
+    use crate::superelement::{Parts, times};
 
     fn block(divisions: [usize; 3]) -> HexMesh {
         mesh_block(&BlockOptions::uniform([0.05, 0.04, 0.03], divisions)).unwrap()
@@ -164,7 +164,8 @@ mod tests {
             element.factor.backward_interior(&mut exact);
             let exact = numbering.expand(&mesh, &exact);
             let body = element.condensed("block".into());
-            let found = Interior::new(system(&mesh, &supports)).unwrap().displacement(&body, &forces);
+            let parts = Parts::Whole(Box::new(system(&mesh, &supports)));
+            let found = parts.displacements(&body, std::slice::from_ref(&forces)).unwrap().remove(0);
             let largest = exact.iter().fold(0.0_f64, |largest, u| largest.max(u.abs()));
             let off = exact.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(largest > 0.0 && off < ROUNDOFF * largest, "{off:e} of {largest:e}");
@@ -183,8 +184,9 @@ mod tests {
                 let modes = Some(element.modes(20).unwrap());
                 let body = CondensedBody { modes, ..element.condensed("block".into()) };
                 let forces: Vec<f64> = (0..body.compliance.nrows()).map(|e| (1.7 * e as f64).sin()).collect();
-                let inside = Interior::new(system(&mesh, &supports)).unwrap();
-                (body.write(), inside.displacement(&body, &forces))
+                let parts = Parts::Whole(Box::new(system(&mesh, &supports)));
+                let moved = parts.displacements(&body, &[forces]).unwrap();
+                (body.write(), moved)
             })
         };
         let one = made(1);

@@ -2,7 +2,8 @@
 //!
 //! The equations of the contact nodes and of the master node come last, so the
 //! trailing block `L_rr` of the Cholesky factor is the factor of the Schur
-//! complement, and `(L_rr·L_rrᵀ)⁻¹` is the exact compliance there.
+//! complement, and `(L_rr·L_rrᵀ)⁻¹` is the exact compliance there. A body that is its own mirror
+//! image across the track is condensed by halves ([`Parts`]).
 
 mod dense;
 mod factor;
@@ -11,11 +12,15 @@ mod section_motion;
 mod modes;
 mod condensed;
 mod condensed_file;
+mod parts;
 
-pub use condensed::{CondensedBody, Interior, body_key};
+#[cfg(test)]
+pub(crate) use condensed::Interior;
+pub use condensed::{CondensedBody, body_key};
 pub use dense::product_speed;
 pub use factor::Factor;
 pub use modes::Modes;
+pub use parts::{Parts, Step, Wanted};
 pub use section_motion::SectionMotion;
 pub(crate) use section_motion::carried;
 pub use size::FactorSize;
@@ -23,6 +28,7 @@ pub use size::FactorSize;
 use crate::error::Result;
 use crate::solid::System;
 use faer::linalg::matmul::matmul;
+use faer::sparse::SparseColMat;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -44,7 +50,14 @@ impl<'a> Superelement<'a> {
     /// # Errors
     /// An inverted element, or a matrix that is not positive definite because the body is not held.
     pub fn new(system: System<'a>) -> Result<Self> {
-        Self::effective(system, 1.0, 0.0, &[])
+        Self::in_steps(system, &mut |_| ())
+    }
+
+    /// The same, which says what it `begins`.
+    fn in_steps(system: System<'a>, begins: &mut dyn FnMut(Step)) -> Result<Self> {
+        begins(Step::Assembly);
+        let matrix = system.matrix(1.0, 0.0, &[])?;
+        Self::of(system, matrix, begins)
     }
 
     /// As [`Self::new`] for `stiffness_factor·stiffness + mass_factor·mass` with extra `diagonal` terms.
@@ -58,7 +71,18 @@ impl<'a> Superelement<'a> {
         diagonal: &[(usize, f64)],
     ) -> Result<Self> {
         let matrix = system.matrix(stiffness_factor, mass_factor, diagonal)?;
+        Self::of(system, matrix, &mut |_| ())
+    }
+
+    fn of(
+        system: System<'a>,
+        matrix: SparseColMat<usize, f64>,
+        begins: &mut dyn FnMut(Step),
+    ) -> Result<Self> {
+        begins(Step::Factorisation);
         let factor = Factor::new(matrix.as_ref(), system.numbering.interior)?;
+        drop(matrix);
+        begins(Step::Condensation);
         let compliance = factor.retained_compliance();
         Ok(Self { system, factor, compliance })
     }

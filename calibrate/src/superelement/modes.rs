@@ -18,7 +18,7 @@ use super::Superelement;
 use super::factor::{Factor, dot};
 use crate::error::{InputError, Result};
 use crate::mesh::{HexMesh, SurfaceGrid};
-use crate::solid::{NodalMass, Numbering, System, rigid_motion};
+use crate::solid::{MirrorHalf, NodalMass, Numbering, Symmetry, System, rigid_motion};
 use faer::linalg::matmul::matmul;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Accum, Mat, MatRef, Par, unzip, zip};
@@ -75,6 +75,37 @@ impl Modes {
         rigid_motion(&(point - self.master), motion)
     }
 
+    /// The modes of a body of which these are the symmetric ones of its `half`, each of mass 1 kg: all that loads across the track and down have,
+    /// which are symmetric themselves.
+    pub(super) fn of_whole(self, half: &MirrorHalf) -> Self {
+        // both halves have half of the mass
+        let scale = std::f64::consts::FRAC_1_SQRT_2;
+        let rows = 3 * half.contact().iter().flatten().max().map_or(0, |last| last + 1);
+        let mut contact = Mat::zeros(rows, self.count());
+        for mode in 0..self.count() {
+            let (from, to) = (self.contact.col_as_slice(mode), contact.col_as_slice_mut(mode));
+            for (moved, &[at, image]) in from.chunks_exact(3).zip(half.contact()) {
+                for d in 0..3 {
+                    to[3 * image + d] = scale * Symmetry::Symmetric.sign(d) * moved[d];
+                    to[3 * at + d] = scale * moved[d];
+                }
+            }
+        }
+        // rotations about the track and motions in its cross-section are symmetric, the others antisymmetric
+        let symmetric = |motion: usize| matches!(motion, 1..=3);
+        Self {
+            contact,
+            stiffness: self.stiffness,
+            coupling: DMatrix::from_fn(6, self.coupling.ncols(), |motion, mode| {
+                if symmetric(motion) { 2.0 * scale * self.coupling[(motion, mode)] } else { 0.0 }
+            }),
+            rigid: Matrix6::from_fn(|i, k| {
+                if symmetric(i) == symmetric(k) { 2.0 * self.rigid[(i, k)] } else { 0.0 }
+            }),
+            master: self.master,
+        }
+    }
+
     /// Natural frequencies of the first `count` modes together, Hz, ascending. The lowest are those of the body.
     pub fn frequencies(&self, count: usize) -> Vec<f64> {
         let squares = SymmetricEigen::new(self.stiffness(count)).eigenvalues;
@@ -91,6 +122,11 @@ impl Superelement<'_> {
     /// # Errors
     /// [`InputError`] for a body whose hub is free.
     pub fn modes(&self, count: usize) -> Result<Modes> {
+        self.modes_under(&contact_loads(self.system.mesh), count)
+    }
+
+    /// The same from forces on all nodes (`3·node + direction`) on.
+    pub(super) fn modes_under(&self, loads: &[Vec<f64>], count: usize) -> Result<Modes> {
         let System { mesh, numbering, .. } = &self.system;
         let Numbering { interior, contact, equations, .. } = *numbering;
         if equations > interior + contact {
@@ -107,7 +143,7 @@ impl Superelement<'_> {
         let moved: [Vec<f64>; 6] = std::array::from_fn(|motion| rigid(mesh, &master, motion));
         let impulses = moved.each_ref().map(|motion| mass.times(motion));
         let inertia = impulses.each_ref().map(|impulse| numbering.gather(mesh, impulse));
-        let mut first = contact_loads(mesh, numbering);
+        let mut first: Vec<Vec<f64>> = loads.iter().map(|load| numbering.gather(mesh, load)).collect();
         if numbering.master().is_some() {
             // of the hub's motions across the track and down
             first.extend([inertia[1].clone(), inertia[2].clone()]);
@@ -152,7 +188,8 @@ impl Superelement<'_> {
         loads: Vec<Vec<f64>>,
         count: usize,
     ) -> Mat<f64> {
-        let Numbering { interior, equations, .. } = self.system.numbering;
+        let numbering = &self.system.numbering;
+        let Numbering { interior, equations, .. } = *numbering;
         let mut vectors = Mat::zeros(equations, count);
         let mut found = 0;
         let mut block = Mat::from_fn(equations, loads.len().min(count), |row, n| loads[n][row]);
@@ -197,7 +234,7 @@ impl Superelement<'_> {
             }
             new.truncate(count - found);
             block = Mat::from_fn(equations, new.len(), |row, n| {
-                if row < interior { impulses[(row, new[n])] } else { 0.0 }
+                if row < interior && !numbering.is_at_rest(row) { impulses[(row, new[n])] } else { 0.0 }
             });
         }
         vectors.resize_with(equations, found, |_, _| 0.0);
@@ -327,7 +364,7 @@ impl Surface {
 
 /// Forces across the track and down on the contact zone (those along it balance in a patch under a wheel that does not roll), growing from one end of its profile to the other or back, and from both its ends
 /// along the track to the middle: together they act anywhere across the zone, with any moment.
-fn contact_loads(mesh: &HexMesh, numbering: &Numbering) -> Vec<Vec<f64>> {
+pub(super) fn contact_loads(mesh: &HexMesh) -> Vec<Vec<f64>> {
     let SurfaceGrid { along_profile, along_track, nodes } = &mesh.contact;
     let columns = along_track.len();
     // from 0 to 1; a zone of a single line has no ends
@@ -336,12 +373,12 @@ fn contact_loads(mesh: &HexMesh, numbering: &Numbering) -> Vec<Vec<f64>> {
         if last > first { (values[at] - first) / (last - first) } else { 0.5 }
     };
     let load = |towards_last: bool, axis: usize| {
-        let mut forces = vec![0.0; numbering.equations];
-        for n in 0..nodes.len() {
+        let mut forces = vec![0.0; 3 * mesh.nodes.len()];
+        for (n, node) in nodes.iter().enumerate() {
             let (across, along) = (place(along_profile, n / columns), place(along_track, n % columns));
             let share = if towards_last { across } else { 1.0 - across };
             // a little is left at the ends, for a zone that has nothing between them
-            forces[numbering.interior + 3 * n + axis] = share * (1.01 - (2.0 * along - 1.0).abs());
+            forces[3 * node + axis] = share * (1.01 - (2.0 * along - 1.0).abs());
         }
         forces
     };

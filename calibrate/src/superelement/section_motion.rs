@@ -9,10 +9,10 @@
 
 use crate::error::{InputError, Result};
 use crate::field::InputField;
+use crate::mesh::HexMesh;
 use crate::placement::PlacedRail;
 use crate::section_analysis::StressSample;
 use crate::solid::Cut;
-use crate::superelement::Superelement;
 use faer::Mat;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix3x2, Point2, Rotation2, Vector2};
 
@@ -32,19 +32,20 @@ pub struct SectionMotion {
 }
 
 impl SectionMotion {
-    /// Loads the section x = `x` (m) of a condensed rail with the beam's forces. `stresses` are those of the section in
+    /// Loads the section x = `x` (m) of a rail with the beam's forces; `solve` has the displacements of the nodes of its `mesh` under forces on
+    /// them. `stresses` are those of the section in
     /// its profile frame, `shear_centre` its shear centre in the world.
     ///
     /// # Errors
     /// [`InputError`] if the plane misses the mesh.
     pub fn new(
-        rail: &Superelement,
+        mesh: &HexMesh,
+        solve: &dyn Fn(&[f64]) -> Vec<f64>,
         stresses: &[StressSample],
         placed: &PlacedRail,
         shear_centre: Point2<f64>,
         x: f64,
     ) -> Result<Self> {
-        let mesh = rail.system.mesh;
         let cut = Cut::new(mesh, x);
         let turn = Rotation2::new(placed.angle);
         let mut loads = vec![vec![0.0; 3 * mesh.nodes.len()]; 3];
@@ -83,7 +84,7 @@ impl SectionMotion {
                 (0..loads[0].len()).map(|i| (0..3).map(|l| loads[l][i] * to_unit[(l, k)]).sum()).collect()
             })
             .collect();
-        let moved: Vec<Vec<f64>> = unit.iter().map(|load| rail.solve(load)).collect();
+        let moved: Vec<Vec<f64>> = unit.iter().map(|load| solve(load)).collect();
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(p, q)| p * q).sum::<f64>();
         let flexibility =
             Matrix3::from_fn(|i, k| 0.5 * (dot(&unit[i], &moved[k]) + dot(&unit[k], &moved[i])));

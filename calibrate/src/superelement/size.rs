@@ -13,17 +13,19 @@ use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 /// Size of a body's matrix and of its factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FactorSize {
+    /// In how many parts the body is factored, one after the other: 2 of one that is its own mirror image.
+    pub parts: usize,
     /// Equations.
     pub equations: usize,
     /// Equations that are retained: those of the contact nodes.
     pub retained: usize,
-    /// Entries of the upper triangle of the matrix.
+    /// Entries of the upper triangle of the matrix of a part.
     pub entries: usize,
-    /// Values stored in the factor.
+    /// Values stored in the factor of a part.
     pub values: usize,
-    /// Values stored in the factor of the equations that are not retained.
+    /// Values stored in the factor of the equations of a part that are not retained.
     pub inside: usize,
-    /// Multiplications of the factorisation.
+    /// Multiplications of all factorisations.
     pub multiplications: f64,
 }
 
@@ -74,6 +76,7 @@ impl FactorSize {
                 * (end.saturating_sub(begin) + rows.partition_point(|row| *row < inside))
         };
         Ok(Self {
+            parts: 1,
             equations: 3 * count,
             retained: numbering.contact,
             // of the nine products of two nodes all, of those of a node with itself the upper six

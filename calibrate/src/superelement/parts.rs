@@ -1,0 +1,373 @@
+//! A body as its equations are eliminated: whole, or by halves where it is its own mirror image.
+
+use super::condensed::Interior;
+use super::modes::contact_loads;
+use super::{CondensedBody, FactorSize, SectionMotion, Superelement, times};
+use crate::error::Result;
+use crate::mesh::HexMesh;
+use crate::solid::{MirrorHalf, Symmetry, System};
+use faer::Mat;
+
+/// The nodes of a half are at rest in a motion that is less than this share of the whole one.
+const AT_REST: f64 = 1e-9;
+
+/// A body before it is condensed.
+pub enum Parts<'a> {
+    /// All equations together.
+    Whole(Box<System<'a>>),
+    /// The body's half in symmetric and in antisymmetric motions, which do not know of each other: one factor after the other.
+    Halves {
+        /// The mesh of both halves.
+        whole: &'a HexMesh,
+        /// The half.
+        half: &'a MirrorHalf,
+        /// Its equations, in the order of [`Symmetry::BOTH`].
+        systems: Box<[System<'a>; 2]>,
+    },
+}
+
+/// What is done with a body, in turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// The matrix is assembled.
+    Assembly,
+    /// It is factored.
+    Factorisation,
+    /// The compliance of the retained equations is found.
+    Condensation,
+    /// The modes are found.
+    Modes,
+    /// The motion of its section is found.
+    Section,
+}
+
+/// What a body is to be condensed to.
+pub struct Wanted<'w> {
+    /// Hash of what makes it ([`super::body_key`]).
+    pub key: String,
+    /// Largest number of modes; 0 for statics alone.
+    pub modes: usize,
+    /// The motion of its section x = 0, of a rail, from the displacements of all nodes under forces on them, which act in that section across
+    /// the track and down.
+    #[expect(clippy::type_complexity, reason = "a function of a function")]
+    pub section: &'w dyn Fn(&dyn Fn(&[f64]) -> Vec<f64>) -> Result<Option<SectionMotion>>,
+}
+
+impl Parts<'_> {
+    /// The size of the body and of its factors.
+    ///
+    /// # Errors
+    /// A mesh whose factor cannot be counted.
+    pub fn size(&self) -> Result<FactorSize> {
+        match self {
+            Self::Whole(system) => FactorSize::of(system.mesh, &system.numbering),
+            Self::Halves { whole, half, systems } => {
+                let of_half = FactorSize::of(&half.mesh, &systems[0].numbering)?;
+                Ok(FactorSize {
+                    parts: 2,
+                    equations: self.equations(),
+                    retained: 3 * whole.contact.nodes.len(),
+                    multiplications: 2.0 * of_half.multiplications,
+                    ..of_half
+                })
+            }
+        }
+    }
+
+    /// Equations of the body.
+    pub fn equations(&self) -> usize {
+        let systems = match self {
+            Self::Whole(system) => std::slice::from_ref(&**system),
+            Self::Halves { systems, .. } => systems.as_slice(),
+        };
+        systems.iter().map(|system| system.numbering.degrees_of_freedom()).sum()
+    }
+
+    /// Assembles, factors and condenses the body; says which step `begins`.
+    ///
+    /// # Errors
+    /// Those of [`Superelement::new`], of its modes and of the section.
+    pub fn condensed(
+        self,
+        Wanted { key, modes, section }: Wanted<'_>,
+        begins: &mut dyn FnMut(Step),
+    ) -> Result<CondensedBody> {
+        let equations = self.equations();
+        match self {
+            Self::Whole(system) => {
+                let element = Superelement::in_steps(*system, begins)?;
+                let found = if modes > 0 {
+                    begins(Step::Modes);
+                    Some(element.modes(modes)?)
+                } else {
+                    None
+                };
+                begins(Step::Section);
+                let section = section(&|forces| element.solve(forces))?;
+                Ok(CondensedBody { section, modes: found, ..element.condensed(key) })
+            }
+            Self::Halves { whole, half, systems } => {
+                let [symmetric, antisymmetric] = *systems;
+                let element = Superelement::in_steps(symmetric, begins)?;
+                let found = if modes > 0 {
+                    begins(Step::Modes);
+                    let loads = contact_loads(whole);
+                    let loads = loads.iter().map(|load| half.forces(Symmetry::Symmetric, load));
+                    Some(element.modes_under(&loads.collect::<Vec<_>>(), modes)?.of_whole(half))
+                } else {
+                    None
+                };
+                begins(Step::Section);
+                let section = section(&|forces| {
+                    let mut moved = vec![0.0; forces.len()];
+                    let of_half = element.solve(&half.forces(Symmetry::Symmetric, forces));
+                    half.add(Symmetry::Symmetric, &of_half, &mut moved);
+                    moved
+                })?;
+                let symmetric = element.condensed(String::new());
+                let element = Superelement::in_steps(antisymmetric, begins)?;
+                let antisymmetric = element.condensed(String::new());
+                let compliance = joined(half, [&symmetric.compliance, &antisymmetric.compliance]);
+                Ok(CondensedBody {
+                    key,
+                    compliance,
+                    grid: whole.contact.clone(),
+                    nodes: whole.contact.nodes.iter().map(|&n| whole.nodes[n]).collect(),
+                    equations,
+                    mass: 2.0 * symmetric.mass,
+                    section,
+                    modes: found,
+                })
+            }
+        }
+    }
+
+    /// Displacements of all nodes (`3·node + direction`, m) of a condensed `body` under each of the `forces` on its retained equations (N):
+    /// the retained ones by its compliance, the others as these move them. A motion of a half that is less than 1e-9 of the whole one is left out.
+    ///
+    /// # Errors
+    /// As [`Superelement::new`].
+    pub fn displacements(self, body: &CondensedBody, forces: &[Vec<f64>]) -> Result<Vec<Vec<f64>>> {
+        let retained: Vec<Vec<f64>> = forces.iter().map(|forces| times(&body.compliance, forces)).collect();
+        match self {
+            Self::Whole(system) => {
+                let inside = Interior::new(*system)?;
+                Ok(retained.iter().map(|retained| inside.moved(retained)).collect())
+            }
+            Self::Halves { whole, half, systems } => {
+                let mut moved = vec![vec![0.0; 3 * whole.nodes.len()]; forces.len()];
+                for (system, symmetry) in (*systems).into_iter().zip(Symmetry::BOTH) {
+                    let parts: Vec<Vec<f64>> =
+                        retained.iter().map(|retained| half.contact_part(symmetry, retained)).collect();
+                    let moves = |(part, all): (&Vec<f64>, &Vec<f64>)| largest(part) > AT_REST * largest(all);
+                    if !parts.iter().zip(&retained).any(moves) {
+                        continue;
+                    }
+                    let inside = Interior::new(system)?;
+                    for (moved, part) in moved.iter_mut().zip(&parts) {
+                        half.add(symmetry, &inside.moved(part), moved);
+                    }
+                }
+                Ok(moved)
+            }
+        }
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
+/// Compliance of the contact nodes of the whole from those of its half in symmetric and antisymmetric motions, m/N: a force is half of it with
+/// and half of it against its mirror image, of which each half of the body carries one half.
+fn joined(half: &MirrorHalf, [symmetric, antisymmetric]: [&Mat<f64>; 2]) -> Mat<f64> {
+    let contact = half.contact();
+    let rows = 3 * contact.iter().flatten().max().map_or(0, |last| last + 1);
+    let mut whole = Mat::zeros(rows, rows);
+    let moves = |symmetry: Symmetry, [at, image]: [usize; 2], d: usize| at != image || symmetry.sign(d) > 0.0;
+    let sign = |d: usize| Symmetry::Symmetric.sign(d);
+    for (b, &column) in contact.iter().enumerate() {
+        for q in 0..3 {
+            let [with, against] = [symmetric, antisymmetric].map(|part| part.col_as_slice(3 * b + q));
+            for (a, &row) in contact.iter().enumerate() {
+                for p in 0..3 {
+                    let half = |symmetry, of_column: &[f64]| {
+                        let both = moves(symmetry, row, p) && moves(symmetry, column, q);
+                        if both { 0.5 * of_column[3 * a + p] } else { 0.0 }
+                    };
+                    let (s, t) = (half(Symmetry::Symmetric, with), half(Symmetry::Antisymmetric, against));
+                    let (same, other) = (s + t, s - t);
+                    whole[(3 * row[0] + p, 3 * column[0] + q)] = same;
+                    whole[(3 * row[1] + p, 3 * column[1] + q)] = sign(p) * sign(q) * same;
+                    if row[0] != row[1] {
+                        whole[(3 * row[1] + p, 3 * column[0] + q)] = sign(p) * other;
+                    }
+                    if column[0] != column[1] {
+                        whole[(3 * row[0] + p, 3 * column[1] + q)] = sign(q) * other;
+                    }
+                }
+            }
+        }
+    }
+    whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{BlockOptions, mesh_block};
+    use crate::solid::{Formulation, Material, Supports};
+    use crate::superelement::Superelement;
+    use nalgebra::Point3;
+    use std::f64::consts::FRAC_1_SQRT_2;
+
+    /// Rounding times the condition of the blocks.
+    const ROUNDOFF: f64 = 1e-9;
+
+    /// A block whose middle is at x = 0, with finer elements there, and leaning sides: nothing but the mirror maps it onto itself.
+    fn block(divisions: [usize; 3]) -> HexMesh {
+        let mut mesh = mesh_block(&BlockOptions::uniform([0.05, 0.04, 0.03], divisions)).unwrap();
+        for p in &mut mesh.nodes {
+            let x = p.x / 0.025;
+            *p = Point3::new(
+                0.025 * x * (0.4 + 0.6 * x * x) * (1.0 + 4.0 * p.y),
+                p.y + 0.2 * p.z,
+                p.z * (1.0 + 3.0 * p.y),
+            );
+        }
+        mesh
+    }
+
+    fn held(mesh: &HexMesh) -> Supports {
+        Supports { held: mesh.foot.clone(), ..Supports::default() }
+    }
+
+    fn system<'a>(mesh: &'a HexMesh, supports: &Supports) -> System<'a> {
+        System::new(mesh, Material::STEEL, Formulation::IncompatibleModes, supports).unwrap()
+    }
+
+    fn halves<'a>(mesh: &'a HexMesh, half: &'a MirrorHalf) -> Parts<'a> {
+        let systems = Symmetry::BOTH.map(|symmetry| {
+            let System { mesh, material, formulation, numbering, .. } = system(&half.mesh, &half.supports);
+            let numbering = half.numbered(&numbering, symmetry);
+            System::with_numbering(mesh, material, formulation, numbering).unwrap()
+        });
+        Parts::Halves { whole: mesh, half, systems: Box::new(systems) }
+    }
+
+    fn off(a: &[f64], b: &[f64]) -> f64 {
+        assert_eq!(a.len(), b.len());
+        largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(a)
+    }
+
+    /// Source: the same body as a whole. Goal: a body that is condensed by halves has its compliance (m/N), its modes (displacements of the contact
+    /// nodes, stiffness, mass between them and the rigid motions), its equations and its mass; nodes move as in the whole under forces
+    /// that are neither symmetric nor antisymmetric, under symmetric ones, and under those on a section. Accuracy: ROUNDOFF. The modes of
+    /// the block on its own hub, too.
+    #[test]
+    fn halves_are_the_whole() {
+        let mesh = block([8, 5, 4]);
+        let hub = Supports {
+            followers: mesh.foot.clone(),
+            master: Point3::new(0.0, 0.03, 0.1),
+            ..Supports::default()
+        };
+        for supports in [held(&mesh), hub] {
+            let half = MirrorHalf::of(&mesh, &supports).expect("its mirror image");
+            assert!(
+                half.mesh.hexes.len() == mesh.hexes.len() / 2 && half.mesh.nodes.len() < mesh.nodes.len()
+            );
+            let on_section: Vec<f64> = (mesh.nodes.iter())
+                .flat_map(|p| if p.x.abs() < 1e-9 { [0.0, 1.0 + p.y, 3.0 * p.z] } else { [0.0; 3] })
+                .collect();
+            let moved = std::cell::RefCell::new(Vec::new());
+            let section = |solve: &dyn Fn(&[f64]) -> Vec<f64>| {
+                moved.borrow_mut().push(solve(&on_section));
+                Ok(None)
+            };
+            let condense = |parts: Parts<'_>| {
+                let wanted = Wanted { key: "block".into(), modes: 15, section: &section };
+                parts.condensed(wanted, &mut |_| ()).unwrap()
+            };
+            let whole = condense(Parts::Whole(Box::new(system(&mesh, &supports))));
+            let by_halves = condense(halves(&mesh, &half));
+            let moved = moved.into_inner();
+            assert!(off(&moved[0], &moved[1]) < ROUNDOFF);
+            assert_eq!((by_halves.equations, &by_halves.grid), (whole.equations, &whole.grid));
+            assert!((by_halves.mass / whole.mass - 1.0).abs() < ROUNDOFF);
+            for column in 0..whole.compliance.ncols() {
+                let [a, b] = [&whole, &by_halves].map(|body| body.compliance.col_as_slice(column));
+                assert!(off(a, b) < ROUNDOFF, "column {column}: {:e}", off(a, b));
+            }
+            let [a, b] = [&whole, &by_halves].map(|body| body.modes.as_ref().unwrap());
+            assert_eq!((a.count(), b.count()), (15, 15));
+            assert!(off(a.stiffness(15).as_slice(), b.stiffness(15).as_slice()) < ROUNDOFF);
+            assert!(off(a.rigid.as_slice(), b.rigid.as_slice()) < ROUNDOFF);
+            // couplings of antisymmetric motions are rounding in the whole
+            assert!(off(a.coupling.as_slice(), b.coupling.as_slice()) < ROUNDOFF);
+            (0..15).for_each(|mode| assert!(off(a.contact(mode), b.contact(mode)) < ROUNDOFF, "mode {mode}"));
+            let rows = whole.compliance.nrows();
+            let columns = mesh.contact.along_track.len();
+            let any: Vec<f64> = (0..rows).map(|e| (1.7 * e as f64).sin()).collect();
+            let symmetric: Vec<f64> = (0..rows)
+                .map(|e| {
+                    let (at, d) = (e / 3, e % 3);
+                    let image = at - at % columns + (columns - 1 - at % columns);
+                    FRAC_1_SQRT_2 * (any[e] + Symmetry::Symmetric.sign(d) * any[3 * image + d])
+                })
+                .collect();
+            let forces = [any, symmetric];
+            let a = Parts::Whole(Box::new(system(&mesh, &supports))).displacements(&whole, &forces).unwrap();
+            let b = halves(&mesh, &half).displacements(&by_halves, &forces).unwrap();
+            a.iter().zip(&b).for_each(|(a, b)| assert!(off(a, b) < ROUNDOFF, "{:e}", off(a, b)));
+        }
+    }
+
+    /// Goal: the sizes that are counted are those of the factors. Accuracy: MERGING of columns in threes instead of one by one.
+    #[test]
+    fn the_size_of_halves_is_that_of_their_factors() {
+        const MERGING: f64 = 0.05;
+        let mesh = block([14, 10, 12]);
+        let supports = held(&mesh);
+        let half = MirrorHalf::of(&mesh, &supports).expect("its mirror image");
+        let (whole, size) = (
+            Parts::Whole(Box::new(system(&mesh, &supports))).size().unwrap(),
+            halves(&mesh, &half).size().unwrap(),
+        );
+        assert_eq!((size.parts, size.equations, size.retained), (2, whole.equations, whole.retained));
+        let Parts::Halves { systems, .. } = halves(&mesh, &half) else { unreachable!("halves") };
+        for system in *systems {
+            let element = Superelement::new(system).unwrap();
+            let stored = element.factor.stored_values() as f64;
+            assert!((size.values as f64 / stored - 1.0).abs() < MERGING, "{} {stored}", size.values);
+        }
+        assert!(size.values < whole.values && size.multiplications < whole.multiplications);
+    }
+
+    /// Goal: no halves of a body with an element across the plane, that stands beside it, that is held on one side, that has a node off its
+    /// place, and whose hub moves.
+    #[test]
+    fn what_is_not_its_mirror_image_has_no_half() {
+        let mesh = block([8, 5, 4]);
+        let none = |mesh: &HexMesh, supports: &Supports| MirrorHalf::of(mesh, supports).is_none();
+        assert!(!none(&mesh, &held(&mesh)));
+        let odd = block([7, 5, 4]);
+        assert!(none(&odd, &held(&odd)));
+        let mut beside = mesh.clone();
+        beside.nodes.iter_mut().for_each(|p| p.x += 1e-3);
+        assert!(none(&beside, &held(&beside)));
+        let mut on_one_side = held(&mesh);
+        on_one_side.held.retain(|&n| mesh.nodes[n].x > -0.01);
+        assert!(none(&mesh, &on_one_side));
+        let mut bent = mesh.clone();
+        let corner = bent.hexes[0][0];
+        bent.nodes[corner].y += 1e-6;
+        assert!(none(&bent, &held(&bent)));
+        let turning = Supports {
+            followers: mesh.foot.clone(),
+            master_free: [false, false, false, true, false, false],
+            ..Supports::default()
+        };
+        assert!(none(&mesh, &turning));
+    }
+}
