@@ -16,7 +16,7 @@ use railspring_calibrate::units::MILLIMETRE;
 
 use crate::python::Purpose;
 use crate::stages::{self, Geometry, Meshes};
-use crate::study::Study;
+use crate::study::{Study, TransientKey};
 
 use condensing::{NODE, VALUE};
 pub use condensing::{condensing, least_memory, stepping};
@@ -91,7 +91,7 @@ impl Budget {
         let Some((budget, whose)) = self.bytes() else { return Ok(()) };
         let needed = |study: &Study| -> Result<(f64, usize)> {
             let sizes = sizes(study, geometry)?;
-            let memory: f64 = sizes.iter().map(|size| first_look(size, work, study.modes() == 0)).sum();
+            let memory: f64 = sizes.iter().map(|size| first_look(size, work, by_halves(study, work))).sum();
             Ok((memory, sizes.iter().map(|size| 3 * size.nodes).sum()))
         };
         let (memory, equations) = needed(study)?;
@@ -114,7 +114,7 @@ impl Budget {
         }
         // what the first look says of other sizes, in proportion
         let look = |study: &Study| -> Result<f64> {
-            Ok(sizes(study, geometry)?.iter().map(|size| first_look(size, work, study.modes() == 0)).sum())
+            Ok(sizes(study, geometry)?.iter().map(|size| first_look(size, work, by_halves(study, work))).sum())
         };
         let here = look(study)?;
         let needed = |study: &Study| look(study).map(|there| memory * there / here);
@@ -214,7 +214,12 @@ fn sizes(study: &Study, geometry: &Geometry) -> Result<Vec<MeshSize>> {
     Ok(sizes)
 }
 
-/// Bytes of a body by the numbers of its mesh alone; bodies without modes are condensed by halves.
+/// Whether bodies that are their own mirror images, as the meshes of the program are, are factored by halves alone.
+fn by_halves(study: &Study, work: &Work) -> bool {
+    work.solids.is_empty() || study.solid.transient == TransientKey::Reduced
+}
+
+/// Bytes of a body by the numbers of its mesh alone.
 fn first_look(size: &MeshSize, work: &Work, by_halves: bool) -> f64 {
     if *work == Work::default() {
         return NODE * size.nodes as f64;

@@ -1,7 +1,7 @@
 //! What a body takes that is condensed by itself.
 
 use railspring_calibrate::error::Result;
-use railspring_calibrate::superelement::{FactorSize, Parts};
+use railspring_calibrate::superelement::{FactorSize, Modes, Parts};
 
 use super::FILL;
 
@@ -39,6 +39,8 @@ pub(super) fn largest(size: &FactorSize, modes: f64) -> f64 {
     let dense = VALUE * (size.retained as f64).powi(2);
     let of_part = dense / parts.powi(2);
     let equations = size.equations as f64 / parts;
+    // those of the first part are more
+    let modes = if size.parts > 1 { Modes::of_halves(modes as usize)[0] as f64 } else { modes };
     let vectors =
         if modes > 0.0 { (modes + AT_ONCE) * VALUE * equations + MASS * equations / 3.0 } else { 0.0 };
     // the compliances of the parts before

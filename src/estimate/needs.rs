@@ -116,7 +116,7 @@ impl Estimate {
     /// Those of counting the equations and the sizes of other meshes.
     pub(super) fn of(study: &Study, geometry: &Geometry, meshes: &Meshes, work: &Work) -> Result<Self> {
         let solids = stages::solids(study, geometry, meshes);
-        let count = |body: PairBody| -> Result<FactorSize> { solids.parts(body, study.modes())?.size() };
+        let count = |body: PairBody| -> Result<FactorSize> { solids.parts(body)?.size() };
         // references factor whole bodies, and so does full order in time
         let whole = |mesh: MeshSize, body: PairBody| -> Result<Body> {
             let system = solids.system(body)?;

@@ -56,7 +56,7 @@ impl<'a> Ordered<'a> {
     pub fn both(solids: &PairSolids<'a>, modes: usize, monitor: &dyn Monitor) -> Result<[Self; 2]> {
         let one = |body: PairBody, nodes: usize| -> Result<Self> {
             monitor.progress(body.name(), 0, 5)?;
-            let (parts, ordering) = timed("ordering", || solids.parts(body, modes))?;
+            let (parts, ordering) = timed("ordering", || solids.parts(body))?;
             let (size, memory) = condensing(&parts, modes)?;
             let stepping = stepping(&size, modes);
             Ok(Self { body, solids: *solids, nodes, size, ordering, memory, stepping })
@@ -108,6 +108,8 @@ struct StepClock<'m> {
     stages: [ScalingStage; 4],
     /// The stage that is being done.
     running: Option<(usize, Stopwatch)>,
+    /// The last stage that was begun; a second part of the body begins again.
+    furthest: usize,
     interrupted: Result<()>,
 }
 
@@ -118,7 +120,7 @@ impl<'m> StepClock<'m> {
             seconds: 0.0,
             peak_memory_mib: None,
         });
-        Self { body, monitor, stages, running: None, interrupted: Ok(()) }
+        Self { body, monitor, stages, running: None, furthest: 0, interrupted: Ok(()) }
     }
 
     fn begin(&mut self, step: Step) {
@@ -129,8 +131,9 @@ impl<'m> StepClock<'m> {
             Step::Condensation | Step::Section => 2,
             Step::Modes => 3,
         };
+        self.furthest = self.furthest.max(stage);
         if self.interrupted.is_ok() {
-            self.interrupted = self.monitor.progress(self.body, stage + 1, 5);
+            self.interrupted = self.monitor.progress(self.body, self.furthest + 1, 5);
         }
         self.running = Some((stage, Stopwatch::start()));
     }

@@ -107,7 +107,7 @@ pub fn answers(
         (None, smooth_states)
     };
     let largest = states.last().expect("there are loads");
-    let parts = |body| full.solids.parts(body, 0);
+    let parts = |body| full.solids.parts(body);
     let rail = answer(&meshes.rail, (&full.rail, parts(rail_in_use(study))?), largest, Side::Base)?;
     let wheel = answer(&meshes.wheel, (&full.wheel, parts(PairBody::Wheel)?), largest, Side::Opposing)?;
     let element = formulation(study);

@@ -68,7 +68,7 @@ pub(super) fn field_files<'a>(
         let rows = condensed.compliance.nrows();
         let forces: Vec<_> = solid.iter().map(|&load| states[load].body_forces(side, rows)).collect();
         // the inside of one body at a time
-        let moved = pressed.solids.parts(body, 0)?.displacements(condensed, &forces)?;
+        let moved = pressed.solids.parts(body)?.displacements(condensed, &forces)?;
         let texts = solid.iter().zip(moved);
         texts.map(|(&load, moved)| fields(&states[load], moved).vtu(output.vertical)).collect()
     };

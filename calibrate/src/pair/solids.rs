@@ -137,18 +137,14 @@ impl<'a> PairSolids<'a> {
                 .transpose()
         };
         let modes = if body.is_in_time() { modes } else { 0 };
-        self.parts(body, modes)?.condensed(Wanted { key, modes, section: &section }, begins)
+        self.parts(body)?.condensed(Wanted { key, modes, section: &section }, begins)
     }
 
-    /// The body as its equations are eliminated: by halves, if it is its own mirror image and is to have no `modes`; those of bodies in time are
-    /// of the whole.
+    /// The body as its equations are eliminated: by halves, if it is its own mirror image.
     ///
     /// # Errors
     /// As [`Self::system`].
-    pub fn parts(&self, body: PairBody, modes: usize) -> Result<Parts<'a>> {
-        if modes > 0 && body.is_in_time() {
-            return Ok(Parts::Whole(Box::new(self.system(body)?)));
-        }
+    pub fn parts(&self, body: PairBody) -> Result<Parts<'a>> {
         let (whole, supports) = self.held(body);
         let Orders(known) = self.orders;
         let known = &known[body as usize];

@@ -1,7 +1,7 @@
 //! A body as its equations are eliminated: whole, or by halves where it is its own mirror image.
 
 use super::condensed::Interior;
-use super::modes::contact_loads;
+use super::modes::{HUB_MOTIONS, Modes, contact_loads};
 use super::{CondensedBody, FactorSize, SectionMotion, Superelement, times};
 use crate::error::Result;
 use crate::mesh::HexMesh;
@@ -108,15 +108,18 @@ impl Parts<'_> {
             }
             Self::Halves { whole, half, systems } => {
                 let [symmetric, antisymmetric] = *systems;
-                let element = Superelement::in_steps(symmetric, begins)?;
-                let found = if modes > 0 {
+                let counts = Modes::of_halves(modes);
+                let modes_of = |element: &Superelement<'_>, symmetry, hub_motions: &[usize], begins: &mut dyn FnMut(Step)| {
+                    if modes == 0 {
+                        return Ok(None);
+                    }
                     begins(Step::Modes);
-                    let loads = contact_loads(whole);
-                    let loads = loads.iter().map(|load| half.forces(Symmetry::Symmetric, load));
-                    Some(element.modes_under(&loads.collect::<Vec<_>>(), modes)?.of_whole(half))
-                } else {
-                    None
+                    let loads = contact_loads(whole, symmetry);
+                    let loads: Vec<_> = loads.iter().map(|load| half.forces(symmetry, load)).collect();
+                    element.modes_under(&loads, hub_motions, counts[symmetry as usize]).map(Some)
                 };
+                let element = Superelement::in_steps(symmetric, begins)?;
+                let with = modes_of(&element, Symmetry::Symmetric, &HUB_MOTIONS, begins)?;
                 begins(Step::Section);
                 let section = section(&|forces| {
                     let mut moved = vec![0.0; forces.len()];
@@ -126,6 +129,7 @@ impl Parts<'_> {
                 })?;
                 let symmetric = element.condensed(String::new());
                 let element = Superelement::in_steps(antisymmetric, begins)?;
+                let against = modes_of(&element, Symmetry::Antisymmetric, &[], begins)?;
                 let antisymmetric = element.condensed(String::new());
                 let compliance = joined(half, [&symmetric.compliance, &antisymmetric.compliance]);
                 Ok(CondensedBody {
@@ -136,7 +140,7 @@ impl Parts<'_> {
                     equations,
                     mass: 2.0 * symmetric.mass,
                     section,
-                    modes: found,
+                    modes: with.zip(against).map(|(with, against)| Modes::joined(half, [with, against])),
                 })
             }
         }
@@ -299,13 +303,35 @@ mod tests {
                 let [a, b] = [&whole, &by_halves].map(|body| body.compliance.col_as_slice(column));
                 assert!(off(a, b) < ROUNDOFF, "column {column}: {:e}", off(a, b));
             }
-            let [a, b] = [&whole, &by_halves].map(|body| body.modes.as_ref().unwrap());
-            assert_eq!((a.count(), b.count()), (15, 15));
-            assert!(off(a.stiffness(15).as_slice(), b.stiffness(15).as_slice()) < ROUNDOFF);
-            assert!(off(a.rigid.as_slice(), b.rigid.as_slice()) < ROUNDOFF);
-            // couplings of antisymmetric motions are rounding in the whole
-            assert!(off(a.coupling.as_slice(), b.coupling.as_slice()) < ROUNDOFF);
-            (0..15).for_each(|mode| assert!(off(a.contact(mode), b.contact(mode)) < ROUNDOFF, "mode {mode}"));
+            let element = Superelement::new(system(&mesh, &supports)).unwrap();
+            let of_whole = Symmetry::BOTH.map(|symmetry| {
+                let hub_motions: &[usize] = if symmetry == Symmetry::Symmetric { &HUB_MOTIONS } else { &[] };
+                let count = Modes::of_halves(15)[symmetry as usize];
+                element.modes_under(&contact_loads(&mesh, symmetry), hub_motions, count).unwrap()
+            });
+            assert_eq!(of_whole.each_ref().map(Modes::count), [12, 3]);
+            let found = by_halves.modes.as_ref().unwrap();
+            assert_eq!(found.count(), 15);
+            assert!(off(of_whole[0].rigid.as_slice(), found.rigid.as_slice()) < ROUNDOFF);
+            // one of four is antisymmetric
+            let place = [[0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14].as_slice(), &[3, 7, 11]];
+            for (of_whole, place) in of_whole.iter().zip(place) {
+                let stiffness = of_whole.stiffness(of_whole.count());
+                let coupled = of_whole.coupling.amax();
+                for (n, &mode) in place.iter().enumerate() {
+                    assert!(off(of_whole.contact(n), found.contact(mode)) < ROUNDOFF, "mode {mode}");
+                    for other in 0..15 {
+                        let expected = place.iter().position(|&at| at == other).map_or(0.0, |m| stiffness[(n, m)]);
+                        let difference = (found.stiffness(15)[(mode, other)] - expected).abs();
+                        assert!(difference < ROUNDOFF * stiffness.amax(), "{mode} {other}");
+                    }
+                    // couplings of the other symmetry are rounding in the whole
+                    for motion in 0..6 {
+                        let difference = of_whole.coupling(motion, n) - found.coupling(motion, mode);
+                        assert!(difference.abs() < ROUNDOFF * coupled, "{motion} {mode}");
+                    }
+                }
+            }
             let rows = whole.compliance.nrows();
             let columns = mesh.contact.along_track.len();
             let any: Vec<f64> = (0..rows).map(|e| (1.7 * e as f64).sin()).collect();
