@@ -114,7 +114,10 @@ impl Budget {
         }
         // what the first look says of other sizes, in proportion
         let look = |study: &Study| -> Result<f64> {
-            Ok(sizes(study, geometry)?.iter().map(|size| first_look(size, work, by_halves(study, work))).sum())
+            Ok(sizes(study, geometry)?
+                .iter()
+                .map(|size| first_look(size, work, by_halves(study, work)))
+                .sum())
         };
         let here = look(study)?;
         let needed = |study: &Study| look(study).map(|there| memory * there / here);
