@@ -18,8 +18,8 @@ use crate::python::Purpose;
 use crate::stages::{self, Geometry, Meshes};
 use crate::study::{Study, TransientKey};
 
+pub use condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
 use condensing::{NODE, VALUE};
-pub use condensing::{condensing, least_memory, stepping};
 use machine::available;
 use needs::{Beside, reference_memory, steps_in_each};
 pub use needs::{Estimate, StageEstimate};

@@ -14,7 +14,7 @@ pub use power::PowerLaw;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::transient::START_MODES;
 
-use crate::estimate::{GIB, Resources, least_memory};
+use crate::estimate::{CONTACT_OF_STEP, GIB, Resources, least_memory};
 use crate::measure::{Stopwatch, machine, now_utc};
 use crate::records::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, SkippedSize,
@@ -156,8 +156,8 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
     let ordered = parts::Ordered::both(&solids, modes, monitor)?;
     let resident = Stopwatch::start().read().1.unwrap_or(0.0) * MIB;
     let condensing = ordered.iter().map(|body| body.memory).fold(0.0, f64::max);
-    let stepping = ordered.iter().map(|body| body.stepping).sum();
-    let predicted = resident + condensing.max(stepping);
+    let stepping: f64 = ordered.iter().map(|body| body.stepping).sum();
+    let predicted = resident + condensing.max(stepping + CONTACT_OF_STEP);
     if let Some(skipped) = too_large(predicted) {
         return Ok(skipped);
     }
