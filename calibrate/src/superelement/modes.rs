@@ -101,7 +101,7 @@ impl Modes {
         let counts = parts.each_ref().map(Self::count);
         let mut taken = [0, 0];
         while taken != counts {
-            let wanted = usize::from((order.len() + 1) % ANTISYMMETRIC_OF == 0);
+            let wanted = usize::from((order.len() + 1).is_multiple_of(ANTISYMMETRIC_OF));
             let part = if taken[wanted] < counts[wanted] { wanted } else { 1 - wanted };
             order.push((part, taken[part]));
             taken[part] += 1;
