@@ -19,8 +19,8 @@ const BODY: f64 = 60.0 * MILLIMETRE;
 /// Step on arcs where an outline is looked at by points, m.
 const STEP: f64 = 0.5 * MILLIMETRE;
 
-/// Distance of the tape circle from the flange back, m, where an outline does not say where it is.
-pub(crate) const TAPE: f64 = 70.0 * MILLIMETRE;
+/// Distance of the tape circle from the flange back in Europe, m, where a file or an outline does not say where it is.
+pub(crate) const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;
 
 fn at(name: &str, line: usize, value: &str, expected: &str, remedy: &str) -> Error {
     InputError::new(format!("{name}:{line}"), value, expected, remedy).into()
@@ -56,7 +56,7 @@ pub(crate) fn split_rail(
 
 /// The running surface and the rest of a closed section of a wheel, as ranges in the ring of its segments, which run over the tread to the field
 /// side with the flange at the lower end: from the flange back, where the outline leaves the vertical, over flange and tread to where these turn into
-/// the chamfer or the field face. `tape` is the lateral position of the tape circle; none, [`TAPE`] from the flange back.
+/// the chamfer or the field face. `tape` is the lateral position of the tape circle; none, [`TAPE_CIRCLE_FROM_FLANGE_BACK`] from the flange back.
 pub(crate) fn split_wheel(
     name: &str,
     segments: &[Segment],
@@ -82,7 +82,7 @@ pub(crate) fn split_wheel(
             remedy,
         ));
     };
-    let tape = tape.unwrap_or(ring(start).start().x + TAPE);
+    let tape = tape.unwrap_or(ring(start).start().x + TAPE_CIRCLE_FROM_FLANGE_BACK);
     let on_tread = (tip..start + n).find(|&i| ring(i).start().x <= tape && ring(i).end().x > tape);
     let turned = |i: &usize| ring(*i).tangent(0.0).x.min(ring(*i).tangent(1.0).x) < TREAD;
     let end = on_tread.filter(|i| !turned(i)).and_then(|first| (first..start + n).find(turned));

@@ -94,9 +94,6 @@ pub const WHEEL_NAMES: [&str; STANDARD_WHEELS.len()] = {
     names
 };
 
-/// Distance of the tape circle from the flange back in Europe, m.
-pub(crate) const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;
-
 /// Largest step of the samples, mm.
 const STEP: f64 = 0.1;
 /// Length over which a step between published zones is taken up, mm.

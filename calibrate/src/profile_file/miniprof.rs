@@ -12,7 +12,7 @@ use super::text::{
 };
 use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw};
 use crate::error::Result;
-use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
+use crate::profile::TAPE_CIRCLE_FROM_FLANGE_BACK;
 use crate::units::MILLIMETRE;
 
 /// Keys of which one is enough to recognise the format.

@@ -7,7 +7,7 @@ use super::text::error_at;
 use super::{Convention, MeasuredPoint, MeasuredProfile, ProfileKind, Raw, ReadOptions};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
-use crate::profile::wheels::TAPE_CIRCLE_FROM_FLANGE_BACK;
+use crate::profile::TAPE_CIRCLE_FROM_FLANGE_BACK;
 use crate::units::MILLIMETRE;
 
 /// Extent of a profile, m: from part of a head to a whole wheel.

@@ -8,7 +8,7 @@ use super::{
     ClosedSection, Frame, Outline, Shape, at_line, bounds, direction, runs_to_the_field_side, through, width,
 };
 use crate::error::{Error, Result};
-use crate::profile::{ProfileCurve, Segment, TAPE, split_wheel};
+use crate::profile::{ProfileCurve, Segment, TAPE_CIRCLE_FROM_FLANGE_BACK, split_wheel};
 use crate::profile_file::finding::{Action, Finding, FindingKind};
 use crate::profile_file::{MeasuredPoint, ProfileFormat, ProfileKind};
 use crate::units::MILLIMETRE;
@@ -155,7 +155,7 @@ fn surface(name: &str, n: usize, at: impl Fn(usize) -> MeasuredPoint) -> Result<
     let furthest = back.saturating_sub(reach(back, false, BACK.0)).max(1);
     let plane = (furthest..=back).map(|i| at(i).point.x).fold(f64::INFINITY, f64::min);
     let first = (furthest..=back).rev().find(|&i| at(i).point.x <= plane + ON_BACK).unwrap_or(back);
-    let tape = (n..first + n).find(|&i| at(i).point.x >= plane + TAPE);
+    let tape = (n..first + n).find(|&i| at(i).point.x >= plane + TAPE_CIRCLE_FROM_FLANGE_BACK);
     let turned = |i: &usize| direction(n, &at, *i, true, TREAD.0).x < TREAD.1;
     let end = tape.filter(|i| !turned(i)).and_then(|tape| (tape..first + n).find(turned));
     let Some(end) = end else {
@@ -176,7 +176,7 @@ fn surface(name: &str, n: usize, at: impl Fn(usize) -> MeasuredPoint) -> Result<
 
 /// The shift that brings the tape circle to the origin.
 fn to_the_tape_circle(name: &str, line: usize, running: &ProfileCurve) -> Result<Vector2<f64>> {
-    let tape = running.point(0.0).x + TAPE;
+    let tape = running.point(0.0).x + TAPE_CIRCLE_FROM_FLANGE_BACK;
     let tread = running.s_at_y(tape).map(|s| running.point(s)).ok_or_else(|| {
         let expected = "a running surface that passes the tape circle, 70 mm from the flange back";
         at_line(name, line, "a tread that ends before it", expected, "give the section of the whole wheel")
