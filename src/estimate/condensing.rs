@@ -50,11 +50,10 @@ pub(super) fn largest(size: &FactorSize, modes: f64) -> f64 {
     (factor(size.values) + beside.into_iter().fold(0.0, f64::max)).max(joined)
 }
 
-/// Bytes of a reduced body in time: its compliance, and its far field in the steps of three runs, with all modes, with fewer and with a
-/// larger input.
-pub fn stepping(size: &FactorSize, modes: usize) -> f64 {
-    let (rows, modes) = (size.retained as f64, modes as f64);
-    VALUE * (4.0 * rows * rows + 6.0 * rows * modes)
+/// Bytes of a reduced body in so many `runs` in time: its compliance, which they share, and the far field and the shapes of each.
+pub fn stepping(size: &FactorSize, modes: usize, runs: usize) -> f64 {
+    let (rows, modes, runs) = (size.retained as f64, modes as f64, runs as f64);
+    VALUE * ((1.0 + runs) * rows * rows + 2.0 * runs * rows * modes)
 }
 
 /// Bytes of the contact of a step on a fine grid, besides its bodies: the factor of some 700 points that carry load in three directions. Measured: 35 MiB.

@@ -39,6 +39,8 @@ const SECONDS_FINE: f64 = 0.06;
 const SECONDS_HALVED: f64 = 0.4;
 /// Seconds of contact in a time step.
 const SECONDS_STEP: f64 = 0.008;
+/// Runs that are in memory together: with all modes, with fewer, and with a larger input.
+const RUNS: usize = 3;
 /// Steps that a reduced run does with fewer modes as well, at the usual time step.
 const STEPS_COMPARED: f64 = 120.0;
 /// Steps of the integration in a time step of a published load case in the mean, where they adapt themselves.
@@ -186,7 +188,8 @@ impl Estimate {
                 TransientKey::Reduced => {
                     let modes = study.modes() as f64;
                     let condensing = condensing(&wheel, &rail, 0.0, modes);
-                    let stepping = both.map(|body| stepping(&body.size, study.modes())).iter().sum::<f64>();
+                    let stepping =
+                        both.map(|body| stepping(&body.size, study.modes(), RUNS)).iter().sum::<f64>();
                     // on two threads: the run and the same with a larger input; the first steps with fewer modes as well, with longer
                     // steps both ways
                     let contact = (steps + 0.5 * (1.0 + other) * compared) * SECONDS_STEP;

@@ -58,7 +58,7 @@ impl<'a> Ordered<'a> {
             monitor.progress(body.name(), 0, 5)?;
             let (parts, ordering) = timed("ordering", || solids.parts(body))?;
             let (size, memory) = condensing(&parts, modes)?;
-            let stepping = stepping(&size, modes);
+            let stepping = stepping(&size, modes, 1);
             Ok(Self { body, solids: *solids, nodes, size, ordering, memory, stepping })
         };
         Ok([
