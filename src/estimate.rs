@@ -91,8 +91,7 @@ impl Budget {
         let Some((budget, whose)) = self.bytes() else { return Ok(()) };
         let needed = |study: &Study| -> Result<(f64, usize)> {
             let sizes = sizes(study, geometry)?;
-            let memory: f64 = sizes.iter().map(|size| first_look(size, work, by_halves(study, work))).sum();
-            Ok((memory, sizes.iter().map(|size| 3 * size.nodes).sum()))
+            Ok((first_look(&sizes, study, work), sizes.iter().map(|size| 3 * size.nodes).sum()))
         };
         let (memory, equations) = needed(study)?;
         if memory <= FIRST_LOOK * budget {
@@ -113,12 +112,7 @@ impl Budget {
             return Ok(estimate);
         }
         // what the first look says of other sizes, in proportion
-        let look = |study: &Study| -> Result<f64> {
-            Ok(sizes(study, geometry)?
-                .iter()
-                .map(|size| first_look(size, work, by_halves(study, work)))
-                .sum())
-        };
+        let look = |study: &Study| Ok(first_look(&sizes(study, geometry)?, study, work));
         let here = look(study)?;
         let needed = |study: &Study| look(study).map(|there| memory * there / here);
         Err(refusal(study, memory, estimate.degrees_of_freedom(), (budget, whose), &needed).into())
@@ -217,21 +211,21 @@ fn sizes(study: &Study, geometry: &Geometry) -> Result<Vec<MeshSize>> {
     Ok(sizes)
 }
 
-/// Whether bodies that are their own mirror images, as the meshes of the program are, are factored by halves alone.
-fn by_halves(study: &Study, work: &Work) -> bool {
-    work.solids.is_empty() || study.solid.transient == TransientKey::Reduced
-}
-
-/// Bytes of a body by the numbers of its mesh alone.
-fn first_look(size: &MeshSize, work: &Work, by_halves: bool) -> f64 {
-    if *work == Work::default() {
-        return NODE * size.nodes as f64;
-    }
-    let values = FILL * (3.0 * size.nodes as f64).powf(4.0 / 3.0);
-    let dense = (3.0 * size.contact as f64).powi(2);
-    let own = VALUE * if by_halves { OF_HALVES * values + 1.5 * dense } else { values + 2.0 * dense };
-    let factored = work.reference.map_or(own, |purpose| own.max(reference_memory(purpose, values)));
-    factored + NODE * size.nodes as f64
+/// Bytes of bodies by the numbers of their meshes alone. Those that the program makes are their own mirror images, of which only full order in
+/// time factors the whole.
+fn first_look(sizes: &[MeshSize], study: &Study, work: &Work) -> f64 {
+    let by_halves = work.solids.is_empty() || study.solid.transient == TransientKey::Reduced;
+    let of_body = |size: &MeshSize| {
+        let mesh = NODE * size.nodes as f64;
+        if *work == Work::default() {
+            return mesh;
+        }
+        let values = FILL * (3.0 * size.nodes as f64).powf(4.0 / 3.0);
+        let dense = (3.0 * size.contact as f64).powi(2);
+        let own = VALUE * if by_halves { OF_HALVES * values + 1.5 * dense } else { values + 2.0 * dense };
+        mesh + work.reference.map_or(own, |purpose| own.max(reference_memory(purpose, values)))
+    };
+    sizes.iter().map(of_body).sum()
 }
 
 /// The refusal of a study, with sizes of the contact elements for which `needed` stays within the budget.

@@ -107,9 +107,10 @@ pub fn answers(
         (None, smooth_states)
     };
     let largest = states.last().expect("there are loads");
-    let parts = |body| full.solids.parts(body);
-    let rail = answer(&meshes.rail, (&full.rail, parts(rail_in_use(study))?), largest, Side::Base)?;
-    let wheel = answer(&meshes.wheel, (&full.wheel, parts(PairBody::Wheel)?), largest, Side::Opposing)?;
+    let rail =
+        answer(&meshes.rail, (&full.rail, full.solids.parts(rail_in_use(study))?), largest, Side::Base)?;
+    let wheel =
+        answer(&meshes.wheel, (&full.wheel, full.solids.parts(PairBody::Wheel)?), largest, Side::Opposing)?;
     let element = formulation(study);
     let (own_element, faceted) = if element == Formulation::FullIntegration {
         (frictionless.clone(), asked.faceted(&full)?)

@@ -25,11 +25,8 @@ use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 use nalgebra::{DMatrix, Matrix6, Point3, SymmetricEigen, Vector3};
 use std::ops::Range;
 
-/// Motions of a hub whose inertia starts the modes: across the track and down (0 to 5: translations, rotations).
-pub(super) const HUB_MOTIONS: [usize; 2] = [1, 2];
-
-/// Of as many modes of a body that is its own mirror image one is antisymmetric: of 3 to 8 the number with which 48 modes are nearest to full order. Loads across the track and down on a patch that is its own mirror image do
-/// not move it so; but the far field of a fine grid takes the flexibility between neighbouring nodes from pairs of nodes farther apart
+/// Of as many modes of a body that is its own mirror image one is antisymmetric: of 3 to 8 the number with which 48 modes are nearest to full order.
+/// Loads across the track and down on a patch that is its own mirror image do not move it so; but the far field of a fine grid takes the flexibility between neighbouring nodes from pairs of nodes farther apart
 /// ([`crate::calibration`]), where both parts count. With symmetric modes alone P and Q of a bouncing wheel were 0.12 and 0.37 % off full order,
 /// however many there were.
 const ANTISYMMETRIC_OF: usize = 6;
@@ -153,16 +150,12 @@ impl Superelement<'_> {
     /// # Errors
     /// [`InputError`] for a body whose hub is free.
     pub fn modes(&self, count: usize) -> Result<Modes> {
-        self.modes_under(&contact_loads(self.system.mesh, Symmetry::Symmetric), &HUB_MOTIONS, count)
+        let symmetry = Symmetry::Symmetric;
+        self.modes_under(&contact_loads(self.system.mesh, symmetry), symmetry, count)
     }
 
-    /// The same from forces on all nodes (`3·node + direction`) on, and from the inertia of some motions of its hub.
-    pub(super) fn modes_under(
-        &self,
-        loads: &[Vec<f64>],
-        hub_motions: &[usize],
-        count: usize,
-    ) -> Result<Modes> {
+    /// The same from forces of a symmetry on all nodes (`3·node + direction`) on.
+    pub(super) fn modes_under(&self, loads: &[Vec<f64>], symmetry: Symmetry, count: usize) -> Result<Modes> {
         let System { mesh, numbering, .. } = &self.system;
         let Numbering { interior, contact, equations, .. } = *numbering;
         if equations > interior + contact {
@@ -180,8 +173,9 @@ impl Superelement<'_> {
         let impulses = moved.each_ref().map(|motion| mass.times(motion));
         let inertia = impulses.each_ref().map(|impulse| numbering.gather(mesh, impulse));
         let mut first: Vec<Vec<f64>> = loads.iter().map(|load| numbering.gather(mesh, load)).collect();
-        if numbering.master().is_some() {
-            first.extend(hub_motions.iter().map(|&motion| inertia[motion].clone()));
+        if numbering.master().is_some() && symmetry == Symmetry::Symmetric {
+            // of the hub's motions across the track and down
+            first.extend([inertia[1].clone(), inertia[2].clone()]);
         }
         let inside = InteriorMass::new(mesh, numbering, &mass);
         let vectors = self.lanczos(&inside, &Surface::new(&self.system)?, first, count);

@@ -1,8 +1,8 @@
 //! A body as its equations are eliminated: whole, or by halves where it is its own mirror image.
 
 use super::condensed::Interior;
-use super::modes::{HUB_MOTIONS, Modes, contact_loads};
-use super::{CondensedBody, FactorSize, SectionMotion, Superelement, times};
+use super::modes::contact_loads;
+use super::{CondensedBody, FactorSize, Modes, SectionMotion, Superelement, times};
 use crate::error::Result;
 use crate::mesh::HexMesh;
 use crate::solid::{MirrorHalf, Symmetry, System};
@@ -109,20 +109,17 @@ impl Parts<'_> {
             Self::Halves { whole, half, systems } => {
                 let [symmetric, antisymmetric] = *systems;
                 let counts = Modes::of_halves(modes);
-                let modes_of = |element: &Superelement<'_>,
-                                symmetry,
-                                hub_motions: &[usize],
-                                begins: &mut dyn FnMut(Step)| {
+                let modes_of = |element: &Superelement<'_>, symmetry, begins: &mut dyn FnMut(Step)| {
                     if modes == 0 {
                         return Ok(None);
                     }
                     begins(Step::Modes);
                     let loads = contact_loads(whole, symmetry);
                     let loads: Vec<_> = loads.iter().map(|load| half.forces(symmetry, load)).collect();
-                    element.modes_under(&loads, hub_motions, counts[symmetry as usize]).map(Some)
+                    element.modes_under(&loads, symmetry, counts[symmetry as usize]).map(Some)
                 };
                 let element = Superelement::in_steps(symmetric, begins)?;
-                let with = modes_of(&element, Symmetry::Symmetric, &HUB_MOTIONS, begins)?;
+                let with = modes_of(&element, Symmetry::Symmetric, begins)?;
                 begins(Step::Section);
                 let section = section(&|forces| {
                     let mut moved = vec![0.0; forces.len()];
@@ -132,7 +129,7 @@ impl Parts<'_> {
                 })?;
                 let symmetric = element.condensed(String::new());
                 let element = Superelement::in_steps(antisymmetric, begins)?;
-                let against = modes_of(&element, Symmetry::Antisymmetric, &[], begins)?;
+                let against = modes_of(&element, Symmetry::Antisymmetric, begins)?;
                 let antisymmetric = element.condensed(String::new());
                 let compliance = joined(half, [&symmetric.compliance, &antisymmetric.compliance]);
                 Ok(CondensedBody {
@@ -308,9 +305,8 @@ mod tests {
             }
             let element = Superelement::new(system(&mesh, &supports)).unwrap();
             let of_whole = Symmetry::BOTH.map(|symmetry| {
-                let hub_motions: &[usize] = if symmetry == Symmetry::Symmetric { &HUB_MOTIONS } else { &[] };
                 let count = Modes::of_halves(15)[symmetry as usize];
-                element.modes_under(&contact_loads(&mesh, symmetry), hub_motions, count).unwrap()
+                element.modes_under(&contact_loads(&mesh, symmetry), symmetry, count).unwrap()
             });
             assert_eq!(of_whole.each_ref().map(Modes::count), [13, 2]);
             let found = by_halves.modes.as_ref().unwrap();
