@@ -7,6 +7,7 @@
 
 mod bodies;
 mod output;
+mod scenario;
 mod solid;
 
 use std::collections::BTreeMap;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use bodies::{Inclination, MeshUnitKey, ProfileUnitKey, RailKeys, WebKey, WheelKeys};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
+pub use scenario::{ForceKeys, ScenarioKeys, SuspensionKeys, TorsionKeys};
 pub use solid::{SolidKeys, TransientKey};
 
 use crate::verify::Limits;
@@ -465,141 +467,4 @@ pub enum SlidingMatrixKey {
     /// Equation (4): approximate, symmetric, with the same forces. It converges only while a step slides by less than the
     /// penetration, and steps that it does not end are done with equation (3).
     Symmetric,
-}
-
-/// A load case on one wheel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ScenarioKeys {
-    /// What happens, in a sentence; shown in the report.
-    #[serde(default)]
-    pub description: String,
-    /// Number of time steps after the initial state.
-    #[serde(default = "default_steps")]
-    #[schemars(range(min = 1, max = 1000000))]
-    pub steps: usize,
-    /// Time step, s; the wheel on the contact spring oscillates at 100 to 300 Hz, which 0.0005 s resolves and 0.01 s no longer.
-    #[serde(default = "default_time_step")]
-    #[schemars(range(min = 1e-7, max = 0.01))]
-    pub time_step_s: f64,
-    /// Gravity on the wheel and the suspended mass, m/s²; 0 leaves it out.
-    #[serde(default)]
-    #[schemars(range(min = 0.0, max = 20.0))]
-    pub gravity_m_per_s2: f64,
-    /// Coulomb friction coefficient; left out, that of `[contact]`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 2.0))]
-    pub friction: Option<f64>,
-    /// Mass on the vertical spring and damper, t; without one (0) the vertical force acts on the wheel unchanged.
-    #[serde(default = "default_suspended_mass")]
-    #[schemars(range(min = 0.0, max = 200.0))]
-    pub suspended_mass_t: f64,
-    /// Mass of the wheel in the simple model, t; left out, that of the solid wheel.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.001, max = 10.0))]
-    pub wheel_mass_t: Option<f64>,
-    /// Vertical spring and damper between the wheel centre and the suspended mass.
-    #[serde(default = "default_suspension")]
-    pub vertical_suspension: SuspensionKeys,
-    /// Lateral spring and damper between the wheel centre and the point where the lateral force acts. That point has no
-    /// mass, so that the wheel receives the force unchanged; they give the travel of the point, `load_y_mm` in the histories.
-    #[serde(default = "default_suspension")]
-    pub lateral_suspension: SuspensionKeys,
-    /// Force on the suspended mass, positive down.
-    pub vertical_force: ForceKeys,
-    /// Lateral force, positive towards the field side: it pushes the flange towards the rail.
-    pub lateral_force: ForceKeys,
-    /// Torsion about x at the middle of the rail; simple model only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rail_torsion: Option<TorsionKeys>,
-    /// Position of the wheel at t = 0 from the rail's first end, m; left out, midspan.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 20.0))]
-    pub start_x_m: Option<f64>,
-    /// Speed of the wheel along the rail, m/s; other than 0 in the simple model only. A run ends where the rail does.
-    #[serde(default)]
-    #[schemars(range(min = 0.0, max = 200.0))]
-    pub speed_m_per_s: f64,
-    /// Whether the rotations of the wheel's master node are held.
-    #[serde(default = "default_true")]
-    pub rotations_held: bool,
-    /// Whether the solid model runs too; it cannot when the wheel moves along or the rail is twisted.
-    #[serde(default = "default_true")]
-    pub solid: bool,
-    /// Times at which the report draws the contact positions on the two profiles, s.
-    #[serde(default = "default_snapshots")]
-    #[schemars(inner(range(min = 0.0, max = 1e6)), length(min = 1, max = 6))]
-    pub snapshots_s: Vec<f64>,
-}
-
-fn default_steps() -> usize {
-    550
-}
-
-fn default_time_step() -> f64 {
-    0.0005
-}
-
-fn default_suspended_mass() -> f64 {
-    6.25
-}
-
-fn default_suspension() -> SuspensionKeys {
-    SuspensionKeys { stiffness_kn_per_m: 1200.0, damping_kn_s_per_m: 40.0 }
-}
-
-fn default_true() -> bool {
-    true
-}
-
-fn default_snapshots() -> Vec<f64> {
-    vec![0.0, 0.01, 0.2]
-}
-
-/// Spring and damper in parallel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SuspensionKeys {
-    /// Stiffness, kN/m.
-    #[schemars(range(min = 0.0, max = 1e9))]
-    pub stiffness_kn_per_m: f64,
-    /// Damping, kN·s/m.
-    #[schemars(range(min = 0.0, max = 1e9))]
-    pub damping_kn_s_per_m: f64,
-}
-
-/// A force `mean + amplitude·sin(2π·frequency·t + phase)`.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ForceKeys {
-    /// Mean value, kN.
-    #[schemars(range(min = -1e4, max = 1e4))]
-    pub mean_kn: f64,
-    /// Amplitude, kN; negative turns the sine over.
-    #[schemars(range(min = -1e4, max = 1e4))]
-    pub amplitude_kn: f64,
-    /// Frequency, Hz.
-    #[schemars(range(min = 0.0, max = 1e5))]
-    pub frequency_hz: f64,
-    /// Phase, degrees.
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub phase_deg: f64,
-}
-
-/// A torsion `mean + amplitude·sin(2π·frequency·t + phase)`.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct TorsionKeys {
-    /// Mean value, kN·m.
-    #[schemars(range(min = -1e4, max = 1e4))]
-    pub mean_kn_m: f64,
-    /// Amplitude, kN·m; negative turns the sine over.
-    #[schemars(range(min = -1e4, max = 1e4))]
-    pub amplitude_kn_m: f64,
-    /// Frequency, Hz.
-    #[schemars(range(min = 0.0, max = 1e5))]
-    pub frequency_hz: f64,
-    /// Phase, degrees.
-    #[schemars(range(min = -360.0, max = 360.0))]
-    pub phase_deg: f64,
 }
