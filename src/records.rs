@@ -35,7 +35,7 @@ pub use step_times::{PeerTime, StepTime, StepTimesRecord};
 pub use verdict::{ElementDifferences, ElementVerdict, ScenarioVerdict, VerificationRecord, with_unit};
 
 /// One key of a resolved study.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResolvedKey {
     /// Section, for instance `track`; empty for the top level.
     pub section: String,

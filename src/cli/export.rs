@@ -5,52 +5,142 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use railspring_calibrate::error::{Error, InputError};
 
+use super::output::remark;
 use super::set_args::SetArgs;
 use super::{Failure, say};
-use crate::export::{ExportFile, Format, files};
+use crate::export::{Condition, ExportFile, ExportRow, Format, SpringsFile, index, of_calibration, rows};
 use crate::output::OutputFolder;
+use crate::records::StiffnessRecord;
 use crate::study::Study;
+use crate::table::{Table, TableRecord};
+
+/// What has become of the rows of a table.
+const INDEX: &str = "rows.csv";
 
 /// What is exported, and to where.
 #[derive(Debug, Args)]
 pub(super) struct ExportArgs {
-    /// The springs, a stiffness.json of `railspring calibrate`
+    /// The springs: a stiffness.json of `railspring calibrate`, or a table.json of `railspring table`
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// The program or form
     #[arg(long = "to", value_name = "FORMAT")]
     format: Format,
+    /// Of a table, the rows with that value in a column that says which place a row is of, for instance wheel=S1002; may be given several times.
+    /// Left out, all rows
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = condition)]
+    conditions: Vec<Condition>,
     /// What the law's displacement is measured against: beam, local or foot; left out, as in the study
     #[arg(long, value_name = "REFERENCE")]
     reference: Option<String>,
-    /// The study of the springs, for formats with profiles
+    /// The study of the springs, or the table of the rows, for formats with profiles
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
     #[command(flatten)]
     set: SetArgs,
-    /// Folder to write to, or for a single file its name
-    #[arg(short, long, value_name = "PATH", default_value = ".")]
-    output: PathBuf,
+    /// Folder to write to, or for a single file its name; left out, the working folder. Several rows go each into a folder there
+    #[arg(short, long, value_name = "PATH")]
+    output: Option<PathBuf>,
 }
 
-/// Writes the files and says where they are.
+fn condition(text: &str) -> Result<Condition, String> {
+    Condition::parse(text).map_err(|error| format!("expected {}; {}", error.expected, error.remedy))
+}
+
+/// Writes the files and says where they are; whether all rows that were wanted have files.
 ///
 /// # Errors
-/// Those of the study and of [`files`]; a folder that cannot be written.
-pub(super) fn export(args: &ExportArgs) -> Result<(), Failure> {
+/// Those of the study and of the format; a folder that cannot be written.
+pub(super) fn export(args: &ExportArgs) -> Result<bool, Failure> {
+    let refused = |option: &str, expected: &str, remedy: &str| {
+        Err(InputError::new(option, "given", expected, remedy).into())
+    };
     let set = args.set.settings();
-    let study = args.study.as_deref().map(|study| Study::read_with(study, set)).transpose()?;
-    if let (None, Some(setting)) = (&study, set.first()) {
-        let expected = "a study whose keys are set";
-        return Err(
-            InputError::new(setting.option(), "given", expected, "name the study with --study").into()
-        );
+    match SpringsFile::read(&args.file)? {
+        SpringsFile::Calibration(_) if !args.conditions.is_empty() => {
+            refused("--where", "a table.json, whose rows are chosen", "leave it out, or name a table.json")
+        }
+        SpringsFile::Calibration(record) => {
+            if let (None, Some(setting)) = (&args.study, set.first()) {
+                return refused(
+                    &setting.option(),
+                    "a study whose keys are set",
+                    "name the study with --study",
+                );
+            }
+            of_study(args, &record)
+        }
+        SpringsFile::Table(_) if !set.is_empty() => {
+            refused(&set[0].option(), "the keys as they are in the table", "leave it out")
+        }
+        SpringsFile::Table(table) => of_table(args, &table),
     }
-    let files = files(&args.file, args.format, args.reference.as_deref(), study.as_ref())?;
-    Ok(write(&files, &args.output)?)
 }
 
-fn write(files: &[ExportFile], output: &Path) -> Result<(), Error> {
+fn of_study(args: &ExportArgs, record: &StiffnessRecord) -> Result<bool, Failure> {
+    let set = args.set.settings();
+    let study = args.study.as_deref().map(|study| Study::read_with(study, set)).transpose()?;
+    let files = of_calibration(&args.file, record, args.format, args.reference.as_deref(), study.as_ref())?;
+    Ok(write(&files, args.output.as_deref()).map(|()| true)?)
+}
+
+fn of_table(args: &ExportArgs, table: &TableRecord<'static>) -> Result<bool, Failure> {
+    let file = args.file.display().to_string();
+    let rows = rows(&file, table, &args.conditions)?;
+    let source = args.study.as_deref().map(Table::read).transpose()?;
+    let files = |row: &ExportRow<'_>| row.files(args.format, args.reference.as_deref(), source.as_ref());
+    if let [row] = &rows[..] {
+        return Ok(write(&files(row)?, args.output.as_deref()).map(|()| true)?);
+    }
+    let Some(output) = &args.output else {
+        let expected = format!("a folder for {} rows", rows.len());
+        let remedy = "name a folder, or choose one row with --where";
+        return Err(InputError::new("-o", "(missing)", expected, remedy).into());
+    };
+    let (mut folder, mut first, mut entries) = (None, None, Vec::new());
+    for row in rows {
+        let made = match files(&row) {
+            Ok(files) => {
+                let folder = match &folder {
+                    Some(folder) => folder,
+                    None => folder.insert(opened(output)?),
+                };
+                for file in &files {
+                    folder.write(&format!("{}/{}", row.folder(), file.name), file.text.as_bytes())?;
+                }
+                Ok(files.into_iter().map(|file| file.name).collect())
+            }
+            Err(error) => {
+                let reason = error.to_string();
+                first.get_or_insert(error);
+                Err(reason)
+            }
+        };
+        entries.push((row, made));
+    }
+    let folder = match (folder, first) {
+        (Some(folder), _) => folder,
+        // all rows lack the same
+        (None, first) => return Err(first.expect("a row that has no files has a reason").into()),
+    };
+    folder.write(INDEX, &index(&entries))?;
+    say(&folder.file(INDEX).display().to_string())?;
+    let without = entries.iter().filter(|(_, made)| made.is_err()).count();
+    if without > 0 {
+        remark(&format!("{without} of {} rows have no files; {INDEX} says why", entries.len()));
+    }
+    Ok(without == 0)
+}
+
+/// The folder of several rows, without the list of an earlier export: the list is written last, of what is there then.
+fn opened(output: &Path) -> Result<OutputFolder, Error> {
+    let folder = OutputFolder::create(output)?;
+    folder.remove(INDEX)?;
+    Ok(folder)
+}
+
+fn write(files: &[ExportFile], output: Option<&Path>) -> Result<(), Error> {
+    let output = output.unwrap_or(Path::new("."));
     let named = match (files, output.file_name()) {
         ([_], Some(name)) if !output.is_dir() && output.extension().is_some() => name.to_str(),
         _ => None,

@@ -263,7 +263,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         Command::Fit(args) => fit::fit(args),
         Command::New(args) => fit::new(args).map(|()| true),
         Command::OfStudy(command) => staged::run(command),
-        Command::Export(args) => export::export(args).map(|()| true),
+        Command::Export(args) => export::export(args),
         Command::Table(args) => table::run(args),
         Command::Explain { key } => {
             let lines = explain(key.as_deref())?;

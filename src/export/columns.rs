@@ -13,7 +13,7 @@ use crate::output::to_json;
 const COMPRESSION: &str = "displacement and force are positive in compression";
 
 /// Force over displacement as two columns, once in m and N and once in mm and kN.
-pub(super) fn force_displacement(spring: &Spring<'_>) -> Vec<ExportFile> {
+pub(super) fn force_displacement(spring: &Spring) -> Vec<ExportFile> {
     let points = Points::of(spring);
     let file = |name: &str, units: [&str; 2], scale: [f64; 2]| {
         let own = [
@@ -37,7 +37,7 @@ pub(super) fn force_displacement(spring: &Spring<'_>) -> Vec<ExportFile> {
 }
 
 /// A function that returns the law and its points as a structure.
-pub(super) fn matlab(spring: &Spring<'_>) -> ExportFile {
+pub(super) fn matlab(spring: &Spring) -> ExportFile {
     let points = Points::of(spring);
     let own = [
         points.sentence(spring.range[0]),
@@ -52,10 +52,8 @@ pub(super) fn matlab(spring: &Spring<'_>) -> ExportFile {
         values.join("; ...\n        ")
     };
     let [low, high] = spring.range;
-    let horizontal = spring
-        .record
-        .horizontal_kn_per_m
-        .map_or("NaN".into(), |k| format!("{:.9e}", k * KILONEWTON_PER_METRE));
+    let horizontal =
+        spring.horizontal_kn_per_m.map_or("NaN".into(), |k| format!("{:.9e}", k * KILONEWTON_PER_METRE));
     let _ = write!(
         text,
         "function s = wheel_rail_spring()\n    s.a_n_per_m = {:e};\n    s.b_n_per_m = {:e};\n    s.c = {};\n    \
@@ -71,18 +69,20 @@ pub(super) fn matlab(spring: &Spring<'_>) -> ExportFile {
 }
 
 /// The same as JSON; its first value is the comment.
-pub(super) fn as_json(spring: &Spring<'_>) -> ExportFile {
+pub(super) fn as_json(spring: &Spring) -> ExportFile {
     let points = Points::of(spring);
     let own = [points.sentence(spring.range[0]), format!("units: N, m; {COMPRESSION}")];
     let column = |column: usize| -> Vec<f64> { points.points.iter().map(|point| point[column]).collect() };
-    let solid = &spring.found.points;
+    let solid = &spring.points;
+    let [of, name] = &spring.source;
     let value = json!({
         "comment": spring.heading("Contact spring of a wheel on a rail, JSON", &own),
         "program": "railspring",
         "version": env!("CARGO_PKG_VERSION"),
-        "study": spring.record.study,
-        "pair": spring.record.pair.name,
-        "reference": spring.found.reference,
+        of: name,
+        "pair": spring.pair,
+        "reference": spring.reference,
+        "direction": spring.direction,
         "law": {
             "a_n_per_m": spring.law.a,
             "b_n_per_m": spring.law.b,
@@ -96,7 +96,7 @@ pub(super) fn as_json(spring: &Spring<'_>) -> ExportFile {
             "displacement_m": solid.iter().map(|p| p.displacement_mm * MILLIMETRE).collect::<Vec<_>>(),
             "tangent_n_per_m": solid.iter().map(|p| p.tangent_kn_per_m * KILONEWTON_PER_METRE).collect::<Vec<_>>(),
         },
-        "horizontal_n_per_m": spring.record.horizontal_kn_per_m.map(|k| k * KILONEWTON_PER_METRE),
+        "horizontal_n_per_m": spring.horizontal_kn_per_m.map(|k| k * KILONEWTON_PER_METRE),
     });
     let text = String::from_utf8(to_json(&value)).expect("JSON is UTF-8");
     ExportFile { name: "wheel_rail_spring.json".into(), text }

@@ -15,7 +15,7 @@ use railspring_calibrate::units::{KILONEWTON, MEGAPASCAL, MILLIMETRE};
 
 use super::spring::{ExportFile, Spring, commented, plain};
 use super::surfaces::Surfaces;
-use crate::records::TangentRecord;
+use crate::table::document::DirectionKey;
 
 /// A load with what stands behind the contact there.
 struct Load {
@@ -28,15 +28,21 @@ struct Load {
 /// Both profiles and the cases.
 ///
 /// # Errors
-/// [`InputError`] for springs without a horizontal stiffness, and for a reference that has nothing besides the contact.
-pub(super) fn files(spring: &Spring<'_>, surfaces: &Surfaces<'_>) -> Result<Vec<ExportFile>> {
+/// [`InputError`] for springs along another direction than down or without a horizontal stiffness, and for a reference that has nothing
+/// besides the contact.
+pub(super) fn files(spring: &Spring, surfaces: &Surfaces<'_>) -> Result<Vec<ExportFile>> {
+    if spring.direction == DirectionKey::Normal {
+        let expected = "\"vertical\": the massless rail of CONTACT goes down";
+        let remedy = "make the table with direction = \"vertical\"";
+        return Err(InputError::new("direction", "\"normal\"", expected, remedy).into());
+    }
     let loads = loads(spring)?;
-    let k_y = spring.record.horizontal_kn_per_m.ok_or_else(|| {
+    let k_y = spring.horizontal_kn_per_m.ok_or_else(|| {
         InputError::new(
             "horizontal_kn_per_m",
             "(none)",
             "the horizontal stiffness, for the massless rail of CONTACT",
-            "calibrate so that it is found; stiffness.json says why it was not",
+            "calibrate so that it is found; stiffness.json or the row of the table says why it was not",
         )
     })?;
     let profile = |kind: ProfileKind, name: &str, origin: &str, points: &[Point2<f64>]| {
@@ -48,7 +54,7 @@ pub(super) fn files(spring: &Spring<'_>, surfaces: &Surfaces<'_>) -> Result<Vec<
         let heading = commented("!", &spring.heading(&what, &own));
         let measured = |(i, &point)| MeasuredPoint { point, line: i + 1, weight: 1.0 };
         let points: Vec<MeasuredPoint> = points.iter().enumerate().map(measured).collect();
-        let text = write(ProfileFormat::Simpack, kind, &points, &plain(&spring.record.study));
+        let text = write(ProfileFormat::Simpack, kind, &points, &plain(&spring.source[1]));
         ExportFile { name: name.into(), text: format!("{heading}{text}") }
     };
     let rail = profile(
@@ -65,17 +71,15 @@ pub(super) fn files(spring: &Spring<'_>, surfaces: &Surfaces<'_>) -> Result<Vec<
 }
 
 /// The loads of the solid model next to those that are shown, with k_z from its tangents there.
-fn loads(spring: &Spring<'_>) -> Result<Vec<Load>> {
-    let local = spring.record.references.iter().find(|found| found.reference == "local");
+fn loads(spring: &Spring) -> Result<Vec<Load>> {
     let nearest = |wanted: f64| {
-        let away = |point: &&TangentRecord| (point.force_kn * KILONEWTON - wanted).abs();
-        spring.found.points.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
+        let away = |point: &&crate::records::TangentRecord| (point.force_kn * KILONEWTON - wanted).abs();
+        spring.points.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
     };
     let mut loads: Vec<Load> = Vec::new();
     for wanted in spring.shown_loads() {
         let Some(point) = nearest(wanted) else { continue };
-        let beside = local.and_then(|local| local.points.iter().find(|p| p.force_kn == point.force_kn));
-        let Some(beside) = beside else { continue };
+        let Some(beside) = spring.local.iter().find(|p| p.force_kn == point.force_kn) else { continue };
         let compliance = 1.0 / point.tangent_kn_per_m - 1.0 / beside.tangent_kn_per_m;
         let force = point.force_kn * KILONEWTON;
         if compliance > 0.0 && loads.iter().all(|load| load.force != force) {
@@ -87,20 +91,20 @@ fn loads(spring: &Spring<'_>) -> Result<Vec<Load>> {
     }
     Err(InputError::new(
         "--reference",
-        format!("{:?}", spring.found.reference),
+        format!("{:?}", spring.reference),
         "a reference with more than the contact itself, for the massless rail of CONTACT",
         "take \"beam\" or \"foot\"",
     )
     .into())
 }
 
-fn cases(spring: &Spring<'_>, surfaces: &Surfaces<'_>, loads: &[Load], k_y: f64) -> String {
+fn cases(spring: &Spring, surfaces: &Surfaces<'_>, loads: &[Load], k_y: f64) -> String {
     let own = [
         "units: mm, N, MPa; right wheel, y to the right, z down".into(),
         "one case for each load, without friction: normal contact, what the law is about".into(),
         format!(
             "massless rail (F = 3): KZRAIL is what the law has besides the contact, from the tangents against {} and local",
-            spring.found.reference
+            spring.reference
         ),
         "KYRAIL is the horizontal stiffness of the sticking wheel; the small tangential compliance of the contact is in it".into(),
         "PEN and the force over it are those of the contact; the hub goes down by the rail's deflection more".into(),

@@ -11,7 +11,7 @@ use super::spring::{ExportFile, Spring, commented};
 use crate::crosscheck::deck::Format;
 
 /// The deck: the spring, and steps that lower the wheel to its displacements under some loads.
-pub(super) fn file(spring: &Spring<'_>, format: Format) -> ExportFile {
+pub(super) fn file(spring: &Spring, format: Format) -> ExportFile {
     let points = Points::of(spring);
     let loads = spring.shown_loads();
     let shown: Vec<String> = loads.iter().map(|load| (load / KILONEWTON).to_string()).collect();

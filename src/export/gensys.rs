@@ -12,7 +12,8 @@ use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::spring::{ExportFile, Spring, commented};
 use super::surfaces::Surfaces;
-use crate::records::StiffnessByAngleRecord;
+use crate::records::ShiftRecord;
+use crate::table::document::DirectionKey;
 
 /// Extent of a wheel's profile in KPF, mm.
 const WHEEL: [f64; 2] = [-60.0, 69.0];
@@ -25,9 +26,9 @@ const SAME_ANGLE: f64 = 0.01;
 /// # Errors
 /// [`InputError`] where no shift has the reference.
 pub(super) fn files(
-    spring: &Spring<'_>,
+    spring: &Spring,
     surfaces: &Surfaces<'_>,
-    laws: &StiffnessByAngleRecord,
+    laws: &[ShiftRecord],
 ) -> Result<Vec<ExportFile>> {
     let track = &surfaces.study.track;
     let circle = surfaces.geometry.pair.tape_y - track.lateral_shift;
@@ -44,7 +45,7 @@ pub(super) fn files(
         &ascending(&surfaces.rail(circle), [f64::NEG_INFINITY, f64::INFINITY]),
     );
     let mut loads: Vec<f64> =
-        laws.shifts.iter().flat_map(|shift| shift.loads.iter().map(|load| load.force_kn)).collect();
+        laws.iter().flat_map(|shift| shift.loads.iter().map(|load| load.force_kn)).collect();
     loads.sort_by(f64::total_cmp);
     loads.dedup();
     let mut files = vec![wheel, rail];
@@ -53,10 +54,10 @@ pub(super) fn files(
     }
     if files.len() == 2 {
         return Err(InputError::new(
-            "stiffness_by_angle.json",
-            format!("no stiffness against {:?}", spring.found.reference),
+            "laws by contact angle",
+            format!("no load with a stiffness against {:?} at two angles", spring.reference),
             "laws by contact angle with fixed loads in their range",
-            "calibrate with calibration.shifts_mm, or name another --reference",
+            "give more shifts (calibration.shifts_mm of a study, shifts_mm of a table), or name another --reference",
         )
         .into());
     }
@@ -84,7 +85,7 @@ fn ascending(surface: &[Point2<f64>], [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
     rows
 }
 
-fn profile(spring: &Spring<'_>, body: &str, origin: &str, rows: &[[f64; 2]]) -> ExportFile {
+fn profile(spring: &Spring, body: &str, origin: &str, rows: &[[f64; 2]]) -> ExportFile {
     let own = [
         format!("columns: y and z, mm; y towards the track centre, z down; {origin}"),
         Surfaces::sentence(),
@@ -98,10 +99,9 @@ fn profile(spring: &Spring<'_>, body: &str, origin: &str, rows: &[[f64; 2]]) -> 
 }
 
 /// The tangent stiffness over the contact angle under a load, if two angles have it.
-fn field(spring: &Spring<'_>, laws: &StiffnessByAngleRecord, load_kn: f64) -> Option<ExportFile> {
-    let reference = &spring.found.reference;
+fn field(spring: &Spring, laws: &[ShiftRecord], load_kn: f64) -> Option<ExportFile> {
+    let reference = &spring.reference;
     let mut rows: Vec<[f64; 3]> = laws
-        .shifts
         .iter()
         .filter_map(|shift| {
             let load = shift.loads.iter().find(|load| load.force_kn == load_kn)?;
@@ -116,7 +116,11 @@ fn field(spring: &Spring<'_>, laws: &StiffnessByAngleRecord, load_kn: f64) -> Op
         return None;
     }
     let own = [
-        "the law above is vertical and of the study's own shift; the field is along the normal at each shift".into(),
+        match spring.direction {
+            DirectionKey::Vertical => "the law above is vertical and of the study's own shift; the field is along the normal at each shift",
+            DirectionKey::Normal => "the law above is of one shift; the field is along the normal at each shift of the pair",
+        }
+        .into(),
         "a memory field, for knwr (tread) and knfr (flange) alike, as each is taken at its own contact angle".into(),
         "columns: X, contact angle, rad; Y, stiffness along the contact normal, N/m; behind #, lateral shift of the wheelset, mm"
             .into(),

@@ -1,8 +1,8 @@
 //! The springs in the forms that other programs read.
 //!
-//! [`files`] turns a `stiffness.json` into the files of one format. Each begins with a comment: what it was made from, the
-//! law and its range, units, and what it leaves out. Straight lines between points keep to the law within a stated error,
-//! and nothing is extrapolated silently.
+//! [`of_calibration`] turns a `stiffness.json` into the files of one format, [`ExportRow::files`] a row of a `table.json`. Each begins with a
+//! comment: what it was made from, the law and its range, units, and what it leaves out. Straight lines between points keep to the law
+//! within a stated error, and nothing is extrapolated silently.
 
 mod spring;
 mod points;
@@ -13,19 +13,24 @@ mod deck;
 mod surfaces;
 mod gensys;
 mod contact;
+mod table_rows;
 
 use std::path::Path;
 
 use clap::ValueEnum;
 use railspring_calibrate::error::{InputError, Result};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::crosscheck::deck::Format as DeckFormat;
-use crate::output::read_json;
-use crate::records::{BY_ANGLE, StiffnessByAngleRecord, StiffnessRecord};
+use crate::output::{parse_json, read_json, read_text};
+use crate::records::{BY_ANGLE, ShiftRecord, StiffnessByAngleRecord, StiffnessRecord};
 use crate::study::Study;
+use crate::table::TableRecord;
 pub use spring::ExportFile;
 use spring::Spring;
 use surfaces::Surfaces;
+pub use table_rows::{Condition, ExportRow, index, rows};
 
 /// What springs are exported to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -52,19 +57,49 @@ pub enum Format {
     Json,
 }
 
+/// What springs are read from.
+#[derive(Debug)]
+pub enum SpringsFile {
+    /// A `stiffness.json`.
+    Calibration(Box<StiffnessRecord>),
+    /// A `table.json`.
+    Table(Box<TableRecord<'static>>),
+}
+
+impl SpringsFile {
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    /// [`InputError`] for a file that is neither of them.
+    pub fn read(path: &Path) -> Result<Self> {
+        /// What a table has and a calibration does not.
+        #[derive(Deserialize)]
+        struct Which {
+            #[serde(default)]
+            cases: Option<IgnoredAny>,
+        }
+        let text = read_text(path, "calibrate` or `railspring table")?;
+        let table = serde_json::from_str::<Which>(&text).is_ok_and(|which| which.cases.is_some());
+        Ok(match table {
+            true => Self::Table(Box::new(parse_json(path, &text, "table")?)),
+            false => Self::Calibration(Box::new(parse_json(path, &text, "calibrate")?)),
+        })
+    }
+}
+
 /// The files of a format from the `stiffness.json` at `path`: the law against `reference`, that of the study unless one is
 /// named; `study` is the study of these springs, which [`Format::Gensys`] and [`Format::Contact`] take their profiles from.
 ///
 /// # Errors
-/// [`InputError`] for a file that is no `stiffness.json`, a reference that it does not have, a study that is missing or of
-/// another pair, and laws by contact angle that are missing or of another pair.
-pub fn files(
+/// [`InputError`] for a reference that the file does not have, a study that is missing or of another pair, and laws by contact angle that
+/// are missing or of another pair.
+pub fn of_calibration(
     path: &Path,
+    record: &StiffnessRecord,
     format: Format,
     reference: Option<&str>,
     study: Option<&Study>,
 ) -> Result<Vec<ExportFile>> {
-    let record: StiffnessRecord = read_json(path, "calibrate")?;
     if let Some(study) = study.filter(|study| study.keys.pair != record.pair.hash) {
         return Err(InputError::new(
             "--study",
@@ -74,21 +109,31 @@ pub fn files(
         )
         .into());
     }
-    let spring = Spring::of(&path.display().to_string(), &record, reference)?;
+    let spring = Spring::of_calibration(&path.display().to_string(), record, reference)?;
+    files(&spring, format, study, || Ok(laws_beside(path, record)?.shifts))
+}
+
+/// The files of a format; `by_angle` has the laws by contact angle.
+fn files(
+    spring: &Spring,
+    format: Format,
+    study: Option<&Study>,
+    by_angle: impl FnOnce() -> Result<Vec<ShiftRecord>>,
+) -> Result<Vec<ExportFile>> {
     Ok(match format {
-        Format::ForceDisplacement => columns::force_displacement(&spring),
-        Format::Opensees => opensees::files(&spring),
-        Format::Stem => vec![power::stem(&spring)],
-        Format::Rose => vec![power::rose(&spring)],
+        Format::ForceDisplacement => columns::force_displacement(spring),
+        Format::Opensees => opensees::files(spring),
+        Format::Stem => vec![power::stem(spring)],
+        Format::Rose => vec![power::rose(spring)],
         Format::Gensys => {
             let surfaces = Surfaces::of(study, "GENSYS")?;
-            gensys::files(&spring, &surfaces, &laws_beside(path, &record)?)?
+            gensys::files(spring, &surfaces, &by_angle()?)?
         }
-        Format::Contact => contact::files(&spring, &Surfaces::of(study, "CONTACT")?)?,
-        Format::Calculix => vec![deck::file(&spring, DeckFormat::Calculix)],
-        Format::Abaqus => vec![deck::file(&spring, DeckFormat::Abaqus)],
-        Format::Matlab => vec![columns::matlab(&spring)],
-        Format::Json => vec![columns::as_json(&spring)],
+        Format::Contact => contact::files(spring, &Surfaces::of(study, "CONTACT")?)?,
+        Format::Calculix => vec![deck::file(spring, DeckFormat::Calculix)],
+        Format::Abaqus => vec![deck::file(spring, DeckFormat::Abaqus)],
+        Format::Matlab => vec![columns::matlab(spring)],
+        Format::Json => vec![columns::as_json(spring)],
     })
 }
 

@@ -65,7 +65,7 @@ proc wheelRailSpring {material element railNode wheelNode direction} {
 "#;
 
 /// Both files.
-pub(super) fn files(spring: &Spring<'_>) -> Vec<ExportFile> {
+pub(super) fn files(spring: &Spring) -> Vec<ExportFile> {
     let points = Points::of(spring);
     let own = [
         points.sentence(spring.range[0]),

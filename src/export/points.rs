@@ -21,7 +21,7 @@ pub(super) struct Points {
 
 impl Points {
     /// From the largest load down, each point as far from the last as the tolerance allows.
-    pub fn of(spring: &Spring<'_>) -> Self {
+    pub fn of(spring: &Spring) -> Self {
         let [low, high] = spring.range;
         let deviation = |from: f64, to: f64| deviation(&spring.law, from, to, low);
         let mut forces = vec![high];

@@ -21,7 +21,7 @@ struct PowerLaw {
 }
 
 impl PowerLaw {
-    fn of(spring: &Spring<'_>) -> Self {
+    fn of(spring: &Spring) -> Self {
         let StiffnessLaw { a, b, c } = spring.law;
         if a == 0.0 {
             let rest = 1.0 - c;
@@ -44,7 +44,7 @@ impl PowerLaw {
     }
 
     /// Largest deviations of force and tangent from the law over its range.
-    fn errors(&self, spring: &Spring<'_>) -> [f64; 2] {
+    fn errors(&self, spring: &Spring) -> [f64; 2] {
         loads(spring).fold([0.0; 2], |[of_force, of_tangent], force| {
             let displacement = spring.law.displacement(force);
             let found = self.force(displacement);
@@ -56,22 +56,22 @@ impl PowerLaw {
 }
 
 /// Loads over the range of the law, N.
-fn loads(spring: &Spring<'_>) -> impl Iterator<Item = f64> {
+fn loads(spring: &Spring) -> impl Iterator<Item = f64> {
     let [low, high] = spring.range;
     (0..LOADS).map(move |i| low * (high / low).powf(i as f64 / (LOADS - 1) as f64))
 }
 
 /// The contact of STEM's vehicle models.
-pub(super) fn stem(spring: &Spring<'_>) -> ExportFile {
+pub(super) fn stem(spring: &Spring) -> ExportFile {
     file(spring, "STEM (UVEC)", "stem_contact.py", ["contact_coefficient", "contact_power"])
 }
 
 /// The contact of ROSE.
-pub(super) fn rose(spring: &Spring<'_>) -> ExportFile {
+pub(super) fn rose(spring: &Spring) -> ExportFile {
     file(spring, "ROSE", "rose_contact.py", ["hertzian_contact_coef", "hertzian_power"])
 }
 
-fn file(spring: &Spring<'_>, program: &str, name: &str, keys: [&str; 2]) -> ExportFile {
+fn file(spring: &Spring, program: &str, name: &str, keys: [&str; 2]) -> ExportFile {
     let law = PowerLaw::of(spring);
     let [low, high] = spring.range;
     let of_law = if spring.law.a == 0.0 {

@@ -1,10 +1,12 @@
 //! The law that is exported, and what has to be said about it in every file.
 
+use railspring_calibrate::calibration::Reference;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
 use railspring_calibrate::units::KILONEWTON;
 
-use crate::records::{ReferenceRecord, StiffnessRecord};
+use crate::records::{LawRecord, StiffnessRecord, TangentRecord};
+use crate::table::document::DirectionKey;
 
 /// A file to be written.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,43 +17,68 @@ pub struct ExportFile {
     pub text: String,
 }
 
-/// The law with one reference.
-pub(super) struct Spring<'a> {
-    pub record: &'a StiffnessRecord,
-    pub found: &'a ReferenceRecord,
+/// The law with one reference, and what is known besides.
+pub(super) struct Spring {
+    /// What it is from, `study` or `table`, and the name of that.
+    pub source: [String; 2],
+    /// The pair in words.
+    pub pair: String,
+    /// What made it: the second line of every file.
+    pub made: String,
+    /// Along what the wheel is pressed.
+    pub direction: DirectionKey,
+    /// What the displacement is measured against.
+    pub reference: String,
     pub law: StiffnessLaw,
     /// Smallest and largest load of the fit, N.
     pub range: [f64; 2],
+    /// Largest relative deviations of the law from the solid model: of the tangent, and of the displacement over that of the largest load.
+    pub errors: [f64; 2],
+    /// Error bands of the solid model, relative: of the displacement and of the tangent.
+    pub band: Option<[f64; 2]>,
+    /// What else a heading says, a line each.
+    pub remarks: Vec<String>,
+    /// The solid model with the reference of the law.
+    pub points: Vec<TangentRecord>,
+    /// The solid model against `local`.
+    pub local: Vec<TangentRecord>,
+    /// Horizontal stiffness of the sticking wheel, kN/m.
+    pub horizontal_kn_per_m: Option<f64>,
 }
 
-impl<'a> Spring<'a> {
-    /// The law against `reference`, the study's own unless one is named; `file` is where it comes from.
+impl Spring {
+    /// The law of a calibration against `reference`, the study's own unless one is named; `file` is where it comes from.
     ///
     /// # Errors
     /// [`InputError`] for a reference that the file does not have, and for constants or a range that are none.
-    pub fn of(file: &str, record: &'a StiffnessRecord, reference: Option<&str>) -> Result<Self> {
+    pub fn of_calibration(file: &str, record: &StiffnessRecord, reference: Option<&str>) -> Result<Self> {
+        let StiffnessRecord { study, pair, input_hash, version, references, .. } = record;
         let wanted = reference.unwrap_or(&record.reference);
-        let found = record.references.iter().find(|found| found.reference == wanted).ok_or_else(|| {
-            let there: Vec<String> = record.references.iter().map(|r| format!("{:?}", r.reference)).collect();
-            InputError::new(
-                "--reference",
-                format!("{wanted:?}"),
-                format!("one that {file} has: {}", there.join(", ")),
-                "name one of them; calibrate with calibration.foot_held = true for \"foot\"",
-            )
+        let of = |wanted: &str| references.iter().find(|found| found.reference == wanted);
+        let found = of(wanted).ok_or_else(|| {
+            let there = references.iter().map(|found| found.reference.as_str());
+            no_reference(file, wanted, there, "calibrate with calibration.foot_held = true for \"foot\"")
         })?;
-        let law = StiffnessLaw::try_from(found.law.constants)?;
-        let [low, high] = found.law.range_kn;
-        if !(low > 0.0 && high > low && high.is_finite()) {
-            return Err(InputError::new(
-                format!("{file}: range_kn"),
-                format!("[{low}, {high}]"),
-                "two ascending loads above 0",
-                "calibrate again",
-            )
-            .into());
-        }
-        Ok(Self { record, found, law, range: [low * KILONEWTON, high * KILONEWTON] })
+        let band = record.error_band.as_ref().and_then(|band| band.of(wanted));
+        Ok(Self {
+            source: ["study".into(), study.clone()],
+            pair: pair.name.clone(),
+            made: format!(
+                "study {study}, {}; calibration {} by railspring {version}",
+                pair.name,
+                input_hash.get(..12).unwrap_or(input_hash)
+            ),
+            direction: DirectionKey::Vertical,
+            reference: wanted.into(),
+            law: StiffnessLaw::try_from(found.law.constants)?,
+            range: range(file, &found.law, "calibrate")?,
+            errors: [found.law.max_rel_error, found.displacement.max_rel_error],
+            band: band.and_then(|band| Some([band.displacement?, band.tangent?])),
+            remarks: record.shortened(),
+            points: found.points.clone(),
+            local: of(Reference::Local.name()).map(|local| local.points.clone()).unwrap_or_default(),
+            horizontal_kn_per_m: record.horizontal_kn_per_m,
+        })
     }
 
     /// Loads (N) at which a file shows what it does: common wheel loads, as far as the law has them.
@@ -63,10 +90,10 @@ impl<'a> Spring<'a> {
 
     /// What every file says first: where it is from, the law and its worth; then what is the file's own.
     pub fn heading(&self, what: &str, own: &[String]) -> Vec<String> {
-        let StiffnessRecord { study, pair, input_hash, version, .. } = self.record;
-        let [low, high] = self.found.law.range_kn;
+        // as the file has them, without what the way through newtons adds in the last digit
+        let [low, high] = self.range.map(|load| (load / KILONEWTON * 1e9).round() / 1e9);
         let StiffnessLaw { a, b, c } = self.law;
-        let against = match self.found.reference.as_str() {
+        let against = match self.reference.as_str() {
             "beam" => {
                 "the hub against the rail's section at the contact: one spring in series with a beam for the rail"
             }
@@ -75,14 +102,17 @@ impl<'a> Spring<'a> {
             }
             _ => "the hub against the held foot of the rail: the bending of the rail's head and web is in it",
         };
+        let along = match self.direction {
+            DirectionKey::Vertical => "",
+            DirectionKey::Normal => {
+                "; force and displacement along the contact normal, the hub held across it"
+            }
+        };
+        let [of_tangent, of_displacement] = self.errors.map(|error| 1e2 * error);
         let mut lines = vec![
             format!("{what}, by railspring {}", env!("CARGO_PKG_VERSION")),
-            format!(
-                "study {study}, {}; calibration {} by railspring {version}",
-                pair.name,
-                input_hash.get(..12).unwrap_or(input_hash)
-            ),
-            format!("reference {}: {against}", self.found.reference),
+            self.made.clone(),
+            format!("reference {}: {against}{along}", self.reference),
             format!(
                 "law: k(F) = dF/dx = a + b (F/f0)^c, a = {a:e} N/m, b = {b:e} N/m, c = {c}, f0 = {REFERENCE_FORCE} N"
             ),
@@ -90,25 +120,48 @@ impl<'a> Spring<'a> {
                 "range: fitted from {low} to {high} kN; below, the law goes on to no load; above {high} kN there is none"
             ),
             format!(
-                "the law against the solid model: tangent within {:.2} %, displacement within {:.2} % of the largest",
-                1e2 * self.found.law.max_rel_error,
-                1e2 * self.found.displacement.max_rel_error
+                "the law against the solid model: tangent within {of_tangent:.2} %, displacement within {of_displacement:.2} % of the \
+                 largest"
             ),
         ];
-        let band = self.record.error_band.as_ref().and_then(|band| band.of(&self.found.reference));
-        if let Some((displacement, tangent)) = band.and_then(|band| Some((band.displacement?, band.tangent?)))
-        {
+        if let Some([displacement, tangent]) = self.band {
             lines.push(format!(
                 "error band of the solid model: displacement {:.2} %, tangent {:.2} %",
                 1e2 * displacement,
                 1e2 * tangent
             ));
         }
-        lines.extend(self.record.shortened());
+        lines.extend_from_slice(&self.remarks);
         lines.extend_from_slice(own);
         lines.push("left out: tension (a wheel lifts off), friction, damping and mass".into());
         lines.iter().map(|line| plain(line)).collect()
     }
+}
+
+/// The error for a `wanted` reference that `file` does not have.
+pub(super) fn no_reference<'r>(
+    file: &str,
+    wanted: &str,
+    there: impl Iterator<Item = &'r str>,
+    remedy: &str,
+) -> InputError {
+    let there: Vec<String> = there.map(|reference| format!("{reference:?}")).collect();
+    let expected = format!("one that {file} has: {}", there.join(", "));
+    InputError::new("--reference", format!("{wanted:?}"), expected, format!("name one of them; {remedy}"))
+}
+
+/// The range of a law of a file, N.
+///
+/// # Errors
+/// [`InputError`] for one that is none.
+pub(super) fn range(file: &str, law: &LawRecord, made_by: &str) -> Result<[f64; 2]> {
+    let [low, high] = law.range_kn;
+    if low > 0.0 && high > low && high.is_finite() {
+        return Ok([low * KILONEWTON, high * KILONEWTON]);
+    }
+    let key = format!("{file}: range_kn");
+    let remedy = format!("write the file again with `railspring {made_by}`");
+    Err(InputError::new(key, format!("[{low}, {high}]"), "two ascending loads above 0", remedy).into())
 }
 
 /// One line of characters that every program reads.

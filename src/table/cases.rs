@@ -1,6 +1,6 @@
 //! The cases of a table: each is a study, made of the keys of its wheel, its rail and all that is varied.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use railspring_calibrate::error::InputError;
@@ -8,7 +8,8 @@ use railspring_calibrate::units::KILONEWTON;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::document::{CaseKeys, Keys, TableDocument};
+use super::bodies::{Body, beside, bodies, product};
+use super::document::{CaseKeys, TableDocument};
 use crate::stages;
 use crate::study::{LocatedError, Mistakes, Source, Study, parsed, schema_of, text_of};
 
@@ -47,15 +48,6 @@ pub struct Table {
     pub document: TableDocument,
     /// The cases, in the order of the wheels and then of the rails.
     pub cases: Vec<Case>,
-}
-
-/// A wheel or a rail of the table.
-struct Body<'a> {
-    name: String,
-    /// Its entry, for messages: `wheel[0]`.
-    entry: String,
-    keys: Map<String, Value>,
-    varied: BTreeMap<&'a str, Value>,
 }
 
 impl Table {
@@ -151,11 +143,6 @@ fn parsed_plainly<T: DeserializeOwned>(path: &Path, text: &str) -> Result<(T, So
     parsed::<T>(path, text, &[], "study", &anything).map(|parsed| (parsed.document, parsed.source))
 }
 
-/// A file as the table names it.
-fn beside(table: &Path, file: &str) -> std::path::PathBuf {
-    table.parent().unwrap_or(Path::new("")).join(file)
-}
-
 /// What is wrong with lists and with keys that a table does not take.
 fn of_the_lists(document: &TableDocument) -> Vec<InputError> {
     let mut mistakes = Vec::new();
@@ -217,115 +204,6 @@ fn of_the_lists(document: &TableDocument) -> Vec<InputError> {
     mistakes
 }
 
-/// The wheels or the rails of the entries of a list.
-fn bodies<'a>(
-    table: &Path,
-    list: &str,
-    entries: &'a [Keys],
-    mistaken: &mut dyn FnMut(InputError),
-) -> Vec<Body<'a>> {
-    let mut bodies: Vec<Body<'a>> = Vec::new();
-    let mut names = BTreeSet::new();
-    for (index, keys) in entries.iter().enumerate() {
-        let entry = format!("{list}[{index}]");
-        let text = |key: &str| keys.get(key).map(|value| value.as_str().map(str::to_owned));
-        for key in ["name", "folder"] {
-            if text(key) == Some(None) {
-                let value = keys[key].to_string();
-                mistaken(InputError::new(
-                    format!("{entry}.{key}"),
-                    value,
-                    "a text in quotes",
-                    "write a text",
-                ));
-            }
-        }
-        let (name, folder) = (text("name").flatten(), text("folder").flatten());
-        let files: Vec<Option<(String, String)>> = match &folder {
-            None => vec![None],
-            Some(folder) => match files_of(table, folder) {
-                Ok(files) => files.into_iter().map(Some).collect(),
-                Err(mut mistake) => {
-                    mistake.key = format!("{entry}.folder");
-                    mistaken(mistake);
-                    continue;
-                }
-            },
-        };
-        let lists = keys.iter().filter_map(|(key, value)| Some((key.as_str(), value.as_array()?.as_slice())));
-        if let Some((key, _)) = lists.clone().find(|(_, values)| values.is_empty()) {
-            let place = format!("{entry}.{key}");
-            mistaken(InputError::new(place, "[]", "a value, or a list of values", "list the values"));
-        }
-        for file in files {
-            for varied in product(lists.clone()) {
-                let mut own: Map<String, Value> = keys.iter().map(|(k, v)| (k.clone(), v.clone())).collect();
-                own.retain(|key, _| key != "name" && key != "folder");
-                own.extend(varied.iter().map(|(key, value)| ((*key).to_string(), value.clone())));
-                if let Some((_, path)) = &file {
-                    own.insert("profile_file".into(), path.clone().into());
-                }
-                let stem = file.as_ref().map(|(stem, _)| stem.clone());
-                let profile = || own.get("profile").and_then(Value::as_str).map(str::to_owned);
-                let measured = || {
-                    let path = own.get("profile_file").and_then(Value::as_str)?;
-                    Some(Path::new(path).file_stem()?.to_string_lossy().into_owned())
-                };
-                let name = match (&name, stem) {
-                    (Some(name), Some(stem)) => format!("{name}/{stem}"),
-                    (Some(name), None) => name.clone(),
-                    (None, Some(stem)) => stem,
-                    (None, None) => {
-                        profile().or_else(measured).unwrap_or_else(|| format!("{list} {}", index + 1))
-                    }
-                };
-                bodies.push(Body { name, entry: entry.clone(), keys: own, varied });
-            }
-        }
-        let new: BTreeSet<String> =
-            bodies.iter().filter(|body| body.entry == entry).map(|body| body.name.clone()).collect();
-        for name in new {
-            if !names.insert(name.clone()) {
-                let expected = format!("a name that no other {list} has");
-                let remedy = "give one of them another `name`";
-                mistaken(InputError::new(format!("{entry}.name"), format!("{name:?}"), expected, remedy));
-            }
-        }
-    }
-    bodies
-}
-
-/// The files in a folder, by name: stem, and path as the table would name it.
-fn files_of(table: &Path, folder: &str) -> Result<Vec<(String, String)>, InputError> {
-    let path = beside(table, folder);
-    let refused = |value: String| {
-        let expected = format!("a folder with profile files; {}", path.display());
-        InputError::new("folder", value, expected, "give its path relative to the table")
-    };
-    let entries = std::fs::read_dir(&path).map_err(|cause| refused(format!("{folder:?}: {cause}")))?;
-    let mut files: Vec<(String, String)> = entries
-        .filter_map(|entry| {
-            let file = entry.ok()?;
-            let name = file.file_name().into_string().ok()?;
-            let stem = Path::new(&name).file_stem()?.to_string_lossy().into_owned();
-            let is_one = file.path().is_file() && !name.starts_with('.');
-            is_one.then(|| (stem, Path::new(folder).join(&name).to_string_lossy().into_owned()))
-        })
-        .collect();
-    files.sort_by(|a, b| a.1.cmp(&b.1));
-    if files.is_empty() {
-        return Err(refused(format!("{folder:?}, which has no file")));
-    }
-    // files of one stem keep their endings
-    let stems: Vec<String> = files.iter().map(|(stem, _)| stem.clone()).collect();
-    for (stem, path) in &mut files {
-        if stems.iter().filter(|other| *other == stem).count() > 1 {
-            *stem = Path::new(path).file_name().unwrap_or_default().to_string_lossy().into_owned();
-        }
-    }
-    Ok(files)
-}
-
 /// The pairs of the table.
 fn pairs<'a, 'b>(
     cases: &[CaseKeys],
@@ -359,24 +237,6 @@ fn pairs<'a, 'b>(
         pairs.extend(of_wheels.iter().flat_map(|wheel| of_rails.iter().map(|rail| (*wheel, *rail))));
     }
     pairs
-}
-
-/// Every choice of a value for each key.
-fn product<'a>(lists: impl Iterator<Item = (&'a str, &'a [Value])>) -> Vec<BTreeMap<&'a str, Value>> {
-    let mut choices = vec![BTreeMap::new()];
-    for (key, values) in lists {
-        choices = choices
-            .into_iter()
-            .flat_map(|choice| {
-                values.iter().map(move |value| {
-                    let mut choice = choice.clone();
-                    choice.insert(key, value.clone());
-                    choice
-                })
-            })
-            .collect();
-    }
-    choices
 }
 
 /// The case of a wheel on a rail with values of the swept keys.

@@ -7,6 +7,7 @@
 //! * [`record()`]: `table.json`; [`page()`]: `table.html`.
 
 pub mod document;
+mod bodies;
 mod cases;
 mod making;
 mod places;

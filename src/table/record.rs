@@ -1,49 +1,50 @@
 //! `table.json`: the places with all that is known of them, and the studies that they are of.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::cases::Table;
-use super::document::TableDocument;
+use super::document::{SideKey, TableDocument};
 use super::making::PlaceRecord;
 use super::places::Place;
 use super::rows::Status;
 use crate::records::ResolvedKey;
 
-/// The table with its provenance.
-#[derive(Debug, Serialize)]
+/// The table with its provenance; borrowed where it is written, owned where it is read.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TableRecord<'a> {
     /// The keys of its file.
-    pub table: &'a TableDocument,
+    pub table: Cow<'a, TableDocument>,
     /// The cases.
     pub cases: Vec<CaseRecord<'a>>,
     /// Version of the program that made this.
-    pub version: &'static str,
+    pub version: Cow<'a, str>,
 }
 
 /// A pair with its places.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CaseRecord<'a> {
     /// Name of the wheel.
-    pub wheel: &'a str,
+    pub wheel: Cow<'a, str>,
     /// Name of the rail.
-    pub rail: &'a str,
+    pub rail: Cow<'a, str>,
     /// Keys that take several values in the table, and those of this case.
-    pub varied: &'a BTreeMap<String, Value>,
+    pub varied: Cow<'a, BTreeMap<String, Value>>,
     /// Files of measured profiles, with the hashes of their content.
     pub files: Vec<FileRecord>,
     /// All keys of its study.
-    pub keys: &'a [ResolvedKey],
+    pub keys: Cow<'a, [ResolvedKey]>,
     /// Hashes of the wheel's inputs, the rail's, and all others.
-    pub inputs: &'a [String; 3],
+    pub inputs: Cow<'a, [String; 3]>,
     /// Its places.
     pub places: Vec<PlaceEntry<'a>>,
 }
 
 /// A file of a measured profile.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FileRecord {
     /// As the table names it.
     pub file: String,
@@ -52,26 +53,26 @@ pub struct FileRecord {
 }
 
 /// A place.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct PlaceEntry<'a> {
     /// The side of the wheelset.
-    pub side: &'static str,
+    pub side: SideKey,
     /// Shift of the wheelset, mm.
     pub shift_mm: f64,
     /// What it has come to, in a word.
     pub status: Status,
     /// What it has come to.
     #[serde(flatten)]
-    pub record: &'a PlaceRecord,
+    pub record: Cow<'a, PlaceRecord>,
 }
 
 /// The record of a table whose places are in the order of its cases.
 pub fn record<'a>(table: &'a Table, places: &'a [(Place, PlaceRecord)]) -> TableRecord<'a> {
     let entry = |(place, record): &'a (Place, PlaceRecord)| PlaceEntry {
-        side: place.side.name(),
+        side: place.side,
         shift_mm: place.shift_mm,
         status: Status::of(record),
-        record,
+        record: Cow::Borrowed(record),
     };
     let mut rest = places;
     let mut cases = Vec::new();
@@ -84,14 +85,14 @@ pub fn record<'a>(table: &'a Table, places: &'a [(Place, PlaceRecord)]) -> Table
             hash: blake3::hash(&measured.content).to_hex().to_string(),
         };
         cases.push(CaseRecord {
-            wheel: &case.wheel,
-            rail: &case.rail,
-            varied: &case.varied,
+            wheel: (&*case.wheel).into(),
+            rail: (&*case.rail).into(),
+            varied: Cow::Borrowed(&case.varied),
             files: measured.into_iter().flatten().map(file).collect(),
-            keys: &case.study.resolved,
-            inputs: &case.study.keys.parts,
+            keys: (&*case.study.resolved).into(),
+            inputs: Cow::Borrowed(&case.study.keys.parts),
             places: own.iter().map(entry).collect(),
         });
     }
-    TableRecord { table: &table.document, cases, version: env!("CARGO_PKG_VERSION") }
+    TableRecord { table: Cow::Borrowed(&table.document), cases, version: env!("CARGO_PKG_VERSION").into() }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Display;
 
 use railspring_calibrate::units::MILLIMETRE;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::cases::{Case, Table};
@@ -24,8 +24,8 @@ pub const IDENTITY: [&str; 9] = [
     "side",
     "shift_mm",
 ];
-/// Varied keys that have a column among these.
-const WITH_A_COLUMN: [&str; 4] =
+/// Keys of a study that have a column among these, in their order, behind wheel and rail.
+pub const WITH_A_COLUMN: [&str; 4] =
     ["wheel.tape_diameter_m", "rail.inclination", "track.gauge_mm", "contact.friction"];
 /// Columns with hashes of inputs, and what each is of.
 pub const INPUTS: [(&str, &str); 4] = [
@@ -36,7 +36,7 @@ pub const INPUTS: [(&str, &str); 4] = [
 ];
 
 /// What a place has come to, in a word.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// A law of all loads.
