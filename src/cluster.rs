@@ -39,6 +39,8 @@ pub struct Cluster<'a> {
     pub memory_limit_gib: Option<f64>,
     /// Whether places that the store has are made again.
     pub fresh: bool,
+    /// After how long a worker that says nothing is lost, s.
+    pub silence: f64,
 }
 
 /// What the client of the cluster says.
@@ -204,6 +206,7 @@ impl Cluster<'_> {
             "threads": self.threads,
             "memory_limit_gib": self.memory_limit_gib,
             "fresh": self.fresh,
+            "silence": self.silence,
         })
     }
 }

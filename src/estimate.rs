@@ -126,6 +126,8 @@ pub struct Room {
     pub condensing: bool,
     /// The stages that do not need each other.
     pub stages: bool,
+    /// Further pairs of a table, with their places and the bodies that are condensed at a time, beside one.
+    pub more_pairs: usize,
 }
 
 impl Room {
@@ -134,8 +136,10 @@ impl Room {
 
     fn of(estimate: &Estimate, budget: Budget) -> Self {
         let Beside { condensing, stages } = estimate.beside;
-        let fits = |bytes: f64| budget.bytes().is_none_or(|(budget, _)| Self::MARGIN * bytes <= budget);
-        Self { condensing: fits(condensing), stages: fits(stages) }
+        let times = |bytes: f64| budget.bytes().map_or(1.0, |(budget, _)| budget / (Self::MARGIN * bytes));
+        // the stages of one pair are as much as the places of one and the bodies of the next
+        let more_pairs = times(stages) as usize;
+        Self { condensing: times(condensing) >= 1.0, stages: more_pairs > 0, more_pairs }
     }
 }
 
@@ -345,7 +349,8 @@ mod tests {
         let need = estimate(&coarse, Some(64.0)).unwrap();
         let room = |limit: f64| Room::of(&need, Budget::new(Some(limit / GIB)));
         assert_eq!(room(1.001 * need.memory()), Room::default());
-        assert_eq!(room(64.0 * GIB), Room { condensing: true, stages: true });
+        let Room { condensing, stages, more_pairs } = room(64.0 * GIB);
+        assert!(condensing && stages && more_pairs > 1);
         let Beside { condensing, stages } = need.beside;
         assert!(condensing > need.memory() && stages > need.memory(), "{:?}", need.beside);
         let least = Room::MARGIN * condensing.min(stages);

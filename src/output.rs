@@ -9,6 +9,7 @@ use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::input;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use tempfile::TempPath;
 
 /// Begin of the temporary names.
 pub(crate) const TEMPORARY: &str = ".railspring-";
@@ -121,22 +122,41 @@ impl OutputFolder {
         self.replace(name, |temporary| std::fs::write(temporary, content))
     }
 
+    /// Writes files that belong together: none is replaced before there is room for all of them.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path of the first that cannot be written.
+    pub fn write_together(&self, files: &[(&str, Vec<u8>)]) -> Result<()> {
+        let fill = |(name, content): &(&str, Vec<u8>)| {
+            self.filled(name, |temporary| std::fs::write(temporary, content))
+        };
+        let filled = files.iter().map(fill).collect::<Result<Vec<_>>>()?;
+        filled.into_iter().try_for_each(Filled::replace)
+    }
+
     /// Lets `fill` write a file under a temporary name in the same folder, then renames it.
     ///
     /// # Errors
     /// [`InputError`] whose key is the path, if `fill` fails or the file cannot be renamed.
     fn replace(&self, name: &str, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<()> {
+        self.filled(name, fill)?.replace()
+    }
+
+    fn filled(&self, name: &str, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<Filled> {
         let target = self.file(name);
         let parent = target.parent().unwrap_or(&self.path);
-        let write = || -> std::io::Result<()> {
+        let write = || -> std::io::Result<TempPath> {
             std::fs::create_dir_all(parent)?;
             let temporary = tempfile::Builder::new().prefix(TEMPORARY).tempfile_in(parent)?;
             let temporary = temporary.into_temp_path();
             fill(&temporary)?;
             readable_by_all(&temporary)?;
-            temporary.persist(&target).map_err(|cause| cause.error)
+            Ok(temporary)
         };
-        write().map_err(|cause| unwritable_file(&target, &cause).into())
+        match write() {
+            Ok(temporary) => Ok(Filled { temporary, target }),
+            Err(cause) => Err(unwritable_file(&target, &cause).into()),
+        }
     }
 
     /// Writes a value as indented JSON.
@@ -162,6 +182,19 @@ impl OutputFolder {
             "a folder that can be created and written",
             "choose another one with -o, or correct its permissions",
         )
+    }
+}
+
+/// A complete file under its temporary name, which is removed unless it becomes the file.
+struct Filled {
+    temporary: TempPath,
+    target: PathBuf,
+}
+
+impl Filled {
+    fn replace(self) -> Result<()> {
+        let Self { temporary, target } = self;
+        temporary.persist(&target).map_err(|cause| unwritable_file(&target, &cause.error).into())
     }
 }
 
@@ -264,6 +297,22 @@ mod tests {
         assert!(failed.is_err());
         assert_eq!(std::fs::read(folder.file("x.txt")).unwrap(), b"old");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    /// Goal: of files that belong together none is replaced where one of them cannot be written, and nothing else is left.
+    #[test]
+    fn files_that_belong_together_are_replaced_together() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::create(root.path()).unwrap();
+        let files = |text: &str| [("x.txt", text.as_bytes().to_vec()), ("y/z.txt", text.as_bytes().to_vec())];
+        folder.write("x.txt", b"old").unwrap();
+        std::fs::write(root.path().join("y"), "no folder").unwrap();
+        assert!(folder.write_together(&files("new")).is_err());
+        assert_eq!(std::fs::read(folder.file("x.txt")).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(root.path()).unwrap().count(), 2);
+        std::fs::remove_file(root.path().join("y")).unwrap();
+        folder.write_together(&files("new")).unwrap();
+        assert!(["x.txt", "y/z.txt"].iter().all(|name| std::fs::read(folder.file(name)).unwrap() == b"new"));
     }
 
     #[test]

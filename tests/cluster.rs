@@ -64,7 +64,15 @@ struct DaskCluster {
     python: &'static Path,
     scheduler: Process,
     address: String,
-    workers: Vec<Process>,
+    workers: Vec<Worker>,
+    /// Workers that were begun.
+    begun: usize,
+}
+
+/// A worker and the folder that it has to itself.
+struct Worker {
+    process: Process,
+    folder: PathBuf,
 }
 
 impl DaskCluster {
@@ -83,31 +91,35 @@ impl DaskCluster {
                 None => std::thread::sleep(Duration::from_millis(50)),
             }
         };
-        let mut cluster = Self { folder, python, scheduler, address, workers: Vec::new() };
+        let mut cluster = Self { folder, python, scheduler, address, workers: Vec::new(), begun: 0 };
         (0..workers).for_each(|_| cluster.begin_worker());
         cluster
     }
 
     fn begin_worker(&mut self) {
-        let Self { folder, python, address, workers, .. } = self;
+        let Self { folder, python, address, workers, begun, .. } = self;
         let arguments =
             ["worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--local-directory"];
-        workers.push(dask(python, folder.path(), &arguments, &folder.path().join("workers")));
+        let own = folder.path().join("workers").join(begun.to_string());
+        workers.push(Worker { process: dask(python, folder.path(), &arguments, &own), folder: own });
+        *begun += 1;
     }
 
     /// Entries of a kind in the stores of the workers.
     fn entries(&self, kind: &str) -> usize {
-        fn count(folder: &Path, kind: &str) -> usize {
-            let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-            entries
-                .map(|entry| match entry.path() {
-                    path if path.is_dir() => count(&path, kind),
-                    path => usize::from(path.file_name().unwrap().to_string_lossy().starts_with(kind)),
-                })
-                .sum()
-        }
-        count(&self.folder.path().join("workers"), kind)
+        entries(&self.folder.path().join("workers"), kind)
     }
+}
+
+/// Entries of a kind in a folder and those below.
+fn entries(folder: &Path, kind: &str) -> usize {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    files
+        .map(|file| match file.path() {
+            path if path.is_dir() => entries(&path, kind),
+            path => usize::from(path.file_name().unwrap().to_string_lossy().starts_with(kind)),
+        })
+        .sum()
 }
 
 fn dask(python: &Path, folder: &Path, arguments: &[&str], last: &Path) -> Process {
@@ -157,7 +169,7 @@ fn a_cluster_that_loses_a_worker_comes_to_the_same_bytes() {
         assert!(running.try_wait().unwrap().is_none(), "{}", done(running, 1));
         std::thread::sleep(Duration::from_millis(20));
     }
-    cluster.workers[0].kill();
+    cluster.workers[0].process.kill();
     assert!(running.try_wait().unwrap().is_none(), "the worker was lost too late");
     let said = done(running, 1);
     assert!(said.contains("4 places by the cluster in "), "{said}");
@@ -190,6 +202,59 @@ fn a_cluster_that_loses_a_worker_comes_to_the_same_bytes() {
     done(local, 1);
     assert!(place.files("sent") == place.files("alone"));
     assert_eq!(cluster.entries("place-"), seen, "workers that share the store have none themselves");
+}
+
+/// Goal: a worker that is stopped while it has a body, whose connections stay, is lost after the time that is given: others make what it had and what it did, the
+/// table has the bytes of one without a cluster, and the loss is said. Accuracy: the time is 2 s, and heartbeats come every half second, of which
+/// ten are waited for: 5 s, and a look every 5 s; without that the scheduler waits for 300 s.
+#[test]
+fn a_worker_that_hangs_is_lost() {
+    let Some(python) = python() else { return };
+    let place = Place::new(TABLE);
+    let cluster = DaskCluster::new(python, 2);
+    let alone = place.table("alone", &[]).spawn().unwrap();
+    let more = ["--worker-cache", "stored", "--worker-silence", "2"];
+    let mut running = place.on(&cluster, "sent", &more).spawn().unwrap();
+    let stopped = Stopped::first(&mut running, &cluster);
+    let begun = Instant::now();
+    let said = done(running, 0);
+    assert!(begun.elapsed() < Duration::from_secs(60), "{said}");
+    assert!(said.contains(": nothing heard for 2 s or more: its steps go to other workers"), "{said}");
+    assert!(said.contains("4 places by the cluster in ") && said.contains(" 1 workers lost"), "{said}");
+    done(alone, 0);
+    assert!(place.files("sent") == place.files("alone"));
+    drop(stopped);
+}
+
+/// A process that is stopped, and goes on with the value's end.
+struct Stopped(u32);
+
+impl Stopped {
+    /// The worker that has condensed a body first.
+    fn first(running: &mut Child, cluster: &DaskCluster) -> Self {
+        let worker = loop {
+            assert!(running.try_wait().unwrap().is_none(), "the table has ended");
+            let has_body = |worker: &&Worker| entries(&worker.folder, "body-") > 0;
+            if let Some(worker) = cluster.workers.iter().find(has_body) {
+                break worker;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        };
+        let id = worker.process.0.id();
+        signal("STOP", id);
+        Self(id)
+    }
+}
+
+impl Drop for Stopped {
+    fn drop(&mut self) {
+        signal("CONT", self.0);
+    }
+}
+
+fn signal(name: &str, process: u32) {
+    let done = Command::new("kill").args(["-s", name, &process.to_string()]).status();
+    assert!(done.is_ok_and(|status| status.success()), "{name}");
 }
 
 /// Goal: a cluster without a scheduler, and one whose workers have another program, are errors that say so, and nothing is written.
@@ -297,7 +362,7 @@ fn trial() {
         std::thread::sleep(Duration::from_millis(200));
         if last.elapsed() > Duration::from_secs(20) {
             let mut lost = cluster.workers.remove(0);
-            lost.kill();
+            lost.process.kill();
             cluster.begin_worker();
             (kills, last) = (kills + 1, Instant::now());
         }
@@ -335,7 +400,7 @@ fn simulated(python: &'static Path, place: &Place) {
     let settings = json!({
         "scheduler": cluster.address, "places": CASES * PLACES, "table": "nothing", "program": "none", "version": "0",
         "programs": [place.path("nothing")], "store": store, "token": "x", "cache": "stored", "threads": 1, "memory_limit_gib": 1.0,
-        "fresh": false,
+        "fresh": false, "silence": 30.0,
     });
     let case = |n: usize| json!({ "case": n, "name": "wheel on rail", "shifts_mm": vec![0.0; PLACES], "study": { "keys": "k".repeat(8000) } });
     let lines: Vec<String> =

@@ -1,7 +1,7 @@
 //! Tables of springs: `railspring table`.
 //!
 //! Goal: a row is what the commands for one study say of that pair; whatever was made is not made again, and what a change has no
-//! influence on stays; a case that fails is a row; tables that are killed lose nothing. Source: `railspring calibrate` on the studies that
+//! influence on stays; a case that fails is a row. Source: `railspring calibrate` on the studies that
 //! the cases are, and tables with an empty store, equal to the byte.
 
 mod tables;
@@ -9,7 +9,6 @@ mod tables;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::Duration;
 
 use serde_json::Value;
 use tables::Place;
@@ -235,33 +234,6 @@ fn a_case_that_fails_is_a_row() {
     assert!(unreadable.contains("notes.txt"), "{unreadable}");
     let page = std::fs::read_to_string(place.path("out/table.html")).unwrap();
     assert!(page.contains("4 places: 1 complete") && page.contains("May/notes"));
-}
-
-/// Goal: tables that are killed at any time leave a store from which the next one goes on, to the bytes of one that was left alone, with
-/// the places that had been made.
-#[test]
-#[cfg(unix)]
-fn a_table_that_is_killed_goes_on() {
-    let place = Place::new(TABLE);
-    place.table("table.toml", "whole", &["--cache", "other"]);
-    let kept = || {
-        let files = std::fs::read_dir(place.path("store")).into_iter().flatten().flatten();
-        files.filter(|file| file.file_name().to_string_lossy().starts_with("place-")).count()
-    };
-    let mut killed = 0;
-    for wait in [150, 400, 700, 1100, 1600] {
-        let mut child =
-            place.command(&["table", "table.toml", "-o", "out", "--cache", "store"]).spawn().unwrap();
-        std::thread::sleep(Duration::from_millis(wait));
-        killed += usize::from(child.try_wait().unwrap().is_none());
-        child.kill().unwrap();
-        child.wait().unwrap();
-    }
-    assert!(killed > 0);
-    let before = kept();
-    let said = place.table("table.toml", "out", &["--cache", "store"]);
-    assert!(said.contains(&format!("{before} of them in the store")), "{before}: {said}");
-    assert!(place.files("out") == place.files("whole"));
 }
 
 /// Goal: what is wrong in a table is said with its file and line, all of it, before anything is made; a file that is no table is no

@@ -12,7 +12,7 @@ use super::results::Results;
 use super::{Failure, WorkArgs, take_threads};
 use crate::cluster::Cluster;
 use crate::estimate::Resources;
-use crate::output::OutputFolder;
+use crate::output::{OutputFolder, to_json};
 use crate::store::Store;
 use crate::table::rows::{Rows, Status};
 use crate::table::{Places, Table, changes, page, record};
@@ -63,6 +63,17 @@ struct ClusterArgs {
     /// This program on the workers; left out, under the same path as here or on the search path
     #[arg(long, value_name = "PATH", requires = "scheduler")]
     worker_program: Option<PathBuf>,
+    /// Seconds after which a worker that says nothing counts as lost, so that others do its steps; on large clusters ten of its heartbeats at least
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = seconds)]
+    worker_silence: f64,
+}
+
+/// A time of some seconds at least.
+fn seconds(text: &str) -> Result<f64, String> {
+    let given: Option<f64> = text.parse().ok();
+    given
+        .filter(|seconds| (1.0..=1e6).contains(seconds))
+        .ok_or_else(|| "expected seconds from 1 to 1e6; give a number".into())
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -87,6 +98,7 @@ impl ClusterArgs {
                 threads: work.threads.unwrap_or(1),
                 memory_limit_gib: work.memory_limit,
                 fresh,
+                silence: self.worker_silence,
             })),
             (Executor::Local, Some(scheduler)) => {
                 let expected = "no scheduler for --executor local";
@@ -146,14 +158,13 @@ fn made(args: &TableArgs, table: &Table) -> Result<bool, Error> {
     let rows = Rows::of(table, &made);
     // the earlier one may be the very file that is written next
     let changes = args.diff.as_ref().map(|earlier| changes::since(earlier, &rows)).transpose()?;
-    folder.write(ROWS, &rows.csv())?;
-    folder.write_json(RECORD, &record(table, &made))?;
-    folder.write(PAGE, page(&table.document.name, &table.document.description, &rows).as_bytes())?;
+    let page = page(&table.document.name, &table.document.description, &rows);
+    let mut files =
+        vec![(ROWS, rows.csv()), (RECORD, to_json(&record(table, &made))), (PAGE, page.into_bytes())];
+    files.extend(changes.iter().map(|changes| (CHANGES, changes.csv())));
+    folder.write_together(&files)?;
     let with = |status: Status| made.iter().filter(|(_, record)| Status::of(record) == status).count();
     let [complete, early, failed] = [Status::Complete, Status::EndsEarly, Status::Failed].map(with);
-    if let Some(changes) = &changes {
-        folder.write(CHANGES, &changes.csv())?;
-    }
     let count = format!(
         "{} places: {complete} complete, {early} with a law that ends early, {failed} without a law",
         made.len()

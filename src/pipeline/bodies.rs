@@ -27,6 +27,8 @@ pub(crate) struct BodySource<'a> {
     /// Name of the study, for lists.
     pub study: &'a str,
     pub monitor: &'a dyn Monitor,
+    /// Who hears what the store does not keep, and what is damaged there; none: `monitor`, in the order of the bodies.
+    pub trouble: Option<&'a dyn Monitor>,
 }
 
 impl<'a> Pipeline<'a> {
@@ -36,7 +38,15 @@ impl<'a> Pipeline<'a> {
         let foot_held = study.calibration.foot_held;
         let together = self.room.condensing && study.target_error.is_none();
         let monitor = resources.monitor;
-        BodySource { store: *store, fresh: *fresh, foot_held, together, study: &study.name, monitor }
+        BodySource {
+            store: *store,
+            fresh: *fresh,
+            foot_held,
+            together,
+            study: &study.name,
+            monitor,
+            trouble: None,
+        }
     }
 }
 
@@ -143,13 +153,17 @@ impl BodySource<'_> {
         };
         let address = address(store, &key, modes);
         let read = |artefact: Artefact| CondensedBody::read(artefact.part(BODY).unwrap_or_default());
-        if let Some(condensed) = (!self.fresh).then(|| store.take_as(&address, read, say)).flatten() {
+        let trouble = |text: String| match self.trouble {
+            Some(monitor) => monitor.notice(&format!("{}: {text}", body.name())),
+            None => say(text),
+        };
+        if let Some(condensed) = (!self.fresh).then(|| store.take_as(&address, read, &trouble)).flatten() {
             say("taken from the store".into());
             return Ok(condensed);
         }
         let condensed = condense(key)?;
         let artefact = Artefact::default().with(BODY, condensed.write());
-        store.keep(&address, body.name(), self.study, &artefact, say);
+        store.keep(&address, body.name(), self.study, &artefact, &trouble);
         say("made".into());
         Ok(condensed)
     }

@@ -213,6 +213,7 @@ impl CaseWork<'_> {
             together: room.condensing,
             study: &self.study.name,
             monitor: self.resources.monitor,
+            trouble: Some(self.said),
         }
     }
 

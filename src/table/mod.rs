@@ -10,6 +10,7 @@ pub mod document;
 mod bodies;
 mod cases;
 mod making;
+mod turns;
 mod places;
 mod work;
 pub mod rows;

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::cases::{Case, Table};
 use super::document::SideKey;
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
+use super::turns::{Pairs, in_turn};
 use crate::estimate::{self, GIB, Resources, Work};
 use crate::store::Store;
 
@@ -175,7 +176,7 @@ impl<'a> Places<'a> {
                 None => shifts.push((towards, vec![index])),
             }
         }
-        // a wheel near its flange takes ten times as long as on its tread: it comes first, so that no thread waits for it in the end
+        // a wheel near its flange takes ten times as long as on its tread: it comes first, so that none of the others waits for it in the end
         missing.values_mut().for_each(|shifts| shifts.sort_by(|a, b| b.0.total_cmp(&a.0)));
         missing
     }
@@ -192,24 +193,17 @@ impl<'a> Places<'a> {
         if total > 0 {
             beneath.progress("", 0, 0)?;
         }
-        let work = Making { places: &self, monitor: &beneath, done: &done };
-        let mut made: Vec<(Vec<usize>, PlaceRecord)> = Vec::new();
-        let mut cases = missing.into_iter().peekable();
-        let mut ready = cases.peek().map(|(case, _)| work.bodies(*case)).transpose()?;
-        while let (Some((case, wanted)), Some(bodies)) = (cases.next(), ready.take()) {
-            let shifts: Vec<f64> = wanted.iter().map(|(shift, _)| *shift).collect();
-            let coming = cases.peek().map(|(case, _)| *case);
-            let next = || coming.map(|case| work.bodies(case)).transpose();
-            let press = || work.places(case, &shifts, &bodies);
-            // the next bodies beside the places of these, where memory has room
-            let (records, next) = match &bodies {
-                Ok(ready) if !ready.room().stages => (press(), next()),
-                _ => rayon::join(press, next),
-            };
-            ready = next?;
-            made.extend(wanted.into_iter().map(|(_, indices)| indices).zip(records?));
-        }
-        for (indices, record) in made {
+        let (cases, wanted): (Vec<usize>, Vec<Vec<(f64, Vec<usize>)>>) = missing.into_iter().unzip();
+        let counts = wanted.iter().map(Vec::len).collect();
+        let made = in_turn(&Making {
+            places: &self,
+            monitor: &beneath,
+            done: &done,
+            cases: &cases,
+            wanted: &wanted,
+            counts,
+        })?;
+        for ((_, indices), record) in wanted.into_iter().flatten().zip(made.into_iter().flatten()) {
             indices.into_iter().for_each(|index| self.records[index] = Some(record.clone()));
         }
         let records = self.records.into_iter().map(|record| record.expect("every place was taken or made"));
@@ -223,6 +217,12 @@ struct Making<'a, 'b> {
     monitor: &'b Beneath<'b>,
     /// Places that are done.
     done: &'b AtomicUsize,
+    /// The cases with missing places.
+    cases: &'b [usize],
+    /// Their shifts towards the rail (mm), each with the numbers of its places.
+    wanted: &'b [Vec<(f64, Vec<usize>)>],
+    /// How many these are.
+    counts: Vec<usize>,
 }
 
 impl Making<'_, '_> {
@@ -231,9 +231,9 @@ impl Making<'_, '_> {
         self.monitor.progress("", 0, 0)
     }
 
-    fn case(&self, number: usize) -> CaseWork<'_> {
+    fn case(&self, pair: usize) -> CaseWork<'_> {
         let Places { table, store, resources, .. } = self.places;
-        let case = &table.cases[number];
+        let case = &table.cases[self.cases[pair]];
         CaseWork {
             study: &case.study,
             settings: Settings::of(&table.document),
@@ -242,40 +242,39 @@ impl Making<'_, '_> {
             said: resources.monitor,
         }
     }
+}
 
-    /// The places of a case at `shifts` (mm) on its bodies.
-    fn places(
-        &self,
-        case: usize,
-        shifts: &[f64],
-        ready: &std::result::Result<Ready, Error>,
-    ) -> Result<Vec<PlaceRecord>> {
-        match ready {
-            Ok(ready) => {
-                let work = self.case(case);
-                let make = |shift: &f64| {
-                    let record = work.place(ready, *shift)?;
-                    self.one_done().map(|()| record)
-                };
-                shifts.par_iter().map(make).collect()
-            }
-            // not kept: memory, a disk or a Python may be another's the next time
-            Err(error) => {
-                let failed = |shift: &f64| self.one_done().map(|()| PlaceRecord::failed(*shift, error));
-                shifts.iter().map(failed).collect()
-            }
-        }
+impl Pairs for Making<'_, '_> {
+    /// A case up to its condensed bodies, or why it has none.
+    type Ready = std::result::Result<Ready, Error>;
+    type Place = PlaceRecord;
+
+    fn places(&self) -> &[usize] {
+        &self.counts
     }
 
-    /// A case up to its condensed bodies, or why it has none.
-    ///
-    /// # Errors
-    /// An interruption.
-    fn bodies(&self, case: usize) -> Result<std::result::Result<Ready, Error>> {
-        match self.case(case).ready() {
+    fn ready(&self, pair: usize) -> Result<Self::Ready> {
+        match self.case(pair).ready() {
             Err(Error::Interrupted) => Err(Error::Interrupted),
             ready => Ok(ready),
         }
+    }
+
+    fn at_once(&self, ready: &Self::Ready) -> usize {
+        // a pair that is no use takes no memory
+        let room = 1 + ready.as_ref().map_or(1, |ready| ready.room().more_pairs);
+        // each thread that is more than two has a place of another pair
+        room.min(rayon::current_num_threads().max(2))
+    }
+
+    fn place(&self, pair: usize, ready: &Self::Ready, place: usize) -> Result<PlaceRecord> {
+        let (shift, _) = self.wanted[pair][place];
+        let record = match ready {
+            Ok(ready) => self.case(pair).place(ready, shift)?,
+            // not kept: memory, a disk or a Python may be another's the next time
+            Err(error) => PlaceRecord::failed(shift, error),
+        };
+        self.one_done().map(|()| record)
     }
 }
 

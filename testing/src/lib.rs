@@ -27,6 +27,8 @@ pub enum Need {
     OpenSees,
     /// The vehicle models of STEM.
     Stem,
+    /// A file system of a given size, which fills up.
+    SmallDisk,
     /// The faster solver of the reference, for some of its tests; the others are done.
     Solver,
 }
@@ -40,6 +42,7 @@ impl Need {
             Self::Calculix => "calculix",
             Self::OpenSees => "opensees",
             Self::Stem => "stem",
+            Self::SmallDisk => "small disk",
             Self::Solver => "in part",
         }
     }

@@ -12,10 +12,11 @@ import queue
 import signal
 import statistics
 import sys
+import threading
 import time
 import uuid
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ import cloudpickle
 from distributed import Client, Future
 
 from . import worker
-from .worker import Settings, Suited, perform, put, suitability
+from .worker import Settings, Suited, lose_silent, perform, put, suitability
 
 PLACES_PER_STEP = 12
 """Places that are pressed in one step: so many are lost with a worker at most, and a case is meshed once for them."""
@@ -109,6 +110,7 @@ class Table:
 
     def run(self) -> None:
         """Does all of it."""
+        self.of_all_workers(lambda: self.client.register_plugin(Suited(self.settings)))
         while True:
             self.look()
             self.begin_cases()
@@ -251,12 +253,44 @@ class Table:
 
     # the workers
 
+    def lose_silent(self) -> None:
+        """Has the scheduler take off the workers that say nothing."""
+        silent = self.client.run_on_scheduler(lose_silent, self.settings.silence)
+        for address in silent:
+            say("notice", text=f"{address}: nothing heard for {self.settings.silence:.0f} s or more: its steps go to other workers")
+
+    def of_all_workers(self, ask: Callable[[], Any]) -> Any:
+        """What a call comes to that waits for all workers; it is made again if one of them is lost meanwhile."""
+        answers: queue.SimpleQueue[tuple[Any, BaseException | None]] = queue.SimpleQueue()
+
+        def asked() -> None:
+            try:
+                answers.put((ask(), None))
+            except Exception as cause:
+                answers.put((None, cause))
+
+        for attempt in range(ATTEMPTS):
+            # not waited for where it never ends
+            threading.Thread(target=asked, daemon=True).start()
+            while True:
+                with contextlib.suppress(queue.Empty):
+                    answer, cause = answers.get(timeout=POLL)
+                    break
+                self.lose_silent()
+            if cause is None:
+                return answer
+            if not isinstance(cause, OSError) or attempt + 1 == ATTEMPTS:
+                raise cause
+            self.lose_silent()
+        raise AssertionError
+
     def look(self) -> None:
         """Looks at the workers now and then, and at steps that take long."""
         now = time.monotonic()
         if now - self.looked < POLL:
             return
         self.looked = now
+        self.lose_silent()
         threads = self.client.nthreads()
         gone = self.workers - set(threads)
         self.counts["workers_lost"] += len(gone)
@@ -269,7 +303,7 @@ class Table:
             self.once("the cluster has no worker yet: waiting for one")
             self.unsuited_since = None
             return
-        reasons = self.client.run(suitability, self.settings.name, on_error="ignore")
+        reasons = self.of_all_workers(lambda: self.client.run(suitability, self.settings.name, on_error="ignore"))
         unsuited = Counter(reason for reason in reasons.values() if reason)
         if sum(unsuited.values()) < len(reasons):
             for reason, count in unsuited.items():
@@ -323,13 +357,12 @@ def main() -> int:
     table: Table | None = None
     try:
         with Client(scheduler, timeout="30s", name=f"railspring-{settings.table}", set_as_default=False) as client:
-            client.register_plugin(Suited(settings))
             table = Table(client, settings, cases_of(sys.stdin), total)
             try:
                 table.run()
             finally:
                 if client.status == "running":
-                    client.unregister_worker_plugin(settings.name)
+                    table.of_all_workers(lambda: client.unregister_worker_plugin(settings.name))
             failed = table.failures[0] if table.failures else None
     except (Failed, OSError, TimeoutError, ValueError) as cause:
         failed = str(cause) or type(cause).__name__

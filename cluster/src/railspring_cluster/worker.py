@@ -6,11 +6,13 @@ import os
 import shutil
 import subprocess
 import tempfile
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from distributed import WorkerPlugin, get_worker
+from distributed.scheduler import heartbeat_interval
 
 TEMPORARY = ".railspring-"
 """Begin of the names of files that are not complete; the store removes them when they are old."""
@@ -40,6 +42,8 @@ class Settings:
     """Memory of a step; none: the worker's, by the number of its steps at the same time."""
     fresh: bool
     """Whether places that a store has are made again."""
+    silence: float
+    """Seconds after which a worker that says nothing is lost."""
 
     @property
     def name(self) -> str:
@@ -103,6 +107,21 @@ def suitability(name: str, dask_worker: Any) -> str | None:
     """Why a worker takes no steps; none if it does."""
     plugin = dask_worker.plugins.get(name)
     return "the program was not looked for" if plugin is None else plugin.reason
+
+
+async def lose_silent(silence: float, dask_scheduler: Any) -> list[str]:
+    """On the scheduler: takes the workers off that have said nothing for so many seconds; their addresses.
+
+    A process that was stopped, or a machine that hangs, keeps its connections. The scheduler itself looks for that after five minutes unless it
+    is set otherwise. Others get the steps of these workers, and make again what they had; a worker that goes on joins again with its nanny.
+    """
+    now = time.time()
+    # heartbeats come less often on large clusters
+    limit = max(silence, 10 * heartbeat_interval(len(dask_scheduler.workers)))
+    silent = [address for address, worker in dask_scheduler.workers.items() if now - worker.last_seen > limit]
+    for address in silent:
+        await dask_scheduler.remove_worker(address, stimulus_id=f"railspring-silent-{now}", close=False)
+    return silent
 
 
 def put(folder: Path, name: str, content: bytes) -> None:
