@@ -12,7 +12,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-pub use programs::{opensees, stem};
+pub use programs::{locked, opensees, stem};
 
 /// What a test can go without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,6 +27,8 @@ pub enum Need {
     OpenSees,
     /// The vehicle models of STEM.
     Stem,
+    /// Python packages from the index.
+    Packages,
     /// A file system of a given size, which fills up.
     SmallDisk,
     /// The faster solver of the reference, for some of its tests; the others are done.
@@ -42,6 +44,7 @@ impl Need {
             Self::Calculix => "calculix",
             Self::OpenSees => "opensees",
             Self::Stem => "stem",
+            Self::Packages => "packages",
             Self::SmallDisk => "small disk",
             Self::Solver => "in part",
         }

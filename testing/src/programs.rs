@@ -22,24 +22,34 @@ pub fn stem(cache: &Path) -> Option<PathBuf> {
     with(cache, "import UVEC", Need::Stem, "the vehicle models of STEM (UVEC)")
 }
 
+/// A Python with the packages of a `lock` with hashes, in an environment `venv-NAME` in `cache`; `None`, and the test is counted as skipped, where
+/// there is no Python, no package for this system, or no way to the index.
+pub fn locked(cache: &Path, name: &str, lock: &str) -> Option<PathBuf> {
+    if !python() {
+        return None;
+    }
+    let interpreter = environment(&cache.join(format!("venv-{name}")), lock);
+    needs(Need::Packages, name, interpreter.is_some()).then_some(interpreter).flatten()
+}
+
 fn with(cache: &Path, probe: &str, need: Need, item: &str) -> Option<PathBuf> {
     static MADE: OnceLock<Option<PathBuf>> = OnceLock::new();
     if !python() {
         return None;
     }
-    let interpreter = MADE.get_or_init(|| environment(&cache.join("venv-programs"))).as_ref();
+    let interpreter = MADE.get_or_init(|| environment(&cache.join("venv-programs"), LOCK)).as_ref();
     let there = interpreter.is_some_and(|python| succeeds(python, &["-I", "-c", probe].map(OsStr::new)));
     needs(need, item, there).then(|| interpreter.cloned()).flatten()
 }
 
 /// The interpreter of the environment, made unless its lock is there, which is written last.
-fn environment(folder: &Path) -> Option<PathBuf> {
+fn environment(folder: &Path, wanted_lock: &str) -> Option<PathBuf> {
     let (interpreter, lock) = (folder.join("bin/python"), folder.join("installed.lock"));
-    if std::fs::read_to_string(&lock).is_ok_and(|installed| installed == LOCK) {
+    if std::fs::read_to_string(&lock).is_ok_and(|installed| installed == wanted_lock) {
         return Some(interpreter);
     }
     let wanted = folder.with_extension("lock");
-    std::fs::write(&wanted, LOCK).ok()?;
+    std::fs::write(&wanted, wanted_lock).ok()?;
     let venv = ["-I", "-m", "venv", "--clear"].map(OsStr::new);
     let mut bases = ["python3", "python"].into_iter().map(Path::new);
     bases.find(|base| succeeds(base, &[&venv[..], &[folder.as_os_str()]].concat()))?;
