@@ -63,7 +63,7 @@ pub(super) fn export(args: &ExportArgs) -> Result<bool, Failure> {
         SpringsFile::Calibration(record) => {
             if let (None, Some(setting)) = (&args.study, set.first()) {
                 return refused(
-                    &setting.option(),
+                    setting.option(),
                     "a study whose keys are set",
                     "name the study with --study",
                 );
@@ -71,7 +71,7 @@ pub(super) fn export(args: &ExportArgs) -> Result<bool, Failure> {
             of_study(args, &record)
         }
         SpringsFile::Table(_) if !set.is_empty() => {
-            refused(&set[0].option(), "the keys as they are in the table", "leave it out")
+            refused(set[0].option(), "the keys as they are in the table", "leave it out")
         }
         SpringsFile::Table(table) => of_table(args, &table),
     }

@@ -79,8 +79,10 @@ pub struct Places<'a> {
     records: Vec<Option<PlaceRecord>>,
 }
 
-/// What is to be made of a case: shifts towards the rail (mm), each with the numbers of its places.
-type Missing = BTreeMap<usize, Vec<(f64, Vec<usize>)>>;
+/// What is to be made of a case.
+type Missing = BTreeMap<usize, Wanted>;
+/// Shifts towards the rail (mm), each with the numbers of its places.
+type Wanted = Vec<(f64, Vec<usize>)>;
 
 impl<'a> Places<'a> {
     /// All places of a table, cases first; those that are in the store are taken from it unless all are made `fresh`.
@@ -193,7 +195,7 @@ impl<'a> Places<'a> {
         if total > 0 {
             beneath.progress("", 0, 0)?;
         }
-        let (cases, wanted): (Vec<usize>, Vec<Vec<(f64, Vec<usize>)>>) = missing.into_iter().unzip();
+        let (cases, wanted): (Vec<usize>, Vec<Wanted>) = missing.into_iter().unzip();
         let counts = wanted.iter().map(Vec::len).collect();
         let made = in_turn(&Making {
             places: &self,
@@ -219,8 +221,8 @@ struct Making<'a, 'b> {
     done: &'b AtomicUsize,
     /// The cases with missing places.
     cases: &'b [usize],
-    /// Their shifts towards the rail (mm), each with the numbers of its places.
-    wanted: &'b [Vec<(f64, Vec<usize>)>],
+    /// Their places.
+    wanted: &'b [Wanted],
     /// How many these are.
     counts: Vec<usize>,
 }

@@ -1,8 +1,10 @@
 //! Pairs of a table in turn on the threads: the bodies of the next one are made beside the places of those that are ready, and no thread waits for
 //! the last place of a pair.
 
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use railspring_calibrate::error::{Error, Result};
 use rayon::ScopeFifo;
@@ -40,6 +42,26 @@ pub(super) fn in_turn<P: Pairs>(pairs: &P) -> Result<Vec<Vec<P::Place>>> {
     };
     Ok(made.into_iter().map(whole).collect())
 }
+
+/// Pause of a thread that waits for a part of its task, before it looks again.
+const PAUSE: Duration = Duration::from_millis(1);
+
+thread_local! {
+    /// Whether this thread has a task.
+    static AT_WORK: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Takes the note of a task away, however that ends.
+struct AtWork;
+
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        AT_WORK.set(false);
+    }
+}
+
+/// Making a pair ready, or a place.
+type Task<'s> = Box<dyn FnOnce(&ScopeFifo<'s>) + Send + 's>;
 
 struct Turns<'p, P: Pairs> {
     pairs: &'p P,
@@ -82,7 +104,20 @@ impl<P: Pairs> Turns<'_, P> {
         let pair = state.next;
         (state.next, state.open, state.preparing) = (pair + 1, state.open + 1, true);
         drop(state);
-        scope.spawn_fifo(move |scope| self.prepare(pair, scope));
+        self.spawn(scope, Box::new(move |scope| self.prepare(pair, scope)));
+    }
+
+    /// Has a task done by a thread that has none. One that waits for a part of its task may be offered another one, which would keep the first one and its
+    /// memory waiting.
+    fn spawn<'s>(&'s self, scope: &ScopeFifo<'s>, task: Task<'s>) {
+        scope.spawn_fifo(move |scope| {
+            if AT_WORK.replace(true) {
+                std::thread::sleep(PAUSE);
+                return self.spawn(scope, task);
+            }
+            let _at_work = AtWork;
+            task(scope);
+        });
     }
 
     fn prepare<'s>(&'s self, pair: usize, scope: &ScopeFifo<'s>) {
@@ -97,7 +132,7 @@ impl<P: Pairs> Turns<'_, P> {
         let open = Arc::new(Open { pair, ready, left: AtomicUsize::new(count) });
         for place in 0..count {
             let open = Arc::clone(&open);
-            scope.spawn_fifo(move |scope| self.place(open, place, scope));
+            self.spawn(scope, Box::new(move |scope| self.place(open, place, scope)));
             // the first place takes longest, and the bodies of the next pair are to be there when these places are done
             if place == 0 {
                 self.begin(scope);
@@ -145,6 +180,10 @@ mod tests {
     const SHORT: Duration = Duration::from_millis(5);
     const LONG: Duration = Duration::from_millis(60);
 
+    thread_local! {
+        static PLACE: Cell<bool> = const { Cell::new(false) };
+    }
+
     struct IsReady<'w>(&'w Waiting);
 
     impl Drop for IsReady<'_> {
@@ -176,7 +215,11 @@ mod tests {
         }
 
         fn place(&self, pair: usize, _: &IsReady<'w>, place: usize) -> Result<(usize, usize)> {
-            sleep(if place == 0 { LONG } else { SHORT });
+            assert!(!PLACE.replace(true), "a thread has two places at the same time");
+            // in two parts, of which another thread may take one
+            let part = (if place == 0 { LONG } else { SHORT }) / 2;
+            rayon::join(|| sleep(part), || sleep(part));
+            PLACE.set(false);
             Ok((pair, place))
         }
     }
@@ -189,7 +232,8 @@ mod tests {
         rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap()
     }
 
-    /// Goal: every place once and in order, whatever the threads and the pairs at once; no more pairs are ready than may be.
+    /// Goal: every place once and in order, whatever the threads and the pairs at once; no more pairs are ready than may be, and no thread has two places at the
+    /// same time, though parts of places are shared.
     #[test]
     fn every_place_is_made_once() {
         let expected = |places: &[usize]| -> Vec<Vec<(usize, usize)>> {

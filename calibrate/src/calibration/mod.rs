@@ -167,12 +167,37 @@ pub fn press_loads(
     ended.map_or(Ok(states), Err)
 }
 
+/// As [`press_loads`], for a few loads that may be far apart.
+///
+/// # Errors
+/// Those of [`press_loads`].
+pub(crate) fn press_loads_apart(
+    wheel_on_rail: &WheelOnRail,
+    loads: &[f64],
+    stage: &str,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Pressed>> {
+    let press = |load, before: Option<&Pressed>| wheel_on_rail.press_from_afar(load, before);
+    let (states, ended) = press_each(press, loads, stage, monitor)?;
+    ended.map_or(Ok(states), Err)
+}
+
 /// The same up to the first load whose contact reaches the end of the contact zone, and that error, if there is such a load.
 ///
 /// # Errors
 /// Those of [`press_loads`] for other reasons.
 pub(crate) fn press_carried(
     wheel_on_rail: &WheelOnRail,
+    loads: &[f64],
+    stage: &str,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Pressed>, Option<Error>)> {
+    press_each(|load, before| wheel_on_rail.press(load, before), loads, stage, monitor)
+}
+
+/// The same, each load by `press`.
+fn press_each(
+    press: impl Fn(f64, Option<&Pressed>) -> Result<Pressed>,
     loads: &[f64],
     stage: &str,
     monitor: &dyn Monitor,
@@ -189,7 +214,7 @@ pub(crate) fn press_carried(
     let mut states: Vec<Pressed> = Vec::new();
     for (i, &load) in loads.iter().enumerate() {
         monitor.progress(stage, i, loads.len())?;
-        match wheel_on_rail.press(load, states.last()).map_err(|error| error.at_step(i + 1)) {
+        match press(load, states.last()).map_err(|error| error.at_step(i + 1)) {
             Ok(state) => states.push(state),
             Err(Error::Numerics(end)) if SurfaceEnd::of(end.reason).is_some() => {
                 return Ok((states, Some(end.into())));

@@ -248,7 +248,7 @@ impl CondensedPair {
     ///
     /// # Errors
     /// As [`Self::rail`].
-    pub(super) fn wheel_on_rail<'a>(
+    pub(crate) fn wheel_on_rail<'a>(
         &'a self,
         pair: &'a Pair,
         reference: Reference,

@@ -11,7 +11,7 @@ use super::by_shift::{AngleLaw, AngleSettings, ShiftLaw};
 use super::geometry::Pair;
 use super::references::ByReference;
 use crate::calibration::{
-    ContactField, DOWNWARDS, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads,
+    ContactField, DOWNWARDS, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads_apart,
 };
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
@@ -262,7 +262,7 @@ impl<'a> Solid<'a> {
     /// friction and with the section held, and what displacement and compliance change by there, they change by in every law.
     ///
     /// # Errors
-    /// Those of [`press_loads`] and of the tangents.
+    /// Those of [`press_loads`](crate::calibration::press_loads) and of the tangents.
     pub fn grid_changes(&self, monitor: &dyn Monitor) -> Result<Option<Changes>> {
         if self.contact.field == ContactField::Elements {
             return Ok(None);
@@ -273,7 +273,7 @@ impl<'a> Solid<'a> {
             self.placed(self.bodies, Reference::Beam, contact)
         };
         let (on_grid, on_halved) = (on(ContactField::Hybrid)?, on(ContactField::HybridHalved)?);
-        let states = press_loads(&on_grid, &loads, stage, monitor)?;
+        let states = press_loads_apart(&on_grid, &loads, stage, monitor)?;
         let mut halved = Vec::new();
         for (i, state) in states.iter().enumerate() {
             monitor.progress(stage, i, loads.len())?;
@@ -292,13 +292,13 @@ impl<'a> Solid<'a> {
     /// Changes to `coarser` meshes, with friction, which has the same history of loads on both.
     ///
     /// # Errors
-    /// Those of [`press_loads`] and of the tangents; coarser bodies without the rail on its foot, where there is a law against that.
+    /// Those of [`press_loads`](crate::calibration::press_loads) and of the tangents; coarser bodies without the rail on its foot, where there is a law against that.
     pub fn mesh_changes(&self, coarser: &CondensedPair, monitor: &dyn Monitor) -> Result<Changes> {
         let (among, loads) = (&self.coarser, self.forces(&self.coarser));
         let on = |bodies: &CondensedPair| -> Result<SolidPoints> {
             let pressed = |reference| -> Result<(WheelOnRail, Vec<Pressed>)> {
                 let placed = self.placed(bodies, reference, self.contact)?;
-                let states = press_loads(&placed, &loads, "error of the meshes", monitor)?;
+                let states = press_loads_apart(&placed, &loads, "error of the meshes", monitor)?;
                 Ok((placed, states))
             };
             let on_foot = || {
