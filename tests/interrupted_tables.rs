@@ -286,7 +286,7 @@ fn at_once(rounds: usize) {
 
 #[test]
 fn a_killed_table_loses_nothing() {
-    killed(4);
+    killed(2);
 }
 
 #[test]
