@@ -14,6 +14,7 @@
 #![doc = include_str!("../examples/verdict.rs")]
 //! ```
 
+pub mod rounding;
 pub mod output;
 pub mod verify;
 pub mod records;

@@ -234,7 +234,7 @@ fn every_command_takes_a_mesh_file() {
         "{beyond:?}"
     );
     let page = std::fs::read_to_string(place.path("out/crosscheck.html")).unwrap();
-    assert_eq!(page.matches("<figure>").count(), 5, "three curves and both sections");
+    assert_eq!(page.matches("<figure id=").count(), 5, "three curves and both sections");
 }
 
 #[test]

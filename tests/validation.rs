@@ -193,8 +193,8 @@ fn report_and_page_belong_together() {
     let (report, page) = (made.page("report.html"), made.page("crosscheck.html"));
     assert!(report.contains(link) && report.contains("hub displacement"));
     assert!(page.contains("href=\"report.html\""));
-    assert_eq!(page.matches("<figure>").count(), 5, "three curves and two bodies");
-    assert_eq!(report.matches("<figure>").count(), made.report_before.matches("<figure>").count() + 5);
+    assert_eq!(page.matches("<figure id=").count(), 5, "three curves and two bodies");
+    assert_eq!(report.matches("<figure id=").count(), made.report_before.matches("<figure id=").count() + 5);
 
     let other = OutputFolder::create(&made.out.with_file_name("alone")).unwrap();
     let study = Study::read(&made.study).unwrap_or_else(|e| panic!("{e}"));

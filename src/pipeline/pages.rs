@@ -76,6 +76,12 @@ impl<'a> Stage for Report<'a> {
         let data = ReportData {
             name: &at.study.name,
             description: &at.study.description,
+            file: at
+                .study
+                .source
+                .path()
+                .file_name()
+                .map(|name| (name.to_string_lossy().into_owned(), at.study.source.hash().to_string())),
             inputs: &at.study.resolved,
             stiffness: &self.calibration.stiffness,
             load_curve: &self.calibration.load_curve,

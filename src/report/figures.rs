@@ -84,6 +84,14 @@ pub fn displacement(stiffness: &StiffnessRecord) -> String {
         .map(|f| (published.displacement(f * KILONEWTON) / MILLIMETRE, f))
         .collect();
     series.push(Series::line("published law", law, RED, Dash::Dashed));
+    let hertz = stiffness.touch.hertz_kn_per_m;
+    if hertz.is_finite() && hertz > 0.0 {
+        // the integral of df/(h·f^(1/3)), mm
+        let approach = |f: f64| 1e3 * 1.5 * f.cbrt().powi(2) / hertz;
+        let curve = (0..=CURVE_POINTS).map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2));
+        let curve = curve.map(|f| (approach(f), f)).collect();
+        series.push(Series::line("Hertz at the first touch", curve, GREY, Dash::Dotted));
+    }
     stacked(
         WIDTH,
         340,

@@ -9,6 +9,9 @@ pub mod panel;
 pub(crate) mod tables;
 pub(crate) mod html;
 pub(crate) mod figures;
+pub(crate) mod accessible;
+mod reasons;
+mod first_screen;
 mod load_case;
 mod by_angle;
 mod statics;
@@ -69,6 +72,8 @@ pub struct ReportData<'a> {
     pub name: &'a str,
     /// What the study is about.
     pub description: &'a str,
+    /// File of the study, without its folders, and the BLAKE3 hash of its text; none of both for a study without a file.
+    pub file: Option<(String, String)>,
     /// The study's keys.
     pub inputs: &'a [ResolvedKey],
     /// The springs.
@@ -122,12 +127,12 @@ pub fn build(data: &ReportData<'_>) -> Report {
         collected.add(
             "displacement",
             figures::displacement(&stiffness),
-            "Load over displacement of the solid with each reference, and of the published law.".into(),
+            "Load over displacement of the solid with each reference, of Hertz for the curvatures at the first touch, which is the contact alone and belongs to the reference local, and of the published law.".into(),
         ),
         collected.add(
             "compliance",
             figures::compliance(&stiffness.compliance_split),
-            "Parts of the tangent compliance. Local contact, wheel body and rail body together are the law in use; all parts together are the solid between the hub and the support of the rail.".into(),
+            "Parts of the tangent compliance. Local contact, wheel body and rail body together are the law in use; all parts together are the solid between the hub and the support of the rail. A part is a difference of two compliances; one left of zero is negative and takes back what the parts beside it have too much, as where the beam bends more than the solid rail.".into(),
         ),
         collected.add(
             "patch",
@@ -170,6 +175,9 @@ pub fn build(data: &ReportData<'_>) -> Report {
         json!({
             "name": data.name,
             "description": data.description,
+            "first": first_screen::first_screen(data),
+            "file": data.file,
+            "constants": stiffness.references.iter().map(|r| first_screen::constants(&r.law)).collect::<Vec<_>>(),
             "surfaces": surfaces,
             "inputs": tables::grouped(data.inputs),
             "stiffness": stiffness,
@@ -257,7 +265,7 @@ struct Collector {
 
 impl Collector {
     fn add(&mut self, name: &str, svg: String, caption: String) -> Figure {
-        let inline = svg.trim_start_matches("<?xml version=\"1.0\" encoding=\"UTF-8\"?>").to_string();
+        let inline = accessible::inline(&svg, &caption);
         self.figures.push((name.to_string(), svg));
         Figure { svg: inline, caption, number: self.figures.len() }
     }

@@ -130,7 +130,7 @@ pub(super) fn missing_elements(judged: &ScenarioVerdict) -> Vec<String> {
     judged.elements.iter().filter_map(sentence).collect()
 }
 
-fn line_text(subject: &str, line: &Line) -> LineText {
+pub(super) fn line_text(subject: &str, line: &Line) -> LineText {
     let with_unit = |value: f64| match line.unit.as_str() {
         "1" => number(value),
         "s" => format!("{} ms", number(value * 1e3)),

@@ -22,6 +22,7 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
     build(&ReportData {
         name: "sample <study>",
         description: "Made-up numbers.",
+        file: Some(("sample.toml".into(), "ef".repeat(32))),
         inputs: &inputs,
         stiffness: &stiffness,
         load_curve: &load_curve,
@@ -111,15 +112,15 @@ fn the_page_is_complete_and_needs_nothing_else() {
             std::fs::write(folder.join(format!("{name}.svg")), svg).unwrap();
         }
     }
-    assert_eq!(report.html.matches("<figure>").count(), report.figures.len());
+    assert_eq!(report.html.matches("<figure id=").count(), report.figures.len());
     assert_eq!(report.figures.len(), 22);
     assert!(!report.html.contains("could not be written"), "{}", report.html);
     assert!(!report.html.contains("figure failed"));
     for outside in ["src=\"", "@import", "url("] {
         assert!(!report.html.contains(outside), "the page refers to something outside: {outside}");
     }
-    // the only link is to the page beside it
-    assert_eq!(report.html.matches("href=\"").count(), 1);
+    // the only link that leaves the page is to the page beside it
+    assert_eq!(outward(&report.html), ["crosscheck.html"]);
     assert_eq!(report.html.matches("href=\"crosscheck.html\"").count(), 1);
     assert!(report.html.contains("sample &lt;study&gt;"), "texts are escaped");
     for word in [
@@ -139,6 +140,51 @@ fn the_page_is_complete_and_needs_nothing_else() {
     }
 }
 
+/// Targets of the links of a page.
+fn targets(page: &str) -> Vec<&str> {
+    page.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect()
+}
+
+/// Targets outside of the page.
+fn outward(page: &str) -> Vec<&str> {
+    targets(page).into_iter().filter(|target| !target.starts_with('#')).collect()
+}
+
+/// Goal: every link within the page goes to one place, every figure has a text, and nothing that the keyboard must reach lacks a name.
+#[test]
+fn links_lead_somewhere_and_figures_have_a_text() {
+    let page = build_sample().html;
+    let within: Vec<&str> =
+        targets(&page).into_iter().filter_map(|target| target.strip_prefix('#')).collect();
+    assert!(within.len() > 8, "{within:?}");
+    for target in within {
+        assert_eq!(page.matches(&format!("id=\"{target}\"")).count(), 1, "{target}");
+    }
+    assert_eq!(page.matches("<svg ").count(), page.matches("<svg role=\"img\" aria-label=\"").count());
+    assert_eq!(page.matches("tabindex=\"0\"").count(), page.matches("role=\"group\" aria-label=\"").count());
+}
+
+/// Goal: the first screen has the springs rounded to their errors, what they are valid for, the origin with its hash, and lines to sign; each limit
+/// that fails has value, limit, reason and a link.
+#[test]
+fn the_first_screen_can_be_signed() {
+    let page = build_sample().html;
+    let first = page.split("<h2 id=\"springs\">").next().unwrap();
+    for word in [
+        "1 to 150 kN",
+        "\u{b1} 2.4 %",
+        "\u{b1} 5.0 %",
+        "Not covered",
+        "sample.toml, BLAKE3 <code>efef",
+        "reviewer, date",
+        "Why this limit: ",
+        "href=\"#limit-",
+        "displacement against beam",
+    ] {
+        assert!(first.contains(word), "{word}: {first}");
+    }
+}
+
 /// Without a cross-check of this study the chapter says so, what to run, and points to no page.
 #[test]
 fn the_chapter_says_what_is_missing() {
@@ -149,7 +195,7 @@ fn the_chapter_says_what_is_missing() {
         let report = build_with(state);
         assert_eq!(report.figures.len(), 17);
         assert!(report.html.contains(word) && report.html.contains("railspring crosscheck"), "{word}");
-        assert!(!report.html.contains("href=\""), "{word}");
+        assert!(outward(&report.html).is_empty(), "{word}");
     }
 }
 
@@ -170,7 +216,7 @@ fn figures_have_finite_coordinates_only() {
 #[test]
 fn the_first_screen_says_the_verdict() {
     let page = build_sample().html;
-    let first = page.split("<h2>Springs</h2>").next().unwrap();
+    let first = page.split("<h2 id=\"springs\">").next().unwrap();
     assert!(first.contains("<span class=\"verdict failing\">"), "{first}");
     assert!(
         first.contains(" limits fail; worst: sample: ") && first.contains("P leaves the range"),

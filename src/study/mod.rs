@@ -447,7 +447,7 @@ pub(crate) fn parsed<T: DeserializeOwned>(
             .map_err(|error| Mistakes::of_option(path, setting.option(), error))?;
     }
     let findings = check::check(parsed.get_ref(), schema, whole);
-    let source = Source::new(path, &lines, parsed.get_ref());
+    let source = Source::new(path, text, &lines, parsed.get_ref());
     let mistakes: Vec<LocatedError> =
         findings.iter().map(|finding| at(finding.offset, finding.error.clone())).collect();
     // Without the keys that are wrong, the others can still be checked against each other.

@@ -8,6 +8,7 @@ use railspring_calibrate::error::{InputError, printable};
 use toml::de::{DeTable, DeValue};
 
 use super::check::join;
+use crate::results::hash;
 
 /// Shown in a message as the value of a key that has to be given.
 pub(super) const MISSING: &str = "(missing)";
@@ -141,13 +142,14 @@ impl Lines {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Source {
     path: PathBuf,
+    hash: String,
     places: BTreeMap<String, Place>,
 }
 
 impl Source {
     /// Remembers the places of all keys of a parsed document.
-    pub(super) fn new(path: &Path, lines: &Lines, document: &DeTable<'_>) -> Self {
-        let mut source = Self { path: path.to_path_buf(), ..Self::default() };
+    pub(super) fn new(path: &Path, text: &str, lines: &Lines, document: &DeTable<'_>) -> Self {
+        let mut source = Self { path: path.to_path_buf(), hash: hash(text.as_bytes()), ..Self::default() };
         source.note(lines, document, "");
         source
     }
@@ -173,6 +175,11 @@ impl Source {
             }
             _ => {}
         }
+    }
+
+    /// BLAKE3 hash of the text, without the options beside it.
+    pub fn hash(&self) -> &str {
+        &self.hash
     }
 
     /// The file.

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::{Value, json};
 
 use super::rows::{Cell, Rows, Status};
+use crate::report::accessible::inline;
 use crate::report::figures::WIDTH;
 use crate::report::html;
 use crate::report::panel::{Panel, stacked};
@@ -125,13 +126,12 @@ fn over_angle(rows: &Rows, loads: &[&str]) -> Vec<Value> {
         series,
     };
     let svg = stacked(WIDTH, 330, &[panel]);
-    let svg = svg.trim_start_matches("<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
     let every = rows.rows.len().div_ceil(POINTS);
     let some = if every > 1 { format!(" Every {every}th place is drawn.") } else { String::new() };
     let caption = format!(
         "Tangent stiffness of all places over their contact angle, a mark for each place and load.{some}"
     );
-    vec![json!({ "svg": svg, "caption": caption })]
+    vec![json!({ "svg": inline(&svg, &caption), "caption": caption })]
 }
 
 /// Stiffness of every wheel on every rail at the shift nearest to zero, in shades of grey.

@@ -24,7 +24,7 @@ fn the_page_is_complete_and_needs_nothing_else() {
         std::fs::write(folder.join("crosscheck.html"), &html).unwrap();
     }
     assert!(!html.contains("could not be written") && !html.contains("figure failed"), "{html}");
-    assert_eq!(html.matches("<figure>").count(), 5);
+    assert_eq!(html.matches("<figure id=").count(), 5);
     for outside in ["src=\"", "@import", "url("] {
         assert!(!html.contains(outside), "the page refers to something outside: {outside}");
     }

@@ -1,0 +1,129 @@
+//! What may be used, how far, and who answers for it: the first screen of the report.
+
+use serde_json::{Value, json};
+
+use super::ReportData;
+use super::reasons::reason;
+use super::tables::{self, number};
+use crate::records::{LawRecord, ResolvedKey, StiffnessRecord};
+use crate::rounding::{rounded_to, significant};
+
+/// The springs in use, the limits that fail, and what the springs are valid for.
+pub(super) fn first_screen(data: &ReportData<'_>) -> Value {
+    json!({
+        "springs": springs(data.stiffness),
+        "failing": failing(data),
+        "valid": valid(data),
+    })
+}
+
+/// A, b and c of a law, rounded to their standard errors.
+pub(super) fn constants(law: &LawRecord) -> [String; 3] {
+    let LawRecord { constants, at_bound, .. } = law;
+    let text = |value: f64, error: f64, bound: bool| match (bound, rounded_to(value, error)) {
+        (true, _) => format!("{}, at its bound", number(value)),
+        (false, (value, Some(error))) => format!("{value} \u{b1} {error}"),
+        (false, (value, None)) => value,
+    };
+    [
+        text(constants.a_kn_per_m, law.a_standard_error_kn_per_m, at_bound.a),
+        text(constants.b_kn_per_m, law.b_standard_error_kn_per_m, at_bound.b),
+        text(constants.c, law.c_standard_error, at_bound.c),
+    ]
+}
+
+/// Name, value and unit of what a simple model takes.
+fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
+    let law = &stiffness.law;
+    let [a, b, c] = constants(law);
+    let percent = |value: Option<f64>| {
+        value.map_or_else(|| "not known".into(), |value| format!("\u{b1} {} %", significant(1e2 * value, 2)))
+    };
+    let band = stiffness.error_band.as_ref().and_then(|band| band.of(&stiffness.reference));
+    let horizontal_band = stiffness.horizontal.as_ref().and_then(|all| all.error_band.as_ref()?.band);
+    let horizontal = match (stiffness.horizontal_kn_per_m, &stiffness.horizontal_missing) {
+        (Some(value), _) => {
+            format!("{} kN/m, error band {}", significant(value, 3), percent(horizontal_band))
+        }
+        (None, Some(reason)) => format!("none: {reason}"),
+        (None, None) => "none".into(),
+    };
+    let row = |name: &str, value: String| [name.to_string(), value];
+    vec![
+        row("a", format!("{a} kN/m")),
+        row("b", format!("{b} kN/m")),
+        row("c", c),
+        row("f0", format!("{} kN", number(law.constants.f0_kn))),
+        row("range", format!("{} to {} kN", number(law.range_kn[0]), number(law.range_kn[1]))),
+        row("error band, displacement", percent(band.and_then(|band| band.displacement))),
+        row("error band, tangent", percent(band.and_then(|band| band.tangent))),
+        row(
+            "law off the solid's tangents",
+            format!(
+                "{} % (RMS), {} % at most",
+                significant(1e2 * law.rms_rel_error, 2),
+                significant(1e2 * law.max_rel_error, 2)
+            ),
+        ),
+        row("horizontal stiffness", horizontal),
+    ]
+}
+
+/// The limits that fail, the worst first: text, reason and place in the table of all.
+fn failing(data: &ReportData<'_>) -> Vec<Value> {
+    let all: Vec<_> = data.verdict.lines().collect();
+    let failing = data.verdict.failing();
+    let item = |(subject, line): &(&str, &crate::verify::Line)| {
+        let at = all.iter().position(|(_, other)| std::ptr::eq(*other, *line)).map_or(0, |at| at + 1);
+        json!({
+            "line": tables::line_text(subject, line),
+            "at": at,
+            "why": reason(&line.quantity).replace('`', ""),
+        })
+    };
+    failing.iter().map(item).collect()
+}
+
+/// What the springs are valid for, and what they do not cover, a sentence each.
+fn valid(data: &ReportData<'_>) -> [Vec<String>; 2] {
+    let StiffnessRecord { law, reference, pair, touch, .. } = data.stiffness;
+    let key = |section: &str, name: &str| {
+        let found = |key: &&ResolvedKey| key.section == section && key.key == name;
+        data.inputs.iter().find(found).map_or_else(|| "not known".into(), |key| key.value.clone())
+    };
+    let mut holds = vec![
+        format!("The pair {}.", pair.name),
+        format!(
+            "Vertical forces from {} to {} kN; displacement against {reference}.",
+            number(law.range_kn[0]),
+            number(law.range_kn[1])
+        ),
+        format!(
+            "Lateral shift {} mm, contact angle {}\u{b0} at the first touch; friction {}.",
+            key("track", "lateral_shift_mm"),
+            significant(touch.angle_deg, 2),
+            key("contact", "friction")
+        ),
+    ];
+    if let Some(laws) = data.by_angle {
+        let shifts = laws.shifts.iter().map(|shift| shift.shift_mm);
+        let [least, most] = shifts.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], shift| {
+            [least.min(shift), most.max(shift)]
+        });
+        if least <= most {
+            holds.push(format!(
+                "At other shifts, from {} to {} mm, the laws by contact angle, not this one.",
+                number(least),
+                number(most)
+            ));
+        }
+    }
+    let mut not = vec![
+        "Other profiles, or these with other wear; other loads: nothing is extrapolated.".to_string(),
+        "Plastic flow, roughness, an angle of attack of the wheel, and creep forces of rolling, which are no springs.".to_string(),
+    ];
+    if data.scenarios.iter().all(|scenario| scenario.solid.is_none()) {
+        not.push("Motion: no load case was compared with the solid model.".into());
+    }
+    [holds, not]
+}
