@@ -7,35 +7,47 @@ use super::reasons::reason;
 use super::tables::{self, number};
 use crate::records::{LawRecord, ResolvedKey, StiffnessRecord};
 use crate::rounding::{rounded_to, significant};
+use crate::verify::Limits;
 
 /// The springs in use, the limits that fail, and what the springs are valid for.
 pub(super) fn first_screen(data: &ReportData<'_>) -> Value {
     json!({
         "springs": springs(data.stiffness),
+        "law_is_checked": law_is_checked(data),
         "failing": failing(data),
         "valid": valid(data),
     })
 }
 
-/// A, b and c of a law, rounded to their standard errors.
+/// A, b and c of a law, rounded to their standard errors; a and b in kN/m.
 pub(super) fn constants(law: &LawRecord) -> [String; 3] {
+    constants_in(law, "")
+}
+
+/// The same with a unit behind a and b.
+fn constants_in(law: &LawRecord, unit: &str) -> [String; 3] {
     let LawRecord { constants, at_bound, .. } = law;
-    let text = |value: f64, error: f64, bound: bool| match (bound, rounded_to(value, error)) {
-        (true, _) => format!("{}, at its bound", number(value)),
-        (false, (value, Some(error))) => format!("{value} \u{b1} {error}"),
-        (false, (value, None)) => value,
+    let text = |value: f64, error: f64, bound: bool, unit: &str| match (bound, rounded_to(value, error)) {
+        (true, _) => format!("{}{unit}, at its bound", number(value)),
+        (false, (value, Some(error))) => format!("{value} \u{b1} {error}{unit}"),
+        (false, (value, None)) => format!("{value}{unit}"),
     };
     [
-        text(constants.a_kn_per_m, law.a_standard_error_kn_per_m, at_bound.a),
-        text(constants.b_kn_per_m, law.b_standard_error_kn_per_m, at_bound.b),
-        text(constants.c, law.c_standard_error, at_bound.c),
+        text(constants.a_kn_per_m, law.a_standard_error_kn_per_m, at_bound.a, unit),
+        text(constants.b_kn_per_m, law.b_standard_error_kn_per_m, at_bound.b, unit),
+        text(constants.c, law.c_standard_error, at_bound.c, ""),
     ]
+}
+
+/// Whether the verdict has a limit on the law; it has none where the load cases use the condensed element.
+fn law_is_checked(data: &ReportData<'_>) -> bool {
+    data.verdict.lines().any(|(_, line)| line.quantity == "law_max")
 }
 
 /// Name, value and unit of what a simple model takes.
 fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
     let law = &stiffness.law;
-    let [a, b, c] = constants(law);
+    let [a, b, c] = constants_in(law, " kN/m");
     let percent = |value: Option<f64>| {
         value.map_or_else(|| "not known".into(), |value| format!("\u{b1} {} %", significant(1e2 * value, 2)))
     };
@@ -50,8 +62,8 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
     };
     let row = |name: &str, value: String| [name.to_string(), value];
     vec![
-        row("a", format!("{a} kN/m")),
-        row("b", format!("{b} kN/m")),
+        row("a", a),
+        row("b", b),
         row("c", c),
         row("f0", format!("{} kN", number(law.constants.f0_kn))),
         row("range", format!("{} to {} kN", number(law.range_kn[0]), number(law.range_kn[1]))),
@@ -62,7 +74,7 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
             format!(
                 "{} % (RMS), {} % at most",
                 significant(1e2 * law.rms_rel_error, 2),
-                significant(1e2 * law.max_rel_error, 2)
+                significant(1e2 * law.max_rel_error, 3)
             ),
         ),
         row("horizontal stiffness", horizontal),
@@ -122,6 +134,13 @@ fn valid(data: &ReportData<'_>) -> [Vec<String>; 2] {
         "Other profiles, or these with other wear; other loads: nothing is extrapolated.".to_string(),
         "Plastic flow, roughness, an angle of attack of the wheel, and creep forces of rolling, which are no springs.".to_string(),
     ];
+    if !law_is_checked(data) {
+        not.push(format!(
+            "The law and the horizontal stiffness alone: the load cases use the condensed contact element, so that the verdict has no limit on them. The law is off the solid's tangents by {} % at most, where the usual limit is {} %.",
+            significant(1e2 * law.max_rel_error, 3),
+            number(1e2 * Limits::default().law_max)
+        ));
+    }
     if data.scenarios.iter().all(|scenario| scenario.solid.is_none()) {
         not.push("Motion: no load case was compared with the solid model.".into());
     }

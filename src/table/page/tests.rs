@@ -37,6 +37,12 @@ fn rows() -> Rows {
 #[test]
 fn a_page_shows_what_is_odd_and_what_is_missing() {
     let page = page("a <b>", "", &rows());
+    // for looking at the page
+    if let Some(folder) = std::env::var_os("RAILSPRING_SAMPLE_REPORT") {
+        let folder = std::path::Path::new(&folder);
+        std::fs::create_dir_all(folder).unwrap();
+        std::fs::write(folder.join("table.html"), &page).unwrap();
+    }
     assert!(page.contains("42 places: 41 complete, 0 with a law that ends early, 1 without a law"));
     assert_eq!(page.matches("</script>").count(), 2, "one of the data, one of the program");
     assert!(!page.contains("a <b>") && !page.contains("off the <rail>"));
