@@ -59,6 +59,8 @@ fields! {
     WheelProfilePart = "wheel_profile_part",
     /// Unit of the file of a measured wheel.
     WheelProfileUnit = "wheel_profile_unit",
+    /// Distance of the tape circle from the flange back.
+    TapeCircle = "tape_circle",
     /// Diameter at the tape circle.
     TapeDiameter = "tape_diameter",
     /// Height of the flange.

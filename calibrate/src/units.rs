@@ -15,3 +15,8 @@ pub const MEGAPASCAL: f64 = 1e6;
 pub const GIGAPASCAL: f64 = 1e9;
 /// One tonne in kilograms.
 pub const TONNE: f64 = 1e3;
+
+/// A length (m) in millimetres, to the nanometre, as messages have it: 0.07 m is 70, not 70.00000000000001.
+pub fn in_millimetres(length: f64) -> f64 {
+    (length * 1e9).round() / 1e6
+}

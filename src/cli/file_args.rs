@@ -30,6 +30,9 @@ pub(super) struct FileArgs {
     /// Whether z counts upwards in the file (not for Simpack files, lines and arcs)
     #[arg(long, value_name = "BOOL")]
     mirror_z: Option<bool>,
+    /// Distance of a wheel's tape circle from its flange back, mm, where the file counts from there; 70 unless given
+    #[arg(long, value_name = "MM", value_parser = tape_circle)]
+    tape_circle_mm: Option<f64>,
     /// Smooth: halve waves of this length, mm
     #[arg(long, value_name = "MM")]
     smooth_mm: Option<f64>,
@@ -55,6 +58,14 @@ enum UnitArg {
     Inch,
 }
 
+/// A distance of the tape circle from the flange back, mm, within the range of the study's key.
+fn tape_circle(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(mm) if (50.0..=100.0).contains(&mm) => Ok(mm),
+        _ => Err("expected a distance of 50 to 100 mm".into()),
+    }
+}
+
 impl FileArgs {
     pub fn options(&self) -> ReadOptions {
         ReadOptions {
@@ -72,6 +83,7 @@ impl FileArgs {
             mirror_y: self.mirror_y,
             mirror_z: self.mirror_z,
             part: self.part.clone(),
+            tape_circle: self.tape_circle_mm.map(|mm| mm * MILLIMETRE),
         }
     }
 

@@ -75,6 +75,7 @@ impl<'a> Given<'a> {
             mirror_y,
             mirror_z: None,
             part,
+            tape_circle: None,
         };
         // what is wrong with the file is said of the study's keys, on any standard
         let Ok(profile) = read(path, &options) else { return Ok((on(names[0]), None)) };

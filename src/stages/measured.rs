@@ -32,14 +32,19 @@ pub(super) struct Surface {
 }
 
 /// Reads the profile of a study and prepares it. With `profile_aligned` it is placed on the standard; without, one that evidently
-/// lies elsewhere is refused.
-pub(super) fn surface(measured: &MeasuredSurface, reference: &Reference) -> Result<Surface> {
+/// lies elsewhere is refused. `tape_circle` is the distance of a wheel's tape circle from its flange back, m.
+pub(super) fn surface(
+    measured: &MeasuredSurface,
+    reference: &Reference,
+    tape_circle: Option<f64>,
+) -> Result<Surface> {
     let name = measured.path.display().to_string();
     let options = ReadOptions {
         kind: Some(reference.kind),
         unit: measured.unit,
         mirror_y: measured.mirrored,
         part: measured.part.clone(),
+        tape_circle,
         ..ReadOptions::default()
     };
     let mut profile = parse(&name, &measured.content, &options)?;

@@ -15,7 +15,7 @@ use super::measured::{Surface, surface};
 use super::on_standard::{Seams, on_standard};
 use crate::records::{FindingRecord, ProfileRecord};
 use crate::report::measured::OnStandard;
-use crate::study::{MeasuredSurface, SectionFile, Study};
+use crate::study::{MeasuredSurface, SectionFile, Study, Wheel};
 
 /// The section of a body.
 pub(super) struct Sectioned<S> {
@@ -37,7 +37,7 @@ pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
         return Ok(Sectioned { section: standard_section, records, surface: None });
     };
     let reference = Reference::rail(&standard_section);
-    let mut found = surface(measured, &reference)?;
+    let mut found = surface(measured, &reference, None)?;
     let prepared = &mut found.prepared;
     let section = rail_section_with_head(standard_section, &prepared.curve, &mut prepared.findings)?;
     let seams = Seams::of_rail(&section);
@@ -55,10 +55,16 @@ fn own_rail(own: &SectionFile) -> Result<(RailSection, ProfileRecord)> {
 }
 
 /// The section of a study's own file on a wheel of its diameter.
-fn own_wheel(own: &SectionFile, tape_diameter: f64) -> Result<(WheelSection, ProfileRecord)> {
-    let read = parse_wheel_section(&own.path.display().to_string(), &own.content)?;
+fn own_wheel(own: &SectionFile, wheel: &Wheel) -> Result<(WheelSection, ProfileRecord)> {
+    let read = parse_wheel_section(&own.path.display().to_string(), &own.content, wheel.tape_circle)?;
     let record = section_record("wheel section", own, &read);
-    Ok((wheel_section_of(&own.file, read.running, read.rest, tape_diameter)?, record))
+    Ok((wheel_section_of(&own.file, read.running, read.rest, wheel.tape_diameter)?, record))
+}
+
+/// Distance of a wheel's tape circle from its flange back, where its running surface begins, m, to the nanometre of definitions.
+fn from_flange_back(wheel: &WheelSection) -> f64 {
+    const NANOMETRES: f64 = 1e9;
+    (-wheel.running.point(0.0).x * NANOMETRES).round() / NANOMETRES
 }
 
 fn section_record(body: &str, own: &SectionFile, read: &ClosedSection) -> ProfileRecord {
@@ -98,7 +104,7 @@ pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
     let keys = &study.wheel;
     let standard = &keys.profile;
     let (nominal, mut records) = match &keys.section {
-        Some(own) => own_wheel(own, keys.tape_diameter).map(|(section, record)| (section, vec![record]))?,
+        Some(own) => own_wheel(own, keys).map(|(section, record)| (section, vec![record]))?,
         None => {
             let running = wheel_profile_with_flange(standard, &keys.flange)?;
             (wheel_section_on(running, standard, keys.tape_diameter, &keys.body)?, Vec::new())
@@ -108,7 +114,8 @@ pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
         return Ok(Sectioned { section: nominal, records, surface: None });
     };
     let reference = Reference::wheel(&nominal);
-    let mut found = surface(measured, &reference)?;
+    let tape_circle = keys.tape_circle.unwrap_or_else(|| from_flange_back(&nominal));
+    let mut found = surface(measured, &reference, Some(tape_circle))?;
     let prepared = &mut found.prepared;
     let section = wheel_section_with_profile(nominal, &prepared.curve, &mut prepared.findings)?;
     let seams = Seams::of_wheel(&section);
@@ -146,6 +153,35 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+
+    /// Source: the definition of APTA120, whose tape circle is 72.231 mm from its flange back. Goal: a file whose y (mm) counts from the flange back comes to
+    /// the tape circle of its standard, by the standard's distance or the key's. Accuracy: a micrometre, the digits of the file's points.
+    #[test]
+    fn a_file_from_the_flange_back_has_the_tape_circle_of_its_standard() {
+        const DIGITS: f64 = 1e-6;
+        let folder = tempfile::tempdir().unwrap();
+        let standard = railspring_calibrate::profile::wheels::wheel_profile("APTA120").unwrap();
+        let rows: String = standard
+            .sample_parameters(0.25e-3)
+            .into_iter()
+            .map(|s| standard.point(s))
+            .map(|p| format!("{:.4}\t{:.4}\n", 1e3 * p.x + 72.231, 1e3 * p.y))
+            .collect();
+        std::fs::write(folder.path().join("apta.whl"), format!("ColumnDef=X,Y\n\n{rows}")).unwrap();
+        let read = |more: &str| {
+            let keys = "profile_file = \"apta.whl\"\nstandard = \"APTA120\"";
+            let text = format!("name = \"a\"\n[rail]\nprofile = \"60E1\"\n[wheel]\n{keys}\n{more}\n");
+            wheel(&Study::parse(&folder.path().join("a.toml"), &text).unwrap())
+        };
+        for more in ["", "tape_circle_mm = 72.231"] {
+            let running = read(more).unwrap().section.running;
+            let off = |s: f64| standard.closest(&running.point(s)).1;
+            let largest = running.sample_parameters(1e-3).into_iter().map(off).fold(0.0, f64::max);
+            assert!(largest < DIGITS, "{more:?}: {largest} m");
+        }
+        let aside = read("tape_circle_mm = 70").err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(aside.contains("2.23"), "refused as 2.231 mm aside: {aside:?}");
+    }
 
     #[test]
     fn the_worn_study_reads_its_profiles() {

@@ -27,6 +27,7 @@ pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::WheelAligned, &["wheel.profile_aligned"]),
     (InputField::WheelProfilePart, &["wheel.profile_part"]),
     (InputField::WheelProfileUnit, &["wheel.profile_unit"]),
+    (InputField::TapeCircle, &["wheel.tape_circle_mm"]),
     (InputField::TapeDiameter, &["wheel.tape_diameter_m"]),
     (InputField::FlangeHeight, &["wheel.flange_height_mm"]),
     (InputField::FlangeThickness, &["wheel.flange_thickness_mm"]),

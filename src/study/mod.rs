@@ -118,6 +118,8 @@ pub struct Wheel {
     pub section: Option<SectionFile>,
     /// The measured profile that takes the place of the standard's.
     pub measured: Option<MeasuredSurface>,
+    /// Distance of the tape circle from the flange back in files that count from there, m; `None` takes that of the standard.
+    pub tape_circle: Option<f64>,
     /// Diameter at the tape circle, m.
     pub tape_diameter: f64,
     /// Size of the flange.

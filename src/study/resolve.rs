@@ -285,7 +285,25 @@ fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option
         collector.add(&["wheel.*"], translate(mistake, source, None));
     }
     let section = section?;
-    Some(Wheel { profile, section, measured, tape_diameter: keys.tape_diameter_m, flange, body, mesh: mesh? })
+    if let (Some(mm), None, None) = (keys.tape_circle_mm, &keys.profile_file, &keys.section_file) {
+        let mistake = InputError::new(
+            "wheel.tape_circle_mm",
+            mm,
+            "wheel.profile_file or wheel.section_file beside it",
+            "standard profiles say where their tape circle is: remove the key",
+        );
+        collector.add(&["wheel.tape_circle_mm"], mistake);
+    }
+    Some(Wheel {
+        profile,
+        section,
+        measured,
+        tape_circle: keys.tape_circle_mm.map(|mm| mm * MILLIMETRE),
+        tape_diameter: keys.tape_diameter_m,
+        flange,
+        body,
+        mesh: mesh?,
+    })
 }
 
 /// Refuses the keys of a generic wheel beside a section in a file, which has its own flange and body.

@@ -23,7 +23,7 @@ use super::ProfileKind;
 use super::curve::ProfileCurve;
 use super::rails::RailOutline;
 use super::segment::{Segment, polyline};
-use super::split::{split_rail, split_wheel};
+use super::split::{Tape, split_rail, split_wheel};
 use crate::error::{InputError, Result};
 use crate::units::MILLIMETRE;
 
@@ -138,7 +138,7 @@ pub fn parse(name: &str, text: &str, overrides: &Overrides) -> Result<LinesAndAr
     let (running, rest) = match settings.kind {
         _ if !closed => (0..segments.len(), 0..0),
         ProfileKind::Rail => split_rail(name, &segments, lines[0])?,
-        ProfileKind::Wheel => split_wheel(name, &segments, Some(0.0), lines[0])?,
+        ProfileKind::Wheel => split_wheel(name, &segments, Tape::At(0.0), lines[0])?,
     };
     let ring = |range: std::ops::Range<usize>| range.map(|i| segments[i % segments.len()]).collect();
     Ok(LinesAndArcs {

@@ -18,7 +18,7 @@ pub use curve::ProfileCurve;
 pub(crate) use segment::{EndlessLine, fillet};
 pub use segment::{Segment, polyline};
 pub(crate) use spline::Piece;
-pub(crate) use split::{TAPE_CIRCLE_FROM_FLANGE_BACK, split_rail, split_wheel};
+pub(crate) use split::{TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, split_rail, split_wheel};
 
 /// What a profile belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -22,6 +22,15 @@ const STEP: f64 = 0.5 * MILLIMETRE;
 /// Distance of the tape circle from the flange back in Europe, m, where a file or an outline does not say where it is.
 pub(crate) const TAPE_CIRCLE_FROM_FLANGE_BACK: f64 = 70.0 * MILLIMETRE;
 
+/// Where the tape circle of a wheel is, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Tape {
+    /// At a lateral position.
+    At(f64),
+    /// At a distance from the flange back.
+    FromBack(f64),
+}
+
 fn at(name: &str, line: usize, value: &str, expected: &str, remedy: &str) -> Error {
     InputError::new(format!("{name}:{line}"), value, expected, remedy).into()
 }
@@ -56,11 +65,11 @@ pub(crate) fn split_rail(
 
 /// The running surface and the rest of a closed section of a wheel, as ranges in the ring of its segments, which run over the tread to the field
 /// side with the flange at the lower end: from the flange back, where the outline leaves the vertical, over flange and tread to where these turn into
-/// the chamfer or the field face. `tape` is the lateral position of the tape circle; none, [`TAPE_CIRCLE_FROM_FLANGE_BACK`] from the flange back.
+/// the chamfer or the field face.
 pub(crate) fn split_wheel(
     name: &str,
     segments: &[Segment],
-    tape: Option<f64>,
+    tape: Tape,
     line: usize,
 ) -> Result<(Range<usize>, Range<usize>)> {
     let n = segments.len();
@@ -82,13 +91,16 @@ pub(crate) fn split_wheel(
             remedy,
         ));
     };
-    let tape = tape.unwrap_or(ring(start).start().x + TAPE_CIRCLE_FROM_FLANGE_BACK);
+    let tape = match tape {
+        Tape::At(y) => y,
+        Tape::FromBack(distance) => ring(start).start().x + distance,
+    };
     let on_tread = (tip..start + n).find(|&i| ring(i).start().x <= tape && ring(i).end().x > tape);
     let turned = |i: &usize| ring(*i).tangent(0.0).x.min(ring(*i).tangent(1.0).x) < TREAD;
     let end = on_tread.filter(|i| !turned(i)).and_then(|first| (first..start + n).find(turned));
     let Some(end) = end else {
         let value = format!("no tread at y = {:.3} mm", tape / MILLIMETRE);
-        let expected = "a running surface that passes the tape circle, 70 mm from the flange back unless a table says otherwise, nearly level";
+        let expected = "a running surface that passes the tape circle nearly level";
         return Err(at(
             name,
             line,

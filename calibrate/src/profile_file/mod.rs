@@ -31,6 +31,7 @@ use nalgebra::Point2;
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::input;
+use crate::profile::TAPE_CIRCLE_FROM_FLANGE_BACK;
 use crate::profile::lines_and_arcs::{self, LinesAndArcs};
 
 pub use crate::profile::ProfileKind;
@@ -89,6 +90,15 @@ pub struct ReadOptions {
     /// Name or number of the part of the file that is the profile, where a file has several: a slice, a layer of a
     /// drawing, a block of points.
     pub part: Option<String>,
+    /// Distance of a wheel's tape circle from its flange back, m, for files that count y from there; `None` is 70 mm.
+    pub tape_circle: Option<f64>,
+}
+
+impl ReadOptions {
+    /// Distance of a wheel's tape circle from its flange back, m.
+    fn from_flange_back(&self) -> f64 {
+        self.tape_circle.unwrap_or(TAPE_CIRCLE_FROM_FLANGE_BACK)
+    }
 }
 
 /// A point of a profile with the place it comes from.

@@ -7,8 +7,7 @@ use super::text::error_at;
 use super::{Convention, MeasuredPoint, MeasuredProfile, ProfileKind, Raw, ReadOptions};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
-use crate::profile::TAPE_CIRCLE_FROM_FLANGE_BACK;
-use crate::units::MILLIMETRE;
+use crate::units::{MILLIMETRE, in_millimetres};
 
 /// Extent of a profile, m: from part of a head to a whole wheel.
 const EXTENT: std::ops::RangeInclusive<f64> = 0.02..=0.4;
@@ -49,7 +48,7 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     turn_over(kind, &mut raw, options);
     put_in_order(kind, &mut raw);
     if kind == ProfileKind::Wheel {
-        place_wheel(&mut raw);
+        place_wheel(&mut raw, options.from_flange_back());
     }
     let Raw { format, points, findings, .. } = raw;
     Ok(MeasuredProfile { name: name.to_owned(), format, kind, points, findings, drawn: None })
@@ -266,17 +265,19 @@ fn put_in_order(kind: ProfileKind, raw: &mut Raw) {
     }
 }
 
-/// Puts the origin of a wheel at the tape circle.
-fn place_wheel(raw: &mut Raw) {
+/// Puts the origin of a wheel at the tape circle, `tape_circle` (m) from the flange back.
+fn place_wheel(raw: &mut Raw, tape_circle: f64) {
     let tip = |points: &[MeasuredPoint]| {
         points.iter().max_by(|a, b| a.point.y.total_cmp(&b.point.y)).map_or(0.0, |p| p.point.x)
     };
     let least_y = raw.points.iter().map(|p| p.point.x).fold(f64::INFINITY, f64::min);
     let from_back = raw.convention == Convention::MiniProf || raw.convention == Convention::Free;
     if from_back && !TIP.contains(&tip(&raw.points)) && (-0.02..0.02).contains(&least_y) {
-        raw.points.iter_mut().for_each(|p| p.point.x -= TAPE_CIRCLE_FROM_FLANGE_BACK);
-        let text = "y counts from the flange back: 70 mm subtracted";
-        raw.findings.push(Finding::new(FindingKind::Origin, Action::Repaired, text).with_value(-70.0, "mm"));
+        raw.points.iter_mut().for_each(|p| p.point.x -= tape_circle);
+        let distance = in_millimetres(tape_circle);
+        let text = format!("y counts from the flange back: {distance} mm subtracted");
+        raw.findings
+            .push(Finding::new(FindingKind::Origin, Action::Repaired, text).with_value(-distance, "mm"));
     }
     let at = tip(&raw.points);
     if !TIP.contains(&at) {

@@ -82,7 +82,7 @@ pub fn sketch_section(name: &str, bytes: &[u8], kind: ProfileKind) -> (Sketch, R
     let outline = Outline::sketched(name, bytes, kind, &mut sketch);
     let section = outline.and_then(|_| match kind {
         ProfileKind::Rail => parse_rail_section(name, bytes),
-        ProfileKind::Wheel => parse_wheel_section(name, bytes),
+        ProfileKind::Wheel => parse_wheel_section(name, bytes, None),
     });
     (sketch, section)
 }

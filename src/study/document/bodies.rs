@@ -120,7 +120,11 @@ pub struct WheelKeys {
     /// Whether the measured profile is placed on the standard wheel (origin, rotation and side found as by `railspring profile place`), or taken as it stands: origin at the tape circle, not turned. Left out, it is taken as it stands, and refused if it is evidently misplaced.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_aligned: Option<bool>,
-    /// Diameter at the tape circle (70 mm from the flange back), m.
+    /// Distance of the tape circle from the flange back, mm, for a profile or section file that counts from there: MiniProf, columns, drawings. Left out, that of the standard or of the section file beside a profile file (70; 72.231 for the wheels of APTA), and 70 for a section file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 50.0, max = 100.0))]
+    pub tape_circle_mm: Option<f64>,
+    /// Diameter at the tape circle, m.
     #[serde(default = "default_tape_diameter")]
     #[schemars(range(min = 0.3, max = 1.5))]
     pub tape_diameter_m: f64,

@@ -8,10 +8,11 @@ use super::{
     ClosedSection, Frame, Outline, Shape, at_line, bounds, direction, runs_to_the_field_side, through, width,
 };
 use crate::error::{Error, Result};
-use crate::profile::{ProfileCurve, Segment, TAPE_CIRCLE_FROM_FLANGE_BACK, split_wheel};
+use crate::field::InputField;
+use crate::profile::{ProfileCurve, Segment, TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, split_wheel};
 use crate::profile_file::finding::{Action, Finding, FindingKind};
 use crate::profile_file::{MeasuredPoint, ProfileFormat, ProfileKind};
-use crate::units::MILLIMETRE;
+use crate::units::{MILLIMETRE, in_millimetres};
 
 /// Depth from either end of the outline at which the widths of hub and flange are compared, m.
 const END: f64 = 5.0 * MILLIMETRE;
@@ -29,12 +30,14 @@ const BORE: f64 = 20.0 * MILLIMETRE;
 const STEP: f64 = 0.1 * MILLIMETRE;
 
 /// Reads the closed section of a wheel from the content of a file: tape circle at the origin, the bore at the least z. `name` is used in messages, and
-/// its ending tells the format where the content does not.
+/// its ending tells the format where the content does not. `tape_circle` is the distance of the tape circle from the flange back, m, of drawings and
+/// columns; 70 mm if there is none. A table of lines and arcs says itself where its tape circle is.
 ///
 /// # Errors
 /// [`crate::error::InputError`] with the line of the file for an outline that is open, crosses itself or steps back, that has no flange, tread or bore
 /// or not the size of a wheel, or of which it is not certain which end is the bore.
-pub fn parse_wheel_section(name: &str, bytes: &[u8]) -> Result<ClosedSection> {
+pub fn parse_wheel_section(name: &str, bytes: &[u8], tape_circle: Option<f64>) -> Result<ClosedSection> {
+    let tape_circle = tape_circle.unwrap_or(TAPE_CIRCLE_FROM_FLANGE_BACK);
     let Outline { format, count, shape, mut ring, mut findings } =
         Outline::read(name, bytes, ProfileKind::Wheel)?;
     let (running, mut rest) = match shape {
@@ -48,7 +51,7 @@ pub fn parse_wheel_section(name: &str, bytes: &[u8]) -> Result<ClosedSection> {
                 drawn.iter_mut().for_each(|(segment, _)| *segment = segment.reversed());
             }
             let segments: Vec<Segment> = drawn.iter().map(|(segment, _)| *segment).collect();
-            let (running, rest) = split_wheel(name, &segments, None, drawn[0].1)?;
+            let (running, rest) = split_wheel(name, &segments, Tape::FromBack(tape_circle), drawn[0].1)?;
             let part = |range: std::ops::Range<usize>| -> Vec<Segment> {
                 range.map(|i| segments[i % segments.len()]).collect()
             };
@@ -63,7 +66,7 @@ pub fn parse_wheel_section(name: &str, bytes: &[u8]) -> Result<ClosedSection> {
             let n = ring.len() - 1;
             let tip = (0..n).max_by(|&a, &b| ring[a].point.y.total_cmp(&ring[b].point.y)).unwrap_or(0);
             let at = |i: usize| ring[(tip + i) % n];
-            let (first, last) = surface(name, n, at)?;
+            let (first, last) = surface(name, n, tape_circle, at)?;
             let points: Vec<MeasuredPoint> = (first..=last).map(at).collect();
             let around: Vec<Point2<f64>> = (last..=first + n).map(|i| at(i).point).collect();
             let rest = around.windows(2).map(|pair| Segment::line(pair[0], pair[1])).collect();
@@ -74,10 +77,12 @@ pub fn parse_wheel_section(name: &str, bytes: &[u8]) -> Result<ClosedSection> {
     let shift = match format {
         // A table says where its tape circle is.
         ProfileFormat::LinesAndArcs => Vector2::zeros(),
-        _ => to_the_tape_circle(name, line, &running)?,
+        _ => to_the_tape_circle(name, line, tape_circle, &running)?,
     };
     let frame = Frame { mirrored: false, upside_down: false, shift };
-    frame.say_shift("the tape circle, 70 mm from the flange back, to y = 0 and z = 0", &mut findings);
+    let distance = in_millimetres(tape_circle);
+    let what = format!("the tape circle, {distance} mm from the flange back, to y = 0 and z = 0");
+    frame.say_shift(&what, &mut findings);
     let running = running.transformed(0.0, shift);
     rest.iter_mut().for_each(|segment| *segment = frame.segment(segment));
     let ring = frame.ring(&ring);
@@ -122,7 +127,12 @@ fn upright(name: &str, ring: &[MeasuredPoint], findings: &mut Vec<Finding>) -> R
 
 /// First and last vertex of the running surface, counted from `n` after the tip of the flange: where the flange back leaves the vertical, and where the
 /// tread turns into its chamfer.
-fn surface(name: &str, n: usize, at: impl Fn(usize) -> MeasuredPoint) -> Result<(usize, usize)> {
+fn surface(
+    name: &str,
+    n: usize,
+    tape_circle: f64,
+    at: impl Fn(usize) -> MeasuredPoint,
+) -> Result<(usize, usize)> {
     /// Length over which the direction of the flange back is taken, m, and its greatest lateral part: 20 µm.
     const BACK: (f64, f64) = (2.0 * MILLIMETRE, 0.01);
     /// The same for the tread, which turns by 20° into a chamfer or a face.
@@ -155,12 +165,12 @@ fn surface(name: &str, n: usize, at: impl Fn(usize) -> MeasuredPoint) -> Result<
     let furthest = back.saturating_sub(reach(back, false, BACK.0)).max(1);
     let plane = (furthest..=back).map(|i| at(i).point.x).fold(f64::INFINITY, f64::min);
     let first = (furthest..=back).rev().find(|&i| at(i).point.x <= plane + ON_BACK).unwrap_or(back);
-    let tape = (n..first + n).find(|&i| at(i).point.x >= plane + TAPE_CIRCLE_FROM_FLANGE_BACK);
+    let tape = (n..first + n).find(|&i| at(i).point.x >= plane + tape_circle);
     let turned = |i: &usize| direction(n, &at, *i, true, TREAD.0).x < TREAD.1;
     let end = tape.filter(|i| !turned(i)).and_then(|tape| (tape..first + n).find(turned));
     let Some(end) = end else {
         return Err(no(
-            "tread 70 mm from its flange back",
+            &format!("tread {} mm from its flange back", in_millimetres(tape_circle)),
             "give the section of the whole wheel, its flange back upright",
         ));
     };
@@ -175,11 +185,19 @@ fn surface(name: &str, n: usize, at: impl Fn(usize) -> MeasuredPoint) -> Result<
 }
 
 /// The shift that brings the tape circle to the origin.
-fn to_the_tape_circle(name: &str, line: usize, running: &ProfileCurve) -> Result<Vector2<f64>> {
-    let tape = running.point(0.0).x + TAPE_CIRCLE_FROM_FLANGE_BACK;
+fn to_the_tape_circle(
+    name: &str,
+    line: usize,
+    tape_circle: f64,
+    running: &ProfileCurve,
+) -> Result<Vector2<f64>> {
+    let tape = running.point(0.0).x + tape_circle;
     let tread = running.s_at_y(tape).map(|s| running.point(s)).ok_or_else(|| {
-        let expected = "a running surface that passes the tape circle, 70 mm from the flange back";
-        at_line(name, line, "a tread that ends before it", expected, "give the section of the whole wheel")
+        let distance = in_millimetres(tape_circle);
+        let expected =
+            format!("a running surface that passes the tape circle, {distance} mm from the flange back");
+        let remedy = format!("give the section of the whole wheel, or its `{}`", InputField::TapeCircle);
+        at_line(name, line, "a tread that ends before it", &expected, &remedy)
     })?;
     Ok(Vector2::new(-tape, -tread.y))
 }

@@ -87,7 +87,7 @@ fn columns(points: &[Point2<f64>]) -> String {
 }
 
 fn read(name: &str, text: &str) -> (WheelSection, String) {
-    let read = parse_wheel_section(name, text.as_bytes()).unwrap();
+    let read = parse_wheel_section(name, text.as_bytes(), None).unwrap();
     let findings: Vec<String> = read.findings.iter().map(ToString::to_string).collect();
     (wheel_section_of(name, read.running, read.rest, DIAMETER).unwrap(), findings.join("\n"))
 }
@@ -129,6 +129,22 @@ fn lines_and_arcs_are_the_wheel() {
     }
 }
 
+/// Source: wheel LMA, whose drawing lies with its tape circle at the origin. Goal: another distance of the tape circle from the flange back moves the origin by
+/// the difference, down to the tread there; a distance beyond the tread is refused by the name of its field. Accuracy: the digits of the files.
+#[test]
+fn the_tape_circle_may_be_elsewhere() {
+    let (standard, outline) = lma(WebShape::Straight);
+    let drawn = drawing(&outline, |p| p);
+    let read = |distance: f64| parse_wheel_section("wheel.dxf", drawn.as_bytes(), Some(distance));
+    let moved = read(72.231 * MILLIMETRE).unwrap().running;
+    let aside = 2.231 * MILLIMETRE;
+    let tread = standard.running.point(standard.running.s_at_y(aside).unwrap());
+    let expected = standard.running.point(0.0) - tread.coords;
+    assert!((moved.point(0.0) - expected).norm() < 5e-9, "{} {expected}", moved.point(0.0));
+    let beyond = read(200.0 * MILLIMETRE).unwrap_err().to_string();
+    assert!(beyond.contains("tape"), "{beyond}");
+}
+
 /// Source: S1002 on the generic webs. Goal: its points, from another one on and the other way round, z up, are that wheel. Accuracy: a polygon with
 /// steps of 0.2 mm lies h²/12R, 0.1 µm, beside arcs of R30 on the mean, over 0.2 m of a section of 0.02 m²: 1e-6, and up to 10 times that in the inertia about
 /// a diameter and the first moments.
@@ -164,7 +180,7 @@ fn points_are_the_wheel() {
 #[test]
 fn faulty_wheels_are_refused_with_their_place() {
     let said = |name: &str, text: &str, parts: &[&str]| {
-        let message = parse_wheel_section(name, text.as_bytes()).unwrap_err().to_string();
+        let message = parse_wheel_section(name, text.as_bytes(), None).unwrap_err().to_string();
         assert!(parts.iter().all(|part| message.contains(part)), "{parts:?}: {message}");
     };
     let (standard, outline) = lma(WebShape::Straight);
@@ -195,7 +211,7 @@ fn faulty_wheels_are_refused_with_their_place() {
     let rail: Vec<Segment> = rail.running.iter().chain(&rail.rest).copied().collect();
     said("rail.dxf", &drawing(&rail, |p| p), &["rail.dxf:"]);
 
-    let read = parse_wheel_section("wheel.csv", columns(&whole).as_bytes()).unwrap();
+    let read = parse_wheel_section("wheel.csv", columns(&whole).as_bytes(), None).unwrap();
     let small = wheel_section_of("wheel.csv", read.running, read.rest, 0.7).unwrap_err().to_string();
     assert!(small.contains("tape_diameter") && small.contains("makes the bore"), "{small}");
 }
