@@ -412,6 +412,9 @@ pub struct ProfileRecord {
     pub body: String,
     /// The file as the study names it.
     pub file: String,
+    /// BLAKE3 hash of its content; none in results of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub content_hash: Option<String>,
     /// Format of the file.
     pub format: String,
     /// The body that it is joined to: a standard, or the file of a section.

@@ -176,6 +176,7 @@ fn the_first_screen_can_be_signed() {
         "\u{b1} 5.0 %",
         "Not covered",
         "sample.toml, BLAKE3 <code>efef",
+        "worn.prw, BLAKE3 <code>cdcd",
         "reviewer, date",
         "Why this limit: ",
         "href=\"#limit-",

@@ -71,6 +71,7 @@ fn section_record(body: &str, own: &SectionFile, read: &ClosedSection) -> Profil
     ProfileRecord {
         body: body.into(),
         file: own.file.clone(),
+        content_hash: Some(content_hash(&own.content)),
         format: read.format.to_string(),
         standard: own.file.clone(),
         points: read.count,
@@ -129,11 +130,16 @@ fn record(body: &str, measured: &MeasuredSurface, standard: &str, found: &Surfac
     ProfileRecord {
         body: body.into(),
         file: measured.file.clone(),
+        content_hash: Some(content_hash(&measured.content)),
         format: found.in_place.format.to_string(),
         standard: standard.into(),
         points: found.in_place.points.len(),
         findings: found.prepared.findings.iter().map(finding_record).collect(),
     }
+}
+
+fn content_hash(content: &[u8]) -> String {
+    blake3::hash(content).to_hex().to_string()
 }
 
 fn finding_record(finding: &Finding) -> FindingRecord {

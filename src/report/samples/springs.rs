@@ -154,6 +154,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
         profiles: vec![ProfileRecord {
             body: "wheel".into(),
             file: "worn.prw".into(),
+            content_hash: Some("cdcd".repeat(16)),
             format: "Simpack".into(),
             standard: "S1002".into(),
             points: 400,
