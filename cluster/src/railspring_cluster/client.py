@@ -6,6 +6,7 @@ A step that fails, or whose worker is lost, is done again elsewhere, a few times
 time beside the first. Either comes to the same bytes, which the names of the entries say.
 """
 
+import asyncio
 import contextlib
 import json
 import queue
@@ -110,7 +111,7 @@ class Table:
 
     def run(self) -> None:
         """Does all of it."""
-        self.of_all_workers(lambda: self.client.register_plugin(Suited(self.settings)))
+        self.from_workers(lambda: self.client.register_plugin(Suited(self.settings)))
         while True:
             self.look()
             self.begin_cases()
@@ -174,7 +175,7 @@ class Table:
         step = self.open.pop(future.key, None)
         if step is None:
             return
-        answer = future.result() if future.status == "finished" else None
+        answer = self.answer_of(future)
         if answer is not None and "failed" not in answer:
             self.seconds[step.kind].append(time.monotonic() - step.begun)
             for other in [other for other in step.futures if other is not future]:
@@ -185,6 +186,17 @@ class Table:
             self.answered(step, answer)
         elif not any(other.key in self.open for other in step.futures):
             self.again(step, future, answer)
+
+    def answer_of(self, future: Future) -> dict[str, Any] | None:
+        """What a step has come to, or nothing. The worker that has it may hang: once it is lost, the scheduler has it made again."""
+        if future.status != "finished":
+            return None
+        try:
+            return self.from_workers(future.result)
+        except (Exception, asyncio.CancelledError):
+            if future.status == "finished":
+                raise
+            return None
 
     def answered(self, step: Step, answer: dict[str, Any]) -> None:
         case = step.case
@@ -259,14 +271,14 @@ class Table:
         for address in silent:
             say("notice", text=f"{address}: nothing heard for {self.settings.silence:.0f} s or more: its steps go to other workers")
 
-    def of_all_workers(self, ask: Callable[[], Any]) -> Any:
-        """What a call comes to that waits for all workers; it is made again if one of them is lost meanwhile."""
+    def from_workers(self, ask: Callable[[], Any]) -> Any:
+        """What a call comes to that waits for workers; those that hang are lost meanwhile, and it is made again if it had waited for one of them."""
         answers: queue.SimpleQueue[tuple[Any, BaseException | None]] = queue.SimpleQueue()
 
         def asked() -> None:
             try:
                 answers.put((ask(), None))
-            except Exception as cause:
+            except BaseException as cause:  # a cancelled future is no Exception
                 answers.put((None, cause))
 
         for attempt in range(ATTEMPTS):
@@ -303,7 +315,7 @@ class Table:
             self.once("the cluster has no worker yet: waiting for one")
             self.unsuited_since = None
             return
-        reasons = self.of_all_workers(lambda: self.client.run(suitability, self.settings.name, on_error="ignore"))
+        reasons = self.from_workers(lambda: self.client.run(suitability, self.settings.name, on_error="ignore"))
         unsuited = Counter(reason for reason in reasons.values() if reason)
         if sum(unsuited.values()) < len(reasons):
             for reason, count in unsuited.items():
@@ -362,7 +374,7 @@ def main() -> int:
                 table.run()
             finally:
                 if client.status == "running":
-                    table.of_all_workers(lambda: client.unregister_worker_plugin(settings.name))
+                    table.from_workers(lambda: client.unregister_worker_plugin(settings.name))
             failed = table.failures[0] if table.failures else None
     except (Failed, OSError, TimeoutError, ValueError) as cause:
         failed = str(cause) or type(cause).__name__
