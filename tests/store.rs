@@ -60,7 +60,9 @@ impl Place {
 
     /// `run` on a study with the store and the output folder of these names.
     fn start(&self, study: &str, store: &str, out: &str, more: &[&str]) -> Command {
-        let file = format!("{out}.toml");
+        // the report has the name of the file, without its folders
+        let file = format!("study of {out}/study.toml");
+        std::fs::create_dir_all(self.path(&file).parent().unwrap()).unwrap();
         std::fs::write(self.path(&file), study).unwrap();
         let mut command = self.command(&["run", &file, "-o", out, "--cache", store]);
         command.args(more);
@@ -173,13 +175,13 @@ fn a_second_run_takes_everything() {
     let replaced = |entry: &PathBuf| entry.metadata().unwrap().modified().unwrap() > age;
     let entries = place.entries("store");
     assert!(entries.iter().all(replaced) && entries.len() == BODIES.len() + STAGES.len());
-    let refused = place.command(&["report", "first.toml", "-o", "first", "--fresh"]).output().unwrap();
+    let refused = place.command(&["report", "study of first/study.toml", "-o", "first", "--fresh"]).output().unwrap();
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(refused.status.code() == Some(2) && said.contains("--fresh = given"), "{said}");
 
     // Single commands share the store: calibrate takes, and so do simulate and verify in its folder.
     let alone = |command: &str| {
-        let output = place.command(&[command, "first.toml", "-o", "alone", "--cache", "store"]).output();
+        let output = place.command(&[command, "study of first/study.toml", "-o", "alone", "--cache", "store"]).output();
         Done::new(output.unwrap(), place.path("alone"))
     };
     assert_eq!(alone("calibrate").taken(), ["calibration"]);
