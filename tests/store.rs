@@ -175,13 +175,16 @@ fn a_second_run_takes_everything() {
     let replaced = |entry: &PathBuf| entry.metadata().unwrap().modified().unwrap() > age;
     let entries = place.entries("store");
     assert!(entries.iter().all(replaced) && entries.len() == BODIES.len() + STAGES.len());
-    let refused = place.command(&["report", "study of first/study.toml", "-o", "first", "--fresh"]).output().unwrap();
+    let refused =
+        place.command(&["report", "study of first/study.toml", "-o", "first", "--fresh"]).output().unwrap();
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(refused.status.code() == Some(2) && said.contains("--fresh = given"), "{said}");
 
     // Single commands share the store: calibrate takes, and so do simulate and verify in its folder.
     let alone = |command: &str| {
-        let output = place.command(&[command, "study of first/study.toml", "-o", "alone", "--cache", "store"]).output();
+        let output = place
+            .command(&[command, "study of first/study.toml", "-o", "alone", "--cache", "store"])
+            .output();
         Done::new(output.unwrap(), place.path("alone"))
     };
     assert_eq!(alone("calibrate").taken(), ["calibration"]);

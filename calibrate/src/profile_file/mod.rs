@@ -96,7 +96,7 @@ pub struct ReadOptions {
 
 impl ReadOptions {
     /// Distance of a wheel's tape circle from its flange back, m.
-    fn from_flange_back(&self) -> f64 {
+    fn tape_circle_distance(&self) -> f64 {
         self.tape_circle.unwrap_or(TAPE_CIRCLE_FROM_FLANGE_BACK)
     }
 }

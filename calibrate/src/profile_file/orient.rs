@@ -48,7 +48,7 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
     turn_over(kind, &mut raw, options);
     put_in_order(kind, &mut raw);
     if kind == ProfileKind::Wheel {
-        place_wheel(&mut raw, options.from_flange_back());
+        place_wheel(&mut raw, options.tape_circle_distance());
     }
     let Raw { format, points, findings, .. } = raw;
     Ok(MeasuredProfile { name: name.to_owned(), format, kind, points, findings, drawn: None })
