@@ -11,11 +11,11 @@ mod tables;
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime};
 
-use railspring_testing::{Need, needs};
+use railspring_testing::{Need, Random, await_changes, needs};
 use tables::Place;
 
 /// Two wheels on a rail at two shifts.
@@ -104,36 +104,11 @@ fn files(out: &Path) -> Files {
     ["table.csv", "table.json", "table.html"].into_iter().filter_map(read).collect()
 }
 
-/// Waits until one of two folders has changed so many times, or the process has ended.
-fn await_changes(folders: [&Path; 2], child: &mut Child, changes: u64) {
-    let state = || folders.map(entries);
-    let (mut last, mut seen) = (state(), 0);
-    while seen < changes && child.try_wait().unwrap().is_none() {
-        let now = state();
-        seen += u64::from(now != last);
-        last = now;
-        std::thread::sleep(Duration::from_micros(200));
-    }
-}
-
-/// Numbers that look random and are the same every time (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) % bound
-    }
-}
-
 fn killed(kills: usize) {
     let Clean { place, files: [wanted, earlier], duration, .. } = clean();
     let root = tempfile::tempdir().unwrap();
     let [out, store, copied, after] = ["out", "store", "copied", "after"].map(|name| root.path().join(name));
-    let mut random = Random(kills as u64);
+    let mut random = Random::new(kills as u64);
     let (mut in_time, mut mixed, mut found) = (0, 0, BTreeMap::<usize, usize>::new());
     for kill in 0..kills {
         copy(&place.path("other"), &out);
@@ -147,7 +122,8 @@ fn killed(kills: usize) {
             std::thread::sleep(*duration * random.below(1000) as u32 / 1000);
         } else {
             // seven entries of the store and three files, each under a temporary name and renamed
-            await_changes([&out, &store], &mut child, 1 + random.below(20));
+            let changes = 1 + random.below(20);
+            await_changes(&mut child, changes, || [&out, &store].map(|folder| entries(folder)));
         }
         in_time += usize::from(child.try_wait().unwrap().is_none());
         child.kill().unwrap();
@@ -251,7 +227,7 @@ fn on_full_disks(sizes: &[u64]) {
 fn at_once(rounds: usize) {
     let Clean { place, files: wanted, .. } = clean();
     let root = tempfile::tempdir().unwrap();
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     for round in 0..rounds {
         let store = root.path().join(format!("store-{round}"));
         let begin = |(number, table): (usize, &str)| {

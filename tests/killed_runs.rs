@@ -10,8 +10,10 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant, SystemTime};
+
+use railspring_testing::{Random, await_changes};
 
 /// Two studies that share the load case's name and differ in springs, histories and verdict.
 fn study(which: usize) -> String {
@@ -78,30 +80,6 @@ fn state(out: &Path, store: &Path) -> Vec<(String, Option<SystemTime>)> {
     files
 }
 
-/// Waits until folder or store have changed `changes` times, or the process has ended.
-fn await_changes(out: &Path, store: &Path, child: &mut Child, changes: usize) {
-    let (mut last, mut seen) = (state(out, store), 0);
-    while seen < changes && child.try_wait().unwrap().is_none() {
-        let now = state(out, store);
-        seen += usize::from(now != last);
-        last = now;
-        std::thread::sleep(Duration::from_micros(200));
-    }
-}
-
-/// Numbers that look random and are the same every time (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) % bound
-    }
-}
-
 #[test]
 fn a_killed_run_leaves_no_mixture() {
     let kills: usize = std::env::var("RAILSPRING_KILLS").map_or(3, |text| text.parse().unwrap());
@@ -120,7 +98,7 @@ fn a_killed_run_leaves_no_mixture() {
     }
     assert!(clean[0].iter().all(|(name, content)| name.contains("figures") || *content != clean[1][name]));
 
-    let mut random = Random(kills as u64);
+    let mut random = Random::new(kills as u64);
     let (mut used, mut found) = (BTreeMap::new(), BTreeMap::new());
     for kill in 0..kills {
         let out = root.join("out");
@@ -142,7 +120,7 @@ fn a_killed_run_leaves_no_mixture() {
             std::thread::sleep(duration * random.below(1000) as u32 / 1000);
         } else {
             // Every file is written under a temporary name and renamed: two changes per file, some forty-five files.
-            await_changes(&out, &store, &mut child, 1 + random.below(90) as usize);
+            await_changes(&mut child, 1 + random.below(90), || state(&out, &store));
         }
         child.kill().unwrap();
         child.wait().unwrap();

@@ -1,18 +1,21 @@
 //! What tests need that is not part of the project (tables of other programs, Python, CalculiX, OpenSees, STEM), and counting the tests
-//! that are skipped without it.
+//! that are skipped without it; besides, random numbers, and waiting for what a process writes.
 //!
 //! A test cannot tell cargo at run time that it was skipped: it counts as passed. So it says so on a line of its own that
 //! cargo does not hold back, and leaves a mark in the target folder, which it takes away when it finds what it needs.
 //! The test target `skipped` of this package and `.ci/run` count them.
 
 mod programs;
+mod random;
 
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
 pub use programs::{locked, opensees, stem};
+pub use random::Random;
 
 /// What a test can go without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +51,20 @@ impl Need {
             Self::SmallDisk => "small disk",
             Self::Solver => "in part",
         }
+    }
+}
+
+/// Waits until the `state` of what a process writes has changed so many times, or the process has ended.
+///
+/// # Panics
+/// If the process cannot be asked.
+pub fn await_changes<T: PartialEq>(child: &mut Child, changes: u64, state: impl Fn() -> T) {
+    let (mut last, mut seen) = (state(), 0);
+    while seen < changes && child.try_wait().expect("a process that was begun").is_none() {
+        let now = state();
+        seen += u64::from(now != last);
+        last = now;
+        std::thread::sleep(Duration::from_micros(200));
     }
 }
 

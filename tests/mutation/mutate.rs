@@ -1,24 +1,18 @@
 //! Mistakes of hands, editors and disks in a text.
 
-/// Random numbers of a seed: G.L. Steele, D. Lea, C.H. Flood, "Fast splittable pseudorandom number generators",
-/// OOPSLA 2014.
-pub struct Dice(u64);
+use railspring_testing::Random;
+
+/// Random numbers of a seed.
+pub struct Dice(Random);
 
 impl Dice {
     pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        Self(Random::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
     }
 
     /// A number below `count`, which is not 0.
     pub fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
+        self.0.below(count as u64) as usize
     }
 
     pub fn one_of<'t>(&mut self, list: &[&'t str]) -> &'t str {

@@ -5,40 +5,9 @@ use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile::wheels::WHEEL_NAMES;
 use railspring_calibrate::profile_file::{MeasuredPoint, ProfileFormat, ProfileKind, write};
 use railspring_calibrate::profile_placement::Reference;
+use railspring_testing::Random;
 
 use super::MM;
-
-/// Numbers that are the same on every computer (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Evenly spread between two values.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn chance(&mut self, part: f64) -> bool {
-        self.between(0.0, 1.0) < part
-    }
-
-    fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[(self.next() % all.len() as u64) as usize]
-    }
-
-    /// Normal, of unit variance.
-    fn normal(&mut self) -> f64 {
-        let (u, v) = (self.between(f64::MIN_POSITIVE, 1.0), self.between(0.0, 1.0));
-        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
-    }
-}
 
 /// Depth of wear around a place: even on part of its width, then half a wave of the squared cosine, m.
 struct Trough {
@@ -71,7 +40,7 @@ pub struct Synthetic {
 fn extent(random: &mut Random, reference: &Reference) -> ([f64; 2], &'static str) {
     let [from, to] = reference.running;
     match reference.kind {
-        ProfileKind::Rail => match random.next() % 10 {
+        ProfileKind::Rail => match random.bits() % 10 {
             0..=4 => ([from, to], "rail, head"),
             5..=6 => ([from, to + random.between(5.0, 15.0) * MM], "rail, head and one underside"),
             7 => ([from + random.between(0.0, 25.0) * MM, to], "rail, gauge side cut"),
@@ -83,7 +52,7 @@ fn extent(random: &mut Random, reference: &Reference) -> ([f64; 2], &'static str
         },
         ProfileKind::Wheel => {
             let back = from - random.between(1.0, 8.0) * MM;
-            match random.next() % 10 {
+            match random.bits() % 10 {
                 0..=4 => ([back, to - random.between(0.0, 3.0) * MM], "wheel"),
                 5..=6 => ([back, to + random.between(2.0, 15.0) * MM], "wheel with field face"),
                 7 => ([from + random.between(0.0, 20.0) * MM, to], "wheel, flange back cut"),
@@ -128,7 +97,7 @@ fn wear(random: &mut Random, reference: &Reference) -> Vec<Trough> {
 
 /// The measurement with this number.
 pub fn synthetic(seed: u64) -> Synthetic {
-    let mut random = Random(seed.wrapping_mul(0x1234_5678_9abc_def1));
+    let mut random = Random::new(seed.wrapping_mul(0x1234_5678_9abc_def1));
     let standard = if random.chance(0.5) { random.one_of(&RAIL_NAMES) } else { random.one_of(&WHEEL_NAMES) };
     let reference = Reference::standard(standard).unwrap();
     let curve = &reference.curve;
@@ -136,7 +105,7 @@ pub fn synthetic(seed: u64) -> Synthetic {
     let troughs = wear(&mut random, &reference);
     let step = random.between(0.1, 0.3) * MM;
     let noise = random.between(5.0, 20.0) * 1e-6;
-    let gaps: Vec<[f64; 2]> = (0..random.next() % 3)
+    let gaps: Vec<[f64; 2]> = (0..random.bits() % 3)
         .map(|_| {
             let start = random.between(from, to);
             [start, start + random.between(0.5, 3.0) * MM]
@@ -154,8 +123,8 @@ pub fn synthetic(seed: u64) -> Synthetic {
         s += step * random.between(0.8, 1.2);
     }
     let count = points.len() as u64;
-    for _ in 0..random.next() % 4 {
-        let at = (random.next() % count) as usize;
+    for _ in 0..random.bits() % 4 {
+        let at = (random.bits() % count) as usize;
         points[at] +=
             Vector2::new(random.normal(), random.normal()).normalize() * random.between(0.2, 2.0) * MM;
     }
@@ -190,7 +159,7 @@ fn written(random: &mut Random, kind: ProfileKind, seen: &[Point2<f64>]) -> (Str
     let unit = random.one_of(&[MM, 1.0, 25.4 * MM]);
     let miniprof = if rail { "a.ban" } else { "a.whl" };
     let count = seen.len();
-    match random.next() % 6 {
+    match random.bits() % 6 {
         0 => ("a.csv".into(), format!("y,z\n{}", rows(unit, ","))),
         1 => ("a.txt".into(), rows(unit, "\t")),
         2 => {
