@@ -35,7 +35,9 @@ pub use change::Change;
 pub use limits::Limits;
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};
 pub use model_run::{ModelRun, Worth};
-pub use signals::{Both, Carrying, ModeFractions, Separation, averaged_ratio, mode_fractions, separations};
+pub use signals::{
+    Both, Carrying, ModeFractions, Separation, averaged_ratio, least_contact, mode_fractions, separations,
+};
 pub use spread::{Spread, disturbed};
 pub use step_change::StepChange;
 
@@ -143,13 +145,14 @@ pub fn compare(simple: &ModelRun<'_>, solid: &ModelRun<'_>, limits: &Limits) -> 
             Err(reason) => not_applicable.push(reason),
         }
     }
+    let least = least_contact(runs.solid);
     let [peak_p, peak_q] = change::peaks(runs.solid);
     let compared = Compared {
         solid_peak_p_kn: rounded(peak_p * 1e-3),
         solid_peak_q_kn: rounded(peak_q * 1e-3),
         pointwise_until_s: end.map(rounded),
-        separations: runs.map(|run| separations(run, limits.separation_shortest_s)),
-        mode_fractions: runs.map(|run| mode_fractions(run)),
+        separations: runs.map(|run| separations(run, limits.separation_shortest_s, least)),
+        mode_fractions: runs.map(|run| mode_fractions(run, least)),
     };
     Ok(Comparison { lines, not_applicable, compared })
 }

@@ -159,6 +159,12 @@ pub(super) fn line_text(subject: &str, line: &Line) -> LineText {
     }
 }
 
+/// The force under which a wheel counts as separated, N: as the verdict has it, or beside the first model where there is no solid.
+fn least_contact(run: &ScenarioRun<'_>) -> f64 {
+    let reference = run.solid.iter().chain(&run.elements).next();
+    reference.map_or(0.0, |of| verify::least_contact(of.history))
+}
+
 /// The separations of all models, as rows of text: number, then one column for each model.
 pub(super) fn separations(run: &ScenarioRun<'_>) -> Vec<Vec<String>> {
     let times = |s: Option<&verify::Separation>| match s {
@@ -166,7 +172,9 @@ pub(super) fn separations(run: &ScenarioRun<'_>) -> Vec<Vec<String>> {
         None => "none".into(),
     };
     let models = run.elements.iter().chain(&run.solid);
-    let all: Vec<Vec<verify::Separation>> = models.map(|of| verify::separations(of.history, 0.0)).collect();
+    let least = least_contact(run);
+    let all: Vec<Vec<verify::Separation>> =
+        models.map(|of| verify::separations(of.history, 0.0, least)).collect();
     let rows = all.iter().map(Vec::len).max().unwrap_or(0);
     let row = |n: usize| {
         let number = (n + 1).to_string();
@@ -178,7 +186,9 @@ pub(super) fn separations(run: &ScenarioRun<'_>) -> Vec<Vec<String>> {
 /// The fractions of time in each mode, as rows of text: mode, then one column for each model.
 pub(super) fn modes(run: &ScenarioRun<'_>) -> Vec<Vec<String>> {
     let models = run.elements.iter().chain(&run.solid);
-    let all: Vec<verify::ModeFractions> = models.map(|of| verify::mode_fractions(of.history)).collect();
+    let least = least_contact(run);
+    let all: Vec<verify::ModeFractions> =
+        models.map(|of| verify::mode_fractions(of.history, least)).collect();
     let percent = |value: f64| format!("{:.1} %", value * 100.0);
     let row = |name: &str, value: fn(&verify::ModeFractions) -> f64| {
         [name.to_string()].into_iter().chain(all.iter().map(|of| percent(value(of)))).collect()

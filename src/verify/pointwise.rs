@@ -10,7 +10,8 @@ use super::limits::Limits;
 use super::line::Criterion;
 use super::model_run::ModelRun;
 use super::signals::{
-    Carrying, ModeFractions, Separation, averaged_ratio, fractions_of, pair_separations, separations,
+    Carrying, ModeFractions, Separation, averaged_ratio, fractions_of, least_contact, pair_separations,
+    separations,
 };
 use super::{Check, column, peak, rms, rows_before};
 
@@ -19,6 +20,8 @@ pub(super) struct Scope<'a> {
     limits: &'a Limits,
     /// The largest P and Q of the solid, N.
     peaks: [f64; 2],
+    /// Under which a wheel counts as separated, N.
+    least: f64,
     /// Times before this are compared, s.
     end: Option<f64>,
 }
@@ -44,7 +47,7 @@ struct Differences {
 impl<'a> Scope<'a> {
     /// Times before `end` (s), or all, beside a run of the solid model.
     pub fn new(solid: &History, limits: &'a Limits, end: Option<f64>) -> Self {
-        Self { limits, peaks: peaks(solid), end }
+        Self { limits, peaks: peaks(solid), least: least_contact(solid), end }
     }
 
     fn rows(&self, run: &History) -> usize {
@@ -67,15 +70,18 @@ impl<'a> Scope<'a> {
         let ratio: Vec<f64> = (0..rows).filter_map(|n| Some(of_a[n]? - of_b[n]?)).collect();
         let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));
 
-        let separations = [a, b].map(|run| separations(run, limits.separation_shortest_s));
-        let (pairs, alone) =
-            pair_separations(separations.each_ref().map(Vec::as_slice), limits.ratio_window_s);
+        let separations = [a, b].map(|run| separations(run, 0.0, self.least));
+        let (pairs, alone) = pair_separations(
+            separations.each_ref().map(Vec::as_slice),
+            limits.separation_shortest_s,
+            limits.ratio_window_s,
+        );
         let times = [|s: &Separation| s.begin_s, |s: &Separation| s.end_s].map(|time| {
             let both = pairs.iter().map(|pair| pair.each_ref().map(time));
             let before = both.filter(|pair| pair.iter().all(|time| *time <= until));
             before.map(|[a, b]| (a - b).abs()).max_by(f64::total_cmp)
         });
-        let modes = [a, b].map(|run| fractions_of(run.rows.get(1..rows).unwrap_or_default()));
+        let modes = [a, b].map(|run| fractions_of(run.rows.get(1..rows).unwrap_or_default(), self.least));
         let fraction = |of: fn(&ModeFractions) -> f64| known((of(&modes[0]) - of(&modes[1])).abs());
         let departure = match (a.ending, b.ending) {
             (Ending::Departed { time: a, departure: to }, Ending::Departed { time: b, departure: other }) => {

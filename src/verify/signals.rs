@@ -12,6 +12,13 @@ pub struct Separation {
     pub end_s: f64,
 }
 
+impl Separation {
+    /// How long it is, s; times are written with twelve digits.
+    pub(super) fn length(&self) -> f64 {
+        (self.end_s - self.begin_s) * (1.0 + 1e-9)
+    }
+}
+
 /// Fractions of time in each contact mode; together 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ModeFractions {
@@ -108,12 +115,27 @@ fn window_averages(history: &History, window: f64, value: fn(&HistoryRow) -> f64
         .collect()
 }
 
-/// Times without contact that last at least `shortest` seconds.
-pub fn separations(history: &History, shortest: f64) -> Vec<Separation> {
+/// Share of the largest P of a run under which a contact does not count: its patch is hardly wider than an element of the solid's contact grid (Hertz, 75 N:
+/// a semi-axis of 0.5 mm), which finds it or not by where its nodes are.
+const LEAST_CONTACT: f64 = 1e-3;
+
+/// The force under which a wheel counts as separated beside a run, N.
+pub fn least_contact(run: &History) -> f64 {
+    LEAST_CONTACT * run.rows.iter().map(|row| row.vertical_force.abs()).fold(0.0, f64::max)
+}
+
+/// The contact mode of a step, separated under less than a force (N).
+pub(super) fn mode(row: &HistoryRow, least: f64) -> ContactMode {
+    let force = row.vertical_force.hypot(row.lateral_force);
+    if force < least { ContactMode::Separated } else { row.mode() }
+}
+
+/// Times with less than a force (N) that last at least `shortest` seconds.
+pub fn separations(history: &History, shortest: f64, least: f64) -> Vec<Separation> {
     let mut found = Vec::new();
     let mut begin = None;
     for row in &history.rows {
-        match (row.mode() == ContactMode::Separated, begin) {
+        match (mode(row, least) == ContactMode::Separated, begin) {
             (true, None) => begin = Some(row.time),
             (false, Some(start)) => {
                 found.push(Separation { begin_s: start, end_s: row.time });
@@ -125,19 +147,19 @@ pub fn separations(history: &History, shortest: f64) -> Vec<Separation> {
     if let (Some(begin_s), Some(last)) = (begin, history.rows.last()) {
         found.push(Separation { begin_s, end_s: last.time });
     }
-    found.retain(|s| s.end_s - s.begin_s >= shortest);
+    found.retain(|s| s.length() >= shortest);
     found
 }
 
-/// Fractions of the time steps in each mode; the initial state does not count.
-pub fn mode_fractions(history: &History) -> ModeFractions {
-    fractions_of(history.rows.get(1..).unwrap_or_default())
+/// Fractions of the time steps in each mode, separated under less than a force (N); the initial state does not count.
+pub fn mode_fractions(history: &History, least: f64) -> ModeFractions {
+    fractions_of(history.rows.get(1..).unwrap_or_default(), least)
 }
 
 /// Fractions of some time steps in each mode.
-pub(super) fn fractions_of(rows: &[HistoryRow]) -> ModeFractions {
-    let share = |mode: ContactMode| {
-        rows.iter().filter(|row| row.mode() == mode).count() as f64 / rows.len().max(1) as f64
+pub(super) fn fractions_of(rows: &[HistoryRow], least: f64) -> ModeFractions {
+    let share = |of: ContactMode| {
+        rows.iter().filter(|row| mode(row, least) == of).count() as f64 / rows.len().max(1) as f64
     };
     ModeFractions {
         stick: share(ContactMode::Stick),
@@ -146,20 +168,23 @@ pub(super) fn fractions_of(rows: &[HistoryRow]) -> ModeFractions {
     }
 }
 
-/// Pairs separations of two runs that overlap, or lie no more than `reach` apart; in order,
-/// each used once. Also those left over.
+/// Pairs separations of two runs that last at least `shortest` seconds and overlap, or lie no more than `reach` apart; in order, each used once. One that is left over is paired with a shorter one of
+/// the other run that it overlaps: it is not that run alone which separates there. Also those that stay alone.
 pub(super) fn pair_separations(
-    [a, b]: [&[Separation]; 2],
+    all: [&[Separation]; 2],
+    shortest: f64,
     reach: f64,
 ) -> (Vec<[Separation; 2]>, Vec<Separation>) {
-    let (mut pairs, mut alone) = (Vec::new(), Vec::new());
+    let long = all.map(|of| of.iter().filter(|s| s.length() >= shortest).copied().collect::<Vec<_>>());
+    let [a, b] = &long;
+    let (mut pairs, mut alone) = (Vec::new(), [Vec::new(), Vec::new()]);
     let (mut i, mut j) = (0, 0);
     while let (Some(first), Some(second)) = (a.get(i), b.get(j)) {
         if first.end_s + reach < second.begin_s {
-            alone.push(*first);
+            alone[0].push(*first);
             i += 1;
         } else if second.end_s + reach < first.begin_s {
-            alone.push(*second);
+            alone[1].push(*second);
             j += 1;
         } else {
             pairs.push([*first, *second]);
@@ -167,6 +192,16 @@ pub(super) fn pair_separations(
             j += 1;
         }
     }
-    alone.extend(a[i..].iter().chain(&b[j..]));
-    (pairs, alone)
+    alone[0].extend(&a[i..]);
+    alone[1].extend(&b[j..]);
+    for (of, other) in [(0, 1), (1, 0)] {
+        alone[of].retain(|one| {
+            let meets =
+                |s: &&Separation| s.length() < shortest && s.begin_s <= one.end_s && one.begin_s <= s.end_s;
+            let met = all[other].iter().find(meets);
+            pairs.extend(met.map(|met| if of == 0 { [*one, *met] } else { [*met, *one] }));
+            met.is_none()
+        });
+    }
+    (pairs, alone.concat())
 }

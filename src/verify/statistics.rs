@@ -12,6 +12,7 @@ use super::change::{FORCES, over, peaks};
 use super::limits::Limits;
 use super::line::{Criterion, Line};
 use super::model_run::ModelRun;
+use super::signals::{least_contact, mode};
 use super::{rows_before, separations};
 
 /// Fewest blocks that the time is cut into, each as long as the window of the averaged Q/P at least.
@@ -35,13 +36,14 @@ struct Member {
 }
 
 /// The rows of a run from some time on.
-fn sample(run: &History, rows: Range<usize>, limits: &Limits) -> Vec<Member> {
-    let begins: Vec<f64> = separations(run, limits.separation_shortest_s).iter().map(|s| s.begin_s).collect();
+fn sample(run: &History, rows: Range<usize>, limits: &Limits, least: f64) -> Vec<Member> {
+    let all = separations(run, limits.separation_shortest_s, least);
+    let begins: Vec<f64> = all.iter().map(|s| s.begin_s).collect();
     run.rows[rows]
         .iter()
         .map(|row| Member {
             forces: FORCES.map(|force| force(row)),
-            mode: row.mode(),
+            mode: mode(row, least),
             separates: begins.binary_search_by(|begin| begin.total_cmp(&row.time)).is_ok(),
         })
         .collect()
@@ -129,29 +131,37 @@ fn step(run: &History) -> f64 {
 /// The lines on both runs from a row of [`begin`] on.
 pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first: usize) -> Vec<Line> {
     let step = step(solid.history);
+    let least = least_contact(solid.history);
     let both = [simple.history, solid.history];
     let end = both.map(|run| run.rows.len()).into_iter().min().unwrap_or(first);
-    let [of_simple, of_solid] = both.map(|run| numbers(&sample(run, first..end, limits), 0..0, step));
+    let [of_simple, of_solid] = both.map(|run| numbers(&sample(run, first..end, limits, least), 0..0, step));
     let own = |run: &ModelRun| {
         let other = run.disturbed?.0;
         let end = run.history.rows.len().min(other.rows.len());
         let blocks = (end.checked_sub(first)? / rows_of_window(run.history, limits)).min(MOST_BLOCKS);
-        let samples = || [run.history, other].map(|run| sample(run, first..end, limits));
+        let samples = || [run.history, other].map(|run| sample(run, first..end, limits, least));
         (blocks >= LEAST_BLOCKS).then(|| chance(samples().each_ref().map(Vec::as_slice), step, blocks))
     };
     let worth = [simple, solid].map(own);
     let peaks = peaks(solid.history);
-    // no count is known better than by one: the ends of the time cut off a separation
+    // No count is known better than by one: the ends of the time cut off a separation. Nor is it known whether one is long enough whose length is the
+    // shortest but for a step of the history: each of them counts or does not.
     let one = 1.0 / ((end - first) as f64 * step);
-    let rate = of_solid[RATE].max(one);
     let times = [first, end - 1].map(|row| solid.history.rows[row].time);
+    let unclear = separations(solid.history, 0.0, least)
+        .iter()
+        .filter(|s| s.begin_s >= times[0] && s.begin_s <= times[1])
+        .filter(|s| (s.length() - limits.separation_shortest_s).abs() < 1.01 * step)
+        .count();
+    let least_rate = one * (UNCLEAR_95 * (unclear as f64).sqrt()).hypot(1.0);
+    let rate = of_solid[RATE].max(one);
     let line = |n: usize, criterion: Criterion| {
         let value = |difference: f64| match n {
             n if n < 2 * OF_FORCE => over(difference, peaks[n / OF_FORCE]),
             RATE => difference / rate,
             _ => difference,
         };
-        let least = if n == RATE { one } else { 0.0 };
+        let least = if n == RATE { least_rate } else { 0.0 };
         let worth = worth.map(|worth| worth.map(|worth| value(worth[n].max(least))));
         criterion.line_beside(Some(value((of_simple[n] - of_solid[n]).abs())), worth).taken_over(times)
     };
@@ -159,6 +169,9 @@ pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first:
     let modes = OF_MODES.into_iter().map(|meaning| Criterion { meaning, ..limits.mode_fraction() });
     forces.chain([limits.separation_rate()]).chain(modes).enumerate().map(|(n, c)| line(n, c)).collect()
 }
+
+/// What the sum of many that count or do not, with even chances, differs by from its mean in 95 of 100 cases, over the root of their number: 1.96/2.
+const UNCLEAR_95: f64 = 0.98;
 
 /// Place of the separations a second.
 const RATE: usize = 2 * OF_FORCE;

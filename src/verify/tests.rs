@@ -152,6 +152,32 @@ fn separations_are_paired_and_their_times_compared() {
 
     let brief = compare(&with_gap(0.200, 0.201), &with_gap(9.0, 9.0), &Limits::default()).unwrap();
     assert_eq!(value(&brief, "Separations that only"), Some(0.0), "shorter than the limit");
+
+    // one that is just long enough is not alone where the other model separates for a shorter time
+    for (a, b) in
+        [(with_gap(0.200, 0.202), with_gap(0.2, 0.2015)), (with_gap(0.2, 0.2015), with_gap(0.200, 0.202))]
+    {
+        let found = compare(&a, &b, &Limits::default()).unwrap();
+        assert_eq!(value(&found, "Separations that only"), Some(0.0));
+        assert!((value(&found, "Separation ends").unwrap() - 0.0005).abs() < ROUNDOFF);
+    }
+}
+
+/// Goal: a contact under less than a thousandth of the solid's largest P (100 kN here) is none in either model, one under more is.
+#[test]
+fn a_contact_that_hardly_carries_is_a_separation() {
+    let pressed = |least: f64| {
+        let flies = |t: f64| (0.1 - 1e-9..0.15 - 1e-9).contains(&t);
+        history(551, move |t| if flies(t) { (least, 0.0) } else { (1e5, 0.0) }, SLIP)
+    };
+    for (force, separated) in [(0.0, 1), (99.0, 1), (101.0, 0)] {
+        let comparison = compare(&pressed(force), &pressed(0.0), &Limits::default()).unwrap();
+        assert_eq!(comparison.compared.separations.simple.len(), separated, "{force} N");
+        assert_eq!(comparison.compared.separations.solid.len(), 1);
+        assert_eq!(value(&comparison, "Separations that only"), Some(1.0 - separated as f64));
+        let fraction = comparison.compared.mode_fractions.simple.separated;
+        assert!((fraction - separated as f64 * 100.0 / 550.0).abs() < ROUNDOFF, "{fraction}");
+    }
 }
 
 #[test]
@@ -161,7 +187,7 @@ fn mode_fractions_add_up_to_one() {
         101..=150 => Some(ContactMode::Slip),
         _ => None,
     };
-    let fractions = mode_fractions(&history(201, |_| (1.0, 1.0), mode));
+    let fractions = mode_fractions(&history(201, |_| (1.0, 1.0), mode), 0.0);
     assert_eq!((fractions.stick, fractions.slip, fractions.separated), (0.5, 0.25, 0.25));
 }
 
@@ -281,7 +307,7 @@ fn odd_histories_do_not_panic() {
     assert_eq!(averaged_ratio(&broken, 0.024, &Carrying::EXACT), [None; 5]);
     for run in [single, same, broken] {
         let comparison = compare(&run, &run, &Limits::default()).unwrap();
-        mode_fractions(&run);
+        mode_fractions(&run, 0.0);
         assert!(comparison.lines.iter().any(|line| !line.holds) || run.rows.len() == 5);
     }
 }

@@ -206,6 +206,15 @@ fn separations_are_compared_while_they_are_determined() {
     // both runs of the solid have the same three: known up to one of them
     assert!((rate.solid_worth.unwrap() - 1.0 / 3.0).abs() < ROUNDOFF, "{rate:?}");
     assert_eq!(found.compared.separations.solid[4], Separation { begin_s: 0.25, end_s: 0.26 });
+    // one as long as the shortest counts or not by where the steps of the history are: that and the ends of the time add as squares
+    let times: &[(f64, f64)] = &[(0.05, 0.06), (0.095, 0.12), (0.15, 0.16), (0.2, 0.202), (0.25, 0.26)];
+    let (solid, disturbed) = (flying(times, false), flying(times, true));
+    let rate = line(
+        &compared(&simple, [&solid, &disturbed], &Limits::default()),
+        "Undetermined motion: separations a second",
+    )
+    .clone();
+    assert!((rate.solid_worth.unwrap() - 0.98f64.hypot(1.0) / 3.0).abs() < ROUNDOFF, "{rate:?}");
 }
 
 /// Goal: with errors of averaged P and Q of 2 and 0.7 kN, Q/P of 0.3 is off by (0.7 + 0.3·2)/(P - 2) at most, which is 0.5 at P = 4.6 kN; the steps at which either model is below are left
