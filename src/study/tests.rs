@@ -65,7 +65,7 @@ fn the_shipped_studies_are_the_published_load_cases() {
         assert!(large.scenarios[name].solid);
     }
     let published_steps = SolidKeys { inner_steps: Some(1), ..SolidKeys::default() };
-    assert_eq!((large.calibration.loads.len(), large.solid), (30, published_steps));
+    assert_eq!((large.calibration.loads.len(), large.solid), (30, two_steps));
 }
 
 #[test]

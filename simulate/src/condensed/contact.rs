@@ -40,6 +40,25 @@ impl Contacts {
         self.all = profiles.settle(pose, strips, relief, friction, (SETTLINGS, FAR_OFF), list);
     }
 
+    /// Takes the forces along with a motion of the wheel against the rail, to first order: a contact has its own stiffness, and of what all lose by the relief the share of its force.
+    pub fn move_by(&mut self, moved: &Vector3<f64>) {
+        let (list, all) = (&mut self.list, &mut self.all);
+        let sum = |value: fn(&Contact) -> f64| list.iter().map(value).sum::<f64>();
+        let carried = sum(|contact| contact.normal_force);
+        let own: Vector3<f64> =
+            list.iter().map(|contact| (contact.stiffness + contact.friction_stiffness) * moved).sum();
+        let change = all.stiffness * moved;
+        let relieved = (own - change) / carried;
+        for contact in list.iter_mut() {
+            contact.energy -= contact.force.dot(moved);
+            contact.stored -= if contact.sticks { contact.friction.dot(moved) } else { 0.0 };
+            contact.force += relieved * contact.normal_force - contact.stiffness * moved;
+            contact.friction -= contact.friction_stiffness * moved;
+            contact.normal_force = contact.force.xy().norm();
+        }
+        all.force -= change;
+    }
+
     /// Keeps what the friction with which these contacts have just been found takes up.
     pub fn keep(&mut self, profiles: &mut Profiles, strips: &StripStiffness, friction: &Friction) {
         profiles.taken_up(strips, &self.relief, friction, &mut self.deflections);

@@ -21,6 +21,11 @@ const TOLERANCE: f64 = 1e-10;
 /// What the relief of the contacts may be off, m: it is taken into account to first order, so that forces are off by its square.
 const RELIEF: f64 = 1e-8;
 
+/// A pose that misses less, m, may be settled by its last Newton step, with the forces taken along to first order.
+const LAST_STEP: f64 = 1e-8;
+/// What such a step may leave of a pose, m, if the steps before and after it get nearer by the same square.
+const LEFT: f64 = 0.1 * TOLERANCE;
+
 /// Lever that turns a rotation into a displacement, m.
 const LEVER: f64 = 0.1;
 
@@ -83,7 +88,7 @@ impl Step<'_> {
         if !self.correct(&mut next.pose, &start.contacts, &at_start, 1.0) {
             next.pose = start.pose;
         }
-        let (mut last, mut length, mut longest) = (f64::INFINITY, 1.0_f64, 1.0_f64);
+        let (mut last, mut length, mut longest) = (at_start.size(), 1.0_f64, 1.0_f64);
         for iteration in 1..=ITERATIONS {
             let friction = self.friction(start, &next.pose);
             next.contacts.find(profiles, self.strips, &next.pose, friction.as_ref());
@@ -92,7 +97,11 @@ impl Step<'_> {
             if !size.is_finite() {
                 return Err(failure(iteration, size, &next.contacts, StopReason::NotFinite));
             }
-            if size < TOLERANCE && next.contacts.all.off < RELIEF {
+            let settled = next.contacts.all.off < RELIEF;
+            // Newton's steps square what is left
+            let ahead = size * (size / last).powi(2);
+            let lasts = settled && size < LAST_STEP && ahead < LEFT && !next.contacts.list.is_empty();
+            if size < TOLERANCE && settled || lasts && self.finish(next, &off) {
                 if let Some(friction) = friction {
                     next.contacts.keep(profiles, self.strips, &friction);
                 }
@@ -115,6 +124,17 @@ impl Step<'_> {
             }
         }
         Err(failure(ITERATIONS, last, &next.contacts, StopReason::IterationLimit))
+    }
+
+    /// Takes the last Newton step, and the forces along; whether there is one.
+    fn finish(&self, next: &mut Meeting, off: &Off) -> bool {
+        let before = next.pose;
+        if !self.correct(&mut next.pose, &next.contacts, off, 1.0) {
+            return false;
+        }
+        let moved = next.pose.wheel - before.wheel - off.to_wheel * (next.pose.rail - before.rail);
+        next.contacts.move_by(&moved);
+        true
     }
 
     /// Friction after what the strips had taken up at the start; none without a coefficient.
