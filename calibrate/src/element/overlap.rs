@@ -5,14 +5,18 @@
 
 mod extent;
 
-use self::extent::{POINTS, gauss, joints};
+use self::extent::{POINTS, gauss, joints, shortest_wave};
 use super::relief::{Influence, Loading, Relief, ReliefPlaces};
 use crate::profile::ProfileCurve;
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 use std::ops::Range;
 
-/// Distance of the stations at which contacts are looked for, m.
+/// Distance of the stations at which contacts are looked for, m, and the least one, where a measured profile that is not smoothed has short waves.
 const STATION: f64 = 1e-3;
+const LEAST_STATION: f64 = 0.25e-3;
+
+/// Curvatures that differ by more than this make a wave, 1/m: within a millimetre they move a penetration by 25 µm. Standards have none.
+const WAVE: f64 = 200.0;
 
 /// Least cosine of the angle between both profiles where they can touch.
 const LEAST_COSINE: f64 = 0.3;
@@ -160,7 +164,14 @@ impl<'a> Profiles<'a> {
         origin: Point2<f64>,
         rail_origin: Point2<f64>,
     ) -> Self {
-        let count = (rail.length() / STATION).ceil().max(2.0);
+        let sharpest = |curve: &ProfileCurve| {
+            let parameters = curve.sample_parameters(LEAST_STATION);
+            parameters.iter().map(|s| curve.curvature(*s).abs()).fold(0.0, f64::max)
+        };
+        let curvature = sharpest(rail) + sharpest(wheel);
+        let waves = shortest_wave(rail).min(shortest_wave(wheel));
+        let station = (0.25 * waves).clamp(LEAST_STATION, STATION);
+        let count = (rail.length() / station).ceil().max(2.0);
         let stations: Vec<Station> = (0..=count as usize)
             .map(|i| rail.length() * i as f64 / count)
             .map(|s| Station {
@@ -174,11 +185,7 @@ impl<'a> Profiles<'a> {
             })
             .collect();
         let middle = rail.point(0.5 * rail.length());
-        let sharpest = |curve: &ProfileCurve| {
-            let parameters = curve.sample_parameters(STATION);
-            parameters.iter().map(|s| curve.curvature(*s).abs()).fold(0.0, f64::max)
-        };
-        let between = 0.125 * (sharpest(rail) + sharpest(wheel)).min(SHARPEST) * STATION * STATION;
+        let between = 0.125 * curvature.min(SHARPEST) * station * station;
         let reach = stations.iter().map(|station| (station.point - middle).norm()).fold(0.0, f64::max);
         let mut profiles = Self {
             rail,

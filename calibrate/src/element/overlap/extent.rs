@@ -1,6 +1,6 @@
 //! Where an overlap begins and ends, and the rule of integration over it.
 
-use super::{Dip, MOST_STEPS, Overlap, Profiles, SETTLED, Span, Station, Turned};
+use super::{Dip, LEAST_STATION, MOST_STEPS, Overlap, Profiles, SETTLED, Span, Station, Turned, WAVE};
 use crate::profile::ProfileCurve;
 
 /// A contact that is narrower than this does not count, m: with the curvature of a gauge corner its overlap is a picometre.
@@ -170,6 +170,31 @@ pub(super) fn joints(curve: &ProfileCurve) -> Vec<f64> {
     curve.breakpoints().into_iter().filter(jumps).collect()
 }
 
+/// The shortest wave of a profile, m: twice the way from a curvature to one that differs from it by a wave's, the other way round from before; infinite without waves.
+pub(super) fn shortest_wave(curve: &ProfileCurve) -> f64 {
+    let mut shortest = f64::INFINITY;
+    // the last crest or trough, and what may become the next one
+    let mut turned: Option<f64> = None;
+    let [mut low, mut high] = [(f64::INFINITY, 0.0), (f64::NEG_INFINITY, 0.0)];
+    let mut rises: Option<bool> = None;
+    for s in curve.sample_parameters(0.5 * LEAST_STATION) {
+        let here = (curve.curvature(s), s);
+        (low, high) = (if here.0 < low.0 { here } else { low }, if here.0 > high.0 { here } else { high });
+        let [falls, climbs] = [high.0 - here.0 > WAVE, here.0 - low.0 > WAVE];
+        let turn = match rises {
+            Some(true) | None if falls => Some((high.1, false)),
+            Some(false) | None if climbs => Some((low.1, true)),
+            _ => None,
+        };
+        if let Some((at, up)) = turn {
+            shortest = turned.map_or(shortest, |last| shortest.min(2.0 * (at - last)));
+            (turned, rises) = (Some(at), Some(up));
+            (low, high) = (here, here);
+        }
+    }
+    shortest
+}
+
 /// Places and weights of Gauss's rule of `count` points on the interval from -1 to 1: the roots of Legendre's polynomial.
 pub(super) fn gauss(count: usize) -> Vec<(f64, f64)> {
     let order = count as f64;
@@ -188,4 +213,27 @@ pub(super) fn gauss(count: usize) -> Vec<(f64, f64)> {
         (-x, 2.0 / ((1.0 - x * x) * slope * slope))
     };
     (0..count).map(root).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::section::{rail_section, wheel_section};
+    use nalgebra::Point2;
+
+    /// Goal: the length of a profile's waves (m), and none of standards, of waves so flat that stations a millimetre apart see them, or of a single bend. Accuracy: the places at which the curvature is looked at,
+    /// half of [`LEAST_STATION`] apart, at both ends of half a wave.
+    #[test]
+    fn waves_have_their_length() {
+        for (length, height, waves) in [(0.9e-3, 8e-6, true), (2.5e-3, 40e-6, true), (2.5e-3, 8e-6, false)] {
+            let wave = |y: f64| height * (std::f64::consts::TAU * y / length).cos();
+            let points: Vec<Point2<f64>> =
+                (-200..=200).map(|i| 0.1e-3 * f64::from(i)).map(|y| Point2::new(y, wave(y))).collect();
+            let found = shortest_wave(&ProfileCurve::from_points(&points, &[]).unwrap());
+            assert_eq!(found.is_finite(), waves, "{length} {height}: {found}");
+            assert!(!waves || (found - length).abs() < 2.0 * LEAST_STATION, "{length}: {found}");
+        }
+        let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.92).unwrap());
+        assert!(shortest_wave(&rail.running).is_infinite() && shortest_wave(&wheel.running).is_infinite());
+    }
 }

@@ -341,6 +341,31 @@ fn contacts_have_no_memory() {
     assert!(touching > 50, "{touching}");
 }
 
+/// Goal: on a wheel with waves of 0.9 mm, as measured profiles have them that are not smoothed, the force (N) goes up with the depth by no more than all strips that are pressed
+/// have it, modulus times width: no overlap beside another one is missed at one depth and found at the next. Accuracy: QUADRATURE, while two overlaps join they are summed partly as
+/// two and partly as one, which have hundredths of a pressed strip more or less (3 % of the rise measured); ROUNDOFF of the forces, a newton of 5 kN. An overlap that is missed has 1,800 % of it.
+#[test]
+fn narrow_overlaps_beside_a_contact_come_without_a_jump() {
+    const QUADRATURE: f64 = 0.05;
+    const ROUNDOFF: f64 = 1.0;
+    const MODULUS: f64 = 4e10;
+    let wave = |y: f64| 8e-6 * ((std::f64::consts::TAU * y / 0.9e-3).cos() - 1.0);
+    let points: Vec<Point2<f64>> =
+        (-200..=200).map(|i| 0.1e-3 * f64::from(i)).map(|y| Point2::new(y, wave(y) - arc(0.3)(y))).collect();
+    let (rail, wheel) = (profile(|_| 0.0), ProfileCurve::from_points(&points, &[]).unwrap());
+    let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+    let step = 0.1e-6;
+    let mut last = 0.0;
+    for i in 1..=600 {
+        let contacts = found(&mut bodies, &down(f64::from(i) * step), &Uniform(MODULUS));
+        let force: f64 = contacts.iter().map(|contact| contact.normal_force).sum();
+        let width: f64 = contacts.iter().map(|contact| contact.extent[1] - contact.extent[0]).sum();
+        let most = MODULUS * width * step * (1.0 + QUADRATURE) + ROUNDOFF;
+        assert!(force > last - ROUNDOFF && force < last + most, "{i}: {last} {force} {most}");
+        last = force;
+    }
+}
+
 /// Source: R.D. Mindlin, H. Deresiewicz, "Elastic spheres in contact under varying oblique forces", J. Appl. Mech. 20 (1953): under a constant normal force `N` a
 /// tangential displacement `u` makes `T = µN·(1 - (1 - u/u₁)^(3/2))`, and back from `u*`, by twice of that over `2u₁`; u₁ = 3µN/(2k). Goal: that force (N) of a crowned wheel on a
 /// flat rail, forth, back and forth again. Accuracy: strips whose forces are a parabola have that force exactly; the rule of integration has twelve points, up to π/24 of the width apart, between two of which the
