@@ -171,6 +171,10 @@ impl<'a> Profiles<'a> {
         let curvature = sharpest(rail) + sharpest(wheel);
         let waves = shortest_wave(rail).min(shortest_wave(wheel));
         let station = (0.25 * waves).clamp(LEAST_STATION, STATION);
+        // the rule of integration sees two waves at a time
+        let part = 8.0 * station;
+        let parts = if waves.is_finite() { (rail.length() / part) as usize } else { 0 };
+        let on_rail = joints(rail).into_iter().chain((1..=parts).map(|i| part * i as f64)).collect();
         let count = (rail.length() / station).ceil().max(2.0);
         let stations: Vec<Station> = (0..=count as usize)
             .map(|i| rail.length() * i as f64 / count)
@@ -193,7 +197,7 @@ impl<'a> Profiles<'a> {
             origin,
             rail_origin,
             between,
-            joints: [joints(rail), joints(wheel)],
+            joints: [on_rail, joints(wheel)],
             panels: Vec::with_capacity(16),
             rule: gauss(POINTS),
             middle,

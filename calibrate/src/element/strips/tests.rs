@@ -342,11 +342,10 @@ fn contacts_have_no_memory() {
 }
 
 /// Goal: on a wheel with waves of 0.9 mm, as measured profiles have them that are not smoothed, the force (N) goes up with the depth by no more than all strips that are pressed
-/// have it, modulus times width: no overlap beside another one is missed at one depth and found at the next. Accuracy: QUADRATURE, while two overlaps join they are summed partly as
-/// two and partly as one, which have hundredths of a pressed strip more or less (3 % of the rise measured); ROUNDOFF of the forces, a newton of 5 kN. An overlap that is missed has 1,800 % of it.
+/// have it, modulus times width: no overlap beside another one is missed at one depth and found at the next. Accuracy: ROUNDOFF of the forces, a newton of
+/// 5 kN. With stations a millimetre apart a force of 90 N jumps by 120 N; with twelve points over eight waves 7 kN rise by twice what the strips have.
 #[test]
 fn narrow_overlaps_beside_a_contact_come_without_a_jump() {
-    const QUADRATURE: f64 = 0.05;
     const ROUNDOFF: f64 = 1.0;
     const MODULUS: f64 = 4e10;
     let wave = |y: f64| 8e-6 * ((std::f64::consts::TAU * y / 0.9e-3).cos() - 1.0);
@@ -360,7 +359,7 @@ fn narrow_overlaps_beside_a_contact_come_without_a_jump() {
         let contacts = found(&mut bodies, &down(f64::from(i) * step), &Uniform(MODULUS));
         let force: f64 = contacts.iter().map(|contact| contact.normal_force).sum();
         let width: f64 = contacts.iter().map(|contact| contact.extent[1] - contact.extent[0]).sum();
-        let most = MODULUS * width * step * (1.0 + QUADRATURE) + ROUNDOFF;
+        let most = MODULUS * width * step + ROUNDOFF;
         assert!(force > last - ROUNDOFF && force < last + most, "{i}: {last} {force} {most}");
         last = force;
     }
