@@ -13,7 +13,7 @@ use std::ops::Range;
 
 /// Distance of the stations at which contacts are looked for, m, and the least one, where a measured profile that is not smoothed has short waves.
 const STATION: f64 = 1e-3;
-const LEAST_STATION: f64 = 0.25e-3;
+const LEAST_STATION: f64 = 0.1e-3;
 
 /// Curvatures that differ by more than this make a wave, 1/m: within a millimetre they move a penetration by 25 µm. Standards have none.
 const WAVE: f64 = 200.0;

@@ -187,7 +187,9 @@ pub(super) fn shortest_wave(curve: &ProfileCurve) -> f64 {
             _ => None,
         };
         if let Some((at, up)) = turn {
-            shortest = turned.map_or(shortest, |last| shortest.min(2.0 * (at - last)));
+            // the end of a profile is no crest
+            shortest =
+                turned.filter(|last| *last > 0.0).map_or(shortest, |last| shortest.min(2.0 * (at - last)));
             (turned, rises) = (Some(at), Some(up));
             (low, high) = (here, here);
         }
