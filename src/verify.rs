@@ -31,13 +31,11 @@ use railspring_calibrate::history::{Ending, History, HistoryRow};
 use serde::{Deserialize, Serialize};
 
 pub use band::Band;
-pub use change::Change;
+pub use change::{Change, least_contact};
 pub use limits::Limits;
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};
 pub use model_run::{ModelRun, Worth};
-pub use signals::{
-    Both, Carrying, ModeFractions, Separation, averaged_ratio, least_contact, mode_fractions, separations,
-};
+pub use signals::{Both, Carrying, ModeFractions, Separation, averaged_ratio, mode_fractions, separations};
 pub use spread::{Spread, disturbed};
 pub use step_change::StepChange;
 

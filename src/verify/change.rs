@@ -89,6 +89,15 @@ pub(super) fn peaks(run: &History) -> [f64; 2] {
     FORCES.map(|force| peak(&column(run, force)))
 }
 
+/// Share of the largest P of a run under which a contact does not count: its patch is hardly wider than an element of the solid's contact grid (Hertz, 75 N:
+/// a semi-axis of 0.5 mm), which finds it or not by where its nodes are.
+const LEAST_CONTACT: f64 = 1e-3;
+
+/// The force under which a wheel counts as separated beside a run, N.
+pub fn least_contact(run: &History) -> f64 {
+    LEAST_CONTACT * peaks(run)[0]
+}
+
 /// What changes of P and Q are shares of, N.
 pub(super) fn scales(run: &History) -> [f64; 2] {
     let peaks = peaks(run);

@@ -5,13 +5,12 @@
 
 use railspring_calibrate::history::{Ending, History};
 
-use super::change::{FORCES, over, peaks, scales};
+use super::change::{FORCES, least_contact, over, peaks, scales};
 use super::limits::Limits;
 use super::line::Criterion;
 use super::model_run::ModelRun;
 use super::signals::{
-    Carrying, ModeFractions, Separation, averaged_ratio, fractions_of, least_contact, pair_separations,
-    separations,
+    Carrying, ModeFractions, Separation, averaged_ratio, fractions_of, pair_separations, separations,
 };
 use super::{Check, column, peak, rms, rows_before};
 

@@ -115,15 +115,6 @@ fn window_averages(history: &History, window: f64, value: fn(&HistoryRow) -> f64
         .collect()
 }
 
-/// Share of the largest P of a run under which a contact does not count: its patch is hardly wider than an element of the solid's contact grid (Hertz, 75 N:
-/// a semi-axis of 0.5 mm), which finds it or not by where its nodes are.
-const LEAST_CONTACT: f64 = 1e-3;
-
-/// The force under which a wheel counts as separated beside a run, N.
-pub fn least_contact(run: &History) -> f64 {
-    LEAST_CONTACT * run.rows.iter().map(|row| row.vertical_force.abs()).fold(0.0, f64::max)
-}
-
 /// The contact mode of a step, separated under less than a force (N).
 pub(super) fn mode(row: &HistoryRow, least: f64) -> ContactMode {
     let force = row.vertical_force.hypot(row.lateral_force);

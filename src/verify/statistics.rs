@@ -8,11 +8,11 @@ use std::ops::Range;
 
 use railspring_calibrate::history::{ContactMode, History};
 
-use super::change::{FORCES, over, peaks};
+use super::change::{FORCES, least_contact, over, peaks};
 use super::limits::Limits;
 use super::line::{Criterion, Line};
 use super::model_run::ModelRun;
-use super::signals::{least_contact, mode};
+use super::signals::mode;
 use super::{rows_before, separations};
 
 /// Fewest blocks that the time is cut into, each as long as the window of the averaged Q/P at least.
@@ -148,12 +148,15 @@ pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first:
     // shortest but for a step of the history: each of them counts or does not.
     let one = 1.0 / ((end - first) as f64 * step);
     let times = [first, end - 1].map(|row| solid.history.rows[row].time);
-    let unclear = separations(solid.history, 0.0, least)
-        .iter()
-        .filter(|s| s.begin_s >= times[0] && s.begin_s <= times[1])
-        .filter(|s| (s.length() - limits.separation_shortest_s).abs() < 1.01 * step)
-        .count();
-    let least_rate = one * (UNCLEAR_95 * (unclear as f64).sqrt()).hypot(1.0);
+    let least_rate = |run: &ModelRun| {
+        let unclear = separations(run.history, 0.0, least)
+            .iter()
+            .filter(|s| s.begin_s >= times[0] && s.begin_s <= times[1])
+            .filter(|s| (s.length() - limits.separation_shortest_s).abs() < 1.01 * step)
+            .count();
+        one * (UNCLEAR_95 * (unclear as f64).sqrt()).hypot(1.0)
+    };
+    let least_rates = [simple, solid].map(least_rate);
     let rate = of_solid[RATE].max(one);
     let line = |n: usize, criterion: Criterion| {
         let value = |difference: f64| match n {
@@ -161,8 +164,11 @@ pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first:
             RATE => difference / rate,
             _ => difference,
         };
-        let least = if n == RATE { least_rate } else { 0.0 };
-        let worth = worth.map(|worth| worth.map(|worth| value(worth[n].max(least))));
+        let of = |k: usize| {
+            let least = if n == RATE { least_rates[k] } else { 0.0 };
+            worth[k].map(|worth| value(worth[n].max(least)))
+        };
+        let worth = [of(0), of(1)];
         criterion.line_beside(Some(value((of_simple[n] - of_solid[n]).abs())), worth).taken_over(times)
     };
     let forces = OF_FORCES.into_iter().map(|meaning| Criterion { meaning, ..limits.statistics() });

@@ -5,7 +5,7 @@
 
 mod extent;
 
-use self::extent::{POINTS, gauss, joints, shortest_wave};
+use self::extent::{Bends, POINTS, gauss, joints};
 use super::relief::{Influence, Loading, Relief, ReliefPlaces};
 use crate::profile::ProfileCurve;
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
@@ -164,12 +164,9 @@ impl<'a> Profiles<'a> {
         origin: Point2<f64>,
         rail_origin: Point2<f64>,
     ) -> Self {
-        let sharpest = |curve: &ProfileCurve| {
-            let parameters = curve.sample_parameters(LEAST_STATION);
-            parameters.iter().map(|s| curve.curvature(*s).abs()).fold(0.0, f64::max)
-        };
-        let curvature = sharpest(rail) + sharpest(wheel);
-        let waves = shortest_wave(rail).min(shortest_wave(wheel));
+        let [of_rail, of_wheel] = [rail, wheel].map(Bends::of);
+        let curvature = of_rail.sharpest + of_wheel.sharpest;
+        let waves = of_rail.shortest_wave.min(of_wheel.shortest_wave);
         let station = (0.25 * waves).clamp(LEAST_STATION, STATION);
         // the rule of integration sees two waves at a time
         let part = 8.0 * station;

@@ -51,7 +51,9 @@ impl Contacts {
         let relieved = (own - change) / carried;
         for contact in list.iter_mut() {
             contact.energy -= contact.force.dot(moved);
-            contact.stored -= if contact.sticks { contact.friction.dot(moved) } else { 0.0 };
+            if contact.sticks {
+                contact.stored -= contact.friction.dot(moved);
+            }
             contact.force += relieved * contact.normal_force - contact.stiffness * moved;
             contact.friction -= contact.friction_stiffness * moved;
             contact.normal_force = contact.force.xy().norm();

@@ -102,7 +102,8 @@ impl Step<'_> {
             let ahead = size * (size / last).powi(2);
             let lasts = settled && size < LAST_STEP && ahead < LEFT && !next.contacts.list.is_empty();
             if size < TOLERANCE && settled || lasts && self.finish(next, &off) {
-                if let Some(friction) = friction {
+                // from where the last step has led
+                if let Some(friction) = self.friction(start, &next.pose) {
                     next.contacts.keep(profiles, self.strips, &friction);
                 }
                 return Ok(iteration);

@@ -170,31 +170,42 @@ pub(super) fn joints(curve: &ProfileCurve) -> Vec<f64> {
     curve.breakpoints().into_iter().filter(jumps).collect()
 }
 
-/// The shortest wave of a profile, m: twice the way from a curvature to one that differs from it by a wave's, the other way round from before; infinite without waves.
-pub(super) fn shortest_wave(curve: &ProfileCurve) -> f64 {
-    let mut shortest = f64::INFINITY;
-    // the last crest or trough, and what may become the next one
-    let mut turned: Option<f64> = None;
-    let [mut low, mut high] = [(f64::INFINITY, 0.0), (f64::NEG_INFINITY, 0.0)];
-    let mut rises: Option<bool> = None;
-    for s in curve.sample_parameters(0.5 * LEAST_STATION) {
-        let here = (curve.curvature(s), s);
-        (low, high) = (if here.0 < low.0 { here } else { low }, if here.0 > high.0 { here } else { high });
-        let [falls, climbs] = [high.0 - here.0 > WAVE, here.0 - low.0 > WAVE];
-        let turn = match rises {
-            Some(true) | None if falls => Some((high.1, false)),
-            Some(false) | None if climbs => Some((low.1, true)),
-            _ => None,
-        };
-        if let Some((at, up)) = turn {
+/// How a profile bends.
+pub(super) struct Bends {
+    /// Its sharpest curvature either way, 1/m.
+    pub sharpest: f64,
+    /// Its shortest wave, m: twice the way from a curvature to one that differs from it by a wave's, the other way round from before; infinite without waves.
+    pub shortest_wave: f64,
+}
+
+impl Bends {
+    pub fn of(curve: &ProfileCurve) -> Self {
+        let mut bends = Self { sharpest: 0.0, shortest_wave: f64::INFINITY };
+        // the last crest or trough, and what may become the next one
+        let mut turned: Option<f64> = None;
+        let [mut low, mut high] = [(f64::INFINITY, 0.0), (f64::NEG_INFINITY, 0.0)];
+        let mut rises: Option<bool> = None;
+        for s in curve.sample_parameters(0.5 * LEAST_STATION) {
+            let here = (curve.curvature(s), s);
+            bends.sharpest = bends.sharpest.max(here.0.abs());
+            (low, high) =
+                (if here.0 < low.0 { here } else { low }, if here.0 > high.0 { here } else { high });
+            let [falls, climbs] = [high.0 - here.0 > WAVE, here.0 - low.0 > WAVE];
+            let turn = match rises {
+                Some(true) | None if falls => Some((high.1, false)),
+                Some(false) | None if climbs => Some((low.1, true)),
+                _ => None,
+            };
+            let Some((at, up)) = turn else { continue };
             // the end of a profile is no crest
-            shortest =
-                turned.filter(|last| *last > 0.0).map_or(shortest, |last| shortest.min(2.0 * (at - last)));
+            if let Some(last) = turned.filter(|last| *last > 0.0) {
+                bends.shortest_wave = bends.shortest_wave.min(2.0 * (at - last));
+            }
             (turned, rises) = (Some(at), Some(up));
             (low, high) = (here, here);
         }
+        bends
     }
-    shortest
 }
 
 /// Places and weights of Gauss's rule of `count` points on the interval from -1 to 1: the roots of Legendre's polynomial.
@@ -231,11 +242,13 @@ mod tests {
             let wave = |y: f64| height * (std::f64::consts::TAU * y / length).cos();
             let points: Vec<Point2<f64>> =
                 (-200..=200).map(|i| 0.1e-3 * f64::from(i)).map(|y| Point2::new(y, wave(y))).collect();
-            let found = shortest_wave(&ProfileCurve::from_points(&points, &[]).unwrap());
+            let found = Bends::of(&ProfileCurve::from_points(&points, &[]).unwrap()).shortest_wave;
             assert_eq!(found.is_finite(), waves, "{length} {height}: {found}");
             assert!(!waves || (found - length).abs() < 2.0 * LEAST_STATION, "{length}: {found}");
         }
         let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.92).unwrap());
-        assert!(shortest_wave(&rail.running).is_infinite() && shortest_wave(&wheel.running).is_infinite());
+        for standard in [&rail.running, &wheel.running] {
+            assert!(Bends::of(standard).shortest_wave.is_infinite());
+        }
     }
 }
