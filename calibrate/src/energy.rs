@@ -59,7 +59,7 @@ impl std::ops::Add for PartEnergy {
 }
 
 /// The balance from step to step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnergyLedger {
     start: f64,
     balance: EnergyBalance,
@@ -77,12 +77,23 @@ impl EnergyLedger {
 
     /// With one more step, of all parts together.
     pub fn entered(self, step: PartEnergy) -> Self {
-        let PartEnergy { kinetic, elastic, .. } = step;
-        let before = self.balance;
-        let (work, damped) = (before.work + step.work, before.damped + step.damped);
-        let friction = before.friction + step.friction;
+        self.worked(&step).stored(&step)
+    }
+
+    /// With the works of one more step, of all parts together; what is stored at its end is not yet known.
+    pub fn worked(mut self, step: &PartEnergy) -> Self {
+        self.balance.work += step.work;
+        self.balance.damped += step.damped;
+        self.balance.friction += step.friction;
+        self
+    }
+
+    /// With what all parts together have stored at the end of the last step.
+    pub fn stored(mut self, PartEnergy { kinetic, elastic, .. }: &PartEnergy) -> Self {
+        let EnergyBalance { work, damped, friction, .. } = self.balance;
         let drift = kinetic + elastic - self.start - work + damped + friction;
-        Self { balance: EnergyBalance { kinetic, elastic, work, damped, friction, drift }, ..self }
+        self.balance = EnergyBalance { kinetic: *kinetic, elastic: *elastic, drift, ..self.balance };
+        self
     }
 
     /// The balance at the end of the last step.

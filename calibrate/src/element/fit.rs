@@ -2,9 +2,10 @@
 
 use super::hertz::{MINDLIN, hertz_table};
 use super::law::{StripPlace, StripStiffness};
+use super::modulus::StripModulus;
 use super::overlap::{Pose, Profiles};
 use super::sections::SectionFlexibility;
-use super::strips::{Contact, StripModulus};
+use super::strips::{Contact, ContactStrips};
 use crate::error::{InputError, Result};
 use crate::pair::{Pair, ShiftLaw};
 use crate::solid::Material;
@@ -208,7 +209,7 @@ impl Fit<'_> {
     fn force(
         &self,
         place: &Pressed,
-        profiles: &mut Profiles,
+        profiles: &mut ContactStrips,
         load: &PlaceLoad,
         strips: &StripStiffness,
     ) -> f64 {
@@ -359,10 +360,15 @@ fn between(knots: &[Knot], rail_s: f64) -> Knot {
 }
 
 impl Pressed {
-    fn profiles(&self, strips: &StripStiffness) -> Profiles<'_> {
+    fn profiles(&self, strips: &StripStiffness) -> ContactStrips<'_> {
         let pair = &self.pair;
-        Profiles::new(&pair.placed.curve, &pair.wheel.running, Point2::from(pair.tape()), pair.node_line())
-            .of_strips(strips)
+        let profiles = Profiles::new(
+            &pair.placed.curve,
+            &pair.wheel.running,
+            Point2::from(pair.tape()),
+            pair.node_line(),
+        );
+        ContactStrips::new(profiles, strips)
     }
 
     /// Both sections turned under a load, the touching point moved together by the approach and a little `more` (m).
@@ -387,7 +393,7 @@ impl Pressed {
     /// Whether the contact under a load is where the wheel first touched.
     fn stays(
         &self,
-        profiles: &mut Profiles,
+        profiles: &mut ContactStrips,
         sections: &Sections,
         load: &PlaceLoad,
         strips: &StripStiffness,
@@ -400,7 +406,7 @@ impl Pressed {
     /// The contacts under the approach that belongs to a load and a little `more` (m), without friction.
     fn contacts(
         &self,
-        profiles: &mut Profiles,
+        profiles: &mut ContactStrips,
         sections: &Sections,
         load: &PlaceLoad,
         more: f64,

@@ -1,8 +1,8 @@
 //! Strips that make Hertz's contact wherever two profiles can touch.
 
 use super::law::{StripPlace, StripStiffness};
+use super::modulus::StripModulus;
 use super::relief::{Influence, ReliefPlaces};
-use super::strips::StripModulus;
 use crate::analytic::hertz::{contact_modulus, point_contact};
 use crate::pair::Pair;
 use crate::profile::ProfileCurve;

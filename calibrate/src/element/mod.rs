@@ -3,6 +3,7 @@
 mod sections;
 mod wheel;
 mod relief;
+mod modulus;
 mod overlap;
 mod strips;
 mod law;
@@ -11,10 +12,11 @@ mod fit;
 
 pub use fit::{PlaceApproaches, PlaceLoad, Sections, fit_strips};
 pub use law::{StripPlace, StripStiffness};
+pub use modulus::{StripLaw, StripModulus};
 pub use overlap::{Pose, Profiles};
-pub use relief::{Influence, Relief};
+pub use relief::Influence;
 pub use sections::{RunningSurface, SectionFlexibility};
-pub use strips::{Contact, Deflections, Friction, Relieved, StripLaw, StripModulus};
+pub use strips::{Contact, ContactStrips, Relieved};
 pub use wheel::{ElasticWheel, RimMode};
 
 use crate::contact::{HalfSpace, Side};

@@ -6,7 +6,7 @@
 mod extent;
 
 use self::extent::{Bends, POINTS, gauss, joints};
-use super::relief::{Influence, Loading, Relief, ReliefPlaces};
+use super::relief::{Influence, Relief, ReliefPlaces};
 use crate::profile::ProfileCurve;
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 use std::ops::Range;
@@ -71,9 +71,7 @@ pub struct Profiles<'a> {
     weights: Vec<f64>,
     /// Where loads relieve others, if they do, and the relief under which the bodies are looked at.
     pub(super) places: Option<ReliefPlaces>,
-    pub(super) relief: Relief,
-    /// The loads of the contacts.
-    pub(super) loading: Loading,
+    relief: Relief,
     /// A contact whose overlap is between two stations can be so much deeper than they are, m: an eighth of the sharpest relative curvature times the square of
     /// their distance.
     between: f64,
@@ -86,11 +84,13 @@ pub struct Profiles<'a> {
     looked: Option<Turned>,
     /// What the profiles have moved against each other since the bounds set out, m.
     travel: f64,
+    /// The bodies can move against each other by this, m, before they may overlap in another place or part in the middle of one.
+    pub(super) gap: f64,
     /// The stations near an overlap, the first and the last, and the highest bound of all others.
     window: [usize; 2],
     outside: f64,
     /// Where the bodies may overlap.
-    near: Vec<Span>,
+    spans: Vec<Span>,
     /// Where they overlap the least between two deeper places: all, and those of the contact that is looked at, the deepest ones first.
     dips: Vec<Dip>,
     inside: Vec<Dip>,
@@ -101,7 +101,7 @@ pub struct Profiles<'a> {
 }
 
 /// The rail's profile in the wheel's frame.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Turned {
     turn: Rotation2<f64>,
     by: Vector2<f64>,
@@ -144,13 +144,17 @@ pub(super) struct Facing {
     /// How far the bodies overlap along the rail's normal, m.
     pub penetration: f64,
     /// Change of the penetration along the rail, but for the curvature times the overlap.
-    slope: f64,
+    pub slope: f64,
     /// Weight of a relief and of the loads that make it.
     pub weight: f64,
     /// Cosine of the angle between the profiles.
     pub cosine: f64,
-    /// Outward normal of the wheel, in the wheel's frame.
+    /// Outward normal of the wheel, in the wheel's frame, and the change of its tangent along it, 1/m.
     pub outward: Vector2<f64>,
+    /// See `outward`.
+    pub bend: Vector2<f64>,
+    /// Tangent of the rail, in the wheel's frame.
+    pub along: Vector2<f64>,
     /// The rail's point in the wheel's frame.
     pub point: Point2<f64>,
 }
@@ -201,15 +205,15 @@ impl<'a> Profiles<'a> {
             reach,
             looked: None,
             travel: 0.0,
+            gap: 0.0,
             window: [0, stations.len() - 1],
             outside: f64::INFINITY,
-            near: Vec::with_capacity(stations.len()),
+            spans: Vec::with_capacity(stations.len()),
             dips: Vec::with_capacity(stations.len()),
             inside: Vec::with_capacity(stations.len()),
             weights: vec![0.0; stations.len()],
             places: None,
             relief: Relief::default(),
-            loading: Loading::default(),
             stations,
         };
         let rest = profiles.turned(&Pose::default());
@@ -286,12 +290,12 @@ impl<'a> Profiles<'a> {
                 // the parabola there is the curve to the cube of the step
                 let step = step - 0.5 * along.dot(&bend) * step * step / advance;
                 let (foot, tangent) = (foot + step * (tangent + 0.5 * step * bend), tangent + step * bend);
-                return Facing::new(point, normal, along, (wheel_s + step, foot, tangent));
+                return Facing::new(point, normal, along, (wheel_s + step, foot, tangent, bend));
             }
             wheel_s += step.clamp(-LONGEST_STEP, LONGEST_STEP);
         }
-        let (foot, tangent) = self.wheel.evaluate(wheel_s);
-        Facing::new(point, normal, along, (wheel_s, foot, tangent))
+        let (foot, tangent, bend) = self.wheel.evaluate_twice(wheel_s);
+        Facing::new(point, normal, along, (wheel_s, foot, tangent, bend))
     }
 
     fn facing_at(&self, place: &Turned, s: f64, guess: f64) -> Option<Facing> {
@@ -336,7 +340,7 @@ impl<'a> Profiles<'a> {
 
     /// Looks at the stations where the bodies can overlap, and lists where they may.
     fn look(&mut self, place: &Turned) {
-        self.near.clear();
+        self.spans.clear();
         self.dips.clear();
         self.travel += self.looked.map_or(f64::INFINITY, |looked| self.motion(&looked, place));
         self.looked = Some(*place);
@@ -379,6 +383,7 @@ impl<'a> Profiles<'a> {
                 self.stations[i].slope -= slope;
             }
         }
+        self.gap = -(self.outside + travel);
         let depth = |i: usize| self.stations[i].depth;
         let mut i = first;
         while i <= end {
@@ -389,10 +394,12 @@ impl<'a> Profiles<'a> {
                 }
                 let mut rest = self.span(from.saturating_sub(1), i.min(last));
                 for j in from..i.saturating_sub(1) {
-                    match self.dip(place, j) {
+                    let dip = self.dip(place, j);
+                    self.gap = dip.map_or(self.gap, |(_, least)| self.gap.min(least.abs()));
+                    match dip {
                         Some((gap, least)) if least <= 0.0 => {
                             let ends = [rest.ends[0], gap];
-                            self.near.push(Span { stations: (rest.stations.0, j + 1), ends });
+                            self.spans.push(Span { stations: (rest.stations.0, j + 1), ends });
                             rest = Span { stations: (j, rest.stations.1), ends: [gap, rest.ends[1]] };
                         }
                         Some((s, least)) => {
@@ -402,13 +409,15 @@ impl<'a> Profiles<'a> {
                         None => {}
                     }
                 }
-                self.near.push(rest);
+                self.spans.push(rest);
                 continue;
             }
             // a contact may be narrower than the distance of two stations
             let peak = i > first && i < end && depth(i) >= depth(i - 1) && depth(i) > depth(i + 1);
             if peak && depth(i) > -self.between && depth(i - 1) <= 0.0 && depth(i + 1) <= 0.0 {
-                self.near.push(self.span(i - 1, i + 1));
+                self.spans.push(self.span(i - 1, i + 1));
+            } else if depth(i) >= depth(i.max(first + 1) - 1) && depth(i) >= depth((i + 1).min(end)) {
+                self.gap = self.gap.min(-self.between - depth(i));
             }
             i += 1;
         }
@@ -428,19 +437,19 @@ impl<'a> Profiles<'a> {
         let place = self.turned(pose);
         self.relief.copy_from(relief);
         self.look(&place);
-        (place, self.near.len())
-    }
-
-    /// The same at the pose of the last look, where the bodies overlap as they did then, under another relief.
-    pub(super) fn again(&mut self, relief: &Relief) -> Option<(Turned, usize)> {
-        self.relief.copy_from(relief);
-        self.looked.map(|place| (place, self.near.len()))
+        (place, self.spans.len())
     }
 
     /// One of these places, in the order of the rail's profile, if the bodies overlap there.
-    pub(super) fn overlap(&self, place: &Turned, number: usize) -> Option<Overlap> {
-        let span = self.near[number];
-        self.extent(place, span).map(|extent| Overlap { extent, stations: span.stations })
+    pub(super) fn overlap(&mut self, place: &Turned, number: usize) -> Option<Overlap> {
+        let span = self.spans[number];
+        match self.extent(place, span) {
+            Ok(extent) => Some(Overlap { extent, stations: span.stations }),
+            Err(apart) => {
+                self.gap = self.gap.min(apart);
+                None
+            }
+        }
     }
 
     /// The wheel over a place of the rail in an overlap.
@@ -448,9 +457,21 @@ impl<'a> Profiles<'a> {
         self.facing_at(place, s, self.guess(s, overlap.stations))
     }
 
+    /// The relief at the last look.
+    pub(super) fn relief(&self) -> &Relief {
+        &self.relief
+    }
+
     /// World position of the wheel's reference point at rest, m.
     pub(super) fn wheel_origin(&self) -> Point2<f64> {
         self.origin
+    }
+
+    /// Motion of the wheel against the rail from one pose to another, about the wheel's reference point where that is then.
+    pub(super) fn motion_between(&self, from: &Pose, to: &Pose) -> Vector3<f64> {
+        let rail = to.rail - from.rail;
+        let arm = self.origin + to.wheel.xy() - self.rail_origin - to.rail.xy();
+        to.wheel - from.wheel - Vector3::new(rail.x - arm.y * rail.z, rail.y + arm.x * rail.z, rail.z)
     }
 
     /// Length of the rail's profile, m.
@@ -481,12 +502,13 @@ impl Station {
 }
 
 impl Facing {
-    /// From the place of the rail in the wheel's frame with its normal and the tangent across it, and the `foot` on the wheel: its arc length, point and tangent.
+    /// From the place of the rail in the wheel's frame with its normal and the tangent across it, and the `foot` on the wheel: its arc length, point, tangent and the
+    /// change of that.
     fn new(
         point: Point2<f64>,
         normal: Vector2<f64>,
         along: Vector2<f64>,
-        (wheel_s, foot, tangent): (f64, Point2<f64>, Vector2<f64>),
+        (wheel_s, foot, tangent, bend): (f64, Point2<f64>, Vector2<f64>, Vector2<f64>),
     ) -> Option<Self> {
         let cosine = along.dot(&tangent);
         if cosine < LEAST_COSINE {
@@ -501,6 +523,8 @@ impl Facing {
             weight: 0.0,
             cosine,
             outward,
+            bend,
+            along,
             point,
         })
     }

@@ -38,9 +38,27 @@ const IN_A_POINT: f64 = 20e-3;
 /// Third root of a load, N, to which others are added, so that the derivative of their relief is bounded.
 const LEAST_ROOT: f64 = 2.0;
 
+/// Newton steps to a third root, and the last one, relative: its square is rounding.
+const NEWTONS: usize = 4;
+const NEAR: f64 = 1e-8;
+
 /// The third root of a load, N.
 fn root(load: f64) -> f64 {
     (load.max(0.0) + LEAST_ROOT * LEAST_ROOT * LEAST_ROOT).cbrt()
+}
+
+/// The same from the root of a load that is near, by Newton's method.
+fn root_from(near: f64, load: f64) -> f64 {
+    let cube = load.max(0.0) + LEAST_ROOT * LEAST_ROOT * LEAST_ROOT;
+    let mut root = near;
+    for _ in 0..NEWTONS {
+        let step = (root - cube / (root * root)) / 3.0;
+        root -= step;
+        if step.abs() < NEAR * root {
+            return root;
+        }
+    }
+    cube.cbrt()
 }
 
 /// How a load on a surface moves the surface around it.
@@ -68,7 +86,8 @@ pub(super) struct ReliefPlaces {
 }
 
 /// What of the functions of a surface a place of it has.
-struct Bells {
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Bells {
     first: usize,
     value: [f64; WIDTH],
 }
@@ -80,6 +99,11 @@ pub struct Relief {
 }
 
 impl Relief {
+    /// At a place, m.
+    fn of(&self, place: usize) -> f64 {
+        self.at.get(place).copied().unwrap_or(0.0)
+    }
+
     /// Takes over another.
     pub fn copy_from(&mut self, other: &Self) {
         self.at.clone_from(&other.at);
@@ -123,7 +147,7 @@ impl ReliefPlaces {
     }
 
     /// The functions at an arc length.
-    fn bells(&self, s: f64) -> Bells {
+    pub fn bells(&self, s: f64) -> Bells {
         let (first, u) = self.split(s);
         let (v, u2) = (1.0 - u, u * u);
         let (v2, u4) = (v * v, u2 * u2);

@@ -8,80 +8,37 @@
 //!
 //! What the loads move beside their strips stands in [`super::relief`].
 //!
-//! Friction acts on every strip: a tangential spring that Coulomb's law limits by the normal force there. The strips at the edges of a contact
+//! Friction acts on every strip: a tangential spring that Coulomb's law limits by the normal force there ([`friction`]). The strips at the edges of a contact
 //! slide first. With strips whose forces are spread as a parabola the tangential force is C. Cattaneo's and R.D. Mindlin's,
 //! `1 - (1 - u/u₁)^(3/2)` of the limit at a displacement `u`, where everything slides from `u₁` on, and its loops when the force turns are theirs as well.
+//!
+//! Where the strips are is found at one pose; at poses near it they are the same strips, pressed otherwise ([`near`]).
 
-use super::overlap::{Facing, Overlap, Pose, Profiles, Turned};
-use super::relief::{Influence, Relief, StripLoad};
+mod friction;
+mod near;
+
+use self::friction::TakenUp;
+use super::modulus::{StripLaw, StripModulus};
+use super::overlap::{Facing, Pose, Profiles, Turned};
+use super::relief::{Bells, Loading, Relief};
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
-
-/// Penetration at which a strip has half of its hardening, m: about that of a contact under a usual load.
-const HARDENING_DEPTH: f64 = 40e-6;
-
-/// Distance of the places of the rail at which the strips' friction is kept, m.
-const KEPT_EVERY: f64 = 0.25e-3;
+use std::ops::Range;
 
 /// Times that contacts are relieved of what their own loads make, and by how much the last time at most, m.
 const MOST_SETTLINGS: usize = 30;
 const RELIEVED: f64 = 1e-12;
 
-/// A strip's stiffness.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StripModulus {
-    /// Force per length and penetration, Pa, where the penetration is small.
-    pub normal: f64,
-    /// Share by which that grows where the penetration is large.
-    pub hardening: f64,
-    /// Force per length and tangential displacement, Pa.
-    pub tangential: f64,
-    /// Weight with which what a contact's loads take off the penetrations does so here, and with which the strip's own force counts there.
-    pub relief: f64,
-}
+/// A relief that is off by more than this, m, is settled first, before a pose goes after its forces, in so many rounds at most.
+const FAR_OFF: f64 = 5e-6;
+const SETTLINGS: usize = 12;
 
-impl StripModulus {
-    /// That which lies a share of the way to another.
-    pub(super) fn towards(&self, other: &Self, share: f64) -> Self {
-        let between = |a: f64, b: f64| a + share * (b - a);
-        Self {
-            normal: between(self.normal, other.normal),
-            hardening: between(self.hardening, other.hardening),
-            tangential: between(self.tangential, other.tangential),
-            relief: between(self.relief, other.relief),
-        }
-    }
-
-    /// Normal force per length (N/m) at a penetration (m), and its derivative by that (Pa).
-    fn force(&self, depth: f64) -> (f64, f64) {
-        // c·p·(1 + h·p/(p + d))
-        let share = depth / (depth + HARDENING_DEPTH);
-        let grown = self.normal * (1.0 + self.hardening * share);
-        (grown * depth, grown + self.normal * self.hardening * share * (1.0 - share))
-    }
-
-    /// Potential per length at a penetration, N.
-    fn energy(&self, depth: f64) -> f64 {
-        const D: f64 = HARDENING_DEPTH;
-        let half = 0.5 * depth * depth;
-        self.normal * (half + self.hardening * (half - D * (depth - D * (depth / D).ln_1p())))
-    }
-}
-
-/// Stiffness of strips by their place on the rail.
-pub trait StripLaw {
-    /// The strip at an arc length (m) of the rail.
-    fn modulus(&self, rail_s: f64) -> StripModulus;
-
-    /// What its loads take off the penetrations; nothing.
-    fn influence(&self) -> Influence {
-        Influence::default()
-    }
-}
+/// A penetration at the end of a contact that is larger, m, ends with the profile.
+const CLOSED: f64 = 1e-8;
 
 /// A contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Contact {
-    /// Arc lengths on the rail between which the bodies overlap, m.
+    /// Arc lengths on the rail between which the bodies overlap where the strips were found, m.
     pub extent: [f64; 2],
     /// Normal forces on the wheel (y, z; N) and their moment about the wheel's reference point where that is now, N·m.
     pub force: Vector3<f64>,
@@ -97,10 +54,12 @@ pub struct Contact {
     pub friction: Vector3<f64>,
     /// Minus their derivative by the motion of the wheel.
     pub friction_stiffness: Matrix3<f64>,
-    /// The same with everything sticking.
+    /// Stiffness of strips and their friction with everything sticking on surfaces that do not turn.
     pub sticking: Matrix3<f64>,
-    /// Stiffness of all strips along their tangents, N/m.
+    /// Stiffness of all strips along their tangents, N/m, and of those that slide.
     pub tangential_stiffness: f64,
+    /// See `tangential_stiffness`.
+    pub sliding_stiffness: f64,
     /// Elastic energy of friction, J.
     pub stored: f64,
     /// Whether a strip sticks.
@@ -111,8 +70,6 @@ pub struct Contact {
     pub rail_s: f64,
     /// See `rail_s`.
     pub wheel_s: f64,
-    /// Numbers of what its forces change by with the relief.
-    gradients: [usize; 2],
 }
 
 /// All contacts together, with the relief that their forces make.
@@ -122,118 +79,172 @@ pub struct Relieved {
     pub force: Vector3<f64>,
     /// Minus their derivative by the motion of the wheel.
     pub stiffness: Matrix3<f64>,
-    /// The same with everything sticking.
+    /// The same with everything sticking on surfaces that do not turn.
     pub sticking: Matrix3<f64>,
-    /// What that relief differs by from the one under which the contacts were found, m.
+    /// What that relief differs by from the one with which the forces were summed, m.
     pub off: f64,
     /// Potential of the relief, J.
     pub energy: f64,
+    /// So far the wheel can move against the rail, m, before there may be another contact, or one may part.
+    pub gap: f64,
 }
 
-/// Tangential displacements that the strips have taken up, along the rail.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Deflections {
-    /// At places that are equally far apart, m.
-    values: Vec<f64>,
-    /// Places per metre.
-    density: f64,
-    /// Between these places there are any.
-    used: [usize; 2],
-}
-
-impl Deflections {
-    /// None, on a rail profile of a length (m).
-    pub fn none(length: f64) -> Self {
-        let count = (length / KEPT_EVERY).ceil().max(1.0);
-        Self { values: vec![0.0; count as usize + 1], density: count / length, used: [0; 2] }
-    }
-
-    /// At an arc length of the rail, m.
-    fn at(&self, rail_s: f64) -> f64 {
-        let at = (rail_s * self.density).max(0.0);
-        let i = at as usize;
-        match (self.values.get(i), self.values.get(i + 1)) {
-            (Some(a), Some(b)) => a + (at - i as f64) * (b - a),
-            _ => 0.0,
-        }
-    }
-}
-
-/// Friction between two poses.
+/// A strip where it was found, in the wheel's frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Friction<'a> {
-    /// Coefficient of Coulomb's law.
-    pub coefficient: f64,
-    /// What the strips had taken up before.
-    pub before: &'a Deflections,
-    /// Motion of the wheel against the rail since then, about the wheel's reference point where that is now.
-    pub moved: Vector3<f64>,
-}
-
-/// A strip under its penetration.
 struct Strip {
     modulus: StripModulus,
+    /// Arc length on the rail and on the wheel, and width, m.
+    rail_s: f64,
+    wheel_s: f64,
+    width: f64,
+    /// Cosine of the angle between the profiles.
+    cosine: f64,
     /// Penetration, m.
     depth: f64,
+    /// Where it is, m.
+    point: Vector2<f64>,
+    /// Changes of the penetration, of the arc length on the wheel opposite (with a minus: the way that the wheel slides) and of the tangential displacement with the motion of the wheel.
+    deeper: Vector3<f64>,
+    slide: Vector3<f64>,
+    aside: Vector3<f64>,
+    /// Change of `deeper` along the wheel, 1/m.
+    turn: Vector3<f64>,
+    /// Weight of a relief and of the loads that make it, and where these count.
+    weight: f64,
+    bells: Bells,
+    /// Tangential displacement that friction has taken up: at the last step's end, and where the strip was looked at last, m.
+    before: f64,
+    now: f64,
+    /// Whether it slides there.
+    slides: bool,
+}
+
+/// The end of a contact.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    strip: Strip,
+    /// Size of the slope of the penetration, which is zero there.
+    slope: f64,
+    /// The strip nearest to it.
+    nearest: usize,
+}
+
+/// The strips of a contact.
+#[derive(Debug, Clone)]
+struct Patch {
+    extent: [f64; 2],
+    strips: Range<usize>,
+    ends: Range<usize>,
+    /// The numbers of what its forces change by with the relief.
+    gradients: [usize; 2],
+    /// Its deepest strip, and the penetration there, m.
+    deepest: usize,
+    depth: f64,
+}
+
+/// A strip under a motion of the wheel since it was found.
+struct Pressed {
+    depth: f64,
+    deeper: Vector3<f64>,
     /// Normal force per length along the penetration, N/m, and its derivative by that, Pa.
     normal: f64,
-    normal_stiffness: f64,
-    /// Changes of the penetration and of the tangential displacement with the motion of the wheel, in the wheel's frame.
-    deeper: Vector3<f64>,
-    aside: Vector3<f64>,
-    /// Tangential displacement taken up, m, and the largest that there can be.
-    deflection: f64,
-    limit: f64,
+    stiffness: f64,
+}
+
+/// Two profiles with the strips between them.
+#[derive(Debug, Clone)]
+pub struct ContactStrips<'a> {
+    profiles: Profiles<'a>,
+    loading: Loading,
+    /// The relief that the loads made where the contacts were looked at last.
+    made: Relief,
+    strips: Vec<Strip>,
+    ends: Vec<End>,
+    patches: Vec<Patch>,
+    /// Where they were found, with the rail in the wheel's frame there.
+    found: Option<(Pose, Turned)>,
+    /// Where they were looked at last, and the motion of the wheel against the rail from the one to the other, in the wheel's frame.
+    looked: Pose,
+    motion: Vector3<f64>,
+    taken_up: TakenUp,
 }
 
 impl Strip {
-    fn new(here: &Facing, s: f64, law: &impl StripLaw, friction: Option<&Friction>, turned: &Turned) -> Self {
-        let modulus = law.modulus(s);
-        let depth = here.penetration.max(0.0);
-        let (normal, normal_stiffness) = modulus.force(depth);
+    fn new(profiles: &Profiles, here: &Facing, [s, width]: [f64; 2], law: &impl StripLaw) -> Self {
         let arm = here.point.coords;
         let with = |d: Vector2<f64>| Vector3::new(d.x, d.y, arm.perp(&d));
-        // a quarter of a turn from the normal on the wheel, which is against its outward one
-        let aside = with(Vector2::new(here.outward.y, -here.outward.x));
-        let (mut deflection, mut limit) = (0.0, 0.0);
-        if let Some(Friction { coefficient, before, moved }) = friction {
-            let way = turned.wheel.inverse() * moved.xy();
-            limit = coefficient * normal / (here.cosine * modulus.tangential);
-            let wanted = before.at(s) + aside.dot(&Vector3::new(way.x, way.y, moved.z));
-            deflection = wanted.clamp(-limit, limit);
+        Self {
+            modulus: law.modulus(s),
+            rail_s: s,
+            wheel_s: here.wheel_s,
+            width,
+            cosine: here.cosine,
+            depth: here.penetration,
+            point: arm,
+            deeper: with(here.outward / here.cosine),
+            slide: with(-here.along / here.cosine),
+            // a quarter of a turn from the normal on the wheel, which is against its outward one
+            aside: with(Vector2::new(here.outward.y, -here.outward.x)),
+            turn: with(Vector2::new(-here.bend.y, here.bend.x) / here.cosine),
+            weight: here.weight,
+            bells: profiles.places.as_ref().map_or_else(Bells::default, |places| places.bells(s)),
+            before: 0.0,
+            now: 0.0,
+            slides: false,
         }
-        let deeper = with(here.outward / here.cosine);
-        Self { modulus, depth, normal, normal_stiffness, deeper, aside, deflection, limit }
     }
 
-    fn sticks(&self) -> bool {
-        self.deflection.abs() < self.limit
+    /// After a motion of the wheel, with what the relief has `changed` by there, m.
+    fn pressed(&self, motion: &Vector3<f64>, changed: f64) -> Pressed {
+        let slides = self.slide.dot(motion);
+        let depth =
+            self.depth + (self.deeper + self.turn * (0.5 * slides)).dot(motion) - self.weight * changed;
+        let (normal, stiffness) = self.modulus.force(depth);
+        Pressed { depth, deeper: self.deeper + self.turn * slides, normal, stiffness }
+    }
+
+    /// The largest tangential displacement that friction can take up, m, under a normal force per length.
+    fn limit(&self, coefficient: f64, normal: f64) -> f64 {
+        coefficient * normal / (self.cosine * self.modulus.tangential)
     }
 }
 
-impl Profiles<'_> {
-    /// With strips whose loads relieve others, if those of `law` do.
-    pub fn of_strips(self, law: &impl StripLaw) -> Self {
-        self.relieved(law.influence(), |s| law.modulus(s).relief)
+impl<'a> ContactStrips<'a> {
+    /// Strips of a law between two profiles.
+    pub fn new(profiles: Profiles<'a>, law: &impl StripLaw) -> Self {
+        let profiles = profiles.relieved(law.influence(), |s| law.modulus(s).relief);
+        Self {
+            taken_up: TakenUp::nothing(profiles.rail_length()),
+            profiles,
+            loading: Loading::default(),
+            made: Relief::default(),
+            strips: Vec::new(),
+            ends: Vec::new(),
+            patches: Vec::new(),
+            found: None,
+            looked: Pose::default(),
+            motion: Vector3::zeros(),
+        }
     }
 
-    /// The contacts at a pose under a relief, in the order of the rail's profile; without friction if there is none.
-    pub fn contacts(
+    /// Length of the rail's profile, m.
+    pub fn rail_length(&self) -> f64 {
+        self.profiles.rail_length()
+    }
+
+    /// The contacts at a pose, in the order of the rail's profile, with a coefficient of friction.
+    pub fn look(
         &mut self,
         pose: &Pose,
         law: &impl StripLaw,
-        relief: &Relief,
-        friction: Option<&Friction>,
+        coefficient: f64,
         contacts: &mut Vec<Contact>,
-    ) {
-        let (place, count) = self.at(pose, relief);
-        contacts.clear();
-        if let Some(places) = &self.places {
-            self.loading.clear(places);
-        }
-        for number in 0..count {
-            if let Some(overlap) = self.overlap(&place, number) {
-                contacts.push(self.contact(&place, pose, &overlap, law, friction));
+    ) -> Relieved {
+        match self.near(pose, coefficient, contacts) {
+            Some(relieved) => relieved,
+            None => {
+                self.keep(coefficient);
+                self.settle(pose, law, coefficient, (SETTLINGS, FAR_OFF), contacts)
             }
         }
     }
@@ -245,24 +256,23 @@ impl Profiles<'_> {
         law: &impl StripLaw,
         contacts: &mut Vec<Contact>,
     ) -> Relieved {
-        self.settle(pose, law, &mut Relief::default(), None, (MOST_SETTLINGS, RELIEVED), contacts)
+        self.made = Relief::default();
+        self.settle(pose, law, 0.0, (MOST_SETTLINGS, RELIEVED), contacts)
     }
 
-    /// The contacts at a pose and the `relief` that their own loads make, from a first one on: so often, or until it changes by less (m).
-    pub fn settle(
+    /// The contacts at a pose under the relief that their own loads make, from the last one on: so often, or until it changes by less (m).
+    fn settle(
         &mut self,
         pose: &Pose,
         law: &impl StripLaw,
-        relief: &mut Relief,
-        friction: Option<&Friction>,
+        coefficient: f64,
         (times, least): (usize, f64),
         contacts: &mut Vec<Contact>,
     ) -> Relieved {
         let mut time = 1;
         loop {
-            self.contacts(pose, law, relief, friction, contacts);
-            contacts.retain(|contact| contact.normal_force > 0.0);
-            let relieved = self.relieve(contacts, relief);
+            self.find(pose, law, coefficient);
+            let relieved = self.relieve(coefficient, contacts);
             // under more than their loads would make there may be none where there are some
             let lost = contacts.is_empty() && relieved.off > 0.0;
             if relieved.off < least && !lost || time >= times {
@@ -272,159 +282,54 @@ impl Profiles<'_> {
         }
     }
 
-    /// Contacts that have just been found, under the relief that their own forces make to first order: by Newton's method, so that a pose and its relief settle
-    /// together.
-    fn relieve(&mut self, contacts: &mut [Contact], relief: &mut Relief) -> Relieved {
-        let mut all = Relieved::default();
-        let Self { places, loading, relief: under, .. } = self;
-        if let Some(places) = places {
-            all.energy = loading.relieve(places, under, relief);
-            all.off = loading.off();
-            for contact in contacts.iter_mut() {
-                for (gradient, more) in loading.changes(contact.gradients) {
-                    contact.force += gradient.normal * more;
-                    contact.friction += gradient.friction * more;
-                }
-                contact.normal_force = contact.force.xy().norm();
-            }
-            let [normal, friction] = loading.softer();
-            all.stiffness -= normal + friction;
-            all.sticking -= normal;
-        }
-        for contact in contacts.iter() {
-            all.force += contact.force + contact.friction;
-            all.stiffness += contact.stiffness + contact.friction_stiffness;
-            all.sticking += contact.stiffness + contact.sticking;
-        }
-        all
+    /// Motion of the wheel against the rail from where the strips were found to a pose, in the wheel's frame.
+    fn motion_to(&self, pose: &Pose) -> Vector3<f64> {
+        let Some((found, place)) = &self.found else { return Vector3::zeros() };
+        let moved = self.profiles.motion_between(found, pose);
+        let way = place.wheel.inverse() * moved.xy();
+        Vector3::new(way.x, way.y, moved.z)
     }
 
-    /// What the strips have taken up where the contacts have been found last, with the friction of [`Profiles::contacts`].
-    pub fn taken_up(
-        &mut self,
-        law: &impl StripLaw,
-        relief: &Relief,
-        friction: &Friction,
-        now: &mut Deflections,
-    ) {
-        let [first, last] = now.used;
-        now.values[first..last].fill(0.0);
-        now.used = [0; 2];
-        let Some((place, count)) = self.again(relief) else { return };
-        for overlap in (0..count).filter_map(|number| self.overlap(&place, number)) {
-            let [from, to] = overlap.extent.map(|s| s.max(0.0) * now.density);
-            let inside =
-                (from.ceil() as usize).min(now.values.len())..(to.ceil() as usize).min(now.values.len());
-            if inside.is_empty() {
+    /// Finds the strips at a pose.
+    fn find(&mut self, pose: &Pose, law: &impl StripLaw, coefficient: f64) {
+        let Self { profiles, strips, ends, patches, .. } = self;
+        let (place, count) = profiles.at(pose, &self.made);
+        strips.clear();
+        ends.clear();
+        patches.clear();
+        for number in 0..count {
+            let Some(overlap) = profiles.overlap(&place, number) else { continue };
+            let (first, first_end) = (strips.len(), ends.len());
+            profiles.integrate(&overlap, |profiles, s, width| {
+                let here = profiles.over(&place, &overlap, s).filter(|here| here.penetration > 0.0);
+                strips.extend(here.map(|here| Strip::new(profiles, &here, [s, width], law)));
+            });
+            let all = first..strips.len();
+            let Some(deepest) = all.clone().max_by(|a, b| strips[*a].depth.total_cmp(&strips[*b].depth))
+            else {
                 continue;
-            }
-            now.used = if now.used[1] == 0 { [inside.start, inside.end] } else { [now.used[0], inside.end] };
-            for i in inside {
-                let s = i as f64 / now.density;
-                if let Some(here) = self.over(&place, &overlap, s) {
-                    now.values[i] = Strip::new(&here, s, law, Some(friction), &place).deflection;
+            };
+            for s in overlap.extent {
+                let Some(here) = profiles.over(&place, &overlap, s) else { continue };
+                if here.penetration.abs() > CLOSED || here.slope == 0.0 {
+                    continue;
                 }
+                let strip = Strip::new(profiles, &here, [s, 0.0], law);
+                let apart = |i: &usize| (strips[*i].rail_s - s).abs();
+                let nearest = all.clone().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(first);
+                ends.push(End { strip: Strip { depth: 0.0, ..strip }, slope: here.slope.abs(), nearest });
+            }
+            let (depth, ends) = (strips[deepest].depth, first_end..ends.len());
+            let (extent, gradients) = (overlap.extent, [0; 2]);
+            patches.push(Patch { extent, strips: all, ends, gradients, deepest, depth });
+        }
+        self.found = Some((*pose, place));
+        (self.looked, self.motion) = (*pose, Vector3::zeros());
+        if coefficient > 0.0 {
+            for strip in &mut self.strips {
+                strip.before = self.taken_up.at(strip.rail_s);
             }
         }
-    }
-
-    fn contact(
-        &mut self,
-        place: &Turned,
-        pose: &Pose,
-        overlap: &Overlap,
-        law: &impl StripLaw,
-        friction: Option<&Friction>,
-    ) -> Contact {
-        let mut contact = Contact {
-            extent: overlap.extent,
-            force: Vector3::zeros(),
-            energy: 0.0,
-            stiffness: Matrix3::zeros(),
-            normal_force: 0.0,
-            normal_stiffness: 0.0,
-            friction: Vector3::zeros(),
-            friction_stiffness: Matrix3::zeros(),
-            sticking: Matrix3::zeros(),
-            tangential_stiffness: 0.0,
-            stored: 0.0,
-            sticks: false,
-            point: Point2::origin(),
-            rail_s: 0.0,
-            wheel_s: 0.0,
-            gradients: [0; 2],
-        };
-        self.loading.next_contact();
-        let (mut sum, mut middle) = (0.0, Vector2::zeros());
-        self.integrate(overlap, |profiles, s, width| {
-            let Some(here) = profiles.over(place, overlap, s) else { return };
-            if here.penetration <= 0.0 {
-                return;
-            }
-            let strip = Strip::new(&here, s, law, friction, place);
-            let q = strip.normal * width;
-            contact.force -= strip.deeper * q;
-            let stiffness = strip.deeper * (strip.normal_stiffness * width);
-            contact.stiffness += stiffness * strip.deeper.transpose();
-            let mut slides = Vector3::zeros();
-            contact.energy += strip.modulus.energy(strip.depth) * width;
-            let spring = strip.modulus.tangential * width;
-            let aside = strip.aside * spring;
-            let across = aside * strip.aside.transpose();
-            contact.sticking += across;
-            contact.tangential_stiffness += spring;
-            if friction.is_some() {
-                contact.friction -= aside * strip.deflection;
-                contact.stored += 0.5 * spring * strip.deflection * strip.deflection;
-                if strip.sticks() {
-                    contact.friction_stiffness += across;
-                    contact.sticks = true;
-                } else if strip.normal > 0.0 {
-                    // the limit goes with the normal force
-                    let share = strip.deflection / strip.normal * strip.modulus.tangential;
-                    contact.friction_stiffness += strip.aside * stiffness.transpose() * share;
-                    slides = strip.aside * (strip.normal_stiffness * width * share);
-                }
-            }
-            if let Some(places) = &profiles.places {
-                let weight = here.weight;
-                let load = StripLoad {
-                    load: q * weight,
-                    stiffness: strip.normal_stiffness * width * weight * weight,
-                    normal: stiffness * weight,
-                    friction: slides * weight,
-                };
-                profiles.loading.add(places, s, &load);
-            }
-            sum += q;
-            contact.rail_s += q * s;
-            contact.wheel_s += q * here.wheel_s;
-            middle += here.point.coords * q;
-        });
-        let over = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-        // from the wheel's frame to the world
-        let turn = place.wheel;
-        let whole = turn.matrix().fixed_resize::<3, 3>(0.0) + Matrix3::from_diagonal(&Vector3::z());
-        for force in [&mut contact.force, &mut contact.friction] {
-            *force = whole * *force;
-        }
-        contact.gradients = self.loading.of_contact();
-        for gradient in self.loading.gradients(contact.gradients) {
-            for force in [&mut gradient.normal, &mut gradient.friction] {
-                *force = whole * *force;
-            }
-        }
-        for stiffness in [&mut contact.stiffness, &mut contact.friction_stiffness, &mut contact.sticking] {
-            *stiffness = whole * *stiffness * whole.transpose();
-        }
-        contact.normal_force = contact.force.xy().norm();
-        let along = contact.normal();
-        let along = Vector3::new(along.x, along.y, 0.0);
-        contact.normal_stiffness = along.dot(&(contact.stiffness * along));
-        contact.point = self.wheel_origin() + pose.wheel.xy() + turn * (middle * over);
-        contact.rail_s *= over;
-        contact.wheel_s *= over;
-        contact
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
 
-use railspring_calibrate::element::{Contact, Pose, Profiles};
+use railspring_calibrate::element::{Contact, ContactStrips, Pose, Profiles};
 use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
 use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
 use railspring_calibrate::history::{
@@ -14,7 +14,6 @@ use railspring_calibrate::newmark::Newmark;
 use railspring_calibrate::placement::{departure, lateral_extent};
 use railspring_calibrate::scenario::Scenario;
 
-use super::contact::Contacts;
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
 use super::wheel::{self, Free, Wheel, WheelState};
@@ -24,6 +23,9 @@ use crate::moving::{
 
 /// A step that does not converge is halved at most so many times.
 const MOST_HALVINGS: usize = 8;
+
+/// What a force may be off at the end of a step, N: some hundred-thousandths of a usual load.
+const FORCE: f64 = 5.0;
 
 /// State between two steps.
 #[derive(Clone)]
@@ -104,20 +106,20 @@ impl CondensedModel {
 /// Runs a checked scenario.
 fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
     let run = Run::new(model, scenario)?;
-    let mut profiles =
-        Profiles::new(&model.rail.curve, &model.wheel, model.tape, Point2::from(run.references[1]))
-            .of_strips(&model.element.strips);
+    let profiles =
+        Profiles::new(&model.rail.curve, &model.wheel, model.tape, Point2::from(run.references[1]));
+    let mut strips = ContactStrips::new(profiles, &model.element.strips);
     let mut statistics = RunStatistics::default();
-    let mut state = run.start(&mut profiles)?;
+    let inner = scenario.shortest_step();
+    let prepared = run.prepare(inner)?;
+    let mut state = run.start(&mut strips, &prepared)?;
     let mut spare = state.clone();
     let mut rows = Vec::with_capacity(scenario.steps + 1);
     let mut rail = Vec::with_capacity(scenario.steps + 1);
     rows.push(run.row(0.0, &state));
     rail.push(section(&state));
     let mut ending = Ending::Completed;
-    let inner = scenario.shortest_step();
     let inner_steps = scenario.inner_steps.most();
-    let prepared = run.prepare(inner)?;
     for number in 0..scenario.steps * inner_steps {
         let step = number / inner_steps;
         if number % inner_steps == 0 {
@@ -126,13 +128,14 @@ fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Re
         let times = [number as f64 * inner, (number + 1) as f64 * inner];
         let states = [&mut state, &mut spare];
         let ended = run
-            .advance(&mut profiles, states, &prepared, times, 0, &mut statistics)
+            .advance(&mut strips, states, &prepared, times, 0, &mut statistics)
             .map_err(|error| error.at_step(step + 1))?;
         if let Some(reason) = ended {
             ending = reason;
             break;
         }
         if (number + 1) % inner_steps == 0 {
+            state.ledger = state.ledger.stored(&run.stored(&state, &prepared));
             rows.push(run.row((step + 1) as f64 * scenario.time_step, &state));
             rail.push(section(&state));
         }
@@ -177,27 +180,28 @@ impl<'a> Run<'a> {
     }
 
     /// State at t = 0: hub and rail where the initial motion puts them, rim and head as statics have them between them.
-    fn start(&self, profiles: &mut Profiles) -> Result<State> {
-        let initial = self.model.initial;
-        let wheel = self.wheel.start(initial.displacement, initial.velocity);
+    fn start(&self, strips: &mut ContactStrips, prepared: &Prepared) -> Result<State> {
+        let mut wheel = self.wheel.start(&self.model.initial);
         let rim = self.wheel.rim(&wheel);
         let step = Step {
             wheel: Side { free: rim, flexibility: self.wheel.rest },
             rail: Side { free: Vector3::zeros(), flexibility: self.head },
-            strips: &self.model.element.strips,
+            law: &self.model.element.strips,
             friction: 0.0,
+            tolerance: FORCE,
             references: self.references,
         };
-        let at_rest = Meeting { contacts: Contacts::none(profiles), ..Meeting::default() };
-        let mut at = at_rest.clone();
-        step.solve(profiles, &at_rest, &mut at).map_err(|error| error.at_step(0))?;
+        let (at_rest, mut at) = (Meeting::default(), Meeting::default());
+        step.solve(strips, &at_rest, &mut at).map_err(|error| error.at_step(0))?;
+        strips.commit(step.friction);
+        // from here on there is friction, which has taken up nothing yet
+        at.contacts.look(strips, step.law, &at.pose, self.scenario.friction);
+        self.wheel.accelerate(&mut wheel, &at.contacts.all.force);
         let on_rail = to_world() * self.on_rail(&at);
         let rail = self.rail.as_ref().map(|rail| rail.start(&self.rail_load(0.0), on_rail)).transpose()?;
-        let of_rail = self.rail.as_ref().zip(rail.as_ref());
-        let of_rail = of_rail.map(|(dynamics, rail)| dynamics.energy(rail, rail, 0.0, 0.0));
-        let elastic = PartEnergy { elastic: self.elastic(&at), ..PartEnergy::default() };
-        let energy = self.wheel.energy(&wheel, &wheel, None) + of_rail.unwrap_or_default() + elastic;
-        Ok(State { at, wheel, rail, ledger: EnergyLedger::new(energy) })
+        let mut state = State { at, wheel, rail, ledger: EnergyLedger::default() };
+        state.ledger = EnergyLedger::new(self.stored(&state, prepared));
+        Ok(state)
     }
 
     /// Force on the rail's section with its moment about the reference point, world.
@@ -215,7 +219,7 @@ impl<'a> Run<'a> {
     /// Advances between two times, with `spare` as room for the next state; a step that does not converge is done in two halves.
     fn advance(
         &self,
-        profiles: &mut Profiles,
+        strips: &mut ContactStrips,
         [state, spare]: [&mut State; 2],
         prepared: &Prepared<'_>,
         times: [f64; 2],
@@ -228,7 +232,7 @@ impl<'a> Run<'a> {
         if self.ends.is_some_and(|[first, last]| x < first - 1e-9 || x > last + 1e-9) {
             return Ok(Some(Ending::Departed { time: to, departure: Departure::RailEnd }));
         }
-        match self.step(profiles, state, spare, prepared, times) {
+        match self.step(strips, state, spare, prepared, times) {
             Ok(iterations) => {
                 statistics.iterations += iterations;
                 statistics.evaluations += iterations;
@@ -245,7 +249,7 @@ impl<'a> Run<'a> {
                 let half = self.prepare(0.5 * (to - from))?;
                 for times in [[from, middle], [middle, to]] {
                     let states = [&mut *state, &mut *spare];
-                    let ending = self.advance(profiles, states, &half, times, halvings + 1, statistics)?;
+                    let ending = self.advance(strips, states, &half, times, halvings + 1, statistics)?;
                     if ending.is_some() {
                         return Ok(ending);
                     }
@@ -264,17 +268,15 @@ impl<'a> Run<'a> {
     /// One step from `state` to `next`; its iterations.
     fn step(
         &self,
-        profiles: &mut Profiles,
+        strips: &mut ContactStrips,
         state: &State,
         next: &mut State,
         prepared: &Prepared<'_>,
         times: [f64; 2],
     ) -> Result<usize> {
         let Prepared { wheel, rail } = prepared;
-        let on_wheel = state.at.contacts.all.force;
         let free = self.wheel.free(wheel, &state.wheel, times);
-        let of_wheel = wheel.flexibility * 0.5;
-        let rim = Side { free: free.rim + of_wheel * on_wheel, flexibility: of_wheel + self.wheel.rest };
+        let rim = Side { free: free.rim, flexibility: wheel.flexibility + self.wheel.rest };
         let rail_step = match (rail, &state.rail, &mut next.rail) {
             (Some(rail), Some(before), Some(after)) => {
                 Some(rail.predict(before, &self.rail_load(times[1]), after))
@@ -294,29 +296,38 @@ impl<'a> Run<'a> {
         let step = Step {
             wheel: rim,
             rail: head,
-            strips: &self.model.element.strips,
+            law: &self.model.element.strips,
             friction: self.scenario.friction,
+            tolerance: FORCE,
             references: self.references,
         };
-        let iterations = step.solve(profiles, &state.at, &mut next.at)?;
-        let mean = (on_wheel + next.at.contacts.all.force) * 0.5;
-        self.wheel.finish(wheel, &state.wheel, &free, &mean, &mut next.wheel);
+        let looks = step.solve(strips, &state.at, &mut next.at)?;
+        if looks > 0 {
+            strips.commit(step.friction);
+        }
+        self.wheel.finish(wheel, &state.wheel, &free, &next.at.contacts.all.force, &mut next.wheel);
         if let Some(step) = rail_step {
             step.finish((to_world() * self.on_rail(&next.at)).as_slice());
         }
-        let energy = self.energy(state, next, times, &free);
-        next.ledger = state.ledger.entered(energy);
-        if next.wheel.is_finite() && next.ledger.balance().drift.is_finite() {
-            return Ok(iterations);
+        let works = self.worked(state, next, times, &free);
+        next.ledger = state.ledger.worked(&works);
+        if next.wheel.is_finite() && (works.work + works.damped + works.friction).is_finite() {
+            return Ok(looks);
         }
         let active = next.at.contacts.list.len();
         let (stage, reason) = ("condensed element".into(), StopReason::NotFinite);
-        Err(NumericsError { stage, step: None, iteration: iterations, residual: f64::NAN, active, reason }
-            .into())
+        Err(NumericsError { stage, step: None, iteration: looks, residual: f64::NAN, active, reason }.into())
     }
 
-    /// Energies after a step, with the works in it.
-    fn energy(&self, state: &State, next: &State, times: [f64; 2], free: &Free) -> PartEnergy {
+    /// Energies of a state, J.
+    fn stored(&self, state: &State, prepared: &Prepared) -> PartEnergy {
+        let of_rail = self.rail.as_ref().zip(state.rail.as_ref()).map(|(rail, state)| rail.stored(state));
+        let of_contact = PartEnergy { elastic: self.elastic(&state.at), ..PartEnergy::default() };
+        self.wheel.stored(&state.wheel, &prepared.wheel) + of_rail.unwrap_or_default() + of_contact
+    }
+
+    /// Works in a step, J.
+    fn worked(&self, state: &State, next: &State, times: [f64; 2], free: &Free) -> PartEnergy {
         let [before, after] = [&state.at, &next.at];
         let torsion = |time: f64| self.rail_load(time).torsion;
         let of_rail = match (&self.rail, &state.rail, &next.rail) {
@@ -325,20 +336,17 @@ impl<'a> Run<'a> {
                 let forces = [&state.at, &next.at].map(|at| to_world() * self.on_rail(at));
                 let driven = dynamics.driven([before, after], times.map(|time| self.wheel_x(time)), forces);
                 let driven = PartEnergy { work: driven, ..PartEnergy::default() };
-                dynamics.energy(before, after, torsion, times[1] - times[0]) + driven
+                dynamics.worked(before, after, torsion, times[1] - times[0]) + driven
             }
             _ => PartEnergy::default(),
         };
         let to_wheel = transport(&arm(&self.references, &after.pose));
         let moved = after.pose.wheel - before.pose.wheel - to_wheel * (after.pose.rail - before.pose.rail);
         let work = 0.5 * (before.contacts.friction() + after.contacts.friction()).dot(&moved);
-        let of_contact = PartEnergy {
-            elastic: self.elastic(after),
-            // what friction took and the springs along the contacts do not have
-            friction: before.contacts.elastic()[1] - after.contacts.elastic()[1] - work,
-            ..PartEnergy::default()
-        };
-        self.wheel.energy(&state.wheel, &next.wheel, Some((times[1] - times[0], free))) + of_rail + of_contact
+        // what friction took and the springs along the contacts do not have
+        let friction = before.contacts.elastic()[1] - after.contacts.elastic()[1] - work;
+        let of_contact = PartEnergy { friction, ..PartEnergy::default() };
+        self.wheel.worked(&state.wheel, &next.wheel, free) + of_rail + of_contact
     }
 
     fn degrees_of_freedom(&self) -> usize {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
-use railspring_calibrate::element::Profiles;
+use railspring_calibrate::element::{ContactStrips, Profiles};
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
 
 use super::contact::Contacts;
@@ -10,6 +10,8 @@ use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
 use crate::moving::HubStatics;
 
+/// What a force may be off where the hub is held, N.
+const FORCE: f64 = 1e-4;
 /// What a force may miss, relative.
 const SOLVER: f64 = 1e-9;
 /// The first way that a hub is pressed, m, and how much further each time.
@@ -27,40 +29,41 @@ impl CondensedModel {
     pub fn pressed(&self, direction: Vector2<f64>, force: f64, friction: f64) -> Result<HubStatics> {
         let references = [self.tape.coords, self.support.reference(&self.rail).coords];
         let [rim, head] = [self.element.wheel.rim_flexibility(), self.element.head];
-        let mut profiles =
-            Profiles::new(&self.rail.curve, &self.wheel, self.tape, Point2::from(references[1]))
-                .of_strips(&self.element.strips);
-        let at_rest = Meeting { contacts: Contacts::none(&profiles), ..Meeting::default() };
-        // friction goes as the wheel comes down
-        let mut pressed = |way: f64, from: &Meeting| -> Result<(Meeting, f64)> {
+        let profiles = Profiles::new(&self.rail.curve, &self.wheel, self.tape, Point2::from(references[1]));
+        let mut strips = ContactStrips::new(profiles, &self.element.strips);
+        let law = &self.element.strips;
+        let pressed = |strips: &mut ContactStrips, way: f64, from: &Meeting| -> Result<(Meeting, f64)> {
             let free = Vector3::new(direction.x * way, direction.y * way, 0.0);
             let step = Step {
                 wheel: Side { free, flexibility: rim },
                 rail: Side { free: Vector3::zeros(), flexibility: head },
-                strips: &self.element.strips,
+                law,
                 friction,
+                tolerance: FORCE,
                 references,
             };
             let mut at = from.clone();
-            step.solve(&mut profiles, from, &mut at)?;
+            step.solve(strips, from, &mut at)?;
             let carried = -at.contacts.all.force.xy().dot(&direction);
             Ok((at, carried))
         };
-        let (mut low, mut before) = (0.0, at_rest);
+        let (mut low, mut before) = (0.0, Meeting::default());
         let mut high = FIRST_WAY;
-        let (mut at, mut carried) = pressed(high, &before)?;
+        let (mut at, mut carried) = pressed(&mut strips, high, &before)?;
         while carried < force {
+            // friction goes as the wheel comes down
+            strips.commit(friction);
             (low, before) = (high, at);
             high *= GROWTH;
             if high > DEEPEST {
                 return Err(unreached(force, &before.contacts));
             }
-            (at, carried) = pressed(high, &before)?;
+            (at, carried) = pressed(&mut strips, high, &before)?;
         }
         let mut way = high;
         while high - low > SOLVER * high {
             way = 0.5 * (low + high);
-            (at, carried) = pressed(way, &before)?;
+            (at, carried) = pressed(&mut strips, way, &before)?;
             match carried < force {
                 true => low = way,
                 false => high = way,

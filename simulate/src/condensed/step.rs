@@ -2,32 +2,18 @@
 
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-use railspring_calibrate::element::{Friction, Pose, Profiles, StripStiffness};
+use railspring_calibrate::element::{ContactStrips, Pose, StripStiffness};
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
 
-use super::contact::Contacts;
+use super::contact::{Contacts, size};
 
-/// Newton iterations of a step.
+/// Looks at the contacts of a step.
 const ITERATIONS: usize = 100;
-/// From so many on they are shortened where they do not come nearer, down to a share.
+/// From so many on the way from one to the next is shortened where they do not come nearer, down to a share.
 const FULL: usize = 8;
 const SHORTEST: f64 = 1e-3;
 /// Where they do come nearer, the longest grows by this.
 const LONGER: f64 = 1.1;
-
-/// What a pose may miss, m: with 10⁹ N/m a tenth of a newton.
-const TOLERANCE: f64 = 1e-10;
-
-/// What the relief of the contacts may be off, m: it is taken into account to first order, so that forces are off by its square.
-const RELIEF: f64 = 1e-8;
-
-/// A pose that misses less, m, may be settled by its last Newton step, with the forces taken along to first order.
-const LAST_STEP: f64 = 1e-8;
-/// What such a step may leave of a pose, m, if the steps before and after it get nearer by the same square.
-const LEFT: f64 = 0.1 * TOLERANCE;
-
-/// Lever that turns a rotation into a displacement, m.
-const LEVER: f64 = 0.1;
 
 /// A side of the contact over one step: at its end the section has moved by `free + flexibility·force` under the contact's force there.
 #[derive(Debug, Clone, Copy)]
@@ -49,8 +35,10 @@ pub(super) struct Meeting {
 pub(super) struct Step<'a> {
     pub wheel: Side,
     pub rail: Side,
-    pub strips: &'a StripStiffness,
+    pub law: &'a StripStiffness,
     pub friction: f64,
+    /// What a force may be off at its end, N.
+    pub tolerance: f64,
     /// World positions of the reference points of wheel and rail at rest, m.
     pub references: [Vector2<f64>; 2],
 }
@@ -65,52 +53,27 @@ pub(super) fn transport(arm: &Vector2<f64>) -> Matrix3<f64> {
     Matrix3::new(1.0, 0.0, -arm.y, 0.0, 1.0, arm.x, 0.0, 0.0, 1.0)
 }
 
-/// The largest displacement of a motion, m; not a number where one of its parts is none.
-fn size(motion: &Vector3<f64>) -> f64 {
-    let [x, y, turned] = [motion.x.abs(), motion.y.abs(), LEVER * motion.z.abs()];
-    let largest = x.max(y).max(turned);
-    if (x + y + turned).is_finite() { largest } else { f64::NAN }
-}
-
 impl Step<'_> {
-    /// Iterates from the start of the step to balance, and writes it to `next`; how many iterations it took.
+    /// Iterates from the start of the step to balance, and writes it to `next`; how often the contacts were looked at.
     ///
-    /// The profiles turn and slide against each other within a step so little that the stiffness of the strips is its tangent
-    /// but for a hundredth.
+    /// Balance is linear in the forces, so that Newton's step leads to where it is for forces that follow the motion to first order; the step is
+    /// done where they do so within the tolerance.
     ///
     /// # Errors
     /// [`NumericsError`] if the iteration does not settle.
-    pub fn solve(&self, profiles: &mut Profiles, start: &Meeting, next: &mut Meeting) -> Result<usize> {
-        // the first step goes from the start, whose contacts are known
+    pub fn solve(&self, strips: &mut ContactStrips, start: &Meeting, next: &mut Meeting) -> Result<usize> {
         next.pose = start.pose;
-        next.contacts.relief.copy_from(&start.contacts.relief);
-        let at_start = self.off(start);
-        if !self.correct(&mut next.pose, &start.contacts, &at_start, 1.0) {
-            next.pose = start.pose;
-        }
-        let (mut last, mut length, mut longest) = (at_start.size(), 1.0_f64, 1.0_f64);
-        for iteration in 1..=ITERATIONS {
-            let friction = self.friction(start, &next.pose);
-            next.contacts.find(profiles, self.strips, &next.pose, friction.as_ref());
+        next.contacts.copy_from(&start.contacts);
+        let (mut last, mut length, mut longest) = (f64::INFINITY, 1.0_f64, 1.0_f64);
+        for looks in 0..=ITERATIONS {
             let off = self.off(next);
             let size = off.size();
             if !size.is_finite() {
-                return Err(failure(iteration, size, &next.contacts, StopReason::NotFinite));
-            }
-            let settled = next.contacts.all.off < RELIEF;
-            // Newton's steps square what is left
-            let ahead = size * (size / last).powi(2);
-            let lasts = settled && size < LAST_STEP && ahead < LEFT && !next.contacts.list.is_empty();
-            if size < TOLERANCE && settled || lasts && self.finish(next, &off) {
-                // from where the last step has led
-                if let Some(friction) = self.friction(start, &next.pose) {
-                    next.contacts.keep(profiles, self.strips, &friction);
-                }
-                return Ok(iteration);
+                return Err(failure(looks, size, &next.contacts, StopReason::NotFinite));
             }
             // An iteration that goes round in a circle, between sticking and sliding or touching and not for instance, is shortened; one that
             // comes nearer as its length has it, is on one side and may be longer, but less so each time that it went round.
-            if iteration > FULL {
+            if looks > FULL {
                 if size < (1.0 - 0.5 * length) * last {
                     longest = (LONGER * longest).min(1.0);
                     length = (1.5 * length).min(longest);
@@ -120,30 +83,30 @@ impl Step<'_> {
                 }
             }
             last = size;
+            let before = next.pose;
             if !self.correct(&mut next.pose, &next.contacts, &off, length) {
-                return Err(failure(iteration, size, &next.contacts, StopReason::Singular));
+                return Err(failure(looks, size, &next.contacts, StopReason::Singular));
             }
+            let moved = next.pose.wheel - before.wheel - off.to_wheel * (next.pose.rail - before.rail);
+            let looked = (looks > 0).then(|| self.way(start, &before));
+            if next.contacts.hold(&moved, looked, self.friction, self.tolerance) {
+                if length < 1.0 {
+                    next.pose = before;
+                    self.correct(&mut next.pose, &next.contacts, &off, 1.0);
+                }
+                let moved = next.pose.wheel - before.wheel - off.to_wheel * (next.pose.rail - before.rail);
+                next.contacts.move_by(&moved);
+                return Ok(looks);
+            }
+            next.contacts.look(strips, self.law, &next.pose, self.friction);
         }
         Err(failure(ITERATIONS, last, &next.contacts, StopReason::IterationLimit))
     }
 
-    /// Takes the last Newton step, and the forces along; whether there is one.
-    fn finish(&self, next: &mut Meeting, off: &Off) -> bool {
-        let before = next.pose;
-        if !self.correct(&mut next.pose, &next.contacts, off, 1.0) {
-            return false;
-        }
-        let moved = next.pose.wheel - before.wheel - off.to_wheel * (next.pose.rail - before.rail);
-        next.contacts.move_by(&moved);
-        true
-    }
-
-    /// Friction after what the strips had taken up at the start; none without a coefficient.
-    fn friction<'s>(&self, start: &'s Meeting, pose: &Pose) -> Option<Friction<'s>> {
+    /// How far the wheel has moved against the rail in the step, m.
+    fn way(&self, start: &Meeting, pose: &Pose) -> f64 {
         let to_wheel = transport(&arm(&self.references, pose));
-        let moved = pose.wheel - start.pose.wheel - to_wheel * (pose.rail - start.pose.rail);
-        let before = &start.contacts.deflections;
-        (self.friction > 0.0).then_some(Friction { coefficient: self.friction, before, moved })
+        size(&(pose.wheel - start.pose.wheel - to_wheel * (pose.rail - start.pose.rail)))
     }
 
     /// What the sections are off from where the forces of the contacts have them.

@@ -158,7 +158,7 @@ fn a_separated_wheel_falls_freely() {
         rim: Vector3::new(0.01, 0.05, 0.02),
         coupling: Vector3::new(1.0, 6.0, 0.1),
     });
-    model.initial = InitialMotion { displacement: [0.0, -0.01], velocity: [0.2, -0.1] };
+    model.initial = InitialMotion { displacement: [0.0, -0.01], velocity: [0.2, -0.1], carried: 0.0 };
     let mut scenario = quiet(40, 5e-4);
     scenario.inner_steps = InnerSteps::Equal(16);
     scenario.gravity = GRAVITY;
@@ -244,7 +244,7 @@ fn a_stuck_wheel_swings_on_the_tangential_stiffness() {
     let (mass, force, share) = (1000.0, 100e3, 0.8);
     let mut model = crowned(mass, share);
     let depth = (force / HERTZ).powf(2.0 / 3.0);
-    model.initial = InitialMotion { displacement: [0.0, depth], velocity: [AWAY, 0.0] };
+    model.initial = InitialMotion { displacement: [0.0, depth], velocity: [AWAY, 0.0], carried: 0.0 };
     let scenario = Scenario {
         friction: 0.5,
         vertical_force: HarmonicForce::constant(force),

@@ -1,8 +1,10 @@
 //! The elastic wheel with its suspended mass over time steps.
 //!
 //! Hub and modes together are turned into the natural modes of a wheel whose hub is free, so that a step of each is a division.
-//! A step is the implicit midpoint rule, which is average acceleration without its accelerations: loads and contact forces
-//! are their means over the step, and a linear part keeps its energy to rounding.
+//! A step is Newmark's, with `γ = 1/2` and a `β` from 1/12 on: `u' = u + h·v + h²·((1/2 - β)·a + β·a')`, `v' = v + h/2·(a + a')`. With 1/12, the
+//! method of L. Fox and E.T. Goodwin, periods are right to the fourth order of the step, where average acceleration (1/4) has the second; it is stable as long
+//! as no frequency of wheel and contact together is above `√6/h` (T.J.R. Hughes, "The Finite Element Method" (1987), chapter 9).
+//! Whatever `β`, a linear wheel keeps `½v² + ½(β - 1/4)·h²·a²` and its elastic energy together to rounding.
 
 use nalgebra::{Cholesky, DMatrix, Matrix3, SymmetricEigen, Vector3};
 
@@ -10,6 +12,8 @@ use railspring_calibrate::element::ElasticWheel;
 use railspring_calibrate::energy::PartEnergy;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::scenario::Scenario;
+
+use crate::moving::InitialMotion;
 
 /// A natural mode of mass 1 kg.
 #[derive(Debug, Clone, Copy)]
@@ -31,14 +35,22 @@ struct Mode {
 pub(super) struct Wheel<'a> {
     scenario: &'a Scenario,
     modes: Vec<Mode>,
+    /// Its mass, kg.
+    mass: f64,
     /// Flexibility of the rim beyond the modes, which follows the forces at once.
     pub rest: Matrix3<f64>,
 }
 
-/// Displacement and velocity of the modes and of the suspended mass (z).
+/// Stiffness of the stiffest contact, N/m: twice that of Hertz's under 300 kN.
+const STIFFEST_CONTACT: f64 = 4e9;
+
+/// `(1/4 - β)·h²·Ω²` at most, with `Ω` the highest frequency of wheel and contact together; 1 is the limit of stability.
+const STABLE: f64 = 0.7;
+
+/// Displacement, velocity and acceleration of the modes, displacement and velocity of the suspended mass (z).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct WheelState {
-    modes: Vec<[f64; 2]>,
+    modes: Vec<[f64; 3]>,
     suspended: [f64; 2],
 }
 
@@ -46,28 +58,30 @@ pub(super) struct WheelState {
 #[derive(Debug, Clone)]
 pub(super) struct Prepared {
     step: f64,
-    /// Displacement of each mode per mean force.
+    /// Newmark's `β`.
+    beta: f64,
+    /// Acceleration of each mode per force at the end of the step.
     response: Vec<f64>,
-    suspended_response: f64,
-    /// Of the suspension: mean force per distance at the end of the step, and per distance at its start.
-    coupling: [f64; 2],
-    /// Share of that force that is left beside the compliance of both its ends.
+    /// Displacement of the hub at the end of the step for its acceleration there with spring and damper of the suspension, N/(m/s²).
+    coupling: f64,
+    /// Share of the suspension's force that is left beside the compliance of both its ends.
     share: f64,
-    /// Displacement of the rim per mean force of the suspension on the hub.
+    /// Acceleration of the rim per force of the suspension on the hub at the end.
     from_hub: Vector3<f64>,
-    /// Displacement of the rim per mean force there.
+    /// Displacement of the rim per force there at the end.
     pub flexibility: Matrix3<f64>,
 }
 
-/// A step of the wheel without contact forces.
+/// A step of the wheel without contact forces at its end.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Free {
     /// Displacement of the rim beyond the rest.
     pub rim: Vector3<f64>,
-    /// Mean force of the suspension on the hub, N.
-    suspension: f64,
-    /// Mean loads on hub (y, z) and suspended mass, N.
+    /// Force of the suspension on the hub at the start and at the end, N.
+    suspension: [f64; 2],
+    /// Loads on hub (y, z) and suspended mass at the end, and their means over the step, N.
     loads: [f64; 3],
+    mean_loads: [f64; 3],
 }
 
 impl<'a> Wheel<'a> {
@@ -129,7 +143,8 @@ impl<'a> Wheel<'a> {
                 weight: (0..size).map(|i| shape[i] * mass[(i, 1)]).sum(),
             }
         };
-        Ok(Self { scenario, modes: order.into_iter().map(mode).collect(), rest: wheel.rest })
+        let modes = order.into_iter().map(mode).collect();
+        Ok(Self { scenario, modes, mass: rigid[(1, 1)], rest: wheel.rest })
     }
 
     /// How many coordinates it has, the suspended mass included.
@@ -137,102 +152,145 @@ impl<'a> Wheel<'a> {
         self.modes.len() + usize::from(self.scenario.suspended_mass > 0.0)
     }
 
-    /// At rest with the hub at a displacement and a velocity (y, z; m, m/s).
-    pub fn start(&self, displacement: [f64; 2], velocity: [f64; 2]) -> WheelState {
-        // the coordinates of a translation are its impulses, as the modes have unit mass; the weight is that downwards
-        let across = |mode: &Mode| mode.hub;
-        let rigid: Vec<&Mode> = self.modes.iter().filter(|mode| mode.square == 0.0).collect();
-        let mut state =
-            WheelState { modes: vec![[0.0; 2]; self.modes.len()], suspended: [displacement[1], velocity[1]] };
+    /// As an initial motion has hub, suspension and body, not yet accelerated.
+    pub fn start(&self, initial: &InitialMotion) -> WheelState {
+        let InitialMotion { displacement, velocity, carried } = *initial;
+        let suspended = [displacement[1] + initial.stroke(self.scenario, self.mass), velocity[1]];
+        let mut state = WheelState { modes: vec![[0.0; 3]; self.modes.len()], suspended };
+        // the rail carries the rim, and what the hub carries holds it down
+        for (mode, at) in self.modes.iter().zip(&mut state.modes).filter(|(mode, _)| mode.square > 0.0) {
+            at[0] = carried * (mode.hub[1] - mode.rim.y) / mode.square;
+        }
         // two rigid motions span the translations of the hub
-        if let [a, b, ..] = rigid[..] {
-            let (p, q) = (across(a), across(b));
+        let mut rigid = (0..self.modes.len()).filter(|i| self.modes[*i].square == 0.0);
+        if let (Some(a), Some(b)) = (rigid.next(), rigid.next()) {
+            let (p, q) = (self.modes[a].hub, self.modes[b].hub);
             let determinant = p[0] * q[1] - p[1] * q[0];
             let solve = |v: [f64; 2]| {
                 [(v[0] * q[1] - v[1] * q[0]) / determinant, (p[0] * v[1] - p[1] * v[0]) / determinant]
             };
-            let (u, v) = (solve(displacement), solve(velocity));
-            state.modes[0] = [u[0], v[0]];
-            state.modes[1] = [u[1], v[1]];
+            let deflected = self.hub(&state);
+            let (u, v) = (solve([0, 1].map(|i| displacement[i] - deflected[i])), solve(velocity));
+            state.modes[a] = [u[0], v[0], 0.0];
+            state.modes[b] = [u[1], v[1], 0.0];
         }
         state
     }
 
+    /// Accelerates a state at t = 0 by its loads and a `force` on the rim.
+    pub fn accelerate(&self, state: &mut WheelState, force: &Vector3<f64>) {
+        let (loads, suspension) = (self.loads(0.0), self.suspension(state));
+        for (mode, [u, v, a]) in self.modes.iter().zip(&mut state.modes) {
+            *a = self.load(mode, &loads, suspension) + mode.rim.dot(force)
+                - mode.square * *u
+                - mode.damping * *v;
+        }
+    }
+
+    /// Displacement and velocity of the suspended mass against the hub, m and m/s.
+    fn stroke(&self, state: &WheelState) -> [f64; 2] {
+        let mut stroke = state.suspended;
+        for (mode, at) in self.modes.iter().zip(&state.modes) {
+            stroke[0] -= mode.hub[1] * at[0];
+            stroke[1] -= mode.hub[1] * at[1];
+        }
+        stroke
+    }
+
+    /// Force of the suspension on the hub, N.
+    fn suspension(&self, state: &WheelState) -> f64 {
+        if self.scenario.suspended_mass == 0.0 {
+            return 0.0;
+        }
+        let (spring, [stroke, velocity]) = (self.scenario.vertical_suspension, self.stroke(state));
+        spring.stiffness * stroke + spring.damping * velocity
+    }
+
+    /// Force on a mode of loads, weight and suspension.
+    fn load(&self, mode: &Mode, loads: &[f64; 3], suspension: f64) -> f64 {
+        mode.hub[0] * loads[0] + mode.hub[1] * (loads[1] + suspension) + mode.weight * self.scenario.gravity
+    }
+
     /// Displacement (y, z) of the hub, m.
     pub fn hub(&self, state: &WheelState) -> [f64; 2] {
-        [0, 1].map(|i| self.modes.iter().zip(&state.modes).map(|(mode, [u, _])| mode.hub[i] * u).sum())
+        [0, 1].map(|i| self.modes.iter().zip(&state.modes).map(|(mode, [u, ..])| mode.hub[i] * u).sum())
     }
 
     /// Motion of the rim's section without the rest.
     pub fn rim(&self, state: &WheelState) -> Vector3<f64> {
-        self.modes.iter().zip(&state.modes).map(|(mode, [u, _])| mode.rim * *u).sum()
+        self.modes.iter().zip(&state.modes).map(|(mode, [u, ..])| mode.rim * *u).sum()
     }
 
     /// Prepares steps of one length, s.
     pub fn prepare(&self, step: f64) -> Prepared {
+        // the square of the highest frequency of modes that a spring joins is no larger than their own and the spring's together
+        let (mut highest, mut contact) = (0.0_f64, 0.0);
+        for mode in &self.modes {
+            highest = highest.max(mode.square);
+            contact += STIFFEST_CONTACT * mode.rim.xy().norm_squared();
+        }
+        let beta = (0.25 - STABLE / (step * step * (highest + contact))).max(1.0 / 12.0);
+        let of_end = beta * step * step;
         let response: Vec<f64> =
-            self.modes.iter().map(|m| step / (2.0 / step + 0.5 * step * m.square + m.damping)).collect();
+            self.modes.iter().map(|m| 1.0 / (1.0 + 0.5 * step * m.damping + of_end * m.square)).collect();
         let (mut own, mut from_hub, mut hub) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
         for (mode, response) in self.modes.iter().zip(&response) {
             own += mode.rim * mode.rim.transpose() * *response;
             from_hub += mode.rim * (mode.hub[1] * response);
             hub += mode.hub[1] * mode.hub[1] * response;
         }
-        let scenario = self.scenario;
-        let (spring, mass) = (scenario.vertical_suspension, scenario.suspended_mass);
-        let (suspended_response, coupling) = match mass > 0.0 {
-            true => {
-                let (half, damper) = (0.5 * spring.stiffness, spring.damping / step);
-                (0.5 * step * step / mass, [half + damper, half - damper])
-            }
-            false => (0.0, [0.0; 2]),
+        let (spring, mass) = (self.scenario.vertical_suspension, self.scenario.suspended_mass);
+        let (coupling, of_mass) = match mass > 0.0 {
+            true => (
+                spring.stiffness * of_end + spring.damping * 0.5 * step,
+                (spring.stiffness * 0.25 * step + spring.damping * 0.5) * step / mass,
+            ),
+            false => (0.0, 0.0),
         };
-        let share = 1.0 / (1.0 + coupling[0] * (suspended_response + hub));
-        let flexibility = own - from_hub * from_hub.transpose() * (coupling[0] * share);
-        Prepared { step, response, suspended_response, coupling, share, from_hub, flexibility }
+        let share = 1.0 / (1.0 + of_mass + coupling * hub);
+        let flexibility = (own - from_hub * from_hub.transpose() * (coupling * share)) * of_end;
+        Prepared { step, beta, response, coupling, share, from_hub, flexibility }
     }
 
-    /// Loads on hub (y, z) and suspended mass (z) at a time, N, without weights.
-    fn loads(&self, time: f64) -> [f64; 2] {
-        [self.scenario.lateral_force.at(time), self.scenario.vertical_force.at(time)]
-    }
-
-    fn mean_loads(&self, [from, to]: [f64; 2]) -> [f64; 3] {
-        let (a, b) = (self.loads(from), self.loads(to));
-        let weight = self.scenario.suspended_mass * self.scenario.gravity;
-        let (lateral, vertical) = (0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]));
-        if self.scenario.suspended_mass > 0.0 {
-            [lateral, 0.0, vertical + weight]
-        } else {
-            [lateral, vertical, 0.0]
+    /// Loads on hub (y, z) and suspended mass (z) at a time, N, without the weight of the wheel.
+    fn loads(&self, time: f64) -> [f64; 3] {
+        let [lateral, vertical] =
+            [&self.scenario.lateral_force, &self.scenario.vertical_force].map(|force| force.at(time));
+        match self.scenario.suspended_mass > 0.0 {
+            true => [lateral, 0.0, vertical + self.scenario.suspended_mass * self.scenario.gravity],
+            false => [lateral, vertical, 0.0],
         }
     }
 
-    /// Displacement at the end of a step of a coordinate of mass 1 under a mean force.
-    fn moved(mode: &Mode, [u, v]: [f64; 2], response: f64, step: f64, force: f64) -> f64 {
-        u + response * (force - mode.square * u + 2.0 * v / step)
-    }
-
-    /// The step from `state` between two `times` (s) without contact forces.
+    /// The step from `state` between two `times` (s) without contact forces at its end.
     pub fn free(&self, prepared: &Prepared, state: &WheelState, times: [f64; 2]) -> Free {
-        let loads = self.mean_loads(times);
-        let step = prepared.step;
-        let (mut rim, mut hub, mut hub_now) = (Vector3::zeros(), 0.0, 0.0);
+        let Prepared { step, beta, .. } = *prepared;
+        let [before, loads] = times.map(|time| self.loads(time));
+        let mean_loads = [0, 1, 2].map(|i| 0.5 * (before[i] + loads[i]));
+        let (mut rim, mut hub, mut hub_velocity) = (Vector3::zeros(), 0.0, 0.0);
         for ((mode, at), response) in self.modes.iter().zip(&state.modes).zip(&prepared.response) {
-            let force = mode.hub[0] * loads[0] + mode.hub[1] * loads[1] + mode.weight * self.scenario.gravity;
-            let end = Self::moved(mode, *at, *response, step, force);
+            let (u, v) = predicted(at, step, beta);
+            let a = response * (self.load(mode, &loads, 0.0) - mode.square * u - mode.damping * v);
+            let end = u + beta * step * step * a;
             rim += mode.rim * end;
             hub += mode.hub[1] * end;
-            hub_now += mode.hub[1] * at[0];
+            hub_velocity += mode.hub[1] * (v + 0.5 * step * a);
         }
-        let [w, velocity] = state.suspended;
-        let suspended = w + step * velocity + prepared.suspended_response * loads[2];
-        let [end, start] = prepared.coupling;
-        let suspension = prepared.share * (end * (suspended - hub) + start * (w - hub_now));
-        Free { rim: rim + prepared.from_hub * suspension, suspension, loads }
+        let start = self.suspension(state);
+        let (mass, spring) = (self.scenario.suspended_mass, self.scenario.vertical_suspension);
+        let end = if mass > 0.0 {
+            let [w, velocity] = state.suspended;
+            let pushed = (mean_loads[2] - 0.5 * start) * step / mass;
+            let (w, velocity) = (w + step * (velocity + 0.5 * pushed), velocity + pushed);
+            prepared.share * (spring.stiffness * (w - hub) + spring.damping * (velocity - hub_velocity))
+        } else {
+            0.0
+        };
+        let rim = rim + prepared.from_hub * (beta * step * step * end);
+        Free { rim, suspension: [start, end], loads, mean_loads }
     }
 
-    /// The state after a step under the mean `force` on the rim.
+    /// The state after a step under the `force` on the rim at its end.
     pub fn finish(
         &self,
         prepared: &Prepared,
@@ -241,59 +299,74 @@ impl<'a> Wheel<'a> {
         force: &Vector3<f64>,
         next: &mut WheelState,
     ) {
-        let step = prepared.step;
-        let suspension =
-            free.suspension - prepared.share * prepared.coupling[0] * prepared.from_hub.dot(force);
+        let Prepared { step, beta, .. } = *prepared;
+        let [start, end] = free.suspension;
+        let suspension = end - prepared.share * prepared.coupling * prepared.from_hub.dot(force);
         let modes = self.modes.iter().zip(&state.modes).zip(&prepared.response).zip(&mut next.modes);
-        let mut hub = 0.0;
+        let mut hub = [0.0; 2];
         for (((mode, at), response), after) in modes {
-            let load = mode.hub[0] * free.loads[0]
-                + mode.hub[1] * (free.loads[1] + suspension)
-                + mode.weight * self.scenario.gravity
-                + mode.rim.dot(force);
-            let end = Self::moved(mode, *at, *response, step, load);
-            *after = [end, 2.0 * (end - at[0]) / step - at[1]];
-            hub += mode.hub[1] * end;
+            let (u, v) = predicted(at, step, beta);
+            let load = self.load(mode, &free.loads, suspension) + mode.rim.dot(force);
+            let a = response * (load - mode.square * u - mode.damping * v);
+            *after = [u + beta * step * step * a, v + 0.5 * step * a, a];
+            hub[0] += mode.hub[1] * after[0];
+            hub[1] += mode.hub[1] * after[1];
         }
         let [w, velocity] = state.suspended;
         next.suspended = if self.scenario.suspended_mass > 0.0 {
-            let end = w + step * velocity + prepared.suspended_response * (free.loads[2] - suspension);
-            [end, 2.0 * (end - w) / step - velocity]
+            let pushed =
+                (free.mean_loads[2] - 0.5 * (start + suspension)) * step / self.scenario.suspended_mass;
+            [w + step * (velocity + 0.5 * pushed), velocity + pushed]
         } else {
-            [hub, 0.0]
+            hub
         };
     }
 
-    /// Energies after a step of `step` s that went on from `free`, with the works in it, J; without a step those of a state.
-    pub fn energy(&self, before: &WheelState, after: &WheelState, taken: Option<(f64, &Free)>) -> PartEnergy {
-        let (step, loads) = taken.map_or((0.0, [0.0; 3]), |(step, free)| (step, free.loads));
-        let scenario = self.scenario;
+    /// Energies of a state, J, that was reached with steps of a length.
+    pub fn stored(&self, state: &WheelState, Prepared { step, beta, .. }: &Prepared) -> PartEnergy {
+        let kept = (beta - 0.25) * step * step;
         let mut energy = PartEnergy::default();
-        for ((mode, a), b) in self.modes.iter().zip(&before.modes).zip(&after.modes) {
-            let moved = b[0] - a[0];
-            energy.kinetic += 0.5 * b[1] * b[1];
-            energy.elastic += 0.5 * mode.square * b[0] * b[0];
-            let load = mode.hub[0] * loads[0] + mode.hub[1] * loads[1] + mode.weight * scenario.gravity;
-            energy.work += load * moved;
-            energy.damped += if step > 0.0 { mode.damping * moved * moved / step } else { 0.0 };
+        for (mode, [u, v, a]) in self.modes.iter().zip(&state.modes) {
+            energy.kinetic += 0.5 * (v * v + kept * a * a);
+            energy.elastic += 0.5 * mode.square * u * u;
         }
-        if scenario.suspended_mass > 0.0 {
-            let spring = scenario.vertical_suspension;
-            let stroke = |state: &WheelState| state.suspended[0] - self.hub(state)[1];
-            let (now, moved) = (stroke(after), stroke(after) - stroke(before));
-            energy.kinetic += 0.5 * scenario.suspended_mass * after.suspended[1].powi(2);
-            energy.elastic += 0.5 * spring.stiffness * now * now;
-            energy.work += loads[2] * (after.suspended[0] - before.suspended[0]);
-            energy.damped += if step > 0.0 { spring.damping * moved * moved / step } else { 0.0 };
+        let mass = self.scenario.suspended_mass;
+        if mass > 0.0 {
+            energy.kinetic += 0.5 * mass * state.suspended[1].powi(2);
+            energy.elastic +=
+                0.5 * self.scenario.vertical_suspension.stiffness * self.stroke(state)[0].powi(2);
         }
         energy
     }
+
+    /// Works in a step that went on from `free`, J.
+    pub fn worked(&self, before: &WheelState, after: &WheelState, free: &Free) -> PartEnergy {
+        let loads = &free.mean_loads;
+        let mut works = PartEnergy::default();
+        for ((mode, a), b) in self.modes.iter().zip(&before.modes).zip(&after.modes) {
+            let (moved, velocity) = (b[0] - a[0], 0.5 * (a[1] + b[1]));
+            works.work += self.load(mode, loads, 0.0) * moved;
+            works.damped += mode.damping * velocity * moved;
+        }
+        if self.scenario.suspended_mass > 0.0 {
+            let damping = self.scenario.vertical_suspension.damping;
+            let [from, to] = [before, after].map(|state| self.stroke(state));
+            works.work += loads[2] * (after.suspended[0] - before.suspended[0]);
+            works.damped += damping * 0.5 * (from[1] + to[1]) * (to[0] - from[0]);
+        }
+        works
+    }
+}
+
+/// Displacement and velocity of a mode at the end of a step without the acceleration there.
+fn predicted([u, v, a]: &[f64; 3], step: f64, beta: f64) -> (f64, f64) {
+    (u + step * (v + (0.5 - beta) * step * a), v + 0.5 * step * a)
 }
 
 impl WheelState {
     /// Whether all of it are numbers.
     pub fn is_finite(&self) -> bool {
-        self.modes.iter().chain([&self.suspended]).flatten().all(|value| value.is_finite())
+        self.modes.iter().flatten().chain(&self.suspended).all(|value| value.is_finite())
     }
 }
 

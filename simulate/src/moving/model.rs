@@ -25,12 +25,21 @@ pub struct InitialMotion {
     pub displacement: [f64; 2],
     /// Velocity (y, z), m/s.
     pub velocity: [f64; 2],
+    /// Vertical force of the rail under which suspension and body of the wheel are deflected already, N: for a wheel that starts in balance all that it carries.
+    pub carried: f64,
 }
 
 impl InitialMotion {
+    /// How far the suspension of a wheel of a mass (kg) is compressed, m.
+    pub(crate) fn stroke(&self, scenario: &Scenario, mass: f64) -> f64 {
+        let stiffness = scenario.vertical_suspension.stiffness;
+        let force = self.carried - mass * scenario.gravity;
+        if self.carried > 0.0 && stiffness > 0.0 { force / stiffness } else { 0.0 }
+    }
+
     /// Whether a run can start so and go on with the steps of a scenario.
     pub(crate) fn check(&self, scenario: &Scenario) -> Result<()> {
-        let motion = [self.displacement, self.velocity].concat();
+        let motion = [&self.displacement[..], &self.velocity, &[self.carried]].concat();
         if let Some(value) = motion.iter().find(|v| !v.is_finite()) {
             return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
         }

@@ -203,8 +203,9 @@ impl<'a> Run<'a> {
         for i in 0..2 {
             wheel.centre[i] = Motion { u: u[i], v: v[i], a: 0.0 };
         }
-        // The suspended mass starts along with the wheel: its spring is at rest.
+        // The suspended mass starts along with the wheel.
         wheel.suspended = wheel.centre[1];
+        wheel.suspended.u -= initial.stroke(self.scenario, self.dynamics.mass);
         let mut pose = Pose::zeros();
         pose.fixed_rows_mut::<2>(0).copy_from(&u);
         surface.list(&pose, u.norm());
@@ -227,7 +228,7 @@ impl<'a> Run<'a> {
         let rail =
             self.rail.as_ref().map(|r| r.start(&self.rail_load(0.0), solution.on_rail())).transpose()?;
         let of_rail = self.rail.as_ref().zip(rail.as_ref());
-        let of_rail = of_rail.map(|(dynamics, rail)| dynamics.energy(rail, rail, 0.0, 0.0));
+        let of_rail = of_rail.map(|(dynamics, rail)| dynamics.stored(rail));
         // the springs and the contact start in balance, and nothing has slid
         let of_contact = PartEnergy { friction: 0.0, ..self.contact_energy(surface, &solution) };
         let ledger = EnergyLedger::new(

@@ -165,22 +165,33 @@ impl<'a> RailDynamics<'a> {
         Ok(state)
     }
 
-    /// Energies after a step of `step` s from `before` to `after` with the mean `torsion` (N·m) over it, J; with the work of the torsion.
+    /// Energies after a step of `step` s from `before` to `after` with the mean `torsion` (N·m) over it, and the works in it, J.
     pub fn energy(&self, before: &RailState, after: &RailState, torsion: f64, step: f64) -> PartEnergy {
+        self.stored(after) + self.worked(before, after, torsion, step)
+    }
+
+    /// Energies of a state, J.
+    pub fn stored(&self, state: &RailState) -> PartEnergy {
+        PartEnergy {
+            kinetic: self.beam.kinetic_energy(&state.velocities),
+            elastic: self.beam.elastic_energy(|node| state.displacements[node]),
+            ..PartEnergy::default()
+        }
+    }
+
+    /// Works in a step of `step` s from `before` to `after`, J: of the mean `torsion` (N·m) over it, and what damping took.
+    pub fn worked(&self, before: &RailState, after: &RailState, torsion: f64, step: f64) -> PartEnergy {
         let moved = |node: usize| {
             let (before, after) = (&before.displacements[node], &after.displacements[node]);
             std::array::from_fn(|i| after[i] - before[i])
         };
         let SectionRows { element, rows: [.., twist] } = &self.middle;
         let turned: f64 = (0..2).map(|node| dot(&twist[node], &moved(element + node))).sum();
-        let damps = step > 0.0 && self.damping > 0.0;
-        PartEnergy {
-            kinetic: self.beam.kinetic_energy(&after.velocities),
-            elastic: self.beam.elastic_energy(|node| after.displacements[node]),
-            work: torsion * turned,
-            damped: if damps { 2.0 * self.damping * self.beam.elastic_energy(moved) / step } else { 0.0 },
-            ..PartEnergy::default()
-        }
+        let damped = match self.damping > 0.0 {
+            true => 2.0 * self.damping * self.beam.elastic_energy(moved) / step,
+            false => 0.0,
+        };
+        PartEnergy { work: torsion * turned, damped, ..PartEnergy::default() }
     }
 
     /// Work of what moves the contact along the rail in a step from `before` to `after`, J: what its forces (directions 1, 2 and moment 3; at both ends of the step,

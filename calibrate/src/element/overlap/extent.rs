@@ -48,8 +48,8 @@ impl Profiles<'_> {
         least
     }
 
-    /// The arc lengths between which the bodies overlap.
-    pub(super) fn extent(&self, place: &Turned, span: Span) -> Option<[f64; 2]> {
+    /// The arc lengths between which the bodies overlap; where they do not, by how much they miss each other, m.
+    pub(super) fn extent(&self, place: &Turned, span: Span) -> Result<[f64; 2], f64> {
         let Span { stations: (low, high), ends: [gauge_end, field_end] } = span;
         let depth = |s: f64| self.facing_at(place, s, self.guess(s, (low, high)));
         let inside = |station: &Station| station.depth > 0.0 && (gauge_end..=field_end).contains(&station.s);
@@ -60,12 +60,12 @@ impl Profiles<'_> {
                 let (mut a, mut b) = (gauge_end, field_end);
                 loop {
                     let s = 0.5 * (a + b);
-                    let here = depth(s)?;
+                    let here = depth(s).ok_or(0.0)?;
                     if here.penetration > 0.0 {
                         break (s, s);
                     }
                     if b - a < NARROWEST {
-                        return None;
+                        return Err(-here.penetration);
                     }
                     // deeper on the side to which the penetration grows
                     if here.slope > 0.0 { a = s } else { b = s }
@@ -103,7 +103,7 @@ impl Profiles<'_> {
             (Some(a), Some(b)) => (a.end_towards(gauge), b.end_towards(field)),
             _ => (first, last),
         };
-        Some([end(first, gauge_end, from), end(last, field_end, to)])
+        Ok([end(first, gauge_end, from), end(last, field_end, to)])
     }
 
     /// The rule of integration over an overlap, `each` with a place of the rail and its weight, m: in parts on which the curvature of neither profile jumps by much, as

@@ -1,6 +1,6 @@
 //! Overlaps that change their number.
 
-use super::super::strips::tests::{Uniform, found, profile};
+use super::super::strips::tests::{Uniform, at_origin, found, profile};
 use super::*;
 
 /// Goal: two contacts that join leave no jump in the normal force: from one of 2000 depths to the next it changes as it did before, where a wheel with a hollow of 80 µm between two
@@ -13,7 +13,7 @@ fn the_force_does_not_jump_where_contacts_join() {
     let hollow = |y: f64| -1.5 * y * y - 60e-6 * (std::f64::consts::TAU * y / 12e-3).cos();
     let (rail, wheel) = (profile(|_| 0.0), profile(hollow));
     let at = |i: u32| {
-        let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+        let mut bodies = at_origin(&rail, &wheel, &Uniform(4e10));
         let depth = 100e-6 * f64::from(i) / f64::from(PLACES);
         let pose = Pose { wheel: Vector3::new(0.0, depth, 1e-3), ..Pose::default() };
         let contacts = found(&mut bodies, &pose, &Uniform(4e10));

@@ -1,6 +1,6 @@
 //! The loads of all contacts, and the relief that they and it settle to.
 
-use super::{Bells, Relief, ReliefPlaces, WIDTH, root};
+use super::{Bells, Relief, ReliefPlaces, WIDTH, root, root_from};
 use nalgebra::{Matrix3, Vector3};
 
 /// Newton steps in which loads and relief settle, and what the last one may correct, relative: its square is left.
@@ -65,8 +65,13 @@ pub(in super::super) struct Loading {
     /// The gradients of all contacts together, component after component, and [`Softening`]'s X times that.
     all: Vec<f64>,
     halves: Vec<f64>,
-    /// By place, m.
+    /// By place: what the relief changes by with the motion of the wheel, what it has changed by since the strips were found, m, where it was last, and what it changed by there.
+    response: Vec<Vector3<f64>>,
+    shift: Vec<f64>,
+    before: Vec<f64>,
     change: Vec<f64>,
+    /// What the stiffness of all contacts loses by the relief: that of the normal forces and that of friction.
+    softness: [Matrix3<f64>; 2],
 }
 
 /// Factors of the change of the relief with the loads that there would be without it, m/N: `H = D·(I + S·D)⁻¹`, with `D` the derivative of the relief by the loads.
@@ -83,11 +88,14 @@ struct Softening {
 
 impl Loading {
     /// None, on the places of a surface.
-    pub fn clear(&mut self, places: &ReliefPlaces) {
+    pub fn clear(&mut self, places: Option<&ReliefPlaces>) {
+        let count = places.map_or(0, |places| places.count);
         self.load.clear();
-        self.load.resize(places.count, 0.0);
+        self.load.resize(count, 0.0);
         self.stiffness.clear();
-        self.stiffness.resize(places.count, [0.0; WIDTH]);
+        self.stiffness.resize(count, [0.0; WIDTH]);
+        self.shift.clear();
+        self.shift.resize(count, 0.0);
         self.gradients.clear();
         self.contact = 0;
     }
@@ -102,14 +110,12 @@ impl Loading {
         [self.contact, self.gradients.len()]
     }
 
-    /// The gradients of a contact by their numbers, to turn them.
-    pub fn gradients(&mut self, [from, to]: [usize; 2]) -> &mut [Gradient] {
-        &mut self.gradients[from..to]
-    }
-
     /// Adds a strip; those of a contact by ascending arc length.
-    pub fn add(&mut self, places: &ReliefPlaces, s: f64, strip: &StripLoad) {
-        let Bells { first, value } = places.bells(s);
+    pub fn add(&mut self, bells: &Bells, strip: &StripLoad) {
+        if self.load.is_empty() {
+            return;
+        }
+        let Bells { first, value } = *bells;
         let start = self.gradients.get(self.contact).map_or(first, |gradient| gradient.place);
         while self.gradients.len() - self.contact < first - start + WIDTH {
             let place = start + self.gradients.len() - self.contact;
@@ -127,11 +133,61 @@ impl Loading {
         }
     }
 
+    /// Adds a strip that has been added before, with another load, N.
+    pub fn add_load(&mut self, bells: &Bells, load: f64) {
+        if let Some(loads) = self.load.get_mut(bells.first..bells.first + WIDTH) {
+            add(loads, load, &bells.value);
+        }
+    }
+
+    /// Prepares the sum of other loads after a motion of the wheel, from the relief that was `made` before it; the strips were found `under` another one.
+    pub fn guess(&mut self, made: &Relief, under: &Relief, motion: &Vector3<f64>) {
+        let Self { load, response, before, shift, .. } = self;
+        load.fill(0.0);
+        before.clear();
+        before.extend(response.iter().enumerate().map(|(i, response)| made.of(i) + response.dot(motion)));
+        shift.clear();
+        shift.extend(before.iter().enumerate().map(|(i, at)| at - under.of(i)));
+    }
+
+    /// What the relief has changed by since the strips were found, m.
+    pub fn shift(&self, bells: &Bells) -> f64 {
+        self.shift.get(bells.first..bells.first + WIDTH).map_or(0.0, |shift| dot(shift, &bells.value))
+    }
+
+    /// The relief that the loads make, from the guess on by one step with the derivatives of where the strips were found, and its energy, J.
+    pub fn again(&mut self, places: &ReliefPlaces, made: &mut Relief) -> f64 {
+        let Self { load, active, now, roots, lost, beside, softening, off, step, before, .. } = self;
+        let n = active.len();
+        for (a, &i) in active.iter().enumerate() {
+            (now[a], roots[a]) = (load[i], root_from(roots[a], load[i]));
+        }
+        // (I + D·S)⁻¹ = I - H·S
+        for (a, &i) in active.iter().enumerate() {
+            step[a] = places.own(roots[a]).0 + dot(row(beside, n, a), now) - before[i];
+        }
+        off.fill(0.0);
+        for a in 0..n {
+            add(off, step[a], row(lost, n, a));
+        }
+        softening.apply(off, &mut self.halves[..n], n);
+        for a in 0..n {
+            step[a] -= self.halves[a];
+        }
+        for a in 0..n {
+            add(now, -step[a], row(lost, n, a));
+        }
+        for a in 0..n {
+            roots[a] = root_from(roots[a], now[a]);
+        }
+        self.settle(places, made)
+    }
+
     /// The relief that the loads make if they go down in proportion to it, and its energy, J: `g = g' - S·(r(g) - r')` by Newton's method.
     pub fn relieve(&mut self, places: &ReliefPlaces, relief: &Relief, made: &mut Relief) -> f64 {
-        let before = |i: usize| relief.at.get(i).copied().unwrap_or(0.0);
+        let before = |i: usize| relief.of(i);
         self.gather(places);
-        let Self { load, active, now, roots, lost, beside, softening, off, step, change, .. } = self;
+        let Self { load, active, now, roots, lost, beside, softening, off, step, .. } = self;
         let n = active.len();
         let mut factored = false;
         for _ in 0..STEPS {
@@ -158,12 +214,20 @@ impl Loading {
             }
             for a in 0..n {
                 now[a] = (now[a] + off[a]).max(LEFT * now[a]);
-                roots[a] = root(now[a]);
+                roots[a] = root_from(roots[a], now[a]);
             }
             if wrong <= LAST * whole {
                 break;
             }
         }
+        self.before.clear();
+        self.before.extend((0..places.count).map(before));
+        self.settle(places, made)
+    }
+
+    /// The relief of loads that have settled, and its energy, J.
+    fn settle(&mut self, places: &ReliefPlaces, made: &mut Relief) -> f64 {
+        let Self { load, active, now, roots, before, change, .. } = self;
         made.at.clear();
         made.at.resize(places.count, 0.0);
         for (&i, load) in active.iter().zip(&*now) {
@@ -175,10 +239,10 @@ impl Loading {
             made.at[i] += places.own(roots[a]).0;
             // what the strips have changes by their loads times that of the relief
             energy +=
-                places.energy(now[a], roots[a]) + 0.5 * now[a] * beside - load[i] * (made.at[i] - before(i));
+                places.energy(now[a], roots[a]) + 0.5 * now[a] * beside - load[i] * (made.at[i] - before[i]);
         }
         change.clear();
-        change.extend(made.at.iter().enumerate().map(|(i, at)| at - before(i)));
+        change.extend(made.at.iter().zip(before).map(|(at, before)| at - *before));
         energy
     }
 
@@ -223,8 +287,13 @@ impl Loading {
     }
 
     /// What the stiffness of all contacts loses by the relief: that of the normal forces and that of friction.
-    pub fn softer(&mut self) -> [Matrix3<f64>; 2] {
-        let Self { gradients, active, softening, all, halves, .. } = self;
+    pub fn softness(&self) -> &[Matrix3<f64>; 2] {
+        &self.softness
+    }
+
+    /// Finds what the stiffness of all contacts loses by the relief, and what that changes by with the motion of the wheel.
+    pub fn soften(&mut self) {
+        let Self { gradients, active, softening, all, halves, response, load, .. } = self;
         let n = active.len();
         for list in [&mut *all, &mut *halves] {
             list.clear();
@@ -240,7 +309,19 @@ impl Loading {
             softening.half(row(all, n, c), &mut halves[c * n..(c + 1) * n], n);
         }
         let product = |i: usize, j: usize| dot(row(halves, n, i), row(halves, n, j));
-        [Matrix3::from_fn(product), Matrix3::from_fn(|i, j| product(3 + i, j))]
+        self.softness = [Matrix3::from_fn(product), Matrix3::from_fn(|i, j| product(3 + i, j))];
+        response.clear();
+        response.resize(load.len(), Vector3::zeros());
+        for c in 0..3 {
+            let whole = &mut halves[c * n..(c + 1) * n];
+            softening.other_half(whole, n);
+            for (&i, value) in active.iter().zip(&*whole) {
+                response[i][c] = *value;
+            }
+        }
+        if halves.len() < n {
+            halves.resize(n, 0.0);
+        }
     }
 }
 
@@ -280,6 +361,11 @@ impl Softening {
     /// `H` times `loads`.
     fn apply(&self, loads: &[f64], relief: &mut [f64], n: usize) {
         self.half(loads, relief, n);
+        self.other_half(relief, n);
+    }
+
+    /// `Xᵀ` times what [`Softening::half`] has made.
+    fn other_half(&self, relief: &mut [f64], n: usize) {
         for a in (0..n).rev() {
             let known: f64 = dot(&self.system[a * n + a + 1..(a + 1) * n], &relief[a + 1..]);
             relief[a] = (relief[a] - known) / self.system[a * n + a];

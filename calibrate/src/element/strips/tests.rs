@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::analytic::hertz::{contact_modulus, point_contact};
+use crate::element::relief::Influence;
 use crate::pair::Pair;
 use crate::placement::TrackGeometry;
 use crate::profile::ProfileCurve;
@@ -39,20 +40,30 @@ fn pair() -> Pair {
     Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap()
 }
 
-fn profiles(pair: &Pair) -> Profiles<'_> {
-    Profiles::new(&pair.placed.curve, &pair.wheel.running, Point2::from(pair.tape()), pair.node_line())
+fn strips<'a>(pair: &'a Pair, law: &impl StripLaw) -> ContactStrips<'a> {
+    let (tape, line) = (Point2::from(pair.tape()), pair.node_line());
+    ContactStrips::new(Profiles::new(&pair.placed.curve, &pair.wheel.running, tape, line), law)
 }
 
-pub(in super::super) fn found(profiles: &mut Profiles, pose: &Pose, law: &impl StripLaw) -> Vec<Contact> {
+/// Both profiles with their origins in the world's.
+pub(in super::super) fn at_origin<'a>(
+    rail: &'a ProfileCurve,
+    wheel: &'a ProfileCurve,
+    law: &impl StripLaw,
+) -> ContactStrips<'a> {
+    ContactStrips::new(Profiles::new(rail, wheel, Point2::origin(), Point2::origin()), law)
+}
+
+pub(in super::super) fn found(strips: &mut ContactStrips, pose: &Pose, law: &impl StripLaw) -> Vec<Contact> {
     let mut contacts = Vec::new();
-    profiles.settled(pose, law, &mut contacts);
+    strips.settled(pose, law, &mut contacts);
     contacts
 }
 
 /// Energy and force of all contacts, those of their relief included.
-fn all(profiles: &mut Profiles, pose: &Pose, law: &impl StripLaw) -> (f64, Relieved) {
+fn all(strips: &mut ContactStrips, pose: &Pose, law: &impl StripLaw) -> (f64, Relieved) {
     let mut contacts = Vec::new();
-    let relieved = profiles.settled(pose, law, &mut contacts);
+    let relieved = strips.settled(pose, law, &mut contacts);
     (relieved.energy + sum(&contacts).0, relieved)
 }
 
@@ -82,17 +93,17 @@ fn pressed(pair: &Pair) -> Vec<(Pair, Pose)> {
 
 /// Source: the definition of a potential. Goal: force (N) and moment (N·m) on the wheel are minus the gradient of the energy (J), on the tread and up to the
 /// gauge corner, with both bodies moved and turned, strips that harden and loads that relieve each other; the stiffness (N/m) is that of the force; a motion of both
-/// together changes nothing. Accuracy: the rule of integration, 1e-5 of the
-/// force; the stiffness leaves out that normals and places turn and move, some thousandths of it.
+/// together changes nothing. Accuracy: the rule of integration, 1e-5 of the force; the stiffness leaves out that arms change when the wheel turns: the weight of a
+/// wheel at half a metre over stiffness at that of a contact, a thousandth.
 #[test]
 fn forces_are_the_gradient_of_the_energy() {
     const QUADRATURE: f64 = 1e-5;
-    const TANGENT: f64 = 5e-3;
+    const TANGENT: f64 = 1e-3;
     const ROUNDOFF: f64 = 1e-8;
     let pair = pair();
     let mut corner = false;
     for (place, pose) in pressed(&pair) {
-        let bodies = || profiles(&place).of_strips(&Falling);
+        let bodies = || strips(&place, &Falling);
         let (energy, at) = all(&mut bodies(), &pose, &Falling);
         let size = at.force.xy().norm();
         corner |= place.touch.contact_angle.abs() > 0.4;
@@ -158,8 +169,8 @@ fn crowned_profiles_have_the_force_of_hertz() {
         let stiffness = point_contact(1.0, 0.46, 1.0 / curvature, modulus).unwrap().approach.powf(-1.5);
         let crowned = profile(arc(rail));
         let other = profile(|y| if wheel.is_finite() { -wheel.signum() * arc(wheel.abs())(y) } else { 0.0 });
-        let mut bodies = Profiles::new(&crowned, &other, Point2::origin(), Point2::origin());
         let law = Uniform(0.75 * stiffness * (0.5 * curvature).sqrt());
+        let mut bodies = at_origin(&crowned, &other, &law);
         for depth in [1e-6_f64, 10e-6, 100e-6] {
             let contacts = found(&mut bodies, &down(depth), &law);
             let exact = stiffness * depth.powf(1.5);
@@ -191,7 +202,8 @@ fn mirrored_profiles_have_mirrored_contacts() {
             let mirror = Vector3::new(side, 1.0, side);
             let wheel_at = pose.wheel.component_mul(&mirror);
             let pose = Pose { wheel: wheel_at, rail: pose.rail.component_mul(&mirror) };
-            found(&mut Profiles::new(&rail, &wheel, tape, line), &pose, &Uniform(4e10))
+            let law = Uniform(4e10);
+            found(&mut ContactStrips::new(Profiles::new(&rail, &wheel, tape, line), &law), &pose, &law)
         };
         let (one, mut other) = (contacts(1.0), contacts(-1.0));
         other.reverse();
@@ -213,7 +225,7 @@ fn a_contact_narrower_than_the_stations_is_found() {
     let rail = profile(|_| 0.0);
     for radius in [13e-3, 5e-3] {
         let wheel = fine(|y| -arc(radius)(y), 4e-3);
-        let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+        let mut bodies = at_origin(&rail, &wheel, &Uniform(4e10));
         for depth in [1e-9_f64, 1e-7, 1e-5] {
             for place in 0..97 {
                 let mut pose = down(depth);
@@ -244,7 +256,7 @@ fn a_gap_narrower_than_the_stations_is_found() {
     const SOLVER: f64 = 2e-3;
     let height = |y: f64| 0.5e-6 * (1.0 - (y / 2e-3).powi(2)).powi(2);
     let (rail, wheel) = (profile(|_| 0.0), fine(|y| -height(y), 4e-3));
-    let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+    let mut bodies = at_origin(&rail, &wheel, &Uniform(4e10));
     for depth in [0.45e-6, 0.49e-6] {
         let strips = (-40_000..=40_000).map(|i| (depth - height(1e-7 * f64::from(i))).max(0.0));
         let exact = 4e10 * 1e-7 * strips.sum::<f64>();
@@ -264,7 +276,7 @@ fn a_gap_narrower_than_the_stations_is_found() {
 #[test]
 fn forces_go_on_where_contacts_are_born_and_merge() {
     let pair = pair();
-    let mut bodies = profiles(&pair);
+    let mut bodies = strips(&pair, &Uniform(4e10));
     // the heights at which the wheel touches, in proportion between
     let heights: Vec<f64> = (0..=22)
         .map(|i| {
@@ -309,7 +321,7 @@ fn forces_go_on_where_contacts_are_born_and_merge() {
 fn contacts_have_no_memory() {
     const SOLVER: f64 = 1e-5;
     let pair = pair();
-    let mut bodies = profiles(&pair);
+    let mut bodies = strips(&pair, &Uniform(4e10));
     let mut state = 1_u64;
     let mut random = |size: f64| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -325,7 +337,7 @@ fn contacts_have_no_memory() {
             pose.wheel += Vector3::new(random(1e-4), random(4e-5), random(1e-4));
             let (one, other) = (
                 found(&mut bodies, &pose, &Uniform(4e10)),
-                found(&mut profiles(&pair), &pose, &Uniform(4e10)),
+                found(&mut strips(&pair, &Uniform(4e10)), &pose, &Uniform(4e10)),
             );
             assert_eq!(one.len(), other.len(), "{pose:?}\n{one:#?}\n{other:#?}");
             let (a, b) = (sum(&one), sum(&other));
@@ -352,7 +364,7 @@ fn narrow_overlaps_beside_a_contact_come_without_a_jump() {
     let points: Vec<Point2<f64>> =
         (-200..=200).map(|i| 0.1e-3 * f64::from(i)).map(|y| Point2::new(y, wave(y) - arc(0.3)(y))).collect();
     let (rail, wheel) = (profile(|_| 0.0), ProfileCurve::from_points(&points, &[]).unwrap());
-    let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+    let mut bodies = at_origin(&rail, &wheel, &Uniform(MODULUS));
     let step = 0.1e-6;
     let mut last = 0.0;
     for i in 1..=600 {
@@ -367,38 +379,32 @@ fn narrow_overlaps_beside_a_contact_come_without_a_jump() {
 
 /// Source: R.D. Mindlin, H. Deresiewicz, "Elastic spheres in contact under varying oblique forces", J. Appl. Mech. 20 (1953): under a constant normal force `N` a
 /// tangential displacement `u` makes `T = µN·(1 - (1 - u/u₁)^(3/2))`, and back from `u*`, by twice of that over `2u₁`; u₁ = 3µN/(2k). Goal: that force (N) of a crowned wheel on a
-/// flat rail, forth, back and forth again. Accuracy: strips whose forces are a parabola have that force exactly; the rule of integration has twelve points, up to π/24 of the width apart, between two of which the
-/// edge of the sliding strips lies: (π/24)² of the force, and friction is kept at places 0.25 mm apart on a contact of 10 mm.
+/// flat rail, forth, back and forth again. Accuracy: strips whose forces are a parabola have that force exactly; of the rule of integration, whose twelve points
+/// are h = π/24·√(1 - x²) of the width apart, x half-widths from the middle, each of two edges of the sliding strips is off by h²/8 times the slope of the limit there: together up to
+/// 1 % of the force, and twice that where the force turns.
 #[test]
 fn a_contact_slips_from_its_edges() {
-    const QUADRATURE: f64 = 1.8e-2;
+    const QUADRATURE: f64 = 2e-2;
     const COEFFICIENT: f64 = 0.3;
     let (rail, wheel) = (profile(|_| 0.0), profile(|y| -arc(0.3)(y)));
     let law = Uniform(4e10);
-    let mut bodies = Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin());
+    let mut bodies = at_origin(&rail, &wheel, &law);
     let depth = 40e-6;
     let mut contacts = found(&mut bodies, &down(depth), &law);
     let (normal, stiffness) = (contacts[0].normal_force, contacts[0].tangential_stiffness);
     let whole = 1.5 * COEFFICIENT * normal / stiffness;
     let slipped = |u: f64| COEFFICIENT * normal * (1.0 - (1.0 - u.abs() / whole).powf(1.5)).copysign(u);
-    let mut kept = [Deflections::none(rail.length()), Deflections::none(rail.length())];
-    // the wheel that goes aside by so little stays on the same strips
+    // as the wheel goes aside by a tenth of a millimetre at most, it takes the contact along
     let (mut at, mut turned, mut force) = (0.0, 0.0, 0.0);
     let mut largest = 0.0_f64;
+    let aside = |u: f64| Pose { wheel: Vector3::new(u, depth, 0.0), ..Pose::default() };
     let (forth, back) = (0.8 * whole, -0.5 * whole);
     for (to, first) in [(forth, true), (back, false), (forth, false)] {
         let from = at;
         for i in 1..=20 {
-            let next = from + (to - from) * f64::from(i) / 20.0;
-            let moved = Vector3::new(next - at, 0.0, 0.0);
-            let friction = Friction { coefficient: COEFFICIENT, before: &kept[0], moved };
-            let relief = Relief::default();
-            bodies.contacts(&down(depth), &law, &relief, Some(&friction), &mut contacts);
-            let mut now = kept[1].clone();
-            bodies.taken_up(&law, &relief, &friction, &mut now);
-            kept.swap(0, 1);
-            kept[0] = now;
-            at = next;
+            at = from + (to - from) * f64::from(i) / 20.0;
+            bodies.look(&aside(at), &law, COEFFICIENT, &mut contacts);
+            bodies.commit(COEFFICIENT);
             let exact = if first { slipped(at) } else { turned + 2.0 * slipped(0.5 * (at - from)) };
             force = -contacts[0].friction.x;
             largest = largest.max((force - exact).abs() / (COEFFICIENT * normal));
@@ -409,9 +415,7 @@ fn a_contact_slips_from_its_edges() {
     println!("{largest:e} {force}");
     assert!(largest < QUADRATURE, "{largest}");
     // far aside everything slides
-    let friction =
-        Friction { coefficient: COEFFICIENT, before: &kept[0], moved: Vector3::new(whole, 0.0, 0.0) };
-    bodies.contacts(&down(depth), &law, &Relief::default(), Some(&friction), &mut contacts);
+    bodies.look(&aside(at + 2.0 * whole), &law, COEFFICIENT, &mut contacts);
     assert!(!contacts[0].sticks);
     assert!((-contacts[0].friction.x / (COEFFICIENT * normal) - 1.0).abs() < 1e-9);
     assert!((contacts[0].tangential_force().abs() / (COEFFICIENT * normal) - 1.0).abs() < 1e-6);
@@ -441,8 +445,7 @@ fn contacts_side_by_side_relieve_each_other() {
     let rail = profile(|_| 0.0);
     let left = |shape: &dyn Fn(f64) -> f64, count: usize| {
         let wheel = profile(shape);
-        let mut bodies =
-            Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin()).of_strips(&Relieving);
+        let mut bodies = at_origin(&rail, &wheel, &Relieving);
         let contacts = found(&mut bodies, &down(DEPTH), &Relieving);
         assert_eq!(contacts.len(), count);
         let contact = contacts[0];
@@ -464,20 +467,19 @@ fn a_pose_has_one_relief() {
     const SOLVER: f64 = 1e-6;
     let pair = pair();
     let places = pressed(&pair);
-    let mut cases: Vec<_> = places.iter().map(|(place, pose)| (profiles(place), *pose)).collect();
+    let mut cases: Vec<_> = places.iter().map(|(place, pose)| (strips(place, &Relieving), *pose)).collect();
     let (rail, wheel) = (profile(|_| 0.0), profile(|y| -arc(0.05)(y.abs() - 15e-3)));
-    cases.push((Profiles::new(&rail, &wheel, Point2::origin(), Point2::origin()), down(80e-6)));
+    cases.push((at_origin(&rail, &wheel, &Relieving), down(80e-6)));
     let mut several = false;
-    for (bodies, pose) in cases {
-        let mut bodies = bodies.of_strips(&Relieving);
+    for (mut bodies, pose) in cases {
         let mut contacts = Vec::new();
         let mut force = |first: &Relief| {
-            let mut relief = first.clone();
+            bodies.made.copy_from(first);
             let often = (MOST_SETTLINGS, RELIEVED);
-            let relieved = bodies.settle(&pose, &Relieving, &mut relief, None, often, &mut contacts);
+            let relieved = bodies.settle(&pose, &Relieving, 0.0, often, &mut contacts);
             assert!(relieved.off < RELIEVED, "{}", relieved.off);
             several |= contacts.len() > 1;
-            (relieved.force, relief)
+            (relieved.force, bodies.made.clone())
         };
         let (one, settled) = force(&Relief::default());
         assert!(one.xy().norm() > 5e3);
@@ -487,4 +489,53 @@ fn a_pose_has_one_relief() {
         }
     }
     assert!(several, "nowhere two contacts");
+}
+
+/// Goal: the strips that were found at one pose have the forces (N) and energies of those that are found at a pose near it, with both bodies turned, friction, strips that harden
+/// and loads that relieve each other, on the tread and up to the gauge corner; as long as they serve. Accuracy: OFF, the ten newtons that a step may be off; that strips
+/// slide over their places and turn is 2 to 50 N. Friction is kept at other places than where it is needed, whose edge of the sliding ones is off by a hundredth of its limit at most, as
+/// above.
+#[test]
+fn strips_serve_at_poses_near_by() {
+    const OFF: f64 = 10.0;
+    const EDGE: f64 = 1e-2;
+    const ENERGY: f64 = 1e-4;
+    let pair = pair();
+    let (mut served, mut slides) = (0, 0.0_f64);
+    let directions = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.3, 0.3, 10.0]];
+    for ((place, pose), friction) in pressed(&pair).into_iter().flat_map(|at| [(at.clone(), 0.0), (at, 0.3)])
+    {
+        let fresh = || {
+            let (mut bodies, mut contacts) = (strips(&place, &Falling), Vec::new());
+            // the relief settles
+            for _ in 0..3 {
+                bodies.look(&pose, &Falling, friction, &mut contacts);
+            }
+            bodies.commit(friction);
+            bodies
+        };
+        for (direction, way) in directions.into_iter().flat_map(|d| [0.2e-6, 1e-6, 3e-6].map(|way| (d, way)))
+        {
+            let there = Pose { wheel: pose.wheel + Vector3::from(direction) * way, ..pose };
+            let (mut contacts, mut exact) = (Vec::new(), Vec::new());
+            let Some(near) = fresh().near(&there, friction, &mut contacts) else { continue };
+            let mut others = fresh();
+            others.keep(friction);
+            others.settle(&there, &Falling, friction, (SETTLINGS, FAR_OFF), &mut exact);
+            let found = others.near(&there, friction, &mut exact).unwrap();
+            let (off, size) = ((near.force - found.force).xy().norm(), found.force.xy().norm());
+            println!(
+                "{:.3} {direction:?} {way:e} {friction}: {off:.3} of {size:.0} N",
+                place.touch.contact_angle
+            );
+            assert!(off < OFF + EDGE * friction * size, "{way:e} {direction:?}: {off} of {size}");
+            let energy =
+                |all: &Relieved, list: &[Contact]| all.energy + list.iter().map(|c| c.energy).sum::<f64>();
+            let (one, other) = (energy(&near, &contacts), energy(&found, &exact));
+            assert!((one / other - 1.0).abs() < ENERGY, "{one} {other}");
+            slides = slides.max(contacts[0].sliding_stiffness / contacts[0].tangential_stiffness);
+            served += 1;
+        }
+    }
+    assert!(served > 80 && slides > 0.1, "{served} {slides}");
 }

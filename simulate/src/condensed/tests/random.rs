@@ -68,6 +68,7 @@ fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Sc
     model.initial = InitialMotion {
         displacement: [random.within(-0.012, 0.006), random.one_of(&[0.0, -1e-4, -5e-3])],
         velocity: [random.within(-0.5, 0.5), random.within(-0.2, 0.5)],
+        carried: 0.0,
     };
     let force = |random: &mut SplitMix, low: f64, high: f64| HarmonicForce {
         constant: random.within(low, high),

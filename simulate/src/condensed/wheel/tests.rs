@@ -36,7 +36,8 @@ fn relative(value: f64, exact: f64) -> f64 {
 /// `count` steps of a wheel from rest under a constant force on its rim.
 fn steps(wheel: &Wheel, count: usize, step: f64, force: &Vector3<f64>) -> Vec<WheelState> {
     let prepared = wheel.prepare(step);
-    let mut states = vec![wheel.start([0.0; 2], [0.0; 2])];
+    let mut states = vec![wheel.start(&InitialMotion::default())];
+    wheel.accelerate(&mut states[0], force);
     for number in 0..count {
         let times = [number as f64 * step, (number + 1) as f64 * step];
         let mut next = states[number].clone();
@@ -99,7 +100,7 @@ fn loads_accelerate_the_total_mass() {
         // momentum of hub and mass: the mass moves by the hub's motion and what it has against it
         let momentum = |state: &WheelState| {
             let speed = |of: &dyn Fn(&Mode) -> f64| -> f64 {
-                wheel.modes.iter().zip(&state.modes).map(|(mode, [_, v])| of(mode) * v).sum()
+                wheel.modes.iter().zip(&state.modes).map(|(mode, [_, v, _])| of(mode) * v).sum()
             };
             let (hub, rim) = (speed(&|m| m.hub[1]), speed(&|m| m.rim.y));
             (HUB * hub + RIM * rim + suspended_mass * state.suspended[1], (HUB + RIM) * speed(&|m| m.hub[0]))

@@ -183,7 +183,7 @@ fn a_table_drives_the_wheel_as_its_law_does() {
 fn separated_wheel_falls_freely() {
     const ROUNDOFF: f64 = 1e-12;
     let mut model = flat(StiffnessLaw::published(), 283.0);
-    model.initial = InitialMotion { displacement: [0.0, -0.01], velocity: [0.2, -0.1] };
+    model.initial = InitialMotion { displacement: [0.0, -0.01], velocity: [0.2, -0.1], carried: 0.0 };
     let mut scenario = quiet(40, 5e-4);
     scenario.gravity = 9.81;
     for row in &model.run(&scenario, &Silent).unwrap().history.rows {

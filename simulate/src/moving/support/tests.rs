@@ -77,7 +77,7 @@ fn the_rail_is_a_linear_part() {
             assert_eq!(held, x == 0.0 || x == 0.6);
             if damping == 0.0 && dissipation == 0.0 && !held {
                 let energy = |state: &RailState| {
-                    let found = dynamics.energy(state, state, 0.0, 0.0);
+                    let found = dynamics.stored(state);
                     found.kinetic + found.elastic
                 };
                 let defect = trial.energy_defect(&load(0.0), &energy);
