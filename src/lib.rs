@@ -14,8 +14,11 @@
 #![doc = include_str!("../examples/verdict.rs")]
 //! ```
 
+pub mod version;
 pub mod rounding;
+mod child;
 pub mod output;
+pub mod pdf;
 pub mod verify;
 pub mod records;
 pub mod results;
@@ -32,6 +35,7 @@ pub mod scaling;
 pub mod step_times;
 pub mod crosscheck;
 pub mod pipeline;
+pub mod compare;
 pub mod table;
 pub mod export;
 pub mod cluster;

@@ -58,6 +58,23 @@ impl OutputFolder {
         Self::create(path)
     }
 
+    /// Opens a folder that is only read.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path if it is no folder.
+    pub fn to_read(path: &Path) -> Result<Self> {
+        match path.is_dir() {
+            true => Ok(Self { path: path.to_path_buf(), created: Vec::new() }),
+            false => Err(InputError::new(
+                path.display().to_string(),
+                if path.exists() { "not a folder" } else { "(does not exist)" },
+                "an output folder of `railspring run`, `fit` or `calibrate`",
+                "name a folder with results in it",
+            )
+            .into()),
+        }
+    }
+
     /// The folder.
     pub fn path(&self) -> &Path {
         &self.path

@@ -16,6 +16,7 @@ mod solid_runs;
 mod verdict;
 mod pages;
 mod stored;
+pub mod files;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -28,16 +29,18 @@ use serde::de::DeserializeOwned;
 
 use crate::estimate::{Resources, Room, Work};
 use crate::measure::{Stopwatch, begin};
-use crate::output::OutputFolder;
+use crate::output::{OutputFolder, to_json};
 pub use crate::records::BY_ANGLE;
 use crate::records::{
-    LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord,
+    INPUTS, InputsRecord, LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, StiffnessRecord,
+    VerificationRecord,
 };
 use crate::results::{NewFile, Results, hash};
 use crate::springs;
 use crate::stages::{self, Calibration, Geometry, Meshes, MovingBodies};
 use crate::store::{Artefact, Store};
 use crate::study::{LawKey, Study};
+use crate::version;
 
 pub(crate) use bodies::{BodySource, body_address};
 use by_angle::ByAngle;
@@ -63,6 +66,8 @@ pub const VERIFICATION: &str = "verification.json";
 pub const MEASURED: &str = "measured.json";
 /// The report.
 pub const REPORT: &str = "report.html";
+/// The report as it is printed, if it was.
+pub const REPORT_PDF: &str = "report.pdf";
 /// The figures of the report.
 const FIGURES: &str = "figures/";
 /// What independent programs say.
@@ -73,9 +78,9 @@ pub const CROSSCHECK_PAGE: &str = "crosscheck.html";
 pub const DIFFERENCES: &str = "crosscheck/differences.json";
 
 /// What is made from springs and histories, and goes when one of them changes.
-const OF_THE_RUNS: [&str; 3] = [VERIFICATION, REPORT, FIGURES];
+const OF_THE_RUNS: [&str; 4] = [VERIFICATION, REPORT, REPORT_PDF, FIGURES];
 /// What is made from the verdict.
-const OF_THE_VERDICT: [&str; 2] = [REPORT, FIGURES];
+const OF_THE_VERDICT: [&str; 3] = [REPORT, REPORT_PDF, FIGURES];
 
 /// Bodies of a run on the solids, and the modes that were asked for.
 type Moving = (usize, Arc<MovingBodies>);
@@ -193,7 +198,23 @@ impl<'a> Pipeline<'a> {
             runs: &runs,
             verdict: &verdict,
         })?;
+        self.note_inputs()?;
         Ok(Found { stiffness: Some(calibration.stiffness), runs: Vec::new(), verdict: Some(verdict) })
+    }
+
+    /// Writes what the results were made from. The hash of the calibration's inputs in it says whether it is of the springs beside it.
+    fn note_inputs(&self) -> Result<()> {
+        let record = InputsRecord {
+            study: self.study.name.clone(),
+            description: self.study.description.clone(),
+            keys: self.study.resolved.clone(),
+            calibration: self.study.keys.calibration.clone(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            commit: version::COMMIT.into(),
+        };
+        let content = to_json(&record);
+        let key = hash(&content);
+        self.results.write(vec![NewFile::new(INPUTS, content, &key)], &[])
     }
 
     /// The stages but those on the solids in time. As soon as a calibration that is made has the springs, `begin` gets these runs: they need
@@ -229,6 +250,7 @@ impl<'a> Pipeline<'a> {
         self.check_calibration()?;
         let stiffness = self.calibration()?.stiffness;
         self.by_angle(&stiffness)?;
+        self.note_inputs()?;
         Ok(Found { stiffness: Some(stiffness), ..Found::default() })
     }
 
@@ -295,6 +317,7 @@ impl<'a> Pipeline<'a> {
             self.other_element(name, scenario, &springs, laws.as_ref())?;
             runs.push((name.clone(), run.record));
         }
+        self.note_inputs()?;
         let own = law.is_none() && self.study.simulation.law == LawKey::Calibrated;
         let stiffness = own.then(|| self.stored_stiffness()).transpose()?;
         Ok(Found { stiffness, runs, verdict: None })
@@ -321,6 +344,7 @@ impl<'a> Pipeline<'a> {
             runs.push((name.clone(), Runs { simple, other, solid }));
         }
         let verdict = self.get(&Verify { stiffness: stiffness.as_ref(), runs: &runs })?;
+        self.note_inputs()?;
         Ok(Found { stiffness, runs: Vec::new(), verdict: Some(verdict) })
     }
 
@@ -363,7 +387,7 @@ fn history_file(study: &Study, scenario: &str, stem: &str) -> String {
 }
 
 /// The rows of a load curve; `path` is only named in messages.
-fn load_curve(path: &str, text: &str) -> Result<Vec<LoadCurveRow>> {
+pub(crate) fn load_curve(path: &str, text: &str) -> Result<Vec<LoadCurveRow>> {
     let rows = csv::Reader::from_reader(text.as_bytes()).deserialize().collect::<std::result::Result<_, _>>();
     rows.map_err(|cause| {
         InputError::new(

@@ -1,6 +1,7 @@
 //! The content of the result files: the values that the stages return to the
 //! report and to later commands, in the units that the files name.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use railspring_calibrate::beam::BeamCorrection;
@@ -8,6 +9,7 @@ use railspring_calibrate::beam::BeamCorrection;
 pub mod crosscheck;
 pub mod history_csv;
 mod law;
+mod inputs;
 mod run;
 mod verdict;
 mod element;
@@ -25,6 +27,7 @@ pub use element::{ElasticWheelRecord, ElementRecord, HubDeviationRecord, StripRe
 pub use error_band::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };
+pub use inputs::{INPUTS, InputsRecord};
 pub use law::LawConstants;
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
@@ -35,7 +38,7 @@ pub use step_times::{PeerTime, StepTime, StepTimesRecord};
 pub use verdict::{ElementDifferences, ElementVerdict, ScenarioVerdict, VerificationRecord, with_unit};
 
 /// One key of a resolved study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ResolvedKey {
     /// Section, for instance `track`; empty for the top level.
     pub section: String,
@@ -48,7 +51,7 @@ pub struct ResolvedKey {
 }
 
 /// `stiffness.json`: the springs and what made them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StiffnessRecord {
     /// Name of the study.
     pub study: String,
@@ -100,7 +103,7 @@ pub struct StiffnessRecord {
 }
 
 /// Why laws, or the horizontal stiffness, end before the largest load that a study wants.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LoadEndRecord {
     /// Loads of the study that they do not have.
     pub loads_left_out: usize,
@@ -178,7 +181,7 @@ impl StiffnessRecord {
 }
 
 /// A fitted law `k(f) = a + b·(f/f0)^c`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LawRecord {
     /// Its constants.
     #[serde(flatten)]
@@ -202,7 +205,7 @@ pub struct LawRecord {
 }
 
 /// Parameters of a law on a bound of their range.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct BoundRecord {
     /// The constant part, at 0.
     pub a: bool,
@@ -214,7 +217,7 @@ pub struct BoundRecord {
 }
 
 /// The law with one reference.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReferenceRecord {
     /// `foot`, `beam` or `local`.
     pub reference: String,
@@ -229,7 +232,7 @@ pub struct ReferenceRecord {
 }
 
 /// The points of a reference as a monotone table, the alternative to the law.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TableRecord {
     /// Largest relative deviation of the tangent at a load from the table of the other loads; none for four loads.
     pub max_rel_error: Option<f64>,
@@ -240,7 +243,7 @@ pub struct TableRecord {
 }
 
 /// Where the integrated law is farthest from the displacement of the solid.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DisplacementRecord {
     /// Largest deviation over the displacement of the solid under the largest load.
     pub max_rel_error: f64,
@@ -249,7 +252,7 @@ pub struct DisplacementRecord {
 }
 
 /// The rail as the beam of the moving solver, at midspan at the point of the first touch; flexibilities in µm/kN.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BeamRecord {
     /// Length between the held ends, m.
     pub length_m: f64,
@@ -268,7 +271,7 @@ pub struct BeamRecord {
 }
 
 /// Factors on the stiffness of the rail beam.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BeamFactors {
     /// On the lateral shear stiffness.
     pub shear_lateral_factor: f64,
@@ -302,7 +305,7 @@ impl From<BeamFactors> for BeamCorrection {
 }
 
 /// The solid at one load, with one reference.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TangentRecord {
     /// Load, kN.
     pub force_kn: f64,
@@ -313,7 +316,7 @@ pub struct TangentRecord {
 }
 
 /// The horizontal stiffness at each preload.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HorizontalRecord {
     /// Largest less smallest stiffness over their mean.
     pub relative_spread: f64,
@@ -325,7 +328,7 @@ pub struct HorizontalRecord {
 }
 
 /// The horizontal stiffness at one preload.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HorizontalPointRecord {
     /// Vertical preload, kN.
     pub preload_kn: f64,
@@ -337,7 +340,7 @@ pub struct HorizontalPointRecord {
 
 /// Parts of the tangent compliance at one load, µm/kN. They add up to the compliance of the solid between the hub and
 /// what holds the rail; `local`, `wheel` and `rail` together are that of the law.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComplianceRecord {
     /// Load, kN.
     pub force_kn: f64,
@@ -354,7 +357,7 @@ pub struct ComplianceRecord {
 }
 
 /// The largest stresses below the patch at one load, of a half-space.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SubsurfaceRecord {
     /// Load, kN.
     pub force_kn: f64,
@@ -369,7 +372,7 @@ pub struct SubsurfaceRecord {
 }
 
 /// The published penalty criterion: the penetration below 1/1000 of the displacement at the wheel centre.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PenaltyRecord {
     /// `exact` or `penalty`.
     pub enforcement: String,
@@ -380,7 +383,7 @@ pub struct PenaltyRecord {
 }
 
 /// Size and quality of one mesh.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BodyMeshRecord {
     /// `rail` or `wheel`.
     pub body: String,
@@ -406,7 +409,7 @@ pub struct BodyMeshRecord {
 }
 
 /// A measured profile on its way to a section, or a section from a file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ProfileRecord {
     /// `rail` or `wheel`; `rail section` or `wheel section` for the closed section of a file.
     pub body: String,
@@ -426,7 +429,7 @@ pub struct ProfileRecord {
 }
 
 /// Something found in a profile file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FindingRecord {
     /// What it is about, for instance `spike`.
     pub kind: String,
@@ -445,7 +448,7 @@ pub struct FindingRecord {
 }
 
 /// Where wheel and rail first touch.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TouchRecord {
     /// Touching point on the rail, rail profile frame, mm.
     pub rail_y_mm: f64,
@@ -460,6 +463,9 @@ pub struct TouchRecord {
     /// Hertz tangent stiffness at 1 kN for the curvatures there, kN/m; it grows with the cube root of the load.
     #[serde(deserialize_with = "null_as_infinite")]
     pub hertz_kn_per_m: f64,
+    /// Hertz's patch at 1 kN for the same curvatures; none where they have none, as in a hollow that is as round as what lies in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hertz: Option<HertzRecord>,
     /// Radius of the rail across, mm (negative: hollow; `null`: straight).
     #[serde(deserialize_with = "null_as_infinite")]
     pub rail_radius_mm: f64,
@@ -470,13 +476,36 @@ pub struct TouchRecord {
     pub rolling_radius_mm: f64,
 }
 
+/// Hertz's patch at 1 kN; all of it grows with the cube root of the load.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HertzRecord {
+    /// Semi-axis along the track, mm.
+    pub semi_axis_along_mm: f64,
+    /// Semi-axis across, mm.
+    pub semi_axis_across_mm: f64,
+    /// Largest pressure, MPa.
+    pub max_pressure_mpa: f64,
+}
+
+impl HertzRecord {
+    /// The patch under another load, kN.
+    pub fn at(self, force_kn: f64) -> Self {
+        let grown = force_kn.cbrt();
+        Self {
+            semi_axis_along_mm: self.semi_axis_along_mm * grown,
+            semi_axis_across_mm: self.semi_axis_across_mm * grown,
+            max_pressure_mpa: self.max_pressure_mpa * grown,
+        }
+    }
+}
+
 /// JSON has no infinity and writes `null` in its place.
 fn null_as_infinite<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 /// One row of `load_curve.csv`: one load, with the reference in use.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LoadCurveRow {
     /// What the displacement is measured against: `foot`, `beam` or `local`.
     pub reference: String,
@@ -509,7 +538,7 @@ pub struct LoadCurveRow {
 }
 
 /// What differs from run to run: time, memory, host. Nothing else in the results does.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Measured {
     /// When the run began, UTC.
     pub begun_utc: String,
@@ -525,7 +554,7 @@ pub struct Measured {
 }
 
 /// The machine that something was measured on.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct MachineRecord {
     /// Model of its processor; none where the system does not say.
     pub processor: Option<String>,
@@ -549,7 +578,7 @@ impl Measured {
 }
 
 /// Seconds and memory of one stage.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StageMeasure {
     /// Name of the stage, for instance `solid model, sine`.
     pub stage: String,

@@ -28,6 +28,7 @@ mod statistics;
 use railspring_calibrate::energy::EnergyBalance;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::{Ending, History, HistoryRow};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use band::Band;
@@ -53,7 +54,7 @@ pub struct Comparison {
 }
 
 /// The quantities that the lines were made from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Compared {
     /// The solid's largest vertical and lateral force, kN, which the differences are divided by.
     pub solid_peak_p_kn: f64,

@@ -1,14 +1,21 @@
 //! The pages in a real browser (`cargo pages`): Chromium, puppeteer-core and axe-core in the versions of `testing/pages/package-lock.json`.
 //!
-//! Goal: report and table page scroll sideways on no screen of 390 px, every figure has a text, every link goes somewhere, and axe-core finds no
-//! violation; px, no tolerance. A page with a fault of each kind is refused.
+//! Goal: report, cross-check, table and comparison scroll sideways on no screen of 390 px, every figure has a text, every link goes somewhere, and
+//! axe-core finds no violation; px, no tolerance. A page with a fault of each kind is refused. Printed on A4, no page but the last of each is less than
+//! half full.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use railspring::output::OutputFolder;
+use railspring::pdf::Printer;
+
 const COARSE: &str = include_str!("studies/coarse.toml");
 /// Names of the browser.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
+
+/// What a printed page is filled at least, but the last.
+const HALF: f64 = 0.5;
 
 /// Two places of a pair.
 const TABLE: &str = r#"
@@ -23,7 +30,7 @@ profile = "60E1"
 "#;
 
 #[test]
-#[ignore = "needs Chromium, Node and the package index once: `cargo pages`"]
+#[ignore = "needs Chromium, Node, pdftoppm, and the package indices of Node and Python once: `cargo pages`"]
 fn pages_pass_in_a_browser() {
     let folders: Vec<PathBuf> =
         std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()).collect();
@@ -34,11 +41,9 @@ fn pages_pass_in_a_browser() {
     let place = tempfile::tempdir().unwrap();
     let path = |name: &str| place.path().join(name);
     let write = |name: &str, text: &str| std::fs::write(path(name), text).unwrap();
-    write(
-        "base.toml",
-        &COARSE
-            .replace("load_min_kn = 5\nload_max_kn = 85\nload_count = 5", "loads_kn = [5, 20, 40, 60, 85]"),
-    );
+    let base =
+        COARSE.replace("load_min_kn = 5\nload_max_kn = 85\nload_count = 5", "loads_kn = [5, 20, 40, 60, 85]");
+    write("base.toml", &base);
     write("table.toml", TABLE);
     // the program by itself, as installed
     let railspring = |arguments: &[&str]| {
@@ -47,8 +52,29 @@ fn pages_pass_in_a_browser() {
         let output = command.output().unwrap();
         assert!(matches!(output.status.code(), Some(0 | 1)), "{}", said(&output));
     };
-    railspring(&["run", "base.toml", "-o", "run"]);
+    railspring(&["crosscheck", "base.toml", "-o", "run", "--pdf"]);
+    railspring(&["run", "base.toml", "-o", "run", "--pdf"]);
+    write("worn.toml", &base.replace("S1002", "EN13715-1in40"));
+    railspring(&["run", "worn.toml", "-o", "worn"]);
     railspring(&["table", "table.toml", "-o", "table"]);
+    let compare = Command::new(env!("CARGO_BIN_EXE_railspring"))
+        .args(["compare", "run", "worn", "--pdf"])
+        .current_dir(place.path())
+        .output()
+        .unwrap();
+    assert!(compare.status.success(), "{}", said(&compare));
+    for pdf in ["run/report.pdf", "run/crosscheck.pdf", "compare.pdf"] {
+        let full = fullness(&path(pdf));
+        println!("{pdf}: {full:.2?}");
+        let (_, pages) = full.split_last().unwrap_or_else(|| panic!("{pdf} has no page"));
+        assert!(pages.iter().all(|full| *full > HALF), "{pdf}: {full:.2?}");
+    }
+
+    // a page that is hardly begun is seen
+    write("short.html", "<p>a</p><p style=\"break-before: page\">b</p>");
+    Printer::find().unwrap().print(&OutputFolder::create(place.path()).unwrap(), "short.html").unwrap();
+    let short = fullness(&path("short.pdf"));
+    assert!(short.len() == 2 && short[0] < HALF, "{short:.2?}");
 
     let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("testing/pages");
     for name in ["check.mjs", "package.json", "package-lock.json"] {
@@ -61,7 +87,7 @@ fn pages_pass_in_a_browser() {
         let mut node = Command::new("node");
         node.arg("check.mjs").arg(&browser).args(pages).current_dir(place.path()).output().unwrap()
     };
-    let output = check(&["run/report.html", "table/table.html"]);
+    let output = check(&["run/report.html", "run/crosscheck.html", "table/table.html", "compare.html"]);
     assert!(output.status.success(), "{}", said(&output));
 
     let report = std::fs::read_to_string(path("run/report.html")).unwrap();
@@ -82,6 +108,31 @@ fn pages_pass_in_a_browser() {
             said(&output)
         );
     }
+}
+
+/// How far down each page of a PDF something is printed, over the height between its margins.
+fn fullness(pdf: &Path) -> Vec<f64> {
+    /// Top and bottom margin over the height of the page, of `@page` in the style sheet: 16 of 297 mm.
+    const MARGIN: f64 = 16.0 / 297.0;
+    let place = tempfile::tempdir().unwrap();
+    let pages = place.path().join("page");
+    let drawn = Command::new("pdftoppm").args(["-r", "30", "-gray"]).args([pdf, &pages]).output();
+    let drawn = drawn.expect("pdftoppm is installed: apt-get install poppler-utils");
+    assert!(drawn.status.success(), "{}", said(&drawn));
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(place.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let full = |file: &PathBuf| {
+        // `P5`, width, height, largest grey, then a byte for each point
+        let content = std::fs::read(file).unwrap();
+        let head: Vec<&[u8]> = content.splitn(4, u8::is_ascii_whitespace).collect();
+        let number = |at: usize| std::str::from_utf8(head[at]).unwrap().parse::<usize>().unwrap();
+        let (width, height) = (number(1), number(2));
+        let points = &content[content.len() - width * height..];
+        let last = points.chunks(width).rposition(|row| row.iter().any(|grey| *grey < 200)).unwrap_or(0);
+        (last as f64 / height as f64 - MARGIN) / (1.0 - 2.0 * MARGIN)
+    };
+    files.iter().map(full).collect()
 }
 
 fn said(output: &Output) -> String {

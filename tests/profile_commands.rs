@@ -266,6 +266,56 @@ fn contact_writes_table_and_figure() {
     assert!(std::fs::read_to_string(place.path().join("pair.svg")).unwrap().starts_with("<svg"));
 }
 
+/// Goal: files stand where names do, what is taken for granted and was repaired is said, keys of a study are taken, and the left side may be another one: its
+/// rows then are not those of the right side at the opposite shift.
+#[test]
+fn contact_takes_files_and_another_left_side() {
+    let place = tempfile::tempdir().unwrap();
+    let (wheel, rail) = (worn("worn-s1002.whl"), worn("worn-60e1.prr"));
+    let common = ["--shift-mm", "2", "--step-mm", "1", "--radius-mm", "429"];
+    let run = |arguments: &[&str]| {
+        let mut command = Command::cargo_bin("railspring").unwrap();
+        let output =
+            command.arg("profile").args(arguments).args(common).current_dir(place.path()).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{said}");
+        (said, std::fs::read_to_string(place.path().join("contact.csv")).unwrap())
+    };
+    let (said, both) = run(&["contact", &wheel, &rail, "--set", "wheel.profile_smoothing_mm=3"]);
+    for part in ["worn-s1002.whl is taken as measured on S1002", "y counts from the flange back"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    // contact angle on the rail of a side at a shift
+    let angle = |table: &str, side: &str, shift: f64| -> f64 {
+        let row = table.lines().find(|line| line.starts_with(&format!("{shift:.6},{side},1,"))).unwrap();
+        row.split(',').nth(10).unwrap().parse().unwrap()
+    };
+    assert_eq!(angle(&both, "left", 2.0), angle(&both, "right", -2.0));
+    let (_, other) =
+        run(&["contact", &wheel, &rail, "--set", "wheel.profile_smoothing_mm=3", "--left", "S1002", "60E1"]);
+    let [symmetric, new] = [&both, &other].map(|table| angle(table, "left", 2.0));
+    assert!((symmetric - new).abs() > 1e-3, "{symmetric} {new}");
+    // canted rails: the angle of a wheel on a crown follows the inclination
+    let (_, level) = run(&["contact", "S1002", "60E1", "--inclination", "0"]);
+    let (_, canted) = run(&["contact", "S1002", "60E1", "--inclination", "0.05"]);
+    assert!((angle(&level, "right", 0.0) - angle(&canted, "right", 0.0)).abs() > 1e-3);
+}
+
+/// Goal: what was repaired in a file is said wherever it is looked at.
+#[test]
+fn repairs_are_said_where_a_file_is_used() {
+    let place = tempfile::tempdir().unwrap();
+    let wheel = worn("worn-s1002.whl");
+    for arguments in [&["show", &wheel][..], &["plot", &wheel]] {
+        let output = railspring(place.path(), arguments);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            output.status.success() && said.contains("y counts from the flange back"),
+            "{arguments:?}: {said}"
+        );
+    }
+}
+
 #[test]
 fn unknown_names_are_refused() {
     refused(&["show", "61E1"], &["61E1", "60E1", "railspring profile list"]);

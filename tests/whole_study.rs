@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
+use railspring::pipeline::files::RESULT_FILES;
 use serde_json::Value;
 
 const STUDY: &str = r#"
@@ -39,7 +40,7 @@ lateral_force = {}
 "#;
 
 /// Names of the files that one study writes, in order.
-const FILES: [&str; 32] = [
+const FILES: [&str; 33] = [
     "contact.pvd",
     "contact.vtu",
     "contact_patches.json",
@@ -59,6 +60,7 @@ const FILES: [&str; 32] = [
     "history_published.csv",
     "history_published_disturbed-ride.csv",
     "history_published_disturbed.csv",
+    "inputs.json",
     "load_curve.csv",
     "rail.pvd",
     "rail.vtu",
@@ -139,6 +141,10 @@ fn every_file_is_there_and_nothing_else() {
     let (figures, files): (Vec<&String>, Vec<&String>) =
         results.keys().partition(|name| name.starts_with("figures"));
     assert_eq!(files, FILES);
+    for name in results.keys() {
+        let described = RESULT_FILES.iter().filter(|file| file.matches(name)).count();
+        assert_eq!(described, 1, "{name} stands once in the reference of the files");
+    }
     // Ten of the springs, six of each scenario.
     assert_eq!(figures.len(), 22, "{figures:?}");
     assert!(

@@ -5,29 +5,31 @@ use std::path::PathBuf;
 
 use clap::Args;
 use railspring_calibrate::error::InputError;
-use railspring_calibrate::placement::{TrackGeometry, place_rail};
-use railspring_calibrate::profile::wheels::wheel_profile;
 use railspring_calibrate::rigid_contact::{
     ContactPoint, Roll, RunningFunction, RunningPoint, SideContact, WheelOnRail, Wheelset, WheelsetContact,
     WheelsetPosition,
 };
-use railspring_calibrate::section::rail_section;
 use railspring_calibrate::units::MILLIMETRE;
 
+use super::output::remark;
+use super::pair_args::{Given, Named, by_option, named};
 use super::set_args::SetArgs;
 use super::shapes::write;
 use super::{Failure, say};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Dash, GREY, RED, Series};
-use crate::stages::geometry;
-use crate::study::Study;
+use crate::stages::{geometry, repairs};
+use crate::study::{Setting, Study};
 
 /// Which pair, and where.
 #[derive(Debug, Args)]
 pub(super) struct ContactArgs {
-    /// A study, or the names of a wheel and a rail, for instance `S1002 60E1`
+    /// A study, or a wheel and a rail: names of standards, or profile files, for instance `S1002 60E1`
     #[arg(value_name = "STUDY | WHEEL RAIL", num_args = 1..=2, required = true)]
     pair: Vec<String>,
+    /// Wheel and rail of the left side where they are others, as seen on their own side; keys of [wheel] and [rail] in --set are for the right side then
+    #[arg(long, value_names = ["WHEEL", "RAIL"], num_args = 2)]
+    left: Vec<String>,
     #[command(flatten)]
     set: SetArgs,
     /// Slope of the rails with a named pair
@@ -57,40 +59,62 @@ pub(super) struct ContactArgs {
 }
 
 impl ContactArgs {
+    /// Both sides; says what was done to measured profiles.
     fn wheelset(&self) -> Result<Wheelset, Failure> {
-        if let ([_, _], Some(setting)) = (self.pair.as_slice(), self.set.settings().first()) {
-            let expected = "a study whose keys are set";
-            return Err(InputError::new(
-                setting.option(),
-                "given",
-                expected,
-                "name a study in the place of the pair",
-            )
-            .into());
-        }
-        let (side, tape_y) = if let [wheel, rail] = self.pair.as_slice() {
-            let track = TrackGeometry { inclination: self.inclination, ..TrackGeometry::standard() };
-            if !(100.0..=1000.0).contains(&self.radius_mm) {
-                let expected = "100 to 1000 mm";
-                return Err(InputError::new("--radius-mm", self.radius_mm, expected, "check its unit").into());
-            }
-            let rail = place_rail(&rail_section(rail)?, &track)?;
-            let side =
-                WheelOnRail { rail, wheel: wheel_profile(wheel)?, radius: self.radius_mm * MILLIMETRE };
-            let tape_y = track.tape_y(&side.wheel);
-            (side, tape_y)
-        } else {
-            let study = Study::read_with(self.pair[0].as_ref(), self.set.settings())?;
-            let found = geometry(&study).map_err(|error| Failure::of_stage(&study, error))?;
-            let side = WheelOnRail {
-                rail: found.pair.placed,
-                wheel: found.pair.wheel.running,
-                radius: found.pair.wheel.radius,
-            };
-            (side, found.pair.tape_y - study.track.lateral_shift)
+        let (right, tape_y) = match self.pair.as_slice() {
+            [wheel, rail] => self.named_side(wheel, rail, &|_| true)?,
+            _ => side_of(&Study::read_with(self.pair[0].as_ref(), self.set.settings())?)?,
         };
-        Ok(Wheelset::symmetric(side, tape_y))
+        let left = match self.left.as_slice() {
+            [wheel, rail] => {
+                let of_track =
+                    |key: &str| !["wheel.", "rail."].iter().any(|section| key.starts_with(section));
+                self.named_side(wheel, rail, &of_track)?.0
+            }
+            _ => right.clone(),
+        };
+        Ok(Wheelset { left, right, tape_y })
     }
+
+    /// A side from names or files with the settings that it `takes` by their keys, and the distance of its tape circle from the middle of the track, m.
+    fn named_side(
+        &self,
+        wheel: &str,
+        rail: &str,
+        takes: &dyn Fn(&str) -> bool,
+    ) -> Result<(WheelOnRail, f64), Failure> {
+        if !(100.0..=1000.0).contains(&self.radius_mm) {
+            let expected = "100 to 1000 mm";
+            return Err(InputError::new("--radius-mm", self.radius_mm, expected, "check its unit").into());
+        }
+        let option =
+            |option: &str, key: &str, value: f64| Setting::new(option.into(), key, &value.to_string());
+        let options = [
+            option("--inclination", "rail.inclination", self.inclination),
+            option("--radius-mm", "wheel.tape_diameter_m", 2e-3 * self.radius_mm),
+        ];
+        let settings: Vec<Setting> = options
+            .into_iter()
+            .flatten()
+            .chain(self.set.settings().iter().filter(|set| takes(set.key())).cloned())
+            .collect();
+        let pair = [Given::wheel("WHEEL", wheel), Given::rail("RAIL", rail)];
+        let Named { study, notes, .. } = named(None, pair, &settings).map_err(by_option)?;
+        notes.iter().for_each(|note| remark(note));
+        side_of(&study).map_err(by_option)
+    }
+}
+
+/// The side of a study with the wheelset in the middle, and the distance of its tape circle from there, m.
+fn side_of(study: &Study) -> Result<(WheelOnRail, f64), Failure> {
+    let found = geometry(study).map_err(|error| Failure::of_stage(study, error))?;
+    repairs(&found.profiles).iter().for_each(|line| remark(line));
+    let side = WheelOnRail {
+        rail: found.pair.placed,
+        wheel: found.pair.wheel.running,
+        radius: found.pair.wheel.radius,
+    };
+    Ok((side, found.pair.tape_y - study.track.lateral_shift))
 }
 
 /// The contacts of a wheelset at each lateral shift, m.

@@ -6,19 +6,22 @@ mod progress;
 mod shapes;
 mod file_args;
 mod set_args;
+mod pair_args;
 mod contact;
 mod place;
 mod profile;
 mod cache;
 mod export;
 mod results;
+mod pdf_args;
+mod compare;
 mod staged;
-mod pair_args;
 mod fit;
 mod bench;
 mod table;
 mod work;
 mod shell;
+mod reference;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -30,14 +33,17 @@ use railspring_calibrate::error::{Error, InputError};
 use crate::estimate::{Budget, Resources};
 use crate::store;
 use crate::study::{LocatedError, Mistakes, Study, explain, schema};
+use crate::version;
 
 use bench::BenchCommand;
 use cache::CacheCommand;
+use compare::CompareArgs;
 use export::ExportArgs;
 use fit::{FitArgs, NewArgs};
 use output::{complain, say};
 use profile::ProfileCommand;
 use progress::Progress;
+use reference::ReferenceArgs;
 use results::Results;
 use shell::ManArgs;
 use staged::StudyCommand;
@@ -53,7 +59,7 @@ const EXIT_CODES: &str = "Exit codes:
 
 /// Fits the contact springs between a railway wheel and a rail, and verifies them against a solid model.
 #[derive(Debug, Parser)]
-#[command(name = "railspring", version, after_help = EXIT_CODES)]
+#[command(name = "railspring", version = version::FULL, after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -69,6 +75,8 @@ enum Command {
     New(NewArgs),
     #[command(flatten)]
     OfStudy(StudyCommand),
+    /// Put two results side by side: springs and whether they differ beyond their error bands, laws, verdicts, inputs
+    Compare(CompareArgs),
     /// Write the springs for another program: columns, OpenSees, STEM, ROSE, GENSYS, CONTACT, CalculiX, Abaqus, MATLAB, JSON
     Export(ExportArgs),
     /// Make the springs of many pairs at many places: wheels on rails, shifts, diameters, and what else is varied. Run again, it makes only
@@ -102,6 +110,9 @@ enum Command {
     },
     /// Print the manual page, or write a page for each command
     Man(ManArgs),
+    /// Write the reference pages of the documents; `cargo renew-reference` does
+    #[command(hide = true)]
+    Reference(ReferenceArgs),
 }
 
 impl Command {
@@ -114,6 +125,7 @@ impl Command {
             }
             Self::Fit(args) => ("fit", args.work()),
             Self::Table(args) => ("table", args.work()),
+            Self::Compare(args) => return args.json.then_some("compare"),
             _ => return None,
         };
         work.json.then_some(name)
@@ -263,6 +275,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         Command::Fit(args) => fit::fit(args),
         Command::New(args) => fit::new(args).map(|()| true),
         Command::OfStudy(command) => staged::run(command),
+        Command::Compare(args) => compare::run(args).map(|()| true),
         Command::Export(args) => export::export(args),
         Command::Table(args) => table::run(args),
         Command::Explain { key } => {
@@ -279,6 +292,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         Command::Bench(command) => bench::run(command).map(|()| true),
         Command::Completions { shell } => done(shell::completions(*shell)),
         Command::Man(args) => done(shell::man(args)),
+        Command::Reference(args) => done(reference::write(args)),
     }
 }
 

@@ -1,11 +1,13 @@
 //! Progress on the terminal, or as plain lines where there is none; and the
 //! interruption with Ctrl-C.
 
+use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
 use railspring_calibrate::error::{Error, Result, printable};
 use railspring_calibrate::monitor::Monitor;
 
@@ -13,6 +15,11 @@ use super::output::remark;
 
 /// Set by the first Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Steps from which on they are taken to be alike, so that the rest takes as long for each as those before: a tenth of them has to be done.
+const STEPS_ALIKE: u64 = 30;
+/// How often the time of a bar goes on.
+const TICK: Duration = Duration::from_millis(250);
 
 /// Most characters of a line.
 const LONGEST: usize = 2000;
@@ -133,10 +140,21 @@ impl Monitor for Progress {
     }
 }
 
+/// A bar whose time goes on while a single step takes long, as a factorisation does.
 fn bar(stage: &str) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg:32} {wide_bar} {pos}/{len} {elapsed}")
-        .unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(0).with_style(style).with_message(printable(stage.into(), LONGEST))
+    let style = ProgressStyle::with_template("{msg:40} {wide_bar} {pos}/{len} {elapsed}{left}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .with_key("left", |state: &ProgressState, text: &mut dyn Write| {
+            let done = state.pos();
+            if let Some(all) = state.len().filter(|all| *all >= STEPS_ALIKE && done >= STEPS_ALIKE / 10) {
+                let seconds = state.elapsed().as_secs_f64() * (all.saturating_sub(done)) as f64 / done as f64;
+                // a text that takes no more of it is none of ours
+                let _ = write!(text, ", about {seconds:.0} s left");
+            }
+        });
+    let bar = ProgressBar::new(0).with_style(style).with_message(printable(stage.into(), LONGEST));
+    bar.enable_steady_tick(TICK);
+    bar
 }
 
 #[cfg(test)]

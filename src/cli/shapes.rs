@@ -16,6 +16,7 @@ use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::findings::{Listed, Mark, marked};
+use super::output::remark;
 use super::say;
 use crate::report::catalogue::{Shape, catalogue};
 use crate::report::panel::{Panel, stacked_with_notes};
@@ -107,7 +108,7 @@ pub(super) fn unknown_profile(key: &str, profile: &str, names: &[&str]) -> Input
     )
 }
 
-/// A file as it was read, and prepared.
+/// A file as it was read, and prepared; what was found and repaired is said.
 fn measured(profile: &str) -> Result<(MeasuredProfile, Prepared), Error> {
     let path = Path::new(profile);
     if !path.exists() {
@@ -116,6 +117,7 @@ fn measured(profile: &str) -> Result<(MeasuredProfile, Prepared), Error> {
     }
     let measured = read(path, &ReadOptions::default())?;
     let prepared = prepare(&measured, &PrepareOptions { smoothing: None })?;
+    prepared.findings.iter().for_each(|finding| remark(&format!("{profile}: {finding}")));
     Ok((measured, prepared))
 }
 

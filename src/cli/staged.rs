@@ -7,6 +7,7 @@ use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::monitor::Monitor;
 use serde_json::json;
 
+use super::pdf_args::PdfArgs;
 use super::progress::Progress;
 use super::results::Results;
 use super::set_args::SetArgs;
@@ -16,7 +17,7 @@ use crate::crosscheck::exchange::Case;
 use crate::crosscheck::write_deck;
 use crate::estimate::{self, Work};
 use crate::output::OutputFolder;
-use crate::pipeline::{Pipeline, REPORT};
+use crate::pipeline::{CROSSCHECK_PAGE, Pipeline, REPORT};
 use crate::python::Purpose;
 use crate::store::Store;
 use crate::study::Study;
@@ -91,6 +92,8 @@ pub(super) struct RunArgs {
     /// Make again what would be taken from the store, and replace it there
     #[arg(long)]
     fresh: bool,
+    #[command(flatten)]
+    pdf: PdfArgs,
 }
 
 /// A program that repeats the contact besides the Python reference.
@@ -159,6 +162,15 @@ impl Action<'_> {
         !matches!(self, Self::Mesh | Self::Report | Self::Deck(_))
     }
 
+    /// The page that it writes, if it does.
+    fn page(self) -> Option<&'static str> {
+        match self {
+            Self::Run | Self::Report => Some(REPORT),
+            Self::Crosscheck { .. } => Some(CROSSCHECK_PAGE),
+            _ => None,
+        }
+    }
+
     /// Whether it begins without the results of an earlier command.
     fn begins(self) -> bool {
         !matches!(self, Self::Simulate(None) | Self::Verify | Self::Report)
@@ -188,8 +200,16 @@ pub(super) fn done(
     study: &Study,
     files: &[(&str, WriteFile<'_>)],
 ) -> Result<bool, Error> {
-    let RunArgs { output, work, dry_run, fresh } = args;
+    let RunArgs { output, work, dry_run, fresh, pdf } = args;
     let path = output.clone().unwrap_or_else(|| PathBuf::from("out").join(&study.name));
+    let printer = match (pdf.printer()?, action.page()) {
+        (Some(_), None) => {
+            let expected =
+                "one of the commands `run`, `fit`, `report`, `crosscheck` and `compare`, which write a page";
+            return Err(InputError::new("--pdf", "given", expected, "leave it out").into());
+        }
+        (printer, page) => printer.zip(page),
+    };
     if *dry_run {
         return tried(action, results, work, study, &path)?.print(work.json, work.quiet).map(|()| true);
     }
@@ -246,6 +266,9 @@ pub(super) fn done(
         folder.write(name, text(&path)?.as_bytes())?;
     }
     progress.finish();
+    if let Some((printer, page)) = printer {
+        printer.print(&folder, page)?;
+    }
     let first = match action {
         Action::Run | Action::Report => folder.file(REPORT),
         _ => path,

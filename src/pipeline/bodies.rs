@@ -147,7 +147,19 @@ impl BodySource<'_> {
     ) -> Result<CondensedBody> {
         let key = solids.key(body);
         let modes = modes_of(body, modes);
-        let condense = |key| solids.condense_in_time(body, key, modes);
+        let mesh = if body == PairBody::Wheel { solids.wheel } else { solids.rail };
+        // the nodes tell a body from that of coarser elements, which may be condensed beside it
+        let stage = format!("{} of {} nodes: factors and modes", body.name(), mesh.nodes.len());
+        let condense = |key| {
+            let mut all = 1;
+            let condensed = solids.condense_in_steps(body, key, modes, &mut |_, done, of| {
+                all = of;
+                // an interruption is noticed when the body is done
+                let _ = self.monitor.progress(&stage, done, of);
+            })?;
+            self.monitor.progress(&stage, all, all)?;
+            Ok(condensed)
+        };
         let Some(store) = self.store else {
             return condense(key);
         };

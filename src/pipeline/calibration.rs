@@ -9,7 +9,8 @@ use railspring_calibrate::units::MILLIMETRE;
 
 use super::stage::{Made, REACH, Stage};
 use super::{
-    FIGURES, LOAD_CURVE, PATCHES, Pipeline, REPORT, STIFFNESS, VERIFICATION, load_curve, part_json, part_text,
+    FIGURES, LOAD_CURVE, PATCHES, Pipeline, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION, load_curve,
+    part_json, part_text,
 };
 use crate::estimate::Work;
 use crate::measure::Stopwatch;
@@ -58,7 +59,7 @@ type Band = (ErrorBandRecord, Option<HorizontalBandRecord>);
 type Pressed = (Arc<CondensedPair>, PressedStudy, Option<CoarserBodies>);
 
 /// What goes when springs or fields change: also the fields under other loads.
-const OF_THE_CALIBRATION: [&str; 4] = [VERIFICATION, REPORT, FIGURES, stages::FIELDS];
+const OF_THE_CALIBRATION: [&str; 5] = [VERIFICATION, REPORT, REPORT_PDF, FIGURES, stages::FIELDS];
 
 /// Whether a part of the artefact is a file of fields.
 fn is_field(name: &str) -> bool {

@@ -5,7 +5,9 @@ use railspring_calibrate::error::Result;
 use super::runs::{Other, Run};
 use super::stage::{Made, Stage};
 use super::verdict::Runs;
-use super::{BY_ANGLE, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, Pipeline, REPORT, STIFFNESS};
+use super::{
+    BY_ANGLE, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, Pipeline, REPORT, REPORT_PDF, STIFFNESS,
+};
 use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
 use crate::records::{StiffnessByAngleRecord, VerificationRecord};
 use crate::report::crosscheck::{Crosscheck, PageData, page};
@@ -118,7 +120,7 @@ impl<'a> Stage for Report<'a> {
     }
 
     fn outdates(&self) -> &'static [&'static str] {
-        &[]
+        &[REPORT_PDF]
     }
 
     fn is_measured(&self) -> bool {

@@ -8,9 +8,9 @@ use std::time::Duration;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
 
-use super::child::Limits;
 use super::package::Package;
 use super::{PROBE_LIMITS, answer, cache_error, isolated};
+use crate::child::Limits;
 
 /// Limits of making the environment and of loading packages over a slow line.
 const LIMITS: Limits = Limits { time: Duration::from_secs(1800), output: 64 << 20 };

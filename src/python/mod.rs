@@ -5,7 +5,6 @@
 //! lies in the working folder, beside a study or on `PYTHONPATH`.
 
 mod package;
-mod child;
 mod environment;
 
 use std::io::{BufRead, BufReader};
@@ -18,8 +17,8 @@ use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason}
 use railspring_calibrate::monitor::Monitor;
 use tempfile::TempDir;
 
-pub(crate) use child::messages_of;
-use child::{Ended, Limits, Stop};
+pub(crate) use crate::child::messages_of;
+use crate::child::{self, Ended, Limits, Stop};
 pub use environment::cache_folder;
 use package::{CLUSTER, Package, REFERENCE};
 

@@ -1,5 +1,6 @@
 //! `stiffness_by_angle.json` and `stiffness_by_angle.csv`: the laws of the pair with the wheel in several places across the track.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{BandPointRecord, DisplacementRecord, ElementRecord, ErrorBandRecord, LawRecord, PairRecord};
@@ -9,7 +10,7 @@ pub const BY_ANGLE: &str = "stiffness_by_angle.json";
 
 /// `stiffness_by_angle.json`: the law by contact angle. Loads, displacements and tangents are those along the contact normal at the
 /// first touch of each shift, the hub held across it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StiffnessByAngleRecord {
     /// Name of the study.
     pub study: String,
@@ -32,7 +33,7 @@ pub struct StiffnessByAngleRecord {
 }
 
 /// The wheel at one shift.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ShiftRecord {
     /// Lateral shift of the wheelset, mm, as `track.lateral_shift_mm`.
     pub shift_mm: f64,
@@ -54,7 +55,7 @@ pub struct ShiftRecord {
 }
 
 /// The first touch of a shift.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ShiftTouchRecord {
     /// Contact angle, degrees.
     pub contact_angle_deg: f64,
@@ -69,7 +70,7 @@ pub struct ShiftTouchRecord {
 }
 
 /// The law of a shift with one reference.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AngleLawRecord {
     /// `foot`, `beam` or `local`.
     pub reference: String,
@@ -80,7 +81,7 @@ pub struct AngleLawRecord {
 }
 
 /// The solid under a fixed load.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FixedLoadRecord {
     /// Load along the contact normal, kN.
     pub force_kn: f64,
@@ -128,7 +129,7 @@ pub struct FixedLoadRecord {
 }
 
 /// The solid under a fixed load with one reference.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FixedReferenceRecord {
     /// `foot`, `beam` or `local`.
     pub reference: String,
@@ -147,7 +148,7 @@ pub struct FixedReferenceRecord {
 }
 
 /// One row of `stiffness_by_angle.csv`: a shift, a fixed load and a reference; a shift without a law has one row with its reason.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[allow(missing_docs)] // the columns are fields of the records above
 pub struct ByAngleRow {
     pub shift_mm: f64,

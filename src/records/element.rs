@@ -6,6 +6,7 @@ use railspring_calibrate::element::{
 };
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::units::MILLIMETRE;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One GPa in Pa.
@@ -16,7 +17,7 @@ const MICROMETRE_MILLIMETRE_PER_KILONEWTON: f64 = 1e-12;
 
 /// The condensed contact element. Motions are displacements y and z (m) and the rotation about x (rad), forces those in y and z (N) and the
 /// torque about x (N·m); of the wheel about the origin of its profile, of the rail's head about the line of shear centres.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ElementRecord {
     /// The wheel.
     pub wheel: ElasticWheelRecord,
@@ -35,7 +36,7 @@ pub struct ElementRecord {
 }
 
 /// Where the hub of the condensed element is farthest from that of the solid.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HubDeviationRecord {
     /// Difference of the displacements over the solid's under the largest load of the place.
     pub max_rel_error: f64,
@@ -46,7 +47,7 @@ pub struct HubDeviationRecord {
 }
 
 /// The wheel as hub, modes and static rest.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ElasticWheelRecord {
     /// Mass between the motions of the hub, as of a rigid body about its centre; kg, kg·m, kg·m².
     pub mass: [[f64; 3]; 3],
@@ -59,7 +60,7 @@ pub struct ElasticWheelRecord {
 }
 
 /// A mode of the wheel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RimModeRecord {
     /// Frequency, Hz.
     pub frequency_hz: f64,
@@ -72,7 +73,7 @@ pub struct RimModeRecord {
 }
 
 /// The strips at one place of the rail.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StripRecord {
     /// Arc length on the rail's running surface, mm.
     pub rail_s_mm: f64,

@@ -1,10 +1,11 @@
 //! What a law is worth, as `stiffness.json` has it.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How far the laws of a calibration change with the grid of the contact and with the meshes of the bodies. All changes and bands are
 /// relative.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ErrorBandRecord {
     /// Edge of the contact elements of the meshes of the laws, mm.
     pub contact_element_mm: f64,
@@ -28,7 +29,7 @@ impl ErrorBandRecord {
 }
 
 /// What the horizontal stiffness is worth: its relative changes with coarser meshes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HorizontalBandRecord {
     /// At every preload; empty where there is no answer.
     pub meshes: Vec<f64>,
@@ -51,7 +52,7 @@ impl HorizontalBandRecord {
 }
 
 /// A wanted band, and what it has come to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TargetRecord {
     /// The wanted band.
     pub wanted: f64,
@@ -63,7 +64,7 @@ pub struct TargetRecord {
 }
 
 /// The band of the law with one reference.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReferenceBandRecord {
     /// `foot`, `beam` or `local`.
     pub reference: String,
@@ -83,7 +84,7 @@ impl ReferenceBandRecord {
 }
 
 /// The band at one load: the sizes of the changes that there are, together.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BandPointRecord {
     /// Load, kN.
     pub force_kn: f64,

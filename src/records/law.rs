@@ -3,11 +3,12 @@
 use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Constants of a law `k(f) = a + b·(f/f0)^c` as files have them. The library's law has another reference force, so
 /// that only `TryFrom` and `From` turn one into the other.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LawConstants {
     /// Constant part, kN/m.
     pub a_kn_per_m: f64,

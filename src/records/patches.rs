@@ -1,9 +1,10 @@
 //! `contact_patches.json`: the pressed surface of the rail under some loads of the calibration.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// `contact_patches.json`: contact patches on the rail with the reference in use.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PatchesRecord {
     /// Name of the study.
     pub study: String,
@@ -22,7 +23,7 @@ pub struct PatchesRecord {
 }
 
 /// The patch under one load: a grid of points on the rail, one line beyond those that carry load.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PatchRecord {
     /// Load, kN.
     pub force_kn: f64,
@@ -44,7 +45,7 @@ pub struct PatchRecord {
 }
 
 /// Stresses of a half-space under the pressure and traction of a patch, below the place with the largest von Mises stress.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BelowRecord {
     /// The place, as `across_mm` of the patch.
     pub across_mm: f64,
@@ -59,7 +60,7 @@ pub struct BelowRecord {
 }
 
 /// State of a contact point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum PointState {
     /// The surfaces are apart, or not paired there.

@@ -6,13 +6,14 @@ use nalgebra::Point2;
 use railspring_calibrate::history::{Ending, History};
 use railspring_calibrate::transient::Reduction;
 use railspring_calibrate::units::MILLIMETRE;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{BeamFactors, ElementRecord, HubDeviationRecord, LawConstants};
 use crate::verify::{Spread, StepChange, Worth};
 
 /// A run of one of the models.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunRecord {
     /// Degrees of freedom of the model.
     pub degrees_of_freedom: usize,
@@ -112,7 +113,7 @@ impl RunRecord {
 }
 
 /// The modes of a reduced solid model, and what they are worth.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ReductionRecord {
     /// Modes of the rail.
     pub rail_modes: usize,
@@ -138,7 +139,7 @@ impl From<&Reduction> for ReductionRecord {
 }
 
 /// The springs and the wheel mass of a simple model, and where they are from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SpringsRecord {
     /// Where the normal law is from.
     pub source: SpringsSource,
@@ -176,7 +177,7 @@ pub struct SpringsRecord {
 }
 
 /// Where a normal law is from.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpringsSource {
     /// Calibrated by the study itself.
@@ -193,7 +194,7 @@ pub enum SpringsSource {
 }
 
 /// The pair that a law was calibrated for. The rail's length is no part of it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PairRecord {
     /// The pair in words.
     pub name: String,

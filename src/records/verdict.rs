@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::RunRecord;
 use crate::verify::{Compared, Comparison, Line, NotApplicable};
 
 /// `verification.json`: the verdict.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VerificationRecord {
     /// Name of the study.
     pub study: String,
@@ -27,7 +28,7 @@ pub struct VerificationRecord {
 }
 
 /// The verdict on one load case.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ScenarioVerdict {
     /// Name of the scenario.
     pub scenario: String,
@@ -50,7 +51,7 @@ pub struct ScenarioVerdict {
 }
 
 /// A contact element of the simple model on one load case.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ElementVerdict {
     /// `condensed` or `published`.
     pub element: String,
@@ -66,7 +67,7 @@ pub struct ElementVerdict {
 }
 
 /// Differences of an element from the solid model, as the lines of a verdict have them; as long as the motion of the solid is determined.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ElementDifferences {
     /// Vertical force, RMS over the solid's peak.
     pub vertical_rms: Option<f64>,

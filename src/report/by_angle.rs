@@ -4,6 +4,7 @@ use plotters::prelude::*;
 use serde::Serialize;
 
 use crate::records::{ErrorBandRecord, ShiftRecord, StiffnessByAngleRecord};
+use crate::rounding::significant;
 
 use super::figures::WIDTH;
 use super::panel::{Panel, stacked_over_names};
@@ -133,7 +134,7 @@ pub fn worth(laws: &StiffnessByAngleRecord) -> Option<Worth> {
     let banded = || laws.shifts.iter().filter_map(|shift| Some((shift, shift.error_band.as_ref()?)));
     banded().next()?;
     let none = || "\u{2013}".to_string();
-    let percent = |value: Option<f64>| value.map_or_else(none, |v| format!("{:.2}", 1e2 * v));
+    let percent = |value: Option<f64>| value.map_or_else(none, |v| significant(1e2 * v, 2));
     let row = |shift: &ShiftRecord| {
         let mut row = vec![
             number(shift.shift_mm),
@@ -239,9 +240,8 @@ mod tests {
         assert!(caption(&laws).contains("The bars are the error bands."));
         let table = worth(&laws).unwrap();
         assert_eq!(table.rows.len(), laws.shifts.iter().filter(|shift| !shift.laws.is_empty()).count());
-        // local first, as the panels; the widest band is that of the smallest load, 20 kN
-        let (grid, tangent) = (0.02 / 20f64.sqrt(), 2.0 * 0.02 / 20f64.sqrt() + 0.01);
-        let percent = [grid + 0.004, tangent].map(|band| format!("{:.2}", 1e2 * band));
+        // local first, as the panels; the widest band is that of the smallest load, 20 kN: 0.02/√20 + 0.004, and twice the first + 0.01
+        let percent = ["0.85", "1.9"];
         assert_eq!(table.rows[0][..3], ["0", "1.4\u{b0}", "150"]);
         assert_eq!(table.rows[0][3..5], percent);
         assert!(table.missing.is_empty());

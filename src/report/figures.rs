@@ -6,8 +6,8 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
 use crate::records::{
-    BandPointRecord, ComplianceRecord, HorizontalRecord, LoadCurveRow, PatchRecord, ReferenceRecord,
-    StiffnessRecord, TangentRecord,
+    BandPointRecord, ComplianceRecord, HertzRecord, HorizontalRecord, LoadCurveRow, PatchRecord,
+    ReferenceRecord, StiffnessRecord, TangentRecord,
 };
 
 use super::legend::{Entry, draw_legend, legend_height};
@@ -18,10 +18,18 @@ use super::plot::{
 };
 use super::tables::number;
 
+/// Share of the longest bar below which a negative part is left to the files.
+const HARDLY_SEEN: f64 = 0.004;
 /// Width of all figures, px.
 pub const WIDTH: u32 = 860;
 /// Points of a smooth curve.
 const CURVE_POINTS: usize = 160;
+
+/// Tangent stiffness of Hertz at a load, kN/m and kN, from that at 1 kN.
+pub(crate) fn hertz_tangent(at_one_kn: f64, force_kn: f64) -> f64 {
+    at_one_kn * force_kn.cbrt()
+}
+
 /// Tangent stiffness over load: the solid, the fitted laws, Hertz and the published law.
 pub fn law(stiffness: &StiffnessRecord) -> String {
     let largest = stiffness.law.range_kn[1];
@@ -32,7 +40,7 @@ pub fn law(stiffness: &StiffnessRecord) -> String {
     let curve = |f: &dyn Fn(f64) -> f64| forces.iter().map(|x| (*x, f(*x) * 1e-6)).collect::<Vec<_>>();
     let hertz = stiffness.touch.hertz_kn_per_m;
     let name = "Hertz at the first touch";
-    let mut series = vec![Series::line(name, curve(&|f| hertz * f.cbrt()), GREY, Dash::Dotted)];
+    let mut series = vec![Series::line(name, curve(&|f| hertz_tangent(hertz, f)), GREY, Dash::Dotted)];
     let mut marks = Vec::new();
     for reference in &stiffness.references {
         let (marker, color) = reference_style(&reference.reference);
@@ -119,48 +127,45 @@ fn error_bars(
     band.largest().map(|_| reference.points.iter().zip(&band.points).flat_map(bar).collect())
 }
 
-/// Semi-axes and largest pressure of the patch over load.
-pub fn patch(rows: &[LoadCurveRow]) -> String {
+/// Semi-axes and largest pressure of the patch over load, Hertz beside them.
+pub fn patch(rows: &[LoadCurveRow], hertz: Option<HertzRecord>) -> String {
     let of = |value: fn(&LoadCurveRow) -> f64| {
         rows.iter().map(|row| (row.force_kn, value(row))).collect::<Vec<_>>()
     };
+    let largest = rows.last().map_or(0.0, |row| row.force_kn);
+    let of_hertz = |name: &str, color, value: fn(HertzRecord) -> f64| {
+        let loads = (0..=CURVE_POINTS).map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(3));
+        hertz.map(|hertz| {
+            Series::line(name, loads.map(|f| (f, value(hertz.at(f)))).collect(), color, Dash::Dotted)
+        })
+    };
+    let axes = [
+        Series::joined("along the track", of(|r| r.semi_axis_along_mm), BLUE, Dash::Solid, Marker::Disc),
+        Series::joined("across", of(|r| r.semi_axis_across_mm), RED, Dash::Dashed, Marker::Square),
+    ];
+    let pressure =
+        Series::joined("largest pressure", of(|r| r.max_pressure_mpa), DARK, Dash::Solid, Marker::Circle);
+    let of_axes = [
+        of_hertz("Hertz, along", GREY, |h| h.semi_axis_along_mm),
+        of_hertz("Hertz, across", ORANGE, |h| h.semi_axis_across_mm),
+    ];
+    let of_pressure = of_hertz("Hertz, pressure", GREY, |h| h.max_pressure_mpa);
     stacked(
         WIDTH,
         230,
         &[
-            Panel {
-                x_label: "load P, kN".into(),
-                y_label: "semi-axis, mm".into(),
-                from_zero: true,
-                series: vec![
-                    Series::joined(
-                        "along the track",
-                        of(|r| r.semi_axis_along_mm),
-                        BLUE,
-                        Dash::Solid,
-                        Marker::Disc,
-                    ),
-                    Series::joined(
-                        "across",
-                        of(|r| r.semi_axis_across_mm),
-                        RED,
-                        Dash::Dashed,
-                        Marker::Square,
-                    ),
-                ],
-            },
-            Panel {
-                x_label: "load P, kN".into(),
-                y_label: "largest pressure, MPa".into(),
-                from_zero: true,
-                series: vec![Series::joined(
-                    "largest pressure",
-                    of(|r| r.max_pressure_mpa),
-                    DARK,
-                    Dash::Solid,
-                    Marker::Circle,
-                )],
-            },
+            Panel::new(
+                "load P, kN",
+                "semi-axis, mm",
+                true,
+                of_axes.into_iter().flatten().chain(axes).collect(),
+            ),
+            Panel::new(
+                "load P, kN",
+                "largest pressure, MPa",
+                true,
+                of_pressure.into_iter().chain([pressure]).collect(),
+            ),
         ],
     )
 }
@@ -234,8 +239,11 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
         let side = |row: &ComplianceRecord, sign: f64| {
             parts.iter().map(|(_, _, value)| value(row)).filter(|v| v * sign > 0.0).sum::<f64>()
         };
+        let longest = rows.iter().map(|row| side(row, 1.0)).fold(0.0, f64::max);
+        // a part that would hardly be seen takes no room left of zero
+        let seen = |end: f64| if end < -HARDLY_SEEN * longest { end } else { end.max(0.0) };
         let (low, high, step) =
-            nice_range(rows.iter().flat_map(|row| [side(row, 1.0), side(row, -1.0)]), true);
+            nice_range(rows.iter().flat_map(|row| [side(row, 1.0), seen(side(row, -1.0))]), true);
         let x_of =
             |value: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 24)) * (value - low) / (high - low)) as i32;
         let base = px(ROW * rows.len() as u32 + 4);
@@ -257,6 +265,9 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
             let mut ends = [0.0f64, 0.0];
             for (_, color, value) in &parts {
                 let value = value(row);
+                if value < 0.0 && value > -HARDLY_SEEN * longest {
+                    continue;
+                }
                 let end = &mut ends[usize::from(value < 0.0)];
                 let (left, right) = (x_of(end.min(*end + value)), x_of(end.max(*end + value)));
                 *end += value;

@@ -44,22 +44,26 @@ fn law_is_checked(data: &ReportData<'_>) -> bool {
     data.verdict.lines().any(|(_, line)| line.quantity == "law_max")
 }
 
+/// An error band in per cent.
+fn band_text(band: Option<f64>) -> String {
+    band.map_or_else(|| "not known".into(), |band| format!("\u{b1} {} %", significant(1e2 * band, 2)))
+}
+
+/// The horizontal stiffness with its error band, or why there is none.
+pub(super) fn horizontal(stiffness: &StiffnessRecord) -> String {
+    let band = stiffness.horizontal.as_ref().and_then(|all| all.error_band.as_ref()?.band);
+    match (stiffness.horizontal_kn_per_m, &stiffness.horizontal_missing) {
+        (Some(value), _) => format!("{} kN/m, error band {}", significant(value, 3), band_text(band)),
+        (None, Some(reason)) => format!("none: {reason}"),
+        (None, None) => "none".into(),
+    }
+}
+
 /// Name, value and unit of what a simple model takes.
 fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
     let law = &stiffness.law;
     let [a, b, c] = constants_in(law, " kN/m");
-    let percent = |value: Option<f64>| {
-        value.map_or_else(|| "not known".into(), |value| format!("\u{b1} {} %", significant(1e2 * value, 2)))
-    };
     let band = stiffness.error_band.as_ref().and_then(|band| band.of(&stiffness.reference));
-    let horizontal_band = stiffness.horizontal.as_ref().and_then(|all| all.error_band.as_ref()?.band);
-    let horizontal = match (stiffness.horizontal_kn_per_m, &stiffness.horizontal_missing) {
-        (Some(value), _) => {
-            format!("{} kN/m, error band {}", significant(value, 3), percent(horizontal_band))
-        }
-        (None, Some(reason)) => format!("none: {reason}"),
-        (None, None) => "none".into(),
-    };
     let row = |name: &str, value: String| [name.to_string(), value];
     vec![
         row("a", a),
@@ -67,8 +71,8 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
         row("c", c),
         row("f0", format!("{} kN", number(law.constants.f0_kn))),
         row("range", format!("{} to {} kN", number(law.range_kn[0]), number(law.range_kn[1]))),
-        row("error band, displacement", percent(band.and_then(|band| band.displacement))),
-        row("error band, tangent", percent(band.and_then(|band| band.tangent))),
+        row("error band, displacement", band_text(band.and_then(|band| band.displacement))),
+        row("error band, tangent", band_text(band.and_then(|band| band.tangent))),
         row(
             "law off the solid's tangents",
             format!(
@@ -77,7 +81,7 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
                 significant(1e2 * law.max_rel_error, 3)
             ),
         ),
-        row("horizontal stiffness", horizontal),
+        row("horizontal stiffness", horizontal(stiffness)),
     ]
 }
 

@@ -4,13 +4,15 @@ use minijinja::value::Serde;
 use serde_json::Value;
 
 use super::tables;
+use crate::rounding::significant;
 
 /// The pages, and the parts that they share.
-const TEMPLATES: [(&str, &str); 8] = [
+const TEMPLATES: [(&str, &str); 9] = [
     ("style.css", include_str!("pages/style.css")),
     ("inputs.html", include_str!("pages/inputs.html")),
     ("report.html", include_str!("pages/report.html")),
     ("table.html", include_str!("pages/table.html")),
+    ("compare.html", include_str!("pages/compare.html")),
     ("crosscheck.html", include_str!("pages/crosscheck.html")),
     ("crosscheck_summary.html", include_str!("pages/crosscheck_summary.html")),
     ("crosscheck_times.html", include_str!("pages/crosscheck_times.html")),
@@ -27,8 +29,43 @@ fn filled(template: &str, context: Value) -> Result<String, minijinja::Error> {
     let mut environment = minijinja::Environment::new();
     environment.set_auto_escape_callback(|_| minijinja::AutoEscape::Html);
     environment.add_filter("number", tables::number);
+    environment.add_filter("percent", percent);
+    environment.add_filter("coded", coded);
     for (name, source) in TEMPLATES {
         environment.add_template(name, source)?;
     }
     environment.get_template(template)?.render(minijinja::Value::from(Serde(context)))
+}
+
+/// A relative deviation in per cent with the two digits that mean something.
+fn percent(value: f64) -> String {
+    format!("{} %", significant(1e2 * value + 0.0, 2)).replace('-', "\u{2212}")
+}
+
+/// A text for a page, in which what stands between backticks is code.
+fn coded(text: String) -> minijinja::Value {
+    let escape = |part: &str| part.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let parts = text.split('`').enumerate().map(|(n, part)| match n % 2 {
+        0 => escape(part),
+        _ => format!("<code>{}</code>", escape(part)),
+    });
+    minijinja::Value::from_safe_string(parts.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{coded, percent};
+
+    /// Goal: a deviation has two digits and its sign.
+    #[test]
+    fn deviations_have_two_digits() {
+        assert_eq!([percent(0.019_68), percent(-0.152), percent(0.0)], ["2.0 %", "\u{2212}15 %", "0 %"]);
+    }
+
+    /// Goal: names of files and keys are code, and nothing of a text becomes a tag.
+    #[test]
+    fn names_are_code() {
+        let page = coded("a < b, see `x.json` & `y<z`.".into()).to_string();
+        assert_eq!(page, "a &lt; b, see <code>x.json</code> &amp; <code>y&lt;z</code>.");
+    }
 }

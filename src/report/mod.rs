@@ -34,6 +34,7 @@ use crate::records::{
 };
 
 use crate::verify::{Band, Carrying};
+use crate::version;
 
 pub use positions::ProfilePair;
 
@@ -136,19 +137,19 @@ pub fn build(data: &ReportData<'_>) -> Report {
         ),
         collected.add(
             "patch",
-            figures::patch(data.load_curve),
-            "Semi-axes of the contact patch and largest pressure in the solid.".into(),
+            figures::patch(data.load_curve, stiffness.touch.hertz),
+            "Semi-axes of the contact patch and largest pressure in the solid, and of Hertz for the curvatures at the first touch.".into(),
         ),
     ];
     springs.push(collected.add(
         "patch_fields",
-        patches::fields(data.patches),
-        patches::fields_caption(data.patches),
+        patches::fields(data.patches, stiffness.touch.hertz),
+        patches::fields_caption(data.patches, stiffness.touch.hertz.is_some()),
     ));
     springs.push(collected.add(
         "patch_sections",
-        patch_section::section(data.patches, data.profiles),
-        patch_section::caption(data.patches),
+        patch_section::section(data.patches, data.profiles, stiffness.touch.hertz),
+        patch_section::caption(data.patches, stiffness.touch.hertz.is_some()),
     ));
     if let Some(stresses) = figures::subsurface(data.load_curve, &data.patches.patches) {
         springs.push(collected.add("subsurface", stresses, patches::below_caption(data.patches)));
@@ -182,6 +183,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "inputs": tables::grouped(data.inputs),
             "stiffness": stiffness,
             "springs": springs,
+            "horizontal": first_screen::horizontal(&stiffness),
             "shortened": stiffness.shortened(),
             "worth": tables::worth(&stiffness),
             "worth_by_angle": data.by_angle.and_then(by_angle::worth),
@@ -191,6 +193,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "not_applicable": data.verdict.not_applicable().collect::<Vec<_>>(),
             "notes": tables::notes(data.verdict),
             "verdict": data.verdict,
+            "commit": version::COMMIT,
             "summary": data.verdict.summary(),
             "models": tables::models(data.verdict),
             "measured": data.measured,

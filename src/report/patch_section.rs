@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use railspring_calibrate::units::MILLIMETRE;
 
-use crate::records::{PatchRecord, PatchesRecord};
+use crate::records::{HertzRecord, PatchRecord, PatchesRecord};
 
 use super::figures::WIDTH;
 use super::legend::{Entry, draw_legend, legend_height};
@@ -131,7 +131,7 @@ fn outward(line: &[Line], index: usize) -> Vector2<f64> {
 
 /// Left: rail head and wheel with the marks of the patches below the running surface. Right: enlarged, with the largest pressure of every
 /// line along the track over the profile.
-pub fn section(record: &PatchesRecord, profiles: &ProfilePair) -> String {
+pub fn section(record: &PatchesRecord, profiles: &ProfilePair, hertz: Option<HertzRecord>) -> String {
     let count = record.patches.len();
     let name = |patch: &PatchRecord| format!("{} kN", number((patch.force_kn * 10.0).round() / 10.0));
     let mut entries = vec![
@@ -142,11 +142,18 @@ pub fn section(record: &PatchesRecord, profiles: &ProfilePair) -> String {
         let (color, dash) = look(index, count);
         entries.push(Entry::of(&Series::line(&name(patch), vec![], color, dash).broad()));
     }
+    let hertz =
+        hertz.zip(record.patches.last()).map(|(hertz, patch)| (hertz.at(patch.force_kn), patch.force_kn));
+    if let Some((_, force)) = hertz {
+        let name = format!("Hertz, {} kN", number((force * 10.0).round() / 10.0));
+        entries.push(Entry::of(&Series::line(&name, vec![], GREY, Dash::Dotted)));
+    }
     let top = legend_height(WIDTH, &entries);
     let rail = fine(profiles.rail.iter().map(|p| profiles.rail_to_world(p)));
     let wheel = fine(profiles.wheel.iter().map(|p| profiles.wheel_origin + p.coords));
     let patches: Vec<_> = record.patches.iter().map(|patch| pieces(profiles, patch)).collect();
-    let largest = record.patches.iter().map(PatchRecord::largest).fold(0.0, f64::max);
+    let of_hertz = hertz.map_or(0.0, |(hertz, _)| hertz.max_pressure_mpa);
+    let largest = record.patches.iter().map(PatchRecord::largest).fold(of_hertz, f64::max);
     svg(WIDTH, top + PICTURE + 8, |root| {
         draw_legend(root, WIDTH, &entries)?;
         let (whole, near) = (head_view(&rail, top), patch_view(&patches, profiles.touch, top));
@@ -168,10 +175,47 @@ pub fn section(record: &PatchesRecord, profiles: &ProfilePair) -> String {
                 _ => root.draw(&PathElement::new(line, style))?,
             }
         }
+        if let Some((hertz, _)) = hertz {
+            let line: Vec<_> = over_touch(&rail, profiles.touch, hertz)
+                .into_iter()
+                .map(|(at, normal, pressure)| {
+                    near.pixel(&(at + normal * (PEAK / near.scale * pressure / largest)))
+                })
+                .collect();
+            root.draw(&DashedPathElement::new(line, px(2), px(3), stroke(GREY, 18)))?;
+        }
         whole.bar(root)?;
         near.bar(root)?;
         pressure_bar(root, &near, largest)
     })
+}
+
+/// Hertz's largest pressure of every line along the track over the rail's profile: places, normals out of the rail, and pressures, MPa.
+fn over_touch(
+    rail: &[Point2<f64>],
+    touch: Point2<f64>,
+    hertz: HertzRecord,
+) -> Vec<(Point2<f64>, Vector2<f64>, f64)> {
+    let half = hertz.semi_axis_across_mm * MILLIMETRE;
+    let near = rail.windows(2).min_by(|a, b| {
+        let away = |w: &[Point2<f64>]| (nalgebra::center(&w[0], &w[1]) - touch).norm();
+        away(a).total_cmp(&away(b))
+    });
+    let Some(along) = near.and_then(|w| (w[1] - w[0]).try_normalize(0.0)) else { return Vec::new() };
+    // to the field side, as the lines of a patch
+    let along = if along.x < 0.0 { -along } else { along };
+    let normal = Vector2::new(along.y, -along.x);
+    const POINTS: i32 = 40;
+    let point = |n: i32| {
+        let share = f64::from(n) / f64::from(POINTS);
+        // in the tangent plane, as Hertz has it
+        (
+            touch + along * (half * share),
+            normal,
+            hertz.max_pressure_mpa * (1.0 - share * share).max(0.0).sqrt(),
+        )
+    };
+    (-POINTS..=POINTS).map(point).collect()
 }
 
 /// The rail head with the flange beside it.
@@ -220,11 +264,16 @@ fn pressure_bar(root: &Area<'_>, view: &View, largest: f64) -> Drawn {
 }
 
 /// What the figure shows.
-pub fn caption(record: &PatchesRecord) -> String {
+pub fn caption(record: &PatchesRecord, hertz: bool) -> String {
     format!(
         "Where the contact patch lies under {}, seen along the track, field side to the right, wheel and rail in the place of the first \
          touch. Left: the extent of the patch, marked below the running surface, the smallest load nearest to it. Right: enlarged to \
-         scale, with the largest pressure of every line along the track drawn across the profile.",
-        loads(record)
+         scale, with the largest pressure of every line along the track drawn across the profile{}.",
+        loads(record),
+        if hertz {
+            "; that of Hertz for the curvatures at the first touch and the largest load stands in the tangent plane there"
+        } else {
+            ""
+        }
     )
 }

@@ -1,10 +1,11 @@
 //! Figures of the contact patches: pressure and zones of stick and slip on the rail head, drawn to scale.
 
 use contour::ContourBuilder;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use crate::records::{PatchRecord, PatchesRecord, PointState};
+use crate::records::{HertzRecord, PatchRecord, PatchesRecord, PointState};
 
 use super::figures::WIDTH;
 use super::legend::{Entry, draw_legend, legend_height};
@@ -186,7 +187,7 @@ impl Layout {
 }
 
 /// Pressure in the upper row, zones of stick and slip in the lower, a column for each load; all to the same scale.
-pub fn fields(record: &PatchesRecord) -> String {
+pub fn fields(record: &PatchesRecord, hertz: Option<HertzRecord>) -> String {
     let layout = Layout::of(record);
     let bands = Bands::of(record);
     let zones = [Entry::patch("sticking", DARK), Entry::patch("sliding", ORANGE)];
@@ -224,6 +225,9 @@ pub fn fields(record: &PatchesRecord) -> String {
                     let pixels: Vec<_> = line.iter().map(|at| layout.pixel((left, top), *at)).collect();
                     root.draw(&PathElement::new(pixels, stroke(BLACK, 10)))?;
                 }
+                if let Some(hertz) = hertz {
+                    draw_ellipse(root, &layout, (left, top), hertz.at(patch.force_kn))?;
+                }
                 let corner = (px(left + layout.panel.0), px(top + layout.panel.1));
                 root.draw(&frame([(px(left), px(top)), corner], stroke(BLACK, 8)))?;
             }
@@ -234,6 +238,19 @@ pub fn fields(record: &PatchesRecord) -> String {
         root.draw(&Text::new(text, at, style))?;
         Ok(())
     })
+}
+
+/// Hertz's patch around the first touch: dashes of white over black, which are seen on every colour.
+fn draw_ellipse(root: &Area<'_>, layout: &Layout, corner: (u32, u32), hertz: HertzRecord) -> Drawn {
+    const POINTS: usize = 90;
+    let point = |n: usize| {
+        let (sin, cos) = (std::f64::consts::TAU * n as f64 / POINTS as f64).sin_cos();
+        layout.pixel(corner, (hertz.semi_axis_across_mm * cos, hertz.semi_axis_along_mm * sin))
+    };
+    let line: Vec<_> = (0..=POINTS).map(point).collect();
+    root.draw(&PathElement::new(line.clone(), stroke(WHITE, 22)))?;
+    root.draw(&DashedPathElement::new(line, px(4), px(3), stroke(BLACK, 12)))?;
+    Ok(())
 }
 
 /// Fills outlines with the first colour, and their holes with the second.
@@ -314,7 +331,7 @@ fn draw_bar(root: &Area<'_>, bands: &Bands) -> Drawn {
 }
 
 /// What the figure of the fields shows.
-pub fn fields_caption(record: &PatchesRecord) -> String {
+pub fn fields_caption(record: &PatchesRecord, hertz: bool) -> String {
     let grid = if record.field == "hybrid" {
         "on the fine grid of the contact"
     } else {
@@ -323,9 +340,10 @@ pub fn fields_caption(record: &PatchesRecord) -> String {
     format!(
         "Contact patch on the rail under {}, its surface laid flat and seen from above, all panels to the same scale: pressure {grid}, and \
          where the surfaces stick and slide, friction {}. The outline runs half-way between points that carry load and points that do \
-         not. The values are in `contact_patches.json`.",
+         not.{} The values are in `contact_patches.json`.",
         loads(record),
-        number(record.friction)
+        number(record.friction),
+        if hertz { " Dashed: the patch of Hertz for the curvatures at the first touch." } else { "" }
     )
 }
 

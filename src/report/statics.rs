@@ -96,7 +96,7 @@ pub fn statics(laws: &StiffnessByAngleRecord) -> Option<String> {
             [format!("{} mm", number(shift.shift_mm)), angle.replace('-', "\u{2212}")]
         })
         .collect();
-    Some(stacked_over_names(WIDTH, 230, &panels, &[], &names))
+    Some(stacked_over_names(WIDTH, 165, &panels, &[], &names))
 }
 
 /// What the figure shows.

@@ -223,20 +223,31 @@ pub(super) struct Worth {
 /// The error band of the law in use, if there is one.
 pub(super) fn worth(stiffness: &StiffnessRecord) -> Option<Worth> {
     let band = stiffness.error_band.as_ref()?;
-    let percent = |value: Option<f64>| value.map_or_else(|| "\u{2013}".into(), |v| format!("{:.2}", 1e2 * v));
     let row = |p: &BandPointRecord| {
-        [
-            number(p.force_kn),
-            percent(p.grid_displacement),
-            percent(p.mesh_displacement),
-            percent(p.displacement),
-            percent(p.grid_tangent),
-            percent(p.mesh_tangent),
-            percent(p.tangent),
-        ]
+        let [grid, mesh, band] = percent_of_band([p.grid_displacement, p.mesh_displacement], p.displacement);
+        let [tangent_grid, tangent_mesh, tangent_band] =
+            percent_of_band([p.grid_tangent, p.mesh_tangent], p.tangent);
+        [number(p.force_kn), grid, mesh, band, tangent_grid, tangent_mesh, tangent_band]
     };
     let rows = band.of(&stiffness.reference)?.points.iter().map(row).collect();
     Some(Worth { lines: stiffness.worth(), rows })
+}
+
+/// Relative changes and the band of their sum in per cent, all with the decimals of the band's second digit: a change below that is 0 without a sign.
+fn percent_of_band(changes: [Option<f64>; 2], band: Option<f64>) -> [String; 3] {
+    let widest = band.or_else(|| changes.into_iter().flatten().map(f64::abs).max_by(f64::total_cmp));
+    let power =
+        widest.filter(|widest| *widest > 0.0).map_or(-2, |widest| (1e2 * widest).log10().floor() as i32 - 1);
+    let decimals = power.clamp(-9, 0).unsigned_abs() as usize;
+    let text = |value: Option<f64>| match value {
+        None => "\u{2013}".to_string(),
+        Some(value) => {
+            let text = format!("{:.decimals$}", 1e2 * value.abs());
+            let zero = text.chars().all(|c| c == '0' || c == '.');
+            format!("{}{text}", if value < 0.0 && !zero { "\u{2212}" } else { "" })
+        }
+    };
+    [text(changes[0]), text(changes[1]), text(band)]
 }
 
 /// A number with four significant digits, without an exponent where it can be read without.
@@ -273,7 +284,18 @@ fn grouped_by_thousands(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::number;
+    use super::{number, percent_of_band};
+
+    /// Goal: changes have the decimals that their band has, and none is written as a negative zero.
+    #[test]
+    fn changes_have_the_digits_of_their_band() {
+        let of = |grid: f64, mesh: f64, band: f64| percent_of_band([Some(grid), Some(mesh)], Some(band));
+        assert_eq!(of(-0.000_04, 0.0086, 0.008_64), ["0.00", "0.86", "0.86"]);
+        assert_eq!(of(-0.0012, 0.0231, 0.0243), ["\u{2212}0.1", "2.3", "2.4"]);
+        assert_eq!(of(0.0, 0.0, 0.0), ["0.00", "0.00", "0.00"]);
+        assert_eq!(of(-3e-6, 1e-6, 4e-6), ["\u{2212}0.00030", "0.00010", "0.00040"]);
+        assert_eq!(percent_of_band([None, Some(-0.02)], None), ["\u{2013}", "\u{2212}2.0", "\u{2013}"]);
+    }
 
     #[test]
     fn numbers_are_short_and_readable() {

@@ -179,11 +179,22 @@ fn the_first_screen_can_be_signed() {
         "worn.prw, BLAKE3 <code>cdcd",
         "reviewer, date",
         "Why this limit: ",
+        &format!("railspring 0.1.0, {}", crate::version::COMMIT),
         "href=\"#limit-",
         "displacement against beam",
         "verdict has no limit on them. The law is off the solid&#x27;s tangents by 0.840 % at most, where the usual limit is 15 %",
+        // rounded to their standard errors, 12,000 and 9,000 kN/m and 0.0042
+        "<td>20000 \u{b1} 12000 kN/m</td>",
+        "<td>390000 \u{b1} 9000 kN/m</td>",
+        "<td>0.2450 \u{b1} 0.0042</td>",
     ] {
         assert!(first.contains(word), "{word}: {first}");
+    }
+    let verdict = verdict(&samples::history(0.001), &samples::history(0.0));
+    assert!(!verdict.failing().is_empty());
+    for (_, line) in verdict.failing() {
+        let why = reasons::reason(&line.quantity).replace('`', "").replace('\'', "&#x27;");
+        assert!(first.contains(&format!("Why this limit: {why}.")), "{}: {why}: {first}", line.quantity);
     }
 }
 
@@ -221,9 +232,12 @@ fn the_first_screen_says_the_verdict() {
     let first = page.split("<h2 id=\"springs\">").next().unwrap();
     assert!(first.contains("<span class=\"verdict failing\">"), "{first}");
     assert!(
-        first.contains(" limits fail; worst: sample: ") && first.contains("P leaves the range"),
+        first.contains(" limits fail; worst: sample: ")
+            && first.contains("<a href=\"#notes\">known about the runs</a>"),
         "{first}"
     );
+    let (_, notes) = page.split_once("<h3 id=\"notes\">").unwrap();
+    assert!(notes.split("</ul>").next().unwrap().contains("P leaves the range"), "{notes}");
     let same = samples::history(0.0);
     let verdict = verdict(&same, &same);
     assert!(verdict.holds && verdict.summary().starts_with("all "), "{}", verdict.summary());
@@ -309,7 +323,7 @@ fn the_page_says_what_the_law_is_worth() {
     let rows = |stiffness| serde_json::to_value(tables::worth(stiffness)).unwrap()["rows"].clone();
     let rows = rows(&stiffness);
     assert_eq!(rows.as_array().unwrap().len(), 24);
-    assert_eq!(rows[0], serde_json::json!(["1", "-2.00", "0.40", "2.40", "4.00", "-1.00", "5.00"]));
+    assert_eq!(rows[0], serde_json::json!(["1", "\u{2212}2.0", "0.4", "2.4", "4.0", "\u{2212}1.0", "5.0"]));
     for figure in [figures::law, figures::displacement] {
         // a bar for every load of three references
         let lines = |svg: String| svg.matches("<polyline").count();

@@ -81,7 +81,7 @@ impl<'a> Ordered<'a> {
         let mut clock = StepClock::new(body.name(), monitor);
         // nothing is kept of it, so that it needs no key
         let condensed =
-            solids.condense_in_steps(body, String::new(), modes, &mut |step| clock.begin(step))?;
+            solids.condense_in_steps(body, String::new(), modes, &mut |step, _, _| clock.begin(step))?;
         let stages = clock.stages()?;
         let factorisation =
             stages.iter().find(|stage| stage.stage == "factorisation").map(|stage| stage.seconds);

@@ -23,9 +23,10 @@ use super::fields::{PressedSolids, field_files};
 use super::patches::{below_record, chosen, patch_record};
 use super::{FieldFile, Geometry, Meshes, contact_field, enforcement, solids};
 use crate::records::{
-    BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HorizontalPointRecord,
-    HorizontalRecord, LawRecord, LoadCurveRow, LoadEndRecord, PatchesRecord, PenaltyRecord, ReferenceRecord,
-    StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord, TouchRecord,
+    BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HertzRecord,
+    HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow, LoadEndRecord, PatchesRecord,
+    PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord,
+    TouchRecord,
 };
 use crate::study::{EnforcementKey, MeshFile, Study};
 
@@ -424,7 +425,12 @@ fn touch_record(study: &Study, geometry: &Geometry) -> TouchRecord {
         wheel_y_mm: wheel.x / MILLIMETRE,
         wheel_z_mm: wheel.y / MILLIMETRE,
         angle_deg: touch.contact_angle.to_degrees(),
-        hertz_kn_per_m: hertz.map_or(f64::NAN, |h| h.tangent_stiffness / KILONEWTON_PER_METRE),
+        hertz_kn_per_m: hertz.as_ref().map_or(f64::NAN, |h| h.tangent_stiffness / KILONEWTON_PER_METRE),
+        hertz: hertz.ok().map(|h| HertzRecord {
+            semi_axis_along_mm: h.semi_axis_x / MILLIMETRE,
+            semi_axis_across_mm: h.semi_axis_y / MILLIMETRE,
+            max_pressure_mpa: h.max_pressure / MEGAPASCAL,
+        }),
         rail_radius_mm: 1.0 / rail_curvature / MILLIMETRE,
         wheel_radius_mm: 1.0 / wheel_curvature / MILLIMETRE,
         rolling_radius_mm: rolling_radius / MILLIMETRE,

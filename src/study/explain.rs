@@ -45,6 +45,73 @@ pub fn explain(key: Option<&str>) -> Result<Vec<String>, InputError> {
     ))
 }
 
+/// A section of the study for the reference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SectionText {
+    /// Its name; empty for the keys above all sections.
+    pub name: String,
+    /// What it is about.
+    pub meaning: String,
+    /// Its keys in their order.
+    pub keys: Vec<KeyText>,
+}
+
+/// A key of the study for the reference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyText {
+    /// Its name, with the section before it.
+    pub key: String,
+    /// What it means.
+    pub meaning: String,
+    /// What its value may be.
+    pub value: String,
+    /// What single values mean, where that is said.
+    pub options: Vec<(String, String)>,
+    /// What holds where it is left out.
+    pub default: String,
+}
+
+/// All sections with their keys.
+pub fn sections() -> Vec<SectionText> {
+    let checker = Checker { root: study_schema(), whole: "study" };
+    let mut found: Vec<SectionText> = Vec::new();
+    for key in all_keys(&checker) {
+        let path: Vec<String> = key.split('.').map(str::to_owned).collect();
+        let (section, _) = key.rsplit_once('.').unwrap_or(("", &key));
+        if !found.iter().any(|known| known.name == section) {
+            let path: Vec<String> = section.split('.').filter(|p| !p.is_empty()).map(str::to_owned).collect();
+            let meaning = checker.at(&path).map(|schema| checker.describe(schema)).unwrap_or_default();
+            found.push(SectionText { name: section.into(), meaning, keys: Vec::new() });
+        }
+        let (Some(section), Some(schema)) =
+            (found.iter_mut().find(|known| known.name == section), checker.at(&path))
+        else {
+            continue;
+        };
+        section.keys.push(KeyText {
+            meaning: checker.describe(schema),
+            value: checker.expectation(schema),
+            options: options(&checker, schema),
+            default: default(&checker, &key, schema),
+            key,
+        });
+    }
+    found
+}
+
+fn options(checker: &Checker<'_>, schema: &Value) -> Vec<(String, String)> {
+    let said = |option: &Value| Some((option.get("const")?.to_string(), checker.describe(option)));
+    checker.options(schema).into_iter().filter_map(said).filter(|(_, said)| !said.is_empty()).collect()
+}
+
+fn default(checker: &Checker<'_>, key: &str, schema: &Value) -> String {
+    match schema.get("default").filter(|default| !default.is_null()) {
+        Some(default) => toml_of(default),
+        None if checker.is_required(key) => "none: it has to be given".into(),
+        None => "none: it may be left out".into(),
+    }
+}
+
 fn last_name(key: &str) -> &str {
     key.rsplit('.').next().unwrap_or(key)
 }
@@ -80,17 +147,9 @@ fn lines(checker: &Checker<'_>, key: &str, schema: &Value) -> Vec<String> {
     }
     let mut lines = vec![format!("{key}: {meaning}")];
     lines.push(format!("  value    {}", checker.expectation(schema)));
-    for option in checker.options(schema) {
-        let (Some(value), said) = (option.get("const"), checker.describe(option)) else { continue };
-        if !said.is_empty() {
-            lines.push(format!("           {value}  {said}"));
-        }
-    }
-    lines.push(match schema.get("default").filter(|default| !default.is_null()) {
-        Some(default) => format!("  default  {}", toml_of(default)),
-        None if checker.is_required(key) => "  default  none: it has to be given".into(),
-        None => "  default  none: it may be left out".into(),
-    });
+    let options = options(checker, schema).into_iter();
+    lines.extend(options.map(|(value, said)| format!("           {value}  {said}")));
+    lines.push(format!("  default  {}", default(checker, key, schema)));
     lines
 }
 

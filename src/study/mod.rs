@@ -37,7 +37,7 @@ pub use document::{
     ReferenceKey, SlidingMatrixKey, SolidKeys, SolidLoadsKey, SpacingKey, StudyDocument, TransientKey,
     VerticalKey,
 };
-pub use explain::explain;
+pub use explain::{KeyText, SectionText, explain, sections};
 pub use keys::Keys;
 pub use settings::Setting;
 pub use source::{LocatedError, Mistakes, Place, Source};

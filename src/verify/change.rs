@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use railspring_calibrate::history::{History, HistoryRow};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::signals::{Carrying, averaged_forces, averaged_ratio};
@@ -13,7 +14,7 @@ const SMALLEST_PEAK: f64 = 0.05;
 
 /// Change of a run. Forces are over their largest in the whole run, or over a twentieth of the other one's if that is more; Q/P is averaged over the published window, where the averaged P of both
 /// carries it with the changes of averaged P and Q as errors ([`Carrying`]).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Change {
     /// RMS change of the vertical force.
     pub p_rms: f64,

@@ -1,9 +1,10 @@
 //! A line of the verdict: a value, its limit, and whether it holds.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What a line of the verdict can prove.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// The program agrees with itself.
@@ -15,7 +16,7 @@ pub enum Kind {
 }
 
 /// What a line holds by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeldBy {
     /// The value is within the limit.
@@ -25,7 +26,7 @@ pub enum HeldBy {
 }
 
 /// One line of the verdict.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Line {
     /// Name of the quantity, the same as the key of its limit if it has one.
     pub quantity: String,
@@ -145,7 +146,7 @@ impl Line {
 }
 
 /// A comparison that cannot be made, and why; it counts neither as holding nor as failing.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NotApplicable {
     /// Name of the quantity.
     pub quantity: String,

@@ -1,10 +1,11 @@
 //! What is compared of a run besides its forces: averaged ratios, separations, contact modes.
 
 use railspring_calibrate::history::{ContactMode, History, HistoryRow};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A time without contact.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Separation {
     /// First time without contact, s.
     pub begin_s: f64,
@@ -20,7 +21,7 @@ impl Separation {
 }
 
 /// Fractions of time in each contact mode; together 1.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModeFractions {
     /// Some contact sticks.
     pub stick: f64,
@@ -31,7 +32,7 @@ pub struct ModeFractions {
 }
 
 /// A value of each model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Both<T> {
     /// Of the simple model.
     pub simple: T,

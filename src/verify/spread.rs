@@ -2,6 +2,7 @@
 
 use railspring_calibrate::history::{Ending, History, HistoryRow};
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::change::{Change, scales};
@@ -15,7 +16,7 @@ pub const DISTURBANCE: f64 = 1e-3;
 pub const AMPLIFICATION: f64 = 25.0;
 
 /// How far a run changes when an input is 0.1 % larger.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spread {
     /// What the disturbed run has more of.
     pub more_of: String,

@@ -2,6 +2,7 @@
 
 use railspring_calibrate::history::History;
 use railspring_calibrate::step_control::InnerSteps;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::change::Change;
@@ -9,7 +10,7 @@ use super::line::milliseconds;
 use super::rows_before;
 
 /// How far a run changes with steps of another length, as long as its motion is determined ([`super::Spread`]).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StepChange {
     /// Length of the longest and of the shortest steps of the run, s.
     pub steps_s: [f64; 2],

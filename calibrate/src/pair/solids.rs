@@ -115,10 +115,10 @@ impl<'a> PairSolids<'a> {
     /// # Errors
     /// As [`Self::condense`].
     pub fn condense_in_time(&self, body: PairBody, key: String, modes: usize) -> Result<CondensedBody> {
-        self.condense_in_steps(body, key, modes, &mut |_| ())
+        self.condense_in_steps(body, key, modes, &mut |_, _, _| ())
     }
 
-    /// The same, which says which step `begins`.
+    /// The same, which says which step `begins`, how many were done before it, and how many there are.
     ///
     /// # Errors
     /// As [`Self::condense`].
@@ -127,7 +127,7 @@ impl<'a> PairSolids<'a> {
         body: PairBody,
         key: String,
         modes: usize,
-        begins: &mut dyn FnMut(Step),
+        begins: &mut dyn FnMut(Step, usize, usize),
     ) -> Result<CondensedBody> {
         let section = |solve: &dyn Fn(&[f64]) -> Vec<f64>| {
             let Pair { shear_stresses, placed, .. } = self.pair;

@@ -83,16 +83,30 @@ impl Parts<'_> {
         systems.iter().map(|system| system.numbering.degrees_of_freedom()).sum()
     }
 
-    /// Assembles, factors and condenses the body; says which step `begins`.
+    /// Steps of [`Self::condensed`].
+    fn steps(&self, modes: usize) -> usize {
+        let of_modes = usize::from(modes > 0);
+        match self {
+            Self::Whole(_) => 3 + of_modes + 1,
+            Self::Halves { .. } => 2 * (3 + of_modes) + 1,
+        }
+    }
+
+    /// Assembles, factors and condenses the body; says which step `begins`, how many were done before it, and how many there are.
     ///
     /// # Errors
     /// Those of [`Superelement::new`], of its modes and of the section.
     pub fn condensed(
         self,
         Wanted { key, modes, section }: Wanted<'_>,
-        begins: &mut dyn FnMut(Step),
+        begins: &mut dyn FnMut(Step, usize, usize),
     ) -> Result<CondensedBody> {
         let equations = self.equations();
+        let (mut done, all) = (0, self.steps(modes));
+        let begins: &mut dyn FnMut(Step) = &mut |step| {
+            begins(step, done, all);
+            done += 1;
+        };
         match self {
             Self::Whole(system) => {
                 let element = Superelement::in_steps(*system, begins)?;
@@ -291,7 +305,15 @@ mod tests {
             };
             let condense = |parts: Parts<'_>| {
                 let wanted = Wanted { key: "block".into(), modes: 15, section: &section };
-                parts.condensed(wanted, &mut |_| ()).unwrap()
+                let mut begun = Vec::new();
+                let condensed = parts.condensed(wanted, &mut |_, done, all| begun.push((done, all))).unwrap();
+                let all = begun.len();
+                assert_eq!(
+                    begun,
+                    (0..all).map(|done| (done, all)).collect::<Vec<_>>(),
+                    "every step is announced"
+                );
+                condensed
             };
             let whole = condense(Parts::Whole(Box::new(system(&mesh, &supports))));
             let by_halves = condense(halves(&mesh, &half));

@@ -2,7 +2,7 @@
 
 use crate::records::{
     AngleLawRecord, BandPointRecord, BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord,
-    DisplacementRecord, ErrorBandRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord,
+    DisplacementRecord, ErrorBandRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord, HertzRecord,
     HorizontalBandRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow,
     PairRecord, PenaltyRecord, ProfileRecord, ReferenceBandRecord, ReferenceRecord, ShiftRecord,
     ShiftTouchRecord, StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
@@ -175,6 +175,11 @@ pub(crate) fn stiffness() -> StiffnessRecord {
             wheel_z_mm: 0.4,
             angle_deg: 2.6,
             hertz_kn_per_m: 3.4e5,
+            hertz: Some(HertzRecord {
+                semi_axis_along_mm: 1.3,
+                semi_axis_across_mm: 0.9,
+                max_pressure_mpa: 410.0,
+            }),
             rail_radius_mm: 300.0,
             wheel_radius_mm: -330.0,
             rolling_radius_mm: 429.4,

@@ -14,7 +14,7 @@ const MESSAGES: usize = 64 << 10;
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// What a program may take.
-pub(super) struct Limits {
+pub(crate) struct Limits {
     /// Wall-clock time.
     pub time: Duration,
     /// Bytes on its standard output.
@@ -23,7 +23,7 @@ pub(super) struct Limits {
 
 /// What a program that ended has left.
 #[derive(Debug)]
-pub(super) struct Ended {
+pub(crate) struct Ended {
     pub status: ExitStatus,
     pub output: Vec<u8>,
     /// The last part of its standard error.
@@ -32,7 +32,7 @@ pub(super) struct Ended {
 
 /// Why there is no answer.
 #[derive(Debug)]
-pub(super) enum Stop {
+pub(crate) enum Stop {
     /// It could not be run or read.
     Failed(io::Error),
     /// It took longer than allowed.
@@ -44,7 +44,7 @@ pub(super) enum Stop {
 }
 
 /// Runs a program to its end. It is killed when it exceeds a limit or when `go_on` fails, which is called while it runs.
-pub(super) fn run(
+pub(crate) fn run(
     command: &mut Command,
     limits: &Limits,
     go_on: &dyn Fn() -> Result<()>,

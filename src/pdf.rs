@@ -1,0 +1,172 @@
+//! Pages as PDF, printed by the Chromium of the machine without its window.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf, absolute};
+use std::process::Command;
+use std::time::Duration;
+
+use railspring_calibrate::error::{InputError, Result};
+
+use crate::child::{Limits, Stop, run};
+use crate::output::OutputFolder;
+
+/// Names of the browser on the search path.
+const BROWSERS: [&str; 6] =
+    ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge"];
+/// Key of the messages.
+const KEY: &str = "--pdf";
+/// Longest that a page may take.
+const LONGEST: Duration = Duration::from_secs(180);
+/// Most bytes that the browser may say.
+const SAID: u64 = 1 << 20;
+
+/// What prints pages.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Printer {
+    browser: PathBuf,
+}
+
+impl Printer {
+    /// The browser of this machine.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `--pdf` if there is none on the search path.
+    pub fn find() -> Result<Self> {
+        Self::find_on(&std::env::var_os("PATH").unwrap_or_default())
+    }
+
+    fn find_on(path: &OsStr) -> Result<Self> {
+        let folders: Vec<PathBuf> = std::env::split_paths(path).collect();
+        // the first name that is there, in whichever folder
+        let files = BROWSERS.iter().flat_map(|name| {
+            folders
+                .iter()
+                .map(move |folder| folder.join(name).with_extension(std::env::consts::EXE_EXTENSION))
+        });
+        let browser = files.into_iter().find(|file| file.is_file()).ok_or_else(|| {
+            InputError::new(
+                KEY,
+                format!("none of {} on the search path", BROWSERS.join(", ")),
+                "Chromium or Chrome, which prints the page",
+                "install Chromium (Debian: apt install chromium), or print report.html from any browser and leave out --pdf",
+            )
+        })?;
+        Ok(Self { browser })
+    }
+
+    /// Prints a page of a folder beside it, and says under which name.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `--pdf` and the browser's last words if there is no PDF; a folder that cannot be written.
+    pub fn print(&self, folder: &OutputFolder, page: &str) -> Result<String> {
+        let failed = |value: String| {
+            InputError::new(
+                KEY,
+                value,
+                format!("a PDF of {page} by {}", self.browser.display()),
+                format!("print {} from the browser itself, and leave out --pdf", folder.file(page).display()),
+            )
+        };
+        let place = tempfile::tempdir().map_err(|cause| failed(cause.to_string()))?;
+        let file = place.path().join("page.pdf");
+        let page_at = absolute(folder.file(page)).map_err(|cause| failed(cause.to_string()))?;
+        let mut command = Command::new(&self.browser);
+        command
+            .args(["--headless", "--disable-gpu", "--no-pdf-header-footer", "--disable-dev-shm-usage"])
+            .args(["--no-first-run", "--disable-extensions"])
+            .args(sandbox())
+            .arg(with_value("--user-data-dir=", place.path()))
+            .arg(with_value("--print-to-pdf=", &file))
+            .arg(url(&page_at));
+        let ended = run(&mut command, &Limits { time: LONGEST, output: SAID }, &|| Ok(())).map_err(
+            |stop| match stop {
+                Stop::Failed(cause) => failed(cause.to_string()),
+                Stop::Time => failed(format!("no end after {} s", LONGEST.as_secs())),
+                Stop::Output => failed("more messages than a browser has".into()),
+                Stop::Asked(cause) => failed(cause.to_string()),
+            },
+        )?;
+        let content = std::fs::read(&file).unwrap_or_default();
+        if !ended.status.success() || !content.starts_with(b"%PDF") {
+            let last = ended.messages.lines().map(str::trim).rfind(|line| !line.is_empty());
+            return Err(failed(last.unwrap_or("no PDF").to_string()).into());
+        }
+        let name = Path::new(page).with_extension("pdf").display().to_string();
+        folder.write(&name, &content)?;
+        Ok(name)
+    }
+}
+
+/// Chromium does not run as root inside of its own sandbox; the page is of this program.
+fn sandbox() -> &'static [&'static str] {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let root = std::fs::metadata("/proc/self").is_ok_and(|of| of.uid() == 0);
+        if root {
+            return &["--no-sandbox"];
+        }
+    }
+    &[]
+}
+
+/// An option whose value is a path.
+fn with_value(option: &str, path: &Path) -> std::ffi::OsString {
+    let mut text = std::ffi::OsString::from(option);
+    text.push(path);
+    text
+}
+
+/// The address of a file: what is no letter, digit or one of a few marks is spelled as bytes.
+fn url(path: &Path) -> String {
+    let text = path.to_string_lossy().replace('\\', "/");
+    let spelled = text.bytes().map(|byte| match byte {
+        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b'-' | b'_' | b'.' | b'~' | b':' => {
+            char::from(byte).to_string()
+        }
+        other => format!("%{other:02X}"),
+    });
+    let begin = if text.starts_with('/') { "file://" } else { "file:///" };
+    spelled.fold(begin.to_string(), |url, letter| url + &letter)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: names of files become addresses that a browser takes for the same file.
+    #[test]
+    fn paths_become_addresses() {
+        assert_eq!(url(Path::new("/tmp/a b/r\u{e9}port#1.html")), "file:///tmp/a%20b/r%C3%A9port%231.html");
+    }
+
+    /// Goal: without a browser on the search path the option, what is missing and the remedy are named; a folder that has one is found.
+    #[test]
+    fn a_missing_browser_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let said = Printer::find_on(folder.path().as_os_str()).unwrap_err().to_string();
+        assert!(
+            said.contains("--pdf") && said.contains("chromium") && said.contains("apt install"),
+            "{said}"
+        );
+        let browser = folder.path().join("google-chrome").with_extension(std::env::consts::EXE_EXTENSION);
+        std::fs::write(&browser, "").unwrap();
+        assert_eq!(Printer::find_on(folder.path().as_os_str()).unwrap(), Printer { browser });
+    }
+
+    /// Goal: a browser that writes no PDF is an error with its last words, and leaves no file.
+    #[cfg(unix)]
+    #[test]
+    fn a_browser_that_fails_is_quoted() {
+        use std::os::unix::fs::PermissionsExt;
+        let place = tempfile::tempdir().unwrap();
+        let browser = place.path().join("chromium");
+        std::fs::write(&browser, "#!/bin/sh\necho 'no display' >&2\nexit 3\n").unwrap();
+        std::fs::set_permissions(&browser, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let folder = OutputFolder::create(&place.path().join("out")).unwrap();
+        folder.write("report.html", b"<p>").unwrap();
+        let said = Printer { browser }.print(&folder, "report.html").unwrap_err().to_string();
+        assert!(said.contains("no display") && said.contains("report.html"), "{said}");
+        assert!(!folder.file("report.pdf").exists());
+    }
+}
