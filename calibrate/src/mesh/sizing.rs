@@ -154,9 +154,9 @@ impl Polyline {
                 k += 1;
                 continue;
             }
-            // A turn spreads over more vertices: follow it while it turns the same way.
+            // A turn spreads over more vertices: follow it while it turns the same way, up to where the next sharp corner is.
             while end + 1 < self.points.len()
-                && self.turn_at(end) * total.signum() > TURN_OF_A_STRAIGHT
+                && (TURN_OF_A_STRAIGHT..SHARP).contains(&(self.turn_at(end) * total.signum()))
                 && self.arc[end] - self.arc[k] <= 3.0 * window
             {
                 total += self.turn_at(end);
@@ -182,6 +182,8 @@ const FINE_STEP: f64 = 2.5e-4;
 const REPEATED: f64 = 1e-9;
 /// Turn (rad) within the window that makes a corner: 40 degrees.
 const CORNER_ANGLE: f64 = 0.70;
+/// Turn (rad) at a single vertex that is a corner, however near to another one beyond the window: 60 degrees.
+const SHARP: f64 = 1.05;
 /// Turn (rad) at a vertex below which the line counts as straight there.
 const TURN_OF_A_STRAIGHT: f64 = 1e-3;
 
@@ -296,5 +298,31 @@ mod tests {
             [Point2::new(0.0, 0.0), Point2::new(10.0, 0.0), Point2::new(10.0, 2.0), Point2::new(0.0, 2.0)];
         let t = thickness(&plate, &Point2::new(4.0, 0.0), &Vector2::new(0.0, 1.0));
         assert!((t - 2.0).abs() < ROUNDOFF);
+    }
+
+    /// Goal: two right angles on a sharp edge of 8 mm are two corners, those of a chamfer of 45 degrees and the vertices of a rounding one, which is its
+    /// middle. Accuracy: ROUNDOFF; the rounding has a vertex every 0.5 mm.
+    #[test]
+    fn sharp_corners_near_each_other_are_kept() {
+        let line = |points: &[(f64, f64)]| -> Polyline {
+            Polyline::new(&points.iter().map(|(y, z)| Point2::new(1e-3 * y, 1e-3 * z)).collect::<Vec<_>>())
+        };
+        let corners = |line: &Polyline| -> Vec<f64> { line.corners(4e-3).iter().map(|t| 1e3 * t).collect() };
+        let near = |found: &[f64], expected: &[f64], within: f64| {
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < within), "{found:?}");
+        };
+        let edge = line(&[(0.0, 0.0), (40.0, 0.0), (40.0, 8.0), (0.0, 8.0)]);
+        near(&corners(&edge), &[40.0, 48.0], 1e3 * ROUNDOFF);
+        let chamfer = line(&[(0.0, 0.0), (40.0, 0.0), (45.0, 5.0), (45.0, 40.0)]);
+        assert_eq!(corners(&chamfer).len(), 1);
+        let mut round = vec![(0.0, 0.0)];
+        round.extend(
+            (0..=9)
+                .map(|i| (0.5 * std::f64::consts::PI * f64::from(i) / 9.0).sin_cos())
+                .map(|(sin, cos)| (40.0 + 3.0 * sin, 3.0 - 3.0 * cos)),
+        );
+        round.push((43.0, 40.0));
+        near(&corners(&line(&round)), &[40.0 + 0.75 * std::f64::consts::PI], 0.5);
     }
 }
