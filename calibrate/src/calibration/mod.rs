@@ -182,6 +182,27 @@ pub(crate) fn press_loads_apart(
     ended.map_or(Ok(states), Err)
 }
 
+/// Displacement and tangent under `loads` that may be far apart, put on in turn; no state is kept.
+///
+/// # Errors
+/// Those of [`WheelOnRail::press`] and of [`load_points`], and an interruption.
+pub(crate) fn points_apart(
+    wheel_on_rail: &WheelOnRail,
+    loads: &[f64],
+    stage: &str,
+    monitor: &dyn Monitor,
+) -> Result<Vec<LoadPoint>> {
+    let mut points = Vec::new();
+    let mut before: Option<Pressed> = None;
+    for (i, &load) in loads.iter().enumerate() {
+        monitor.progress(stage, i, loads.len())?;
+        let state = wheel_on_rail.press_from_afar(load, before.as_ref());
+        let state = before.insert(state.map_err(|error| error.at_step(i + 1))?);
+        points.push(load_point(wheel_on_rail, state)?);
+    }
+    Ok(points)
+}
+
 /// The same up to the first load whose contact reaches the end of the contact zone, and that error, if there is such a load.
 ///
 /// # Errors

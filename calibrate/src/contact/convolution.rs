@@ -147,6 +147,20 @@ impl Convolution {
         }
     }
 
+    /// Divides the `spectrum` of displacements in a direction (as in [`Self::add`]) by the kernel of that direction: what is left is that of the forces.
+    pub fn divide(&self, factors: &Factors, direction: usize, spectrum: &mut [Complex<f64>]) {
+        /// Part of the largest value of a kernel that its smallest has at least; rounding may leave less.
+        const LEAST: f64 = 1e-8;
+        let mut kernel = self.zero();
+        let ones = vec![Complex::new(1.0, 0.0); kernel.len()];
+        self.add(factors, (direction, direction), &ones, &mut kernel);
+        let least = LEAST * kernel.iter().fold(0.0_f64, |largest, value| largest.max(value.re));
+        // the kernel has the factor of both ways already, which stands below here
+        let values = (self.padded.0 * self.padded.1) as f64;
+        let both_ways = 1.0 / (values * values);
+        spectrum.iter_mut().zip(kernel).for_each(|(s, value)| *s *= both_ways / value.re.max(least));
+    }
+
     /// The values whose `spectrum` it is at `places`, in their order, within the first `lines` along the profile.
     pub fn back(
         &self,

@@ -7,6 +7,14 @@ use faer::linalg::lu::partial_pivoting::solve::{solve_in_place, solve_in_place_s
 use faer::perm::Perm;
 use faer::{Mat, MatMut, Par};
 
+/// Rows of a factor at most where there is another way: twice its square are 1.6 GB.
+const ROWS: usize = 10_000;
+
+/// Whether a dense factor of so many rows is worth its memory and its time, where products with the matrix are another way.
+pub(super) fn is_worth_it(rows: usize, by_products: bool) -> bool {
+    rows <= ROWS || !by_products
+}
+
 /// LU factor of a square matrix, on one thread, so that the number of threads changes nothing. That of a singular matrix gives
 /// solutions that are not finite.
 pub(super) struct DenseFactor {
@@ -38,17 +46,21 @@ impl DenseFactor {
     }
 }
 
-/// Factor of a symmetric matrix that is positive but for what an interpolation may do to it: that of Cholesky, or LU.
+/// Factor of a symmetric matrix that is positive but for what an interpolation may do to it, for solutions that are nearly right: that of
+/// Cholesky with single precision, which takes half of the memory and of the time, or LU.
 pub(super) enum SymmetricFactor {
-    Cholesky(Mat<f64>),
+    Cholesky(Mat<f32>),
     General(DenseFactor),
 }
 
 impl SymmetricFactor {
-    pub fn new(matrix: Mat<f64>) -> Self {
-        let n = matrix.nrows();
-        let mut lower = matrix.clone();
-        let request = llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default());
+    /// That of the `matrix`, which is made again where it is not positive.
+    pub fn new(matrix: impl Fn() -> Mat<f64>) -> Self {
+        let single =
+            |matrix: Mat<f64>| Mat::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)] as f32);
+        let mut lower = single(matrix());
+        let n = lower.nrows();
+        let request = llt::factor::cholesky_in_place_scratch::<f32>(n, Par::Seq, Default::default());
         let mut memory = MemBuffer::new(request);
         let stack = MemStack::new(&mut memory);
         let done = llt::factor::cholesky_in_place(
@@ -58,7 +70,11 @@ impl SymmetricFactor {
             stack,
             Default::default(),
         );
-        if done.is_ok() { Self::Cholesky(lower) } else { Self::General(DenseFactor::new(matrix)) }
+        if done.is_ok() {
+            return Self::Cholesky(lower);
+        }
+        drop(lower);
+        Self::General(DenseFactor::new(matrix()))
     }
 
     /// Replaces a right-hand side by its solution.
@@ -66,9 +82,16 @@ impl SymmetricFactor {
         match self {
             Self::Cholesky(lower) => {
                 let n = side.len();
-                let mut memory = MemBuffer::new(llt::solve::solve_in_place_scratch::<f64>(n, 1, Par::Seq));
-                let right = MatMut::from_column_major_slice_mut(side, n, 1);
+                // numbers of one size, whatever their unit
+                let largest = side.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+                if !(largest > 0.0) {
+                    return;
+                }
+                let mut single: Vec<f32> = side.iter().map(|value| (value / largest) as f32).collect();
+                let mut memory = MemBuffer::new(llt::solve::solve_in_place_scratch::<f32>(n, 1, Par::Seq));
+                let right = MatMut::from_column_major_slice_mut(&mut single, n, 1);
                 llt::solve::solve_in_place(lower.as_ref(), right, Par::Seq, MemStack::new(&mut memory));
+                side.iter_mut().zip(single).for_each(|(value, found)| *value = largest * f64::from(found));
             }
             Self::General(factor) => factor.solve(side),
         }

@@ -288,6 +288,10 @@ impl ComplianceOperator for Hybrid {
         }))
     }
 
+    fn nearly_inverse(&self, direction: usize, motion: &[f64]) -> Option<Vec<f64>> {
+        self.near.nearly_inverse(direction, motion)
+    }
+
     fn diagonal(&self, row: usize) -> f64 {
         self.diagonal[row]
     }

@@ -1,12 +1,13 @@
 //! Newton steps by products with the compliance, for more rows than are worth a dense factor.
 //!
-//! Y. Saad, M.H. Schultz, "GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems",
-//! SIAM J. Sci. Stat. Comput. 7 (1986), preconditioned from the right. The directions of contact are weakly coupled
-//! (normal and tangential ones not at all on half-spaces of one material), so the preconditioner has a dense factor for
-//! each of them, at a twenty-seventh of the work of one for all. They serve for steps that follow, as long as nearly the same points
-//! carry load.
+//! The directions of contact are weakly coupled (normal and tangential ones not at all on half-spaces of one material), so the approximate
+//! inverse has a dense factor for each of them, at a twenty-seventh of the work of one for all. They serve for steps that follow, as long as
+//! nearly the same points carry load. Many points have no factor, whose memory goes with their square, but the inverse of the half-spaces as on
+//! an endless grid (E.A.H. Vollebregt, "A new solver for the elastic normal contact problem using conjugate gradients, deflation, and an
+//! FFT-based preconditioner", J. Comput. Phys. 257 (2014)), with which it takes more products.
 
 use super::dense::{DenseFactor, SymmetricFactor};
+use super::gmres::{Wanted, gmres};
 use super::operator::ComplianceOperator;
 use super::state::{PointMode, State};
 use faer::Mat;
@@ -16,6 +17,10 @@ use nalgebra::{Vector2, Vector3};
 const ROWS: usize = 100;
 /// Products at most, before a dense factor takes over.
 const LIMIT: usize = 60;
+/// Points that have a dense factor at most: its square has 36 MB for each direction.
+const FACTORED: usize = 3000;
+/// Products at most with more points.
+const LIMIT_WITHOUT: usize = 300;
 /// A factor serves for rows of which at most one in so many is not its own, or is only its own.
 const CHANGED: usize = 12;
 
@@ -96,14 +101,15 @@ impl Linearised<'_> {
             return None;
         }
         let products = Products::new(self)?;
-        let wanted = Wanted { tolerance, enough };
+        let most = if self.active.len() > factors.most { LIMIT_WITHOUT } else { LIMIT };
+        let wanted = Wanted { tolerance, enough, products: most };
         let solutions = |factors: &mut Factors| -> Option<Vec<Vec<f64>>> {
             let inverse = Inverse::new(&products, factors);
             sides.iter().map(|side| gmres(side, wanted, |x| products.of(x), |r| inverse.of(r))).collect()
         };
         solutions(factors).or_else(|| {
             // new factors may do what those of steps before do not
-            *factors = Factors::default();
+            *factors = Factors { most: factors.most, ..Factors::default() };
             solutions(factors)
         })
     }
@@ -173,11 +179,18 @@ impl<'a> Products<'a> {
 
 /// Dense factors by direction, which serve while nearly the same points of a grid carry load: from step to step of an iteration, and from
 /// one problem to the next that is little different.
-#[derive(Default)]
 pub(crate) struct Factors {
     /// Spacings of the grid, m.
     cell: Vector2<f64>,
     by_direction: [Option<Factored>; 3],
+    /// Points at most that have factors.
+    most: usize,
+}
+
+impl Default for Factors {
+    fn default() -> Self {
+        Self { cell: Vector2::zeros(), by_direction: [const { None }; 3], most: FACTORED }
+    }
 }
 
 /// The factor of one direction's compliance between some points.
@@ -206,10 +219,33 @@ struct Inverse<'a> {
     reduced: Option<DenseFactor>,
 }
 
-/// A factor and the rows that its own are among those of the products.
-struct Block<'a> {
-    factor: &'a SymmetricFactor,
-    rows: Vec<Option<usize>>,
+/// One direction of an approximate inverse, with rows of the products.
+enum Block<'a> {
+    /// A factor, and the rows that its own are among those of the products.
+    Factored(&'a SymmetricFactor, Vec<Option<usize>>),
+    /// The half-spaces on the grid in a direction, and the rows that count.
+    OnGrid(&'a dyn ComplianceOperator, usize, Vec<usize>),
+}
+
+impl Block<'_> {
+    /// Enters what it makes of a `residual`, whose rows are divided by `scale`, of so many points in each direction.
+    fn enter(&self, residual: &[f64], scale: &[f64], points: usize, x: &mut [f64]) {
+        match self {
+            Self::Factored(factor, rows) => {
+                let mut values: Vec<f64> =
+                    rows.iter().map(|row| row.map_or(0.0, |row| residual[row] / scale[row])).collect();
+                factor.solve(&mut values);
+                let known = rows.iter().zip(values).filter_map(|(row, value)| Some(((*row)?, value)));
+                known.for_each(|(row, value)| x[row] = value);
+            }
+            Self::OnGrid(compliance, direction, rows) => {
+                let mut values = vec![0.0; points];
+                rows.iter().for_each(|row| values[row - direction * points] = residual[*row] / scale[*row]);
+                let Some(forces) = compliance.nearly_inverse(*direction, &values) else { return };
+                rows.iter().for_each(|row| x[*row] = forces[row - direction * points]);
+            }
+        }
+    }
 }
 
 impl<'a> Inverse<'a> {
@@ -220,11 +256,12 @@ impl<'a> Inverse<'a> {
         let directions = if sticking.is_empty() { 1 } else { state.directions };
         let cell = state.problem.points[active[0]].widths;
         if factors.cell != cell {
-            *factors = Factors { cell, ..Factors::default() };
+            *factors = Factors { cell, most: factors.most, ..Factors::default() };
         }
         let place = |j: &usize| state.problem.points[*j].index;
         let (active, sticking): (Vec<_>, Vec<_>) =
             (active.iter().map(place).collect(), sticking.iter().map(place).collect());
+        let most = factors.most;
         let mut blocks = Vec::new();
         for (direction, known) in factors.by_direction.iter_mut().enumerate().take(directions) {
             let points = if direction == 0 { &active } else { &sticking };
@@ -232,13 +269,18 @@ impl<'a> Inverse<'a> {
                 points.binary_search(point).ok()?;
                 active.binary_search(point).ok().map(|local| direction * a + local)
             };
+            if points.len() > most {
+                let rows = points.iter().filter_map(row).collect();
+                blocks.push(Block::OnGrid(&*products.compliance, direction, rows));
+                continue;
+            }
             if !known.as_ref().is_some_and(|known| known.serves(points)) {
                 let rows: Vec<usize> = points.iter().filter_map(row).collect();
-                let factor = SymmetricFactor::new(products.compliance.block(&rows));
+                let factor = SymmetricFactor::new(|| products.compliance.block(&rows));
                 *known = Some(Factored { points: points.clone(), factor });
             }
             let Some(Factored { points, factor }) = known else { continue };
-            blocks.push(Block { factor, rows: points.iter().map(row).collect() });
+            blocks.push(Block::Factored(factor, points.iter().map(row).collect()));
         }
         let mut inverse = Self { products, blocks, hub: Vec::new(), reduced: None };
         for mut column in products.linearised.motions(along) {
@@ -257,16 +299,7 @@ impl<'a> Inverse<'a> {
         let Products { linearised, scale, sliding, .. } = self.products;
         let (a, m) = (linearised.active.len(), scale.len());
         let mut x = residual.to_vec();
-        for Block { factor, rows } in &self.blocks {
-            let mut values: Vec<f64> =
-                rows.iter().map(|row| row.map_or(0.0, |row| residual[row] / scale[row])).collect();
-            factor.solve(&mut values);
-            rows.iter().zip(&values).for_each(|(row, value)| {
-                if let Some(row) = row {
-                    x[*row] = *value;
-                }
-            });
-        }
+        self.blocks.iter().for_each(|block| block.enter(residual, scale, a, &mut x));
         for (local, cone) in sliding {
             x[a + local] += cone.friction * cone.unit.x * x[*local];
             x[2 * a + local] += cone.friction * cone.unit.y * x[*local];
@@ -282,77 +315,6 @@ impl<'a> Inverse<'a> {
         }
         x
     }
-}
-
-/// Residual of a solution over its right-hand side.
-#[derive(Clone, Copy)]
-struct Wanted {
-    /// At which the iteration ends.
-    tolerance: f64,
-    /// That is accepted after [`LIMIT`] products.
-    enough: f64,
-}
-
-/// Solution of `product(x) = side` to the residual `wanted`, with the approximate `inverse`; `None` where it does not settle.
-fn gmres(
-    side: &[f64],
-    wanted: Wanted,
-    product: impl Fn(&[f64]) -> Vec<f64>,
-    inverse: impl Fn(&[f64]) -> Vec<f64>,
-) -> Option<Vec<f64>> {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let size = dot(side, side).sqrt();
-    if size == 0.0 {
-        return Some(vec![0.0; side.len()]);
-    }
-    let mut basis: Vec<Vec<f64>> = vec![side.iter().map(|v| v / size).collect()];
-    let mut searched: Vec<Vec<f64>> = Vec::new();
-    // columns of the triangle, rotations, and the rotated right-hand side
-    let (mut triangle, mut rotations, mut rotated) =
-        (Vec::<Vec<f64>>::new(), Vec::<(f64, f64)>::new(), vec![size]);
-    for step in 0..LIMIT {
-        let direction = inverse(&basis[step]);
-        let mut next = product(&direction);
-        searched.push(direction);
-        let mut column = Vec::with_capacity(step + 2);
-        for known in &basis {
-            let part = dot(known, &next);
-            next.iter_mut().zip(known).for_each(|(n, k)| *n -= part * k);
-            column.push(part);
-        }
-        let rest = dot(&next, &next).sqrt();
-        for (i, (c, s)) in rotations.iter().enumerate() {
-            (column[i], column[i + 1]) =
-                (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
-        }
-        let length = column[step].hypot(rest);
-        if !(length > 0.0 && length.is_finite()) {
-            return None;
-        }
-        let (c, s) = (column[step] / length, rest / length);
-        rotations.push((c, s));
-        column[step] = length;
-        triangle.push(column);
-        rotated.push(-s * rotated[step]);
-        rotated[step] *= c;
-        let bound = if step + 1 < LIMIT { wanted.tolerance } else { wanted.enough };
-        if rotated[step + 1].abs() <= bound * size {
-            let mut weights = rotated[..=step].to_vec();
-            for i in (0..=step).rev() {
-                weights[i] /= triangle[i][i];
-                for k in 0..i {
-                    weights[k] -= triangle[i][k] * weights[i];
-                }
-            }
-            let mut x = vec![0.0; side.len()];
-            for (direction, weight) in searched.iter().zip(weights) {
-                x.iter_mut().zip(direction).for_each(|(x, d)| *x += weight * d);
-            }
-            return x.iter().all(|v| v.is_finite()).then_some(x);
-        }
-        basis.push(next.iter().map(|v| v / rest).collect());
-    }
-    None
 }
 
 #[cfg(test)]
@@ -426,7 +388,7 @@ mod tests {
         let matrix = Mat::from_fn(first.unwrap(), first.unwrap(), |r, c| {
             if r == c { 1.0 + 1e6 * (r % 9) as f64 } else { 0.0 }
         });
-        wrong.by_direction[0].as_mut().unwrap().factor = SymmetricFactor::new(matrix);
+        wrong.by_direction[0].as_mut().unwrap().factor = SymmetricFactor::new(|| matrix.clone());
         let mut new = Factors::default();
         let (found, exact) = (solve(3.0e-3, &mut wrong), solve(3.0e-3, &mut new));
         let applied = |factors: &Factors| {

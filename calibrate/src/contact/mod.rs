@@ -25,6 +25,7 @@ mod near_field;
 mod hybrid;
 mod state;
 mod dense;
+mod gmres;
 mod iterative;
 mod newton;
 mod conjugate_gradients;

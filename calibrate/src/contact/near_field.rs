@@ -154,6 +154,16 @@ impl ComplianceOperator for NearField {
         Some(Box::new(self.in_normal_direction()))
     }
 
+    fn nearly_inverse(&self, direction: usize, motion: &[f64]) -> Option<Vec<f64>> {
+        // just these if the grid were endless, and the points beyond moved by nothing
+        let moved = self.places.iter().copied().zip(motion.iter().copied());
+        let mut spectrum = self.convolution.transform(moved);
+        self.convolution.divide(&self.factors, direction, &mut spectrum);
+        let mut forces = vec![0.0; motion.len()];
+        self.convolution.back(spectrum, self.extent.0, &self.places, |j, force| forces[j] = force);
+        Some(forces)
+    }
+
     fn diagonal(&self, row: usize) -> f64 {
         self.value(row, row)
     }

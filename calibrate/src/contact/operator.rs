@@ -30,6 +30,12 @@ pub trait ComplianceOperator: Send + Sync {
     fn normal(&self) -> Option<Box<dyn ComplianceOperator + '_>> {
         None
     }
+
+    /// Forces on all points in one direction that lead to nearly the displacements `motion` in that direction; none where that takes as long as a
+    /// factor of the matrix.
+    fn nearly_inverse(&self, _direction: usize, _motion: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
 }
 
 impl ComplianceOperator for Mat<f64> {

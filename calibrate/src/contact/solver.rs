@@ -8,7 +8,7 @@
 //! answer satisfies the conditions of the problem as it is posed, to the same
 //! tolerance.
 
-use super::dense::DenseFactor;
+use super::dense::{DenseFactor, is_worth_it};
 use super::iterative::{Factors, Linearised};
 use super::newton::{newton, slip_rows};
 use super::start::{ALL_THE_WAY, NEAR, approach, suits};
@@ -188,6 +188,9 @@ pub(crate) fn hub_response_with(
         Linearised { state: &state, modes: &modes, active: &active, rows: &rows, along: &[], hub_unit: 0.0 };
     let response = linearised.solve(&linearised.motions(&along), LINEAR, LINEAR, factors);
     let response = response.or_else(|| {
+        if !is_worth_it(m, problem.has_products()) {
+            return None;
+        }
         let mut system = state.linearised(&rows, &[], 0);
         if state.directions == 3 {
             slip_rows(&state, &modes, &active, &mut system);

@@ -28,7 +28,7 @@ pub(super) const ALL_THE_WAY: Effort = Effort { tolerance: 5e-11, rounds: 60, pr
 
 /// Whether these are the problems that products alone solve: the hub is free in one direction or held.
 pub(super) fn suits(problem: &Problem) -> bool {
-    problem.hub.len() <= 1 && problem.compliance.among(&[]).is_some()
+    problem.hub.len() <= 1 && problem.has_products()
 }
 
 /// Gives a `state` the normal forces that its tangential ones ask for, these the friction that goes with them, and so on until it

@@ -30,6 +30,13 @@ pub struct Problem<'a> {
     pub hub: &'a [FreeDirection],
 }
 
+impl Problem<'_> {
+    /// Whether products with the compliance of some points take much less time than its values.
+    pub(super) fn has_products(&self) -> bool {
+        self.compliance.among(&[]).is_some()
+    }
+}
+
 /// A direction in which the wheel's hub is free to move, and what is wanted of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeDirection {

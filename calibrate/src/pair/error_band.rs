@@ -7,11 +7,12 @@
 //! node to node in it as well.
 
 use super::bodies::{CondensedPair, ContactConditions, Laws};
-use super::by_shift::{AngleLaw, AngleSettings, ShiftLaw};
+use super::by_shift::{AngleLaw, AngleSettings, ShiftLaw, loads_in_turn};
 use super::geometry::Pair;
 use super::references::ByReference;
 use crate::calibration::{
-    ContactField, DOWNWARDS, LoadPoint, Pressed, Reference, WheelOnRail, load_points, press_loads_apart,
+    ContactField, DOWNWARDS, LoadPoint, Pressed, Reference, WheelOnRail, load_points, points_apart,
+    press_loads_apart, subtract_bodies,
 };
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
@@ -175,8 +176,9 @@ pub struct Solid<'a> {
     pub along: Unit<Vector2<f64>>,
     /// Displacement and tangent under the loads, which ascend; one load at least.
     pub points: SolidPoints,
-    /// Whether these loads alone were put on in turn, so that friction has no history of others.
-    pub in_turn: bool,
+    /// Loads that were put on in turn up to the last of `coarser`, N, ascending: coarser meshes carry all of them, so that friction has the history that it has
+    /// in the points. Empty where these are many: then both meshes carry those of `coarser` alone.
+    pub in_turn: Vec<f64>,
     /// Numbers of the loads at which the grid is halved, ascending.
     pub halved: Vec<usize>,
     /// Numbers of the loads that coarser meshes carry, ascending.
@@ -202,19 +204,21 @@ impl<'a> Solid<'a> {
     ) -> Self {
         let points = laws.map(|law| law.points.clone());
         let count = points.beam.len();
+        let few = count <= LOADS_COARSER;
+        let in_turn = points.beam.iter().filter(|_| few).map(|point| point.force).collect();
         Self {
             pair,
             bodies,
             contact,
             along: DOWNWARDS,
             points,
-            in_turn: true,
+            in_turn,
             halved: spread(count, LOADS_HALVED),
             coarser: spread(count, LOADS_COARSER),
         }
     }
 
-    /// That of a law by contact angle at its fixed loads, with the touch of `pair`. On the coarser meshes the error of linear bodies goes
+    /// That of a law by contact angle at its fixed loads, with the touch of `pair`; `loads` were put on in turn. On the coarser meshes the error of linear bodies goes
     /// along with the load. Half of the largest load is enough for the grid, whose spacing follows the patch up to a largest one, so
     /// that a larger patch has no fewer cells; a grid of half the spacing under it would take longer than the law.
     fn of_fixed_loads(
@@ -223,6 +227,7 @@ impl<'a> Solid<'a> {
         contact: ContactConditions,
         along: Unit<Vector2<f64>>,
         law: &AngleLaw,
+        mut loads: Vec<f64>,
     ) -> Self {
         let at = |of: fn(&ByReference<LoadPoint>) -> Option<LoadPoint>| -> Vec<LoadPoint> {
             law.fixed.iter().filter_map(|fixed| of(&fixed.points)).collect()
@@ -232,12 +237,12 @@ impl<'a> Solid<'a> {
             beam: at(|points| Some(points.beam)),
             local: at(|points| Some(points.local)),
         };
-        let loads = &points.beam;
-        let half = 0.5 * loads.last().map_or(0.0, |largest: &LoadPoint| largest.force);
-        let smaller = loads.iter().filter(|point| point.force <= half).count().max(1);
-        let coarser = spread(loads.len(), FIXED_LOADS_CHANGED);
+        let largest = points.beam.last().map_or(0.0, |largest: &LoadPoint| largest.force);
+        let smaller = points.beam.iter().filter(|point| point.force <= 0.5 * largest).count().max(1);
+        let coarser = spread(points.beam.len(), FIXED_LOADS_CHANGED);
         let halved = spread(smaller, FIXED_LOADS_CHANGED);
-        Self { pair, bodies, contact, along, points, in_turn: false, halved, coarser }
+        loads.retain(|load| *load <= largest);
+        Self { pair, bodies, contact, along, points, in_turn: loads, halved, coarser }
     }
 
     /// How far it changes with the grid, and with the meshes of the `coarser` bodies.
@@ -294,30 +299,31 @@ impl<'a> Solid<'a> {
     /// # Errors
     /// Those of [`press_loads`](crate::calibration::press_loads) and of the tangents; coarser bodies without the rail on its foot, where there is a law against that.
     pub fn mesh_changes(&self, coarser: &CondensedPair, monitor: &dyn Monitor) -> Result<Changes> {
-        let (among, loads) = (&self.coarser, self.forces(&self.coarser));
-        let on = |bodies: &CondensedPair| -> Result<SolidPoints> {
-            let pressed = |reference| -> Result<(WheelOnRail, Vec<Pressed>)> {
-                let placed = self.placed(bodies, reference, self.contact)?;
-                let states = press_loads_apart(&placed, &loads, "error of the meshes", monitor)?;
-                Ok((placed, states))
-            };
-            let on_foot = || {
-                let (placed, states) = pressed(Reference::Foot)?;
-                load_points(&placed, &states, Reference::Foot)
-            };
-            let (on_section, on_foot) = rayon::join(
-                || {
-                    let (placed, states) = pressed(Reference::Beam)?;
-                    let points = |reference| load_points(&placed, &states, reference);
-                    Ok::<_, Error>((points(Reference::Beam)?, points(Reference::Local)?))
-                },
-                || self.points.foot.as_ref().map(|_| on_foot()).transpose(),
-            );
-            let (beam, local) = on_section?;
-            Ok(SolidPoints { foot: on_foot?, beam, local })
+        let (among, wanted) = (&self.coarser, self.forces(&self.coarser));
+        let loads = if self.in_turn.is_empty() { &wanted } else { &self.in_turn };
+        let of_these = |points: &Vec<LoadPoint>| -> Vec<LoadPoint> {
+            points.iter().filter(|point| wanted.contains(&point.force)).copied().collect()
         };
-        if self.in_turn && among.len() == self.points.beam.len() {
-            return Ok(changes(&self.points, among, &self.points, &on(coarser)?));
+        let on = |bodies: &CondensedPair| -> Result<SolidPoints> {
+            let pressed = |reference| {
+                points_apart(
+                    &self.placed(bodies, reference, self.contact)?,
+                    loads,
+                    "error of the meshes",
+                    monitor,
+                )
+            };
+            let (beam, foot) = rayon::join(
+                || pressed(Reference::Beam),
+                || self.points.foot.as_ref().map(|_| pressed(Reference::Foot)).transpose(),
+            );
+            let (beam, foot) = (beam?, foot?);
+            let mut local = beam.clone();
+            subtract_bodies(&mut local);
+            Ok(SolidPoints { foot, beam, local }.map(of_these))
+        };
+        if !self.in_turn.is_empty() {
+            return Ok(changes(&self.points, among, &self.points.map(of_these), &on(coarser)?));
         }
         let (from, to) = rayon::join(|| on(self.bodies), || on(coarser));
         Ok(changes(&self.points, among, &from?, &to?))
@@ -361,7 +367,9 @@ pub fn changed_by_shift(
             let changed = match (&entry.law, &entry.touch) {
                 (Ok(law), Some(touch)) if !law.fixed.is_empty() => {
                     let pair = pair.with_wheel_at(entry.tape_y)?;
-                    let solid = Solid::of_fixed_loads(&pair, bodies, settings.contact, touch.along, law);
+                    let loads = loads_in_turn(settings.loads, settings.fixed_loads);
+                    let solid =
+                        Solid::of_fixed_loads(&pair, bodies, settings.contact, touch.along, law, loads);
                     let changed = solid.changed(coarser, &going_on)?;
                     Some((solid.points, changed))
                 }
