@@ -301,14 +301,14 @@ fn modelled(python: &Path, costs: &Value) -> Vec<Value> {
 }
 
 /// Goal: the simulated cluster has the limits that follow from its costs: few workers are the limit themselves, and with many the client, the
-/// scheduler or the store is, whichever takes longest for a case. Source: W / (prepare + mesh + places·place) and 1 / (seconds of the
+/// scheduler or the store is, whichever takes longest for a case. Source: W / (prepare + read + places·place) and 1 / (seconds of the
 /// slowest server for a case). Accuracy: the last steps of a table, when workers run out of work: 5 % of 400 cases.
 #[test]
 fn the_model_has_its_limits() {
     const ENDS: f64 = 0.05;
     let Some(python) = python() else { return };
     let costs = |client: f64, scheduler: f64, store: f64, workers: usize| {
-        json!({ "prepare": 1.0, "place": 1.0, "mesh": 1.0, "client": client, "scheduler": scheduler, "store": store, "places": 8,
+        json!({ "prepare": 1.0, "place": 1.0, "read": 1.0, "client": client, "scheduler": scheduler, "store": store, "places": 8,
                 "runs": [[workers, 400]] })
     };
     // a prepare and a press step for a case of eight places
@@ -388,7 +388,7 @@ fn simulated(python: &'static Path, place: &Place) {
     // one place takes 6 kB
     place.write("nothing", &format!(
         "#!/bin/sh\n[ \"$2\" = --check ] && {{ echo '{{\"program\": \"none\", \"version\": \"0\"}}'; exit; }}\n\
-         task=$(cat)\nmkdir -p \"$3\"\ncase \"$task\" in *prepare*) echo '{{\"refused\": null, \"bodies\": [], \"entries\": []}}';;\n\
+         task=$(cat)\nmkdir -p \"$3\"\ncase \"$task\" in *'\"prepare\"'*) echo '{{\"refused\": null, \"bodies\": [], \"prepared\": null, \"entries\": []}}';;\n\
          *) [ -f \"$3/{last}\" ] || for name in {all}; do head -c 6000 /dev/zero > \"$3/$name\"; done\n\
          echo '{{\"refused\": null, \"bodies\": [], \"entries\": [{quoted}]}}';; esac\n",
         last = names[PLACES - 1], all = names.join(" "), quoted = quoted.join(", "),
@@ -436,7 +436,7 @@ fn simulated(python: &'static Path, place: &Place) {
     }
     let entry = begun.elapsed().as_secs_f64() / 2000.0;
     let costs = json!({
-        "prepare": 1.4, "place": 1.0, "mesh": 1.5, "client": client_seconds / steps, "scheduler": scheduler_seconds / steps,
+        "prepare": 1.4, "place": 1.0, "read": 0.4, "client": client_seconds / steps, "scheduler": scheduler_seconds / steps,
         "store": entry, "places": PLACES,
         "runs": [[1, 20], [10, 500], [100, 10_000], [300, 30_000], [1000, 100_000], [1000, 1_000_000], [3000, 100_000], [10_000, 200_000]],
     });

@@ -3,6 +3,7 @@
 use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids, condense_all};
+use railspring_calibrate::solid::Material;
 use railspring_calibrate::superelement::CondensedBody;
 use std::sync::Mutex;
 
@@ -60,9 +61,9 @@ impl<'a> BodySource<'a> {
     }
 }
 
-/// Where a store has a body of `solids` with `modes` modes.
-pub(crate) fn body_address(store: &Store, solids: &PairSolids<'_>, body: PairBody, modes: usize) -> Address {
-    address(store, &solids.key(body), modes_of(body, modes))
+/// Where a store has a body with a key ([`PairSolids::key`]) and no modes.
+pub(crate) fn body_address(store: &Store, key: &str) -> Address {
+    address(store, key, 0)
 }
 
 fn address(store: &Store, key: &str, modes: usize) -> Address {
@@ -71,6 +72,11 @@ fn address(store: &Store, key: &str, modes: usize) -> Address {
 
 fn modes_of(body: PairBody, modes: usize) -> usize {
     if body.is_in_time() { modes } else { 0 }
+}
+
+/// The body of an artefact.
+fn read(artefact: Artefact) -> Result<CondensedBody> {
+    CondensedBody::read(artefact.part(BODY).unwrap_or_default())
 }
 
 impl BodySource<'_> {
@@ -119,6 +125,21 @@ impl BodySource<'_> {
         self.body(solids, body, modes, &|text| self.monitor.notice(&text)).map(drop)
     }
 
+    /// The bodies of a pair with these keys ([`PairSolids::key`]), if the store has all of them.
+    ///
+    /// # Errors
+    /// Bodies that are no pair.
+    pub fn known(&self, material: Material, keys: &[(PairBody, String)]) -> Result<Option<CondensedPair>> {
+        let Some(store) = self.store else { return Ok(None) };
+        let trouble = |text: String| self.trouble.unwrap_or(self.monitor).notice(&text);
+        let of = |(body, key): &(PairBody, String)| {
+            let condensed = store.take_as(&body_address(store, key), read, &trouble)?;
+            Some((*body, condensed))
+        };
+        let bodies: Option<Vec<_>> = keys.iter().map(of).collect();
+        bodies.map(|bodies| CondensedPair::new(material, bodies)).transpose()
+    }
+
     /// What `make` makes; what it says of the bodies is said afterwards, in one order, whichever body is there first.
     fn said<T>(
         &self,
@@ -164,7 +185,6 @@ impl BodySource<'_> {
             return condense(key);
         };
         let address = address(store, &key, modes);
-        let read = |artefact: Artefact| CondensedBody::read(artefact.part(BODY).unwrap_or_default());
         let trouble = |text: String| match self.trouble {
             Some(monitor) => monitor.notice(&format!("{}: {text}", body.name())),
             None => say(text),

@@ -61,6 +61,13 @@ pub struct Coarser {
     bodies: CondensedPair,
 }
 
+impl Coarser {
+    /// Bodies of meshes whose contact elements have a larger edge of so many metres.
+    pub fn new(contact_element: f64, bodies: CondensedPair) -> Self {
+        Self { contact_element, bodies }
+    }
+}
+
 /// The bodies of coarser meshes, which `condense` has, or why there are none.
 pub type CoarserBodies = std::result::Result<Coarser, String>;
 

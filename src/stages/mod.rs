@@ -24,7 +24,7 @@ pub use calibrate::{
 };
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use error_band::{
-    CoarserBodies, FINER, check_target, coarser_bodies, coarser_options, error_band, finer_meshes,
+    Coarser, CoarserBodies, FINER, check_target, coarser_bodies, coarser_options, error_band, finer_meshes,
 };
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use on_standard::{Seams, on_standard};

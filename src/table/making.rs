@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::document::{DirectionKey, TableDocument};
 use crate::estimate::{self, Resources, Room, Work};
 use crate::output::to_json;
-use crate::pipeline::{BodySource, body_address};
+use crate::pipeline::BodySource;
 use crate::records::ShiftRecord;
 use crate::stages::{self, Geometry, Meshes, PlaceSettings};
 use crate::store::{Address, Artefact, Kind, Store};
@@ -136,26 +136,68 @@ impl CaseWork<'_> {
             let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
             Ok((bodies, coarser))
         })
-        .map(|(bodies, coarser)| Ready { meshed, bodies, coarser })
+        .map(|(bodies, coarser)| {
+            let Meshed { geometry, room, .. } = meshed;
+            Ready { geometry, room, bodies, coarser }
+        })
     }
 
-    /// The bodies of the case, and where the store has them. Coarser meshes that cannot be made have none: their place says why.
-    pub fn bodies(&self, meshed: &Meshed) -> Vec<(BodyOfCase, Address)> {
+    /// The case up to its bodies, which the store has, without meshes; none where one is missing.
+    ///
+    /// # Errors
+    /// Those of the geometry, and bodies that are no pair.
+    pub fn ready_from(&self, prepared: &Prepared) -> Result<Option<Ready>> {
+        let Prepared { bodies: [own, coarser], contact_elements: [element, of_coarser] } = prepared;
+        let (study, room) = (self.study, Room::default());
+        let of_pair = self.of_pair();
+        let known = |keys: &[String]| {
+            let bodies: Vec<_> = of_pair.iter().copied().zip(keys.iter().cloned()).collect();
+            if keys.len() != of_pair.len() {
+                Ok(None)
+            } else {
+                self.source(room).known(study.material, &bodies)
+            }
+        };
+        self.with_keys(|| {
+            let Some(bodies) = known(own)? else { return Ok(None) };
+            let coarser = if study.wants_error_band() {
+                let Some(coarser) = known(coarser)? else { return Ok(None) };
+                Some((*element, Ok(stages::Coarser::new(*of_coarser, coarser))))
+            } else {
+                None
+            };
+            Ok(Some(Ready { geometry: stages::geometry(study)?, room, bodies, coarser }))
+        })
+    }
+
+    /// What the case needs to be pressed without its meshes. Coarser meshes that cannot be made have no bodies: their place says why.
+    pub fn prepared(&self, meshed: &Meshed) -> Prepared {
         let Meshed { geometry, meshes, .. } = meshed;
         let own_mesh = self.study.rail.mesh.is_none() && self.study.wheel.mesh.is_none();
         let coarser =
             (self.study.wants_error_band() && own_mesh).then(|| self.coarser(meshed)).and_then(Result::ok);
-        let of = |meshes: &Meshes, coarser: bool| -> Vec<(BodyOfCase, Address)> {
+        let keys = |meshes: &Meshes| -> Vec<String> {
             let solids = stages::solids(self.study, geometry, meshes);
-            let bodies = PairBody::of_pair(self.study.calibration.foot_held).iter();
-            let entry = |body: &PairBody| {
-                let address = body_address(self.store, &solids, *body, 0);
-                (BodyOfCase { coarser, body: *body }, address)
-            };
-            bodies.map(entry).collect()
+            self.of_pair().iter().map(|body| solids.key(*body)).collect()
         };
-        let coarser = coarser.map(|meshes| of(&meshes, true)).unwrap_or_default();
-        of(meshes, false).into_iter().chain(coarser).collect()
+        Prepared {
+            bodies: [keys(meshes), coarser.as_ref().map(keys).unwrap_or_default()],
+            contact_elements: [Some(meshes), coarser.as_ref()]
+                .map(|meshes| meshes.map_or(0.0, Meshes::contact_element)),
+        }
+    }
+
+    /// The bodies of a case that is prepared, with their keys.
+    pub fn bodies(&self, prepared: &Prepared) -> Vec<(BodyOfCase, String)> {
+        let of = |(keys, coarser): (&Vec<String>, bool)| -> Vec<(BodyOfCase, String)> {
+            let bodies = self.of_pair().iter().map(|body| BodyOfCase { coarser, body: *body });
+            bodies.zip(keys.iter().cloned()).collect()
+        };
+        prepared.bodies.iter().zip([false, true]).flat_map(of).collect()
+    }
+
+    fn of_pair(&self) -> &'static [PairBody] {
+        PairBody::of_pair(self.study.calibration.foot_held)
     }
 
     /// Condenses one body of the case, unless the store has it.
@@ -186,7 +228,7 @@ impl CaseWork<'_> {
     /// An interruption.
     pub fn place(&self, ready: &Ready, shift_mm: f64) -> Result<PlaceRecord> {
         let Self { study, settings, store, .. } = self;
-        let Ready { meshed: Meshed { geometry, .. }, bodies, coarser } = ready;
+        let Ready { geometry, bodies, coarser, .. } = ready;
         let fixed_loads: Vec<f64> = settings.stiffness_at_kn.iter().map(|load| load * KILONEWTON).collect();
         let pressed = PlaceSettings { direction: settings.direction.into(), fixed_loads: &fixed_loads };
         let shift = shift_mm * MILLIMETRE;
@@ -236,7 +278,8 @@ pub(super) struct Meshed {
 
 /// A case up to its condensed bodies; those of coarser meshes with the edge of the contact elements of the others, m.
 pub(super) struct Ready {
-    meshed: Meshed,
+    geometry: Geometry,
+    room: Room,
     bodies: CondensedPair,
     coarser: Option<(f64, stages::CoarserBodies)>,
 }
@@ -244,8 +287,18 @@ pub(super) struct Ready {
 impl Ready {
     /// What there is room for at the same time.
     pub fn room(&self) -> Room {
-        self.meshed.room
+        self.room
     }
+}
+
+/// What a meshed case needs to be pressed elsewhere without its meshes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Prepared {
+    /// Keys of the bodies of its meshes, and of those of coarser ones, each in the order of [`PairBody::of_pair`].
+    bodies: [Vec<String>; 2],
+    /// Larger edges of their contact elements, m.
+    contact_elements: [f64; 2],
 }
 
 /// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces

@@ -12,8 +12,9 @@ use serde_json::{Map, Value};
 
 use super::cases::{Case, Table, text_of_keys};
 use super::document::DirectionKey;
-use super::making::{CaseWork, Settings};
+use super::making::{BodyOfCase, CaseWork, Prepared, Settings};
 use crate::estimate::Resources;
+use crate::pipeline::body_address;
 use crate::store::Store;
 use crate::study::Study;
 
@@ -52,8 +53,8 @@ enum Step {
     Prepare,
     /// Condense the body of an entry.
     Condense { entry: String },
-    /// Press the pair at shifts towards the rail, mm.
-    Press { shifts_mm: Vec<f64> },
+    /// Press the pair, which was prepared, at shifts towards the rail, mm.
+    Press { shifts_mm: Vec<f64>, prepared: Prepared },
 }
 
 /// What has come of a step.
@@ -63,6 +64,8 @@ pub struct Answer {
     refused: Option<String>,
     /// The bodies that it needs.
     bodies: Vec<NeededBody>,
+    /// What it is pressed with, for its last step.
+    prepared: Option<Prepared>,
     /// Files of the store that were made, or were there.
     entries: Vec<String>,
 }
@@ -160,7 +163,7 @@ impl Work {
         let answer = match &self.step {
             Step::Prepare => prepared(&case),
             Step::Condense { entry } => condensed(&case, entry),
-            Step::Press { shifts_mm } => self.pressed(&case, shifts_mm),
+            Step::Press { shifts_mm, prepared } => self.pressed(&case, shifts_mm, prepared),
         };
         let answer = match answer {
             Err(Error::Interrupted) => return Err(Error::Interrupted),
@@ -183,12 +186,15 @@ impl Work {
         Ok(answer)
     }
 
-    fn pressed(&self, case: &CaseWork<'_>, shifts: &[f64]) -> Result<Answer> {
+    fn pressed(&self, case: &CaseWork<'_>, shifts: &[f64], prepared: &Prepared) -> Result<Answer> {
         let address = |shift: &f64| case.settings.address(case.store, case.study, *shift);
         let missing: Vec<f64> =
             shifts.iter().copied().filter(|shift| self.fresh || !case.has_place(*shift)).collect();
         if !missing.is_empty() {
-            let ready = case.ready()?;
+            let ready = match case.ready_from(prepared)? {
+                Some(ready) => ready,
+                None => case.ready()?,
+            };
             missing.par_iter().map(|shift| case.place(&ready, *shift).map(drop)).collect::<Result<()>>()?;
         }
         Ok(Answer {
@@ -199,17 +205,21 @@ impl Work {
 }
 
 fn prepared(case: &CaseWork<'_>) -> Result<Answer> {
-    let needed = case.bodies(&case.meshed()?).into_iter().map(|(body, address)| {
+    let prepared = case.prepared(&case.meshed()?);
+    let needed = case.bodies(&prepared).into_iter().map(|(body, key)| {
         let of_coarser = if body.coarser { " of coarser elements" } else { "" };
-        NeededBody { name: format!("{}{of_coarser}", body.body.name()), entry: address.file() }
+        NeededBody {
+            name: format!("{}{of_coarser}", body.body.name()),
+            entry: body_address(case.store, &key).file(),
+        }
     });
-    Ok(Answer { bodies: needed.collect(), ..Answer::default() })
+    Ok(Answer { bodies: needed.collect(), prepared: Some(prepared), ..Answer::default() })
 }
 
 fn condensed(case: &CaseWork<'_>, entry: &str) -> Result<Answer> {
     let meshed = case.meshed()?;
-    let Some((body, _)) = case.bodies(&meshed).into_iter().find(|(_, address)| address.file() == entry)
-    else {
+    let is_wanted = |(_, key): &(BodyOfCase, String)| body_address(case.store, key).file() == entry;
+    let Some((body, _)) = case.bodies(&case.prepared(&meshed)).into_iter().find(is_wanted) else {
         let expected = "the file of one of the bodies of the case";
         return Err(InputError::new("entry", entry, expected, "run the same program on all machines").into());
     };

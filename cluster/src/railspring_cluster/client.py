@@ -29,7 +29,7 @@ from . import worker
 from .worker import Settings, Suited, lose_silent, perform, put, suitability
 
 PLACES_PER_STEP = 12
-"""Places that are pressed in one step: so many are lost with a worker at most, and a case is meshed once for them."""
+"""Places that are pressed in one step: so many are lost with a worker at most, and the bodies are read once for them."""
 STEPS_PER_THREAD = 8
 """Steps with the scheduler for every thread of the cluster: enough that none waits, few enough that the scheduler has room."""
 LEAST_STEPS = 16
@@ -66,6 +66,7 @@ class Case:
     shifts: list[float]
     study: dict[str, Any]
     bodies: list[str] = field(default_factory=list)
+    prepared: Any = None
     open: bool = True
 
 
@@ -166,7 +167,8 @@ class Table:
         case.open = False
         for first in range(0, len(case.shifts), PLACES_PER_STEP):
             shifts = case.shifts[first : first + PLACES_PER_STEP]
-            self.begin(Step("press", case.name, case, {"do": "press", "shifts_mm": shifts}, len(shifts)))
+            what = {"do": "press", "shifts_mm": shifts, "prepared": case.prepared}
+            self.begin(Step("press", case.name, case, what, len(shifts)))
 
     # what has ended
 
@@ -209,7 +211,7 @@ class Table:
             self.progress()
             return
         if step.kind == "prepare":
-            case.bodies = [body["entry"] for body in answer["bodies"]]
+            case.bodies, case.prepared = [body["entry"] for body in answer["bodies"]], answer["prepared"]
             for body in answer["bodies"]:
                 self.waiting[body["entry"]].append(case)
                 if body["entry"] not in self.condensed:

@@ -26,8 +26,8 @@ class Costs:
     """A prepare step on a worker."""
     place: float
     """A place on a worker."""
-    mesh: float
-    """Meshing and reading bodies in a press step on a worker."""
+    read: float
+    """Reading the bodies in a press step on a worker."""
     client: float
     """A step on the client."""
     scheduler: float
@@ -79,7 +79,7 @@ def simulate(costs: Costs, workers: int, cases: int, seed: int = 1) -> dict[str,
         while ready and idle:
             what, places = ready.popleft()
             idle -= 1
-            seconds = costs.prepare if what == "prepare" else costs.mesh + places * costs.place
+            seconds = costs.prepare if what == "prepare" else costs.read + places * costs.place
             seconds *= numbers.uniform(0.5, 1.5)
             busy += seconds
             at(now + seconds, f"done {what}", places)
