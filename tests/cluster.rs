@@ -436,7 +436,7 @@ fn simulated(python: &'static Path, place: &Place) {
     }
     let entry = begun.elapsed().as_secs_f64() / 2000.0;
     let costs = json!({
-        "prepare": 1.4, "place": 1.0, "read": 0.4, "client": client_seconds / steps, "scheduler": scheduler_seconds / steps,
+        "prepare": 1.4, "place": 1.0, "read": 0.7, "client": client_seconds / steps, "scheduler": scheduler_seconds / steps,
         "store": entry, "places": PLACES,
         "runs": [[1, 20], [10, 500], [100, 10_000], [300, 30_000], [1000, 100_000], [1000, 1_000_000], [3000, 100_000], [10_000, 200_000]],
     });
