@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The kernels of a grid over a rectangle of its lines, in twice the rectangle so that it does not repeat itself.
 pub(super) struct Convolution {
@@ -18,6 +18,9 @@ pub(super) struct Convolution {
     columns: Arc<dyn Fft<f64>>,
     columns_back: Arc<dyn Fft<f64>>,
     spectra: Spectra,
+    /// The inverse and the across kernel as of a grid that repeats itself, made when they are wanted: where the others have no values, halfway round, these go
+    /// on, so that they are positive.
+    repeated: OnceLock<[Vec<f64>; 2]>,
 }
 
 /// A transform, by the frequency along the track and then that along the profile.
@@ -72,6 +75,7 @@ impl Convolution {
             columns: complex.plan_fft_forward(padded.0),
             columns_back: complex.plan_fft_inverse(padded.0),
             spectra: Spectra { inverse: none(), across: none(), shear: none(), gradient: [none(), none()] },
+            repeated: OnceLock::new(),
         };
         made.spectra = Spectra {
             inverse: made.kernel(|means| means.inverse).iter().map(|z| z.re).collect(),
@@ -85,13 +89,20 @@ impl Convolution {
 
     /// Transform of a kernel over the signed offsets.
     fn kernel(&self, of: impl Fn(&Kernels) -> f64) -> Spectrum {
+        self.kernel_over(0, of)
+    }
+
+    /// The same with so many lines more, 0 or 1, in either direction, which have the values before them.
+    fn kernel_over(&self, more: isize, of: impl Fn(&Kernels) -> f64) -> Spectrum {
         let (lines, columns) = self.padded;
         let reach = ((lines / 2) as isize, (columns / 2) as isize);
         let scale = 1.0 / (lines * columns) as f64;
         let wrap = |offset: isize, size: usize| offset.rem_euclid(size as isize) as usize;
-        let offsets = (1 - reach.0..reach.0).flat_map(|i| (1 - reach.1..reach.1).map(move |k| (i, k)));
-        self.transform(offsets.map(|offset| {
-            ((wrap(offset.0, lines), wrap(offset.1, columns)), scale * of(&self.table.at(offset)))
+        let offsets =
+            (1 - reach.0..reach.0 + more).flat_map(|i| (1 - reach.1..reach.1 + more).map(move |k| (i, k)));
+        self.transform(offsets.map(|(i, k)| {
+            let known = (i.min(reach.0 - 1), k.min(reach.1 - 1));
+            ((wrap(i, lines), wrap(k, columns)), scale * of(&self.table.at(known)))
         }))
     }
 
@@ -147,18 +158,30 @@ impl Convolution {
         }
     }
 
-    /// Divides the `spectrum` of displacements in a direction (as in [`Self::add`]) by the kernel of that direction: what is left is that of the forces.
+    /// Divides the `spectrum` of displacements in a direction (as in [`Self::add`]) by the kernel of that direction on a grid that repeats itself: what is left is that of
+    /// the forces there.
     pub fn divide(&self, factors: &Factors, direction: usize, spectrum: &mut [Complex<f64>]) {
         /// Part of the largest value of a kernel that its smallest has at least; rounding may leave less.
-        const LEAST: f64 = 1e-8;
-        let mut kernel = self.zero();
-        let ones = vec![Complex::new(1.0, 0.0); kernel.len()];
-        self.add(factors, (direction, direction), &ones, &mut kernel);
-        let least = LEAST * kernel.iter().fold(0.0_f64, |largest, value| largest.max(value.re));
+        const LEAST: f64 = 1e-7;
+        let [kernel, across] = self.repeated.get_or_init(|| {
+            let real = |kernel: Spectrum| kernel.iter().map(|z| z.re).collect();
+            [
+                real(self.kernel_over(1, |means| means.inverse)),
+                real(self.kernel_over(1, |means| means.across)),
+            ]
+        });
+        let Factors { inverse, tangential, .. } = *factors;
+        let value = |(k, a): (&f64, &f64)| match direction {
+            0 => inverse * k,
+            1 => inverse * k + tangential * a,
+            _ => inverse * k + tangential * (k - a),
+        };
+        let values = || kernel.iter().zip(across).map(value);
+        let least = LEAST * values().fold(0.0, f64::max);
         // the kernel has the factor of both ways already, which stands below here
-        let values = (self.padded.0 * self.padded.1) as f64;
-        let both_ways = 1.0 / (values * values);
-        spectrum.iter_mut().zip(kernel).for_each(|(s, value)| *s *= both_ways / value.re.max(least));
+        let count = (self.padded.0 * self.padded.1) as f64;
+        let both_ways = 1.0 / (count * count);
+        spectrum.iter_mut().zip(values()).for_each(|(s, value)| *s *= both_ways / value.max(least));
     }
 
     /// The values whose `spectrum` it is at `places`, in their order, within the first `lines` along the profile.

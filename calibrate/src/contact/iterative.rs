@@ -325,7 +325,7 @@ mod tests {
     use crate::solid::Material;
 
     /// Goal: factors of other points than those that carry load now lead to the solution of new ones, N; they are kept where one row
-    /// in twelve differs, made anew where more do, and where they lead nowhere. Some points slide, and the materials couple the directions.
+    /// in twelve differs, made anew where more do, and where they lead nowhere; without factors the solution is the same. Some points slide, and the materials couple the directions.
     /// Accuracy over the largest: SOLVER.
     #[test]
     fn factors_of_other_points_lead_to_the_same_solution() {
@@ -368,6 +368,12 @@ mod tests {
             linearised.solve(&[side], SOLVER, SOLVER, factors).unwrap().remove(0)
         };
         let size = |factors: &Factors| factors.by_direction[0].as_ref().map(|known| known.points.len());
+        // without factors, by the inverse on an endless grid
+        let mut without = Factors { most: 0, ..Factors::default() };
+        let (found, exact) = (solve(3.0e-3, &mut without), solve(3.0e-3, &mut Factors::default()));
+        let largest = exact.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        assert!(size(&without).is_none());
+        assert!(found.iter().zip(&exact).all(|(a, b)| (a - b).abs() < SOLUTION * largest));
         let mut factors = Factors::default();
         solve(3.0e-3, &mut factors);
         let first = size(&factors);
