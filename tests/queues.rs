@@ -55,7 +55,9 @@ print(f"tcp://{name}-scheduler:{service['ports'][0]['port']}")
 const JOB_SCRIPTS: &str = r#"
 import sys, dask_jobqueue
 for name in sys.argv[1:]:
-    with getattr(dask_jobqueue, name)(cores=16, processes=1, memory="60GB", walltime="04:00:00") as cluster:
+    # LSF counts minutes
+    walltime = "04:00" if name == "LSFCluster" else "04:00:00"
+    with getattr(dask_jobqueue, name)(cores=16, processes=1, memory="60GB", walltime=walltime) as cluster:
         print(name, cluster.scheduler_address)
         print(cluster.job_script())
 "#;
