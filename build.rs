@@ -5,12 +5,14 @@ use std::path::Path;
 use std::process::Command;
 
 /// What the program is made of; a change of one of these may make the files other than those of the commit.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 12] = [
     "src",
-    "calibrate",
-    "simulate",
-    "data",
-    "docs",
+    "calibrate/src",
+    "simulate/src",
+    "calibrate/Cargo.toml",
+    "simulate/Cargo.toml",
+    "data/templates",
+    "docs/verdict.md",
     "reference",
     "cluster",
     "build.rs",

@@ -97,7 +97,7 @@ impl Printer {
     }
 }
 
-/// Chromium does not run as root inside of its own sandbox; the page is of this program.
+/// Chromium refuses to run as root with its sandbox; the page is that of this program.
 fn sandbox() -> &'static [&'static str] {
     #[cfg(unix)]
     {

@@ -10,6 +10,8 @@ pub mod crosscheck;
 pub mod history_csv;
 mod law;
 mod inputs;
+mod touch;
+mod measured;
 mod run;
 mod verdict;
 mod element;
@@ -29,12 +31,14 @@ pub use error_band::{
 };
 pub use inputs::{INPUTS, InputsRecord};
 pub use law::LawConstants;
+pub use measured::{MachineRecord, Measured, StageMeasure};
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use scaling::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
 };
 pub use step_times::{PeerTime, StepTime, StepTimesRecord};
+pub use touch::{HertzRecord, TouchRecord};
 pub use verdict::{ElementDifferences, ElementVerdict, ScenarioVerdict, VerificationRecord, with_unit};
 
 /// One key of a resolved study.
@@ -447,63 +451,6 @@ pub struct FindingRecord {
     pub text: String,
 }
 
-/// Where wheel and rail first touch.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct TouchRecord {
-    /// Touching point on the rail, rail profile frame, mm.
-    pub rail_y_mm: f64,
-    /// See `rail_y_mm`.
-    pub rail_z_mm: f64,
-    /// Touching point on the wheel, wheel profile frame, mm.
-    pub wheel_y_mm: f64,
-    /// See `wheel_y_mm`.
-    pub wheel_z_mm: f64,
-    /// Contact angle, degrees.
-    pub angle_deg: f64,
-    /// Hertz tangent stiffness at 1 kN for the curvatures there, kN/m; it grows with the cube root of the load.
-    #[serde(deserialize_with = "null_as_infinite")]
-    pub hertz_kn_per_m: f64,
-    /// Hertz's patch at 1 kN for the same curvatures; none where they have none, as in a hollow that is as round as what lies in it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hertz: Option<HertzRecord>,
-    /// Radius of the rail across, mm (negative: hollow; `null`: straight).
-    #[serde(deserialize_with = "null_as_infinite")]
-    pub rail_radius_mm: f64,
-    /// Radius of the wheel profile across, mm (negative: hollow; `null`: straight).
-    #[serde(deserialize_with = "null_as_infinite")]
-    pub wheel_radius_mm: f64,
-    /// Rolling radius of the wheel, mm.
-    pub rolling_radius_mm: f64,
-}
-
-/// Hertz's patch at 1 kN; all of it grows with the cube root of the load.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct HertzRecord {
-    /// Semi-axis along the track, mm.
-    pub semi_axis_along_mm: f64,
-    /// Semi-axis across, mm.
-    pub semi_axis_across_mm: f64,
-    /// Largest pressure, MPa.
-    pub max_pressure_mpa: f64,
-}
-
-impl HertzRecord {
-    /// The patch under another load, kN.
-    pub fn at(self, force_kn: f64) -> Self {
-        let grown = force_kn.cbrt();
-        Self {
-            semi_axis_along_mm: self.semi_axis_along_mm * grown,
-            semi_axis_across_mm: self.semi_axis_across_mm * grown,
-            max_pressure_mpa: self.max_pressure_mpa * grown,
-        }
-    }
-}
-
-/// JSON has no infinity and writes `null` in its place.
-fn null_as_infinite<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
-    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
-}
-
 /// One row of `load_curve.csv`: one load, with the reference in use.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LoadCurveRow {
@@ -535,62 +482,6 @@ pub struct LoadCurveRow {
     pub max_shear_mpa: Option<f64>,
     /// Its depth, mm.
     pub shear_depth_mm: Option<f64>,
-}
-
-/// What differs from run to run: time, memory, host. Nothing else in the results does.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-pub struct Measured {
-    /// When the run began, UTC.
-    pub begun_utc: String,
-    /// Name of the machine.
-    pub host: String,
-    /// What it has.
-    #[serde(default)]
-    pub machine: MachineRecord,
-    /// Number of threads.
-    pub threads: usize,
-    /// The stages, in the order in which they ended.
-    pub stages: Vec<StageMeasure>,
-}
-
-/// The machine that something was measured on.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-pub struct MachineRecord {
-    /// Model of its processor; none where the system does not say.
-    pub processor: Option<String>,
-    /// Cores that the program may use.
-    pub cores: usize,
-    /// Its memory, GiB; none where the system does not say.
-    pub memory_gib: Option<f64>,
-}
-
-impl Measured {
-    /// The measure of a stage.
-    pub fn stage(&self, name: &str) -> Option<&StageMeasure> {
-        self.stages.iter().find(|stage| stage.stage == name)
-    }
-
-    /// Adds a stage, or replaces its earlier measure.
-    pub fn note(&mut self, measure: StageMeasure) {
-        self.stages.retain(|stage| stage.stage != measure.stage);
-        self.stages.push(measure);
-    }
-}
-
-/// Seconds and memory of one stage.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct StageMeasure {
-    /// Name of the stage, for instance `solid model, sine`.
-    pub stage: String,
-    /// Hash of what the result of the stage was made from.
-    pub key: String,
-    /// Wall clock, s.
-    pub seconds: f64,
-    /// Largest resident memory of the process during the stage, MiB; `None` where the system does not say.
-    pub peak_memory_mib: Option<f64>,
-    /// Whether the result was taken from the store and not made.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub taken: bool,
 }
 
 /// Writes rows as CSV with a heading.

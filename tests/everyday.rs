@@ -226,6 +226,14 @@ fn help_is_in_the_terminal() {
         let text = said(&place.run(&["completions", shell]));
         assert!(text.contains("calibrate") && text.contains("dry-run"), "{shell}");
     }
+    let version = said(&place.run(&["--version"]));
+    let begin = concat!("railspring ", env!("CARGO_PKG_VERSION"), " (");
+    let origin = version.trim_end().strip_prefix(begin).and_then(|rest| rest.strip_suffix(')'));
+    let origin = origin.unwrap_or_else(|| panic!("{version}"));
+    let commit = origin.strip_prefix("commit ").map(|commit| commit.trim_end_matches(" and changes"));
+    let is_commit =
+        commit.is_some_and(|commit| commit.len() == 12 && commit.chars().all(|c| c.is_ascii_hexdigit()));
+    assert!(is_commit || origin == "built outside of its repository, commit not known", "{version}");
     assert!(said(&place.run(&["man"])).contains(".TH railspring 1"));
     assert_eq!(place.run(&["man", "-o", "man"]).status.code(), Some(0));
     for command in ["railspring", "railspring-fit", "railspring-run", "railspring-profile-place"] {

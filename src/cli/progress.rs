@@ -112,7 +112,7 @@ impl Monitor for Progress {
         let under_way = &mut stages[place];
         match self.style {
             Style::Bar => {
-                let bar = under_way.bar.get_or_insert_with(|| bars.add(bar(stage)));
+                let bar = under_way.bar.get_or_insert_with(|| bars.add(bar(stage, total)));
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             }
@@ -141,7 +141,7 @@ impl Monitor for Progress {
 }
 
 /// A bar whose time goes on while a single step takes long, as a factorisation does.
-fn bar(stage: &str) -> ProgressBar {
+fn bar(stage: &str, total: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{msg:40} {wide_bar} {pos}/{len} {elapsed}{left}")
         .unwrap_or_else(|_| ProgressStyle::default_bar())
         .with_key("left", |state: &ProgressState, text: &mut dyn Write| {
@@ -152,7 +152,7 @@ fn bar(stage: &str) -> ProgressBar {
                 let _ = write!(text, ", about {seconds:.0} s left");
             }
         });
-    let bar = ProgressBar::new(0).with_style(style).with_message(printable(stage.into(), LONGEST));
+    let bar = ProgressBar::new(total as u64).with_style(style).with_message(printable(stage.into(), LONGEST));
     bar.enable_steady_tick(TICK);
     bar
 }

@@ -22,7 +22,7 @@ const PANELS: usize = 3;
 /// Distance of the points of A and B at one shift, over that of two shifts.
 const BESIDE: f64 = 0.1;
 
-/// How A and B are drawn: colour, line and marker differ, so that they are told apart in grey.
+/// How A and B are drawn: colour, line and marker differ, so that they differ in grey, too.
 const LOOKS: [(&str, RGBColor, Dash, Marker); 2] =
     [("A", DARK, Dash::Solid, Marker::Disc), ("B", RED, Dash::Dashed, Marker::Square)];
 

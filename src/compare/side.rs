@@ -107,7 +107,7 @@ impl Side {
 
     fn scenarios(&self) -> impl Iterator<Item = String> {
         let scenarios = self.verdict.iter().flat_map(|verdict| &verdict.scenarios);
-        scenarios.map(|judged| judged.scenario.clone()).collect::<Vec<_>>().into_iter()
+        scenarios.map(|of| of.scenario.clone()).collect::<Vec<_>>().into_iter()
     }
 }
 

@@ -175,7 +175,7 @@ fn inputs_that_differ_are_named() {
     assert_eq!(found.inputs.iter().find(|input| input.key == "wheel.new_key").unwrap().a, "\u{2013}");
 }
 
-/// Goal: a limit that fails in B alone, one that holds in B alone, and lines of one verdict only are told apart.
+/// Goal: a limit that fails in B alone, one that holds in B alone, and lines of one verdict only are distinguished.
 #[test]
 fn verdicts_are_matched_line_by_line() {
     let [mut a, mut b] = [side("a"), side("b")];

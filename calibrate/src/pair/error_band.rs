@@ -285,6 +285,7 @@ impl<'a> Solid<'a> {
             // without friction there is no history: the same load on the wider grid is the nearest start
             halved.push(on_halved.press(state.load, Some(state)).map_err(|error| error.at_step(i + 1))?);
         }
+        monitor.progress(stage, loads.len(), loads.len())?;
         let points = |placed: &WheelOnRail, states: &[Pressed]| -> Result<SolidPoints> {
             let beam = load_points(placed, states, Reference::Beam)?;
             let local = load_points(placed, states, Reference::Local)?;
