@@ -93,8 +93,6 @@ fn a_table_of_lines_and_arcs_is_a_profile() {
     assert!(error.contains("mine.csv:10") && error.contains("a gap of 1.0000 mm"), "{error}");
 }
 
-/// Source: EN 13674-1, area and second moments as published (`data/profiles/README.md`). Goal: what is printed.
-/// Accuracy: 0.1 %.
 /// Goal: the section of a file that crosses itself, turns back or is open is refused with the place, mm, and drawn with a mark there; a sound one is
 /// drawn without. Source: a rail of straight lines, 100 by 120 mm, with a point of the web beyond its other side, one that turns back, or the last side left out.
 #[test]
@@ -139,7 +137,10 @@ fn faults_of_a_section_are_drawn() {
             railspring(place.path(), &["check", &file, "--kind", "rail", "--section", "--figure", &figure]);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         let drawn = std::fs::read_to_string(place.path().join(&figure)).unwrap();
-        assert!(drawn.starts_with("<svg") && drawn.contains("first coordinate of the file (mm)"), "{name}");
+        assert!(
+            drawn.starts_with("<svg") && drawn.contains("first coordinate (mm), in the axes of the file"),
+            "{name}"
+        );
         assert_eq!(drawn.contains("[1] "), fault.is_some(), "{name}");
         match fault {
             None => assert!(output.status.success(), "{said}"),
@@ -152,6 +153,107 @@ fn faults_of_a_section_are_drawn() {
     refused(&["check", "sound.csv", "--section"], &["--kind", "rail or wheel"]);
 }
 
+/// Source: a rail of straight lines, 60 by 40 mm head, as a table of its half with the web moved by 1 mm, as its head alone with the same step, and as a DXF
+/// with a gap of 2 mm. Goal: each is refused with the place, and drawn with the parts that do not meet and a mark where they step.
+#[test]
+fn steps_are_drawn_where_they_are() {
+    let place = tempfile::tempdir().unwrap();
+    let heading = "# profile: rail\n# y: field\n# z: down\n# symmetric: yes\nkind,y0_mm,z0_mm,y1_mm,z1_mm,yc_mm,zc_mm\n";
+    let head = "line,0,0,20,0,,\narc,20,0,30,10,20,10\nline,30,10,30,40,,\nline,31,40,8,40,,\n";
+    let body = "line,8,40,8,130,,\nline,8,130,60,130,,\nline,60,130,60,150,,\nline,60,150,0,150,,\n";
+    let line = |[a, b, c, d]: [i32; 4]| format!("0\nLINE\n8\n0\n10\n{a}\n20\n{b}\n11\n{c}\n21\n{d}\n");
+    let half = [
+        [0, 150, 30, 150],
+        [30, 150, 30, 110],
+        [30, 110, 8, 110],
+        [8, 110, 8, 20],
+        [8, 20, 60, 20],
+        [60, 20, 60, 0],
+    ];
+    let other = half.map(|[a, b, c, d]| line([-a, b, -c, d]));
+    let mut drawing = half.map(line).concat() + &other.concat() + &line([60, 0, -58, 0]);
+    drawing = format!("0\nSECTION\n2\nENTITIES\n{drawing}0\nENDSEC\n0\nEOF\n");
+    let files = [
+        (
+            "whole.csv",
+            format!("{heading}{head}{body}"),
+            true,
+            "a gap of 1.0000 mm",
+            "a step of 1.000 mm from line 8 to line 9, at (30.500, 40.000) mm y to the field side, z down",
+        ),
+        (
+            "head.csv",
+            format!("{heading}{head}"),
+            false,
+            "a gap of 1.0000 mm",
+            "a step of 1.000 mm from line 8 to line 9, at (30.500, 40.000)",
+        ),
+        (
+            "whole.dxf",
+            drawing.clone(),
+            true,
+            "a gap of 2.0000",
+            "here, open, at (-58.000, 0.000) mm in the axes of the file",
+        ),
+        (
+            "head.dxf",
+            drawing.replace(&line([30, 150, 30, 110]), &line([32, 150, 30, 110])),
+            false,
+            "2 lines that do not meet",
+            "nearest ends of lines",
+        ),
+    ];
+    for (file, text, section, fault, mark) in files {
+        std::fs::write(place.path().join(file), text).unwrap();
+        let figure = format!("{file}.svg");
+        let mut arguments = vec!["check", file, "--kind", "rail", "--figure", &figure];
+        arguments.extend(section.then_some("--section"));
+        let output = railspring(place.path(), &arguments);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{file}: {said}");
+        assert!(said.contains(fault), "{file}: {said}");
+        let drawn = std::fs::read_to_string(place.path().join(&figure)).unwrap();
+        assert!(drawn.contains(mark), "{file}: {mark}: {drawn}");
+    }
+}
+
+/// Source: the numbers of 54E1 as a table, whole and its head alone, and a rail of straight lines. Goal: the nearest standards are said with their misfit,
+/// mm: 54E1 itself for its section, and for its head alone in the message that refuses it; for the plain rail that no standard has its shape.
+#[test]
+fn the_nearest_standards_of_a_section_are_said() {
+    use railspring_calibrate::profile::{ProfileKind, lines_and_arcs, rails::rail_outline};
+    let place = tempfile::tempdir().unwrap();
+    let outline = rail_outline("54E1").unwrap();
+    let whole: Vec<_> = outline.running.iter().chain(&outline.rest).copied().collect();
+    let write = |name: &str, text: &str| std::fs::write(place.path().join(name), text).unwrap();
+    write("whole.csv", &lines_and_arcs::write(ProfileKind::Rail, &whole));
+    write("head.csv", &lines_and_arcs::write(ProfileKind::Rail, &outline.running));
+    write(
+        "plain.csv",
+        "y_mm,z_mm\n-30,0\n-10,0\n10,0\n30,0\n30,30\n8,40\n8,100\n50,110\n50,120\n-50,120\n-50,110\n-8,100\n-8,40\n-30,30\n-30,0\n",
+    );
+    let check = |name: &str| railspring(place.path(), &["check", name, "--section", "--kind", "rail"]);
+    let said = output_of(place.path(), &["check", "whole.csv", "--section", "--kind", "rail"]);
+    assert!(
+        said.contains("the nearest standards are 54E1 (0.000 mm off what wear leaves alone), "),
+        "{said}"
+    );
+    let refused = check("head.csv");
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("open outline") && said.contains("nearest to what is drawn are 54E1 (0.00"),
+        "{said}"
+    );
+    let said = String::from_utf8(check("plain.csv").stdout).unwrap();
+    assert!(
+        said.contains("no standard has this shape; the nearest are ") && said.contains("% unlike"),
+        "{said}"
+    );
+}
+
+/// Source: EN 13674-1, area and second moments as published (`data/profiles/README.md`). Goal: what is printed.
+/// Accuracy: 0.1 %.
 #[test]
 fn show_prints_the_published_properties() {
     let place = tempfile::tempdir().unwrap();

@@ -7,7 +7,7 @@ use std::process::Output;
 use assert_cmd::Command;
 use railspring_calibrate::profile::lines_and_arcs;
 use railspring_calibrate::profile::rails::{RailOutline, rail_outline};
-use railspring_calibrate::profile::{Segment, polyline};
+use railspring_calibrate::profile::{ProfileKind, Segment, polyline};
 use railspring_calibrate::profile_file::parse_rail_section;
 use railspring_calibrate::section::{rail_section, rail_section_on, wheel_section};
 use serde_json::Value;
@@ -104,26 +104,8 @@ fn around(outline: &RailOutline) -> impl Iterator<Item = &Segment> {
     outline.running.iter().chain(&outline.rest)
 }
 
-fn table<'a>(kind: &str, outline: impl Iterator<Item = &'a Segment>) -> String {
-    let heading =
-        format!("# profile: {kind}\n# y: field\n# z: down\nkind,y0_mm,z0_mm,y1_mm,z1_mm,yc_mm,zc_mm\n");
-    outline.fold(heading, |mut text, segment| {
-        let (a, b) = (segment.start() * 1e3, segment.end() * 1e3);
-        let _ = match *segment {
-            Segment::Line { .. } => writeln!(text, "line,{:.6},{:.6},{:.6},{:.6},,", a.x, a.y, b.x, b.y),
-            Segment::Arc { centre, .. } => writeln!(
-                text,
-                "arc,{:.6},{:.6},{:.6},{:.6},{:.6},{:.6}",
-                a.x,
-                a.y,
-                b.x,
-                b.y,
-                1e3 * centre.x,
-                1e3 * centre.y
-            ),
-        };
-        text
-    })
+fn table<'a>(kind: ProfileKind, outline: impl Iterator<Item = &'a Segment>) -> String {
+    lines_and_arcs::write(kind, &outline.copied().collect::<Vec<_>>())
 }
 
 /// Source: the built-in 60E1. Goal: the same rail as a DXF of lines and arcs and as columns of points has its load curves and laws (mm,
@@ -159,6 +141,8 @@ fn the_standard_from_a_file_has_its_law() {
         let profile = &record["profiles"][0];
         assert_eq!((&profile["body"], &profile["file"]), (&"rail section".into(), &name.into()));
         assert_eq!(profile["format"], format);
+        let findings = profile["findings"].to_string();
+        assert!(findings.contains("the nearest standards are 60E1 (0.000 mm off"), "{findings}");
         assert!(!hashes.contains(&record["input_hash"]), "the content of the file does not count");
         hashes.push(record["input_hash"].clone());
     }
@@ -171,7 +155,7 @@ fn a_users_rail_runs_to_a_report() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     let outline = rail_outline("49E1").unwrap();
-    std::fs::write(root.join("mine.csv"), table("rail", around(&outline))).unwrap();
+    std::fs::write(root.join("mine.csv"), table(ProfileKind::Rail, around(&outline))).unwrap();
     let record = done(root, "run", "section_file = \"mine.csv\"");
     assert_eq!(record["profiles"][0]["format"], "lines and arcs");
     let report = std::fs::read_to_string(root.join("out/report.html")).unwrap();
@@ -230,8 +214,8 @@ fn a_users_rail_and_wheel_run_to_a_report() {
     for (name, text) in [
         ("rail.dxf", drawing(around(&rail))),
         ("wheel.dxf", drawing(wheel())),
-        ("rail.csv", table("rail", around(&rail))),
-        ("wheel.csv", table("wheel", wheel())),
+        ("rail.csv", table(ProfileKind::Rail, around(&rail))),
+        ("wheel.csv", table(ProfileKind::Wheel, wheel())),
     ] {
         std::fs::write(root.join(name), text).unwrap();
     }
@@ -294,7 +278,7 @@ fn a_wheel_from_a_file_has_the_law_of_its_standard() {
     let body = wheel_section("LMA", 0.858).unwrap().body_outline;
     let outline = || lines.running.iter().chain(&body);
     std::fs::write(root.join("wheel.dxf"), drawing(outline())).unwrap();
-    std::fs::write(root.join("wheel.csv"), table("wheel", outline())).unwrap();
+    std::fs::write(root.join("wheel.csv"), table(ProfileKind::Wheel, outline())).unwrap();
     let s1002 = wheel_section("S1002", 0.858).unwrap();
     let count = (s1002.running.length() / 0.2e-3).ceil() as usize;
     let mut points: Vec<_> =

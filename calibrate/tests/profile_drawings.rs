@@ -253,6 +253,19 @@ fn several_lines_are_listed_and_one_is_chosen_by_layer_or_number() {
     );
 }
 
+/// Goal: a drawing that ends among its entities is read with a finding that is left to be looked at; a whole one has none.
+#[test]
+fn a_drawing_that_is_cut_off_is_said() {
+    let segments = segments(&head());
+    let whole = drawing("", &lightweight(&segments, ""));
+    let cut = whole.strip_suffix("  0\nENDSEC\n  0\nEOF\n").unwrap();
+    let left = |text: &str| {
+        let findings = read(text, None).unwrap().findings;
+        findings.iter().filter(|f| f.action == Action::Left && f.text.contains("cut off")).count()
+    };
+    assert_eq!((left(&whole), left(cut)), (0, 1));
+}
+
 #[test]
 fn drawings_that_are_not_certain_are_refused() {
     let segments = segments(&head());

@@ -6,8 +6,10 @@ use clap::Subcommand;
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::input;
 use railspring_calibrate::profile_file::{
-    Action, LARGEST_FILE, MeasuredProfile, Prepared, format_of_ending, sketch_section, write,
+    Action, LARGEST_FILE, MeasuredProfile, Prepared, Sketch, format_of_ending, read_sketched, sketch_section,
+    write,
 };
+use railspring_calibrate::profile_placement::{say_nearest, with_nearest_to};
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::contact::{ContactArgs, contact};
@@ -27,7 +29,7 @@ pub(super) enum ProfileCommand {
         /// The file is the closed section of a body, as of `section_file` in a study
         #[arg(long)]
         section: bool,
-        /// Figure to write: the profile with its findings, or the section with the places at which it is at fault
+        /// Figure to write: the profile with its findings, or a section or the line of a table or drawing with the places at which it is at fault
         #[arg(long, value_name = "SVG")]
         figure: Option<PathBuf>,
     },
@@ -98,12 +100,10 @@ fn section(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
         .ok_or_else(|| InputError::new("--kind", "(missing)", "rail or wheel", "say whose section it is"))?;
     let content = input::read(&file.file, LARGEST_FILE)
         .map_err(|cause| InputError::new(&name, cause, "a readable file of a section", "check the path"))?;
-    let (sketch, section) = sketch_section(&name, &content, kind);
-    if let Some(figure) = figure.filter(|_| !sketch.points.is_empty()) {
-        shapes::write(figure, &shapes::sketched(&name, &sketch))?;
-        say(&figure.display().to_string())?;
-    }
-    let section = section?;
+    let (sketch, section) = sketch_section(&name, &content, kind, file.options().tape_circle);
+    draw(&name, &sketch, figure)?;
+    let mut section = section.map_err(|error| with_nearest_to(&sketch, kind, error))?;
+    say_nearest(&mut section);
     let count = section.count;
     say(&format!(
         "{name}: {}, closed section of a {}, {count} points or segments",
@@ -114,8 +114,23 @@ fn section(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
     Ok(section.findings.iter().all(|finding| finding.action != Action::Left))
 }
 
+/// Writes the figure of a line as it is drawn, if it is wanted and there is one.
+fn draw(name: &str, sketch: &Sketch, figure: Option<&Path>) -> Result<(), Error> {
+    match figure.filter(|_| !sketch.strokes.is_empty()) {
+        Some(figure) => {
+            shapes::write(figure, &shapes::sketched(name, sketch))?;
+            say(&figure.display().to_string())
+        }
+        None => Ok(()),
+    }
+}
+
 fn check(file: &FileArgs, figure: Option<&Path>) -> Result<bool, Error> {
-    let profile = file.read()?;
+    let (sketch, profile) = read_sketched(&file.file, &file.options());
+    if profile.is_err() {
+        draw(&file.file.display().to_string(), &sketch, figure)?;
+    }
+    let profile = profile?;
     let prepared = file.prepare(&profile)?;
     if let Some(figure) = figure {
         shapes::write(figure, &shapes::checked(&profile, &prepared))?;
@@ -166,15 +181,7 @@ fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
         (prepared.points, prepared.findings)
     };
     let source = file.file.file_name().unwrap_or_default().to_string_lossy();
-    let text = write(format, profile.kind, &points, &format!("converted from {source}"));
-    std::fs::write(out, text).map_err(|cause| {
-        InputError::new(
-            out.display().to_string(),
-            cause,
-            "a file that can be written",
-            "choose another place",
-        )
-    })?;
+    shapes::write(out, &write(format, profile.kind, &points, &format!("converted from {source}")))?;
     findings.iter().try_for_each(|finding| say(&finding.to_string()))?;
     Ok(findings.iter().all(|finding| finding.action != Action::Left))
 }

@@ -18,6 +18,7 @@ use railspring_calibrate::units::MILLIMETRE;
 use super::findings::{Listed, Mark, marked};
 use super::output::remark;
 use super::say;
+use crate::output::OutputFolder;
 use crate::report::catalogue::{Shape, catalogue};
 use crate::report::panel::{Panel, stacked_with_notes};
 use crate::report::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
@@ -212,25 +213,28 @@ pub(super) fn checked(measured: &MeasuredProfile, prepared: &Prepared) -> String
     figure(vec![(measured.name.clone(), prepared.curve.clone(), marks)], &listed)
 }
 
-/// Figure of the outline of a section, with the places at which it is at fault.
+/// Figure of a line as its file draws it, with the places at which it is at fault.
 pub(super) fn sketched(name: &str, sketch: &Sketch) -> String {
-    let at = |p: &Point2<f64>| (p.x / MILLIMETRE, p.y / MILLIMETRE);
-    let mut series = vec![Series::line(name, sketch.points.iter().map(at).collect(), DARK, Dash::Solid)];
-    // Axes end with what they show: the outline stands clear of the frame.
+    /// Room between the line and the frame, of its extent: axes end with what they show.
     const CLEAR: f64 = 0.05;
-    let first = sketch.points.first().copied().unwrap_or_default();
-    let (low, high) = sketch.points.iter().fold((first, first), |(a, b), p| (a.inf(p), b.sup(p)));
+    let at = |p: &Point2<f64>| (p.x / MILLIMETRE, p.y / MILLIMETRE);
+    let line =
+        |points: &Vec<Point2<f64>>| Series::line(name, points.iter().map(at).collect(), DARK, Dash::Solid);
+    let mut series: Vec<Series> = sketch.strokes.iter().map(line).collect();
+    let all = || sketch.strokes.iter().flatten().chain(sketch.faults.iter().map(|(place, _)| place));
+    let first = all().next().copied().unwrap_or_default();
+    let (low, high) = all().fold((first, first), |(a, b), p| (a.inf(p), b.sup(p)));
     let margin = CLEAR * (high - low);
     series.push(Series::line("", vec![at(&(low - margin)), at(&(high + margin))], DARK, Dash::None));
     let mut notes = Vec::new();
     for (n, (place, what)) in sketch.faults.iter().enumerate() {
         let (first, second) = at(place);
-        notes.push(format!("[{}] {what}, at ({first:.3}, {second:.3}) mm in the axes of the file", n + 1));
+        notes.push(format!("[{}] {what}, at ({first:.3}, {second:.3}) mm {}", n + 1, sketch.axes));
         let mark = Series::marks("fault", vec![at(place)], DARK_RED, Marker::Triangle);
         series.push(mark.labelled(vec![(n + 1).to_string()]));
     }
-    let panel =
-        Panel::new("first coordinate of the file (mm)", "second coordinate of the file (mm)", false, series);
+    let label = |which: &str| format!("{which} coordinate (mm), {}", sketch.axes);
+    let panel = Panel::new(&label("first"), &label("second"), false, series);
     stacked_with_notes(760, 560, &[panel], &notes)
 }
 
@@ -280,15 +284,12 @@ fn figure(curves: Vec<(String, ProfileCurve, Vec<Mark>)>, listed: &Listed) -> St
     stacked_with_notes(760, 320, &panels, &listed.notes)
 }
 
-/// Writes a file.
+/// Writes a file; one of that name is replaced only when the new one is complete.
 pub(super) fn write(path: &Path, text: &str) -> Result<(), Error> {
-    std::fs::write(path, text).map_err(|cause| {
-        InputError::new(
-            "--output",
-            path.display().to_string(),
-            format!("a place that can be written to ({cause})"),
-            "check the path and the permissions",
-        )
-        .into()
-    })
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else {
+        let place = path.display().to_string();
+        return Err(InputError::new("output", place, "the name of a file", "name it").into());
+    };
+    OutputFolder::create(folder)?.write(&name, text.as_bytes())
 }

@@ -2,10 +2,8 @@
 
 use railspring_calibrate::error::Result;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
-use railspring_calibrate::profile_file::{
-    Action, ClosedSection, Finding, parse_rail_section, parse_wheel_section,
-};
-use railspring_calibrate::profile_placement::Reference;
+use railspring_calibrate::profile_file::{Action, ClosedSection, Finding, ProfileKind, sketch_section};
+use railspring_calibrate::profile_placement::{Reference, say_nearest, with_nearest_to};
 use railspring_calibrate::section::{
     RailSection, WheelSection, rail_section, rail_section_on, rail_section_with_head, wheel_section_of,
     wheel_section_on, wheel_section_with_profile,
@@ -15,7 +13,7 @@ use super::measured::{Surface, surface};
 use super::on_standard::{Seams, on_standard};
 use crate::records::{FindingRecord, ProfileRecord};
 use crate::report::measured::OnStandard;
-use crate::study::{MeasuredSurface, SectionFile, Study, Wheel};
+use crate::study::{MeasuredSurface, SectionFile, Study};
 
 /// The section of a body.
 pub(super) struct Sectioned<S> {
@@ -28,55 +26,99 @@ pub(super) struct Sectioned<S> {
 
 /// Section of the rail.
 pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
-    let standard = &study.rail.profile;
-    let (standard_section, mut records) = match &study.rail.section {
-        Some(own) => own_rail(own).map(|(section, record)| (section, vec![record]))?,
-        None => (rail_section(standard)?, Vec::new()),
+    let keys = &study.rail;
+    let mut records = Vec::new();
+    let nominal = match own_section(keys.section.as_ref(), ProfileKind::Rail, None, &mut records)? {
+        Some((file, read)) => rail_section_on(file, read.running, read.rest),
+        None => rail_section(&keys.profile)?,
     };
-    let Some(measured) = &study.rail.measured else {
-        return Ok(Sectioned { section: standard_section, records, surface: None });
+    let Some(measured) = &keys.measured else {
+        return Ok(Sectioned { section: nominal, records, surface: None });
     };
-    let reference = Reference::rail(&standard_section);
+    let reference = Reference::rail(&nominal);
     let mut found = surface(measured, &reference, None)?;
-    let prepared = &mut found.prepared;
-    let section = rail_section_with_head(standard_section, &prepared.curve, &mut prepared.findings)?;
+    let section = rail_section_with_head(nominal, &found.prepared.curve, &mut found.prepared.findings)?;
     let seams = Seams::of_rail(&section);
-    let both = (&found.in_place, &found.prepared);
-    let surface = on_standard(&measured.file, &reference, both, seams, found.placed.as_ref());
-    records.push(record("rail", measured, standard, &found));
+    let surface = found.on(measured, &reference, seams, &keys.profile, &mut records);
     Ok(Sectioned { section, records, surface: Some(surface) })
 }
 
-/// The section of a study's own file.
-fn own_rail(own: &SectionFile) -> Result<(RailSection, ProfileRecord)> {
-    let read = parse_rail_section(&own.path.display().to_string(), &own.content)?;
-    let record = section_record("rail section", own, &read);
-    Ok((rail_section_on(&own.file, read.running, read.rest), record))
+/// Section of the wheel.
+pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
+    let keys = &study.wheel;
+    let mut records = Vec::new();
+    let own = own_section(keys.section.as_ref(), ProfileKind::Wheel, keys.tape_circle, &mut records)?;
+    let nominal = match own {
+        Some((file, read)) => wheel_section_of(file, read.running, read.rest, keys.tape_diameter)?,
+        None => {
+            let running = wheel_profile_with_flange(&keys.profile, &keys.flange)?;
+            wheel_section_on(running, &keys.profile, keys.tape_diameter, &keys.body)?
+        }
+    };
+    let Some(measured) = &keys.measured else {
+        return Ok(Sectioned { section: nominal, records, surface: None });
+    };
+    let reference = Reference::wheel(&nominal);
+    let tape_circle = keys.tape_circle.unwrap_or_else(|| from_flange_back(&nominal));
+    let mut found = surface(measured, &reference, Some(tape_circle))?;
+    let section = wheel_section_with_profile(nominal, &found.prepared.curve, &mut found.prepared.findings)?;
+    let seams = Seams::of_wheel(&section);
+    let surface = found.on(measured, &reference, seams, &keys.profile, &mut records);
+    Ok(Sectioned { section, records, surface: Some(surface) })
 }
 
-/// The section of a study's own file on a wheel of its diameter.
-fn own_wheel(own: &SectionFile, wheel: &Wheel) -> Result<(WheelSection, ProfileRecord)> {
-    let read = parse_wheel_section(&own.path.display().to_string(), &own.content, wheel.tape_circle)?;
-    let record = section_record("wheel section", own, &read);
-    Ok((wheel_section_of(&own.file, read.running, read.rest, wheel.tape_diameter)?, record))
+/// The section of a study's own file, with its record, if the study has one; the standards that are nearest to it are said.
+fn own_section<'a>(
+    own: Option<&'a SectionFile>,
+    kind: ProfileKind,
+    tape_circle: Option<f64>,
+    records: &mut Vec<ProfileRecord>,
+) -> Result<Option<(&'a str, ClosedSection)>> {
+    let Some(own) = own else { return Ok(None) };
+    let name = own.path.display().to_string();
+    let (sketch, section) = sketch_section(&name, &own.content, kind, tape_circle);
+    let mut section = section.map_err(|error| with_nearest_to(&sketch, kind, error))?;
+    say_nearest(&mut section);
+    records.push(ProfileRecord {
+        body: format!("{} section", kind.name()),
+        file: own.file.clone(),
+        content_hash: Some(content_hash(&own.content)),
+        format: section.format.to_string(),
+        standard: own.file.clone(),
+        points: section.count,
+        findings: section.findings.iter().map(finding_record).collect(),
+    });
+    Ok(Some((&own.file, section)))
+}
+
+impl Surface {
+    /// The surface on its section, for the picture; its record is added.
+    fn on(
+        &self,
+        measured: &MeasuredSurface,
+        reference: &Reference,
+        seams: Option<Seams<'_>>,
+        standard: &str,
+        records: &mut Vec<ProfileRecord>,
+    ) -> OnStandard {
+        records.push(ProfileRecord {
+            body: reference.kind.name().into(),
+            file: measured.file.clone(),
+            content_hash: Some(content_hash(&measured.content)),
+            format: self.in_place.format.to_string(),
+            standard: standard.into(),
+            points: self.in_place.points.len(),
+            findings: self.prepared.findings.iter().map(finding_record).collect(),
+        });
+        let both = (&self.in_place, &self.prepared);
+        on_standard(&measured.file, reference, both, seams, self.placed.as_ref())
+    }
 }
 
 /// Distance of a wheel's tape circle from its flange back, where its running surface begins, m, to the nanometre of definitions.
 fn from_flange_back(wheel: &WheelSection) -> f64 {
     const NANOMETRES: f64 = 1e9;
     (-wheel.running.point(0.0).x * NANOMETRES).round() / NANOMETRES
-}
-
-fn section_record(body: &str, own: &SectionFile, read: &ClosedSection) -> ProfileRecord {
-    ProfileRecord {
-        body: body.into(),
-        file: own.file.clone(),
-        content_hash: Some(content_hash(&own.content)),
-        format: read.format.to_string(),
-        standard: own.file.clone(),
-        points: read.count,
-        findings: read.findings.iter().map(finding_record).collect(),
-    }
 }
 
 /// What was done to measured profiles, and what is left to be looked at, one line each.
@@ -98,44 +140,6 @@ pub fn repairs(profiles: &[ProfileRecord]) -> Vec<String> {
         .iter()
         .flat_map(|profile| profile.findings.iter().filter(changed).map(move |f| line(profile, f)))
         .collect()
-}
-
-/// Section of the wheel.
-pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
-    let keys = &study.wheel;
-    let standard = &keys.profile;
-    let (nominal, mut records) = match &keys.section {
-        Some(own) => own_wheel(own, keys).map(|(section, record)| (section, vec![record]))?,
-        None => {
-            let running = wheel_profile_with_flange(standard, &keys.flange)?;
-            (wheel_section_on(running, standard, keys.tape_diameter, &keys.body)?, Vec::new())
-        }
-    };
-    let Some(measured) = &keys.measured else {
-        return Ok(Sectioned { section: nominal, records, surface: None });
-    };
-    let reference = Reference::wheel(&nominal);
-    let tape_circle = keys.tape_circle.unwrap_or_else(|| from_flange_back(&nominal));
-    let mut found = surface(measured, &reference, Some(tape_circle))?;
-    let prepared = &mut found.prepared;
-    let section = wheel_section_with_profile(nominal, &prepared.curve, &mut prepared.findings)?;
-    let seams = Seams::of_wheel(&section);
-    let both = (&found.in_place, &found.prepared);
-    let surface = on_standard(&measured.file, &reference, both, seams, found.placed.as_ref());
-    records.push(record("wheel", measured, standard, &found));
-    Ok(Sectioned { section, records, surface: Some(surface) })
-}
-
-fn record(body: &str, measured: &MeasuredSurface, standard: &str, found: &Surface) -> ProfileRecord {
-    ProfileRecord {
-        body: body.into(),
-        file: measured.file.clone(),
-        content_hash: Some(content_hash(&measured.content)),
-        format: found.in_place.format.to_string(),
-        standard: standard.into(),
-        points: found.in_place.points.len(),
-        findings: found.prepared.findings.iter().map(finding_record).collect(),
-    }
 }
 
 fn content_hash(content: &[u8]) -> String {

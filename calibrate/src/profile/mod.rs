@@ -7,6 +7,7 @@
 mod spline;
 mod curve;
 mod segment;
+mod sketch;
 mod split;
 mod flange;
 mod rail_drawings;
@@ -17,8 +18,10 @@ pub mod wheels;
 pub use curve::ProfileCurve;
 pub(crate) use segment::{EndlessLine, fillet};
 pub use segment::{Segment, polyline};
+pub use sketch::Sketch;
+pub(crate) use sketch::{OF_THE_FILE, OF_THE_PROFILE};
 pub(crate) use spline::Piece;
-pub(crate) use split::{TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, split_rail, split_wheel};
+pub(crate) use split::{TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, of_ring, split_rail, split_wheel};
 
 /// What a profile belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

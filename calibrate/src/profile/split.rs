@@ -31,6 +31,11 @@ pub(crate) enum Tape {
     FromBack(f64),
 }
 
+/// What a range of a ring has, which may go on beyond its last entry with the first.
+pub(crate) fn of_ring<T: Copy>(ring: &[T], range: Range<usize>) -> Vec<T> {
+    range.map(|i| ring[i % ring.len()]).collect()
+}
+
 fn at(name: &str, line: usize, value: &str, expected: &str, remedy: &str) -> Error {
     InputError::new(format!("{name}:{line}"), value, expected, remedy).into()
 }

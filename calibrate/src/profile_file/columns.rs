@@ -11,6 +11,7 @@ use super::finding::{Action, Finding, FindingKind};
 use super::rows::{Row, row};
 use super::text::{
     DecimalMark, begins_like_a_number, column_names, decimal_mark, error_at, fields, lines, number, unit_of,
+    without_thousands,
 };
 use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw};
 use crate::error::Result;
@@ -141,6 +142,14 @@ fn marked_unit(lower: &str) -> Option<f64> {
 }
 
 pub(super) fn parse(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw> {
+    let Some((line, plain)) = without_thousands(text) else { return parse_plain(name, text, ending, part) };
+    let mut raw = parse_plain(name, &plain, ending, part)?;
+    let text = "numbers with a mark between their thousands: read without it";
+    raw.findings.push(Finding::new(FindingKind::Columns, Action::Noted, text).on_lines(line, line));
+    Ok(raw)
+}
+
+fn parse_plain(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw> {
     let rows = lines(text).filter(|(_, line)| !is_comment(line)).map(|(n, line)| (n, without_comment(line)));
     let numeric = rows.clone().filter(|(_, row)| begins_like_a_number(row));
     let mark = decimal_mark(name, numeric.clone())?;

@@ -3,7 +3,8 @@
 use super::finding::{Action, Finding, FindingKind, Findings};
 use super::{MeasuredPoint, MeasuredProfile, ProfileFormat, ReadOptions, part_field};
 use crate::error::{InputError, Result};
-use crate::profile::lines_and_arcs::{LinesAndArcs, Overrides, parse};
+use crate::profile::Sketch;
+use crate::profile::lines_and_arcs::{LinesAndArcs, Overrides, parse_drawn};
 use crate::units::MILLIMETRE;
 
 /// A turn at a joint from here on is a corner, degrees: what a drawing in 0.001 mm leaves of a tangent is less on lines and arcs from 1 mm on.
@@ -11,7 +12,13 @@ const CORNER: f64 = 0.06;
 /// A gap from here on was worth closing, m: more than the digits of a file.
 const WORTH_CLOSING: f64 = 1e-5 * MILLIMETRE;
 
-pub(super) fn read(name: &str, text: &str, options: &ReadOptions) -> Result<MeasuredProfile> {
+/// The profile of a table; its line as it is drawn, and its steps, are put into `sketch`.
+pub(super) fn read(
+    name: &str,
+    text: &str,
+    options: &ReadOptions,
+    sketch: &mut Sketch,
+) -> Result<MeasuredProfile> {
     if let Some(part) = &options.part {
         return Err(InputError::new(
             name,
@@ -22,7 +29,7 @@ pub(super) fn read(name: &str, text: &str, options: &ReadOptions) -> Result<Meas
         .into());
     }
     let overrides = Overrides { unit: options.unit, mirrored: options.mirror_y == Some(true) };
-    let drawn = parse(name, text, &overrides)?;
+    let drawn = parse_drawn(name, text, &overrides, sketch)?;
     if let Some(kind) = options.kind.filter(|kind| *kind != drawn.kind) {
         return Err(InputError::new(
             name,

@@ -34,10 +34,10 @@ use crate::input;
 use crate::profile::TAPE_CIRCLE_FROM_FLANGE_BACK;
 use crate::profile::lines_and_arcs::{self, LinesAndArcs};
 
-pub use crate::profile::ProfileKind;
+pub use crate::profile::{ProfileKind, Sketch};
 pub use finding::{Action, Finding, FindingKind};
 pub use prepare::{PrepareOptions, Prepared, prepare, repaired};
-pub use section::{ClosedSection, Sketch, parse_rail_section, parse_wheel_section, sketch_section};
+pub use section::{ClosedSection, parse_rail_section, parse_wheel_section, sketch_section};
 pub use smooth::{Smoothed, smooth};
 
 /// Largest profile file that is read, bytes.
@@ -135,12 +135,23 @@ pub struct MeasuredProfile {
 /// [`InputError`] with the file's line and column for a file that cannot be read or understood; with the file's
 /// name where it stays open whether it is a wheel or a rail, or what its unit is.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<MeasuredProfile> {
+    read_drawn(path, options, &mut Sketch::default())
+}
+
+/// As [`read`]; with the line of a drawing or of a table of lines and arcs that is refused because it steps, and the place.
+pub fn read_sketched(path: &Path, options: &ReadOptions) -> (Sketch, Result<MeasuredProfile>) {
+    let mut sketch = Sketch::default();
+    let profile = read_drawn(path, options, &mut sketch);
+    (sketch, profile)
+}
+
+fn read_drawn(path: &Path, options: &ReadOptions, sketch: &mut Sketch) -> Result<MeasuredProfile> {
     let name = path.display().to_string();
     let bytes = input::read(path, LARGEST_FILE)
         .map_err(|cause| InputError::new(&name, cause, "a readable profile file", "check the path"))?;
     let source = ProfileSource::of(path, bytes, options.part.as_deref(), options.kind)?;
     let options = ReadOptions { kind: options.kind.or(source.kind), part: source.part, ..options.clone() };
-    let mut profile = parse(&source.path.display().to_string(), &source.content, &options)?;
+    let mut profile = parse_drawn(&source.path.display().to_string(), &source.content, &options, sketch)?;
     profile.findings.splice(0..0, source.findings);
     Ok(profile)
 }
@@ -193,6 +204,15 @@ impl ProfileSource {
 /// # Ok::<(), railspring_calibrate::error::Error>(())
 /// ```
 pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<MeasuredProfile> {
+    parse_drawn(name, bytes, options, &mut Sketch::default())
+}
+
+fn parse_drawn(
+    name: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    sketch: &mut Sketch,
+) -> Result<MeasuredProfile> {
     dxf::refuse_binary(name, bytes)?;
     let text = text::decode(name, bytes)?;
     let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -212,8 +232,8 @@ pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Measured
     }
     let part = Part { name: options.part.as_deref(), field: part_field(options.kind) };
     let raw = match recognised(&text, &ending) {
-        Some(ProfileFormat::LinesAndArcs) => return drawn::read(name, &text, options),
-        Some(ProfileFormat::Dxf) => dxf::parse(name, &text, &part),
+        Some(ProfileFormat::LinesAndArcs) => return drawn::read(name, &text, options, sketch),
+        Some(ProfileFormat::Dxf) => dxf::parse(name, &text, &part, sketch),
         Some(ProfileFormat::Simpack) => simpack::parse(name, &text, &ending, &part),
         Some(ProfileFormat::MiniProf) => miniprof::parse(name, &text, &ending, &part),
         Some(ProfileFormat::Text | ProfileFormat::Csv) | None => columns::parse(name, &text, &ending, &part),

@@ -278,6 +278,46 @@ pub(super) fn decimal_mark<'a>(
     Ok(DecimalMark::Point)
 }
 
+/// The mark between thousands in a number with decimals, such as `-36,733.2`, `1.463,267` or `1'463.267`.
+fn mark_of_thousands(part: &str) -> Option<char> {
+    let part = part.trim().trim_matches(QUOTES).trim_start_matches(['+', '-', '\u{2212}', '\u{2013}']);
+    let (whole, decimals) = part.rsplit_once(['.', ','])?;
+    let decimal = part[whole.len()..].chars().next()?;
+    let mark = whole.chars().find(|c| !c.is_ascii_digit())?;
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let mut groups = whole.split(mark);
+    let first = groups.next().is_some_and(|group| digits(group) && group.len() <= 3);
+    let known = [',', '.', '\'', '\u{2019}'].contains(&mark) && mark != decimal;
+    (known && first && digits(decimals) && groups.all(|group| digits(group) && group.len() == 3))
+        .then_some(mark)
+}
+
+/// The text without the marks between thousands, if its numbers with decimals have one, with the first line that does. Only numbers between semicolons
+/// or tabs are looked at: between commas a mark would be a separator.
+pub(super) fn without_thousands(text: &str) -> Option<(usize, String)> {
+    let separators = [';', '\t'];
+    let parts = |line| str::split(line, separators);
+    let rows = || lines(text).filter(|(_, line)| line.contains(separators) && begins_like_a_number(line));
+    let (first, mark) = rows().find_map(|(n, line)| Some((n, parts(line).find_map(mark_of_thousands)?)))?;
+    let without = |line: &str| -> String {
+        let cleared = |part: &str| match mark_of_thousands(part) {
+            Some(found) if found == mark => part.replace(mark, ""),
+            _ => part.to_owned(),
+        };
+        // The separators keep their place: each part ends with the one that follows it.
+        line.split_inclusive(separators)
+            .map(|part| match part.strip_suffix(separators) {
+                Some(bare) => cleared(bare) + &part[bare.len()..],
+                None => cleared(part),
+            })
+            .collect()
+    };
+    let all = text.split('\n').map(|line| {
+        if line.contains(separators) && begins_like_a_number(line) { without(line) } else { line.to_owned() }
+    });
+    Some((first, all.collect::<Vec<_>>().join("\n")))
+}
+
 /// Whether a part of a row without blanks is one number with decimals after a comma.
 fn with_decimal_comma(part: &str) -> bool {
     let sides: Vec<&str> = part.split(',').collect();
@@ -308,6 +348,23 @@ pub(super) fn shown(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_between_thousands_are_left_out_where_they_are_certain() {
+        for (text, expected) in [
+            ("y;z\n-36,733.2;28,996.0\n1.5;2.25\r\n", Some("y;z\n-36733.2;28996.0\n1.5;2.25\r\n")),
+            ("1.463,267\t-28,996\n", Some("1463,267\t-28,996\n")),
+            ("1'463.267;28.996", Some("1463.267;28.996")),
+            ("1,463.267;28.996;2'000.5", Some("1463.267;28.996;2'000.5")),
+            ("12,345.678\n", None),
+            ("1,46.2;3.0", None),
+            ("1463.267;28.996", None),
+            ("-36,733;28,996", None),
+        ] {
+            let found = without_thousands(text).map(|(_, text)| text);
+            assert_eq!(found.as_deref(), expected, "{text}");
+        }
+    }
 
     #[test]
     fn numbers_of_many_programs_are_understood() {

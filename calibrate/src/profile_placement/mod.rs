@@ -18,7 +18,7 @@ mod wear;
 
 pub use file::{find_place, place_profile};
 pub use fit::missing;
-pub use nearest::{Misfit, in_words, nearest, resembled};
+pub use nearest::{Misfit, in_words, nearest, resembled, say_nearest, with_nearest_to};
 pub use placed::{Motion, PlaceOptions, Placed, PlacedPoint, Size, Spread, place};
 pub use reference::Reference;
 pub use side::Side;

@@ -7,14 +7,22 @@ use rayon::prelude::*;
 
 use super::placed::{PlaceOptions, Placed, PlacedPoint, place};
 use super::reference::Reference;
-use crate::error::Result;
+use crate::error::{Error, InputError, Result};
+use crate::profile::polyline;
 use crate::profile::rails::RAIL_NAMES;
 use crate::profile::wheels::WHEEL_NAMES;
-use crate::profile_file::{MeasuredProfile, ProfileKind, repaired};
+use crate::profile_file::{
+    Action, ClosedSection, Finding, FindingKind, MeasuredProfile, ProfileKind, Sketch, repaired,
+};
 use crate::units::MILLIMETRE;
 
 /// Scale on which the misfit is measured, m.
 const SCALE: f64 = 0.1 * MILLIMETRE;
+
+/// Standards that a message names.
+const NAMED: usize = 3;
+/// A section lies as it says.
+const AS_IT_LIES: PlaceOptions = PlaceOptions { side_known: true };
 
 /// How a standard fits a measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,19 +47,59 @@ impl fmt::Display for Misfit {
         let off = self.rms.map_or_else(|| "nothing measured that wear leaves alone".into(), off);
         let size = self.placed.size;
         let size = if size.is_one() { String::new() } else { format!(", {:.3} times as large", size.factor) };
-        write!(f, "{} ({off}{size})", self.name)
+        let unlike = if self.placed.fits() {
+            String::new()
+        } else {
+            format!(", another shape: {:.0} % unlike", 100.0 * self.share)
+        };
+        write!(f, "{} ({off}{size}{unlike})", self.name)
     }
 }
 
 /// The standards that a measured profile resembles, worn or not, the nearest first with their misfits; empty where it resembles none, or
 /// cannot be repaired.
 pub fn resembled(profile: &MeasuredProfile, kind: Option<ProfileKind>, options: PlaceOptions) -> Vec<Misfit> {
-    /// Standards that a message names.
-    const NAMED: usize = 3;
     let Ok(repaired) = repaired(profile, &mut Vec::new()) else { return Vec::new() };
     let points: Vec<Point2<f64>> = repaired.iter().map(|p| p.point).collect();
     let found = nearest(&points, kind, options).unwrap_or_default();
     found.into_iter().filter(|misfit| misfit.placed.fits()).take(NAMED).collect()
+}
+
+/// Says which standards are nearest to a section, with their misfits: of a rail over its outline, of a wheel over its running surface.
+pub fn say_nearest(section: &mut ClosedSection) {
+    /// Step of the points on the surface and on the body, m.
+    const STEPS: [f64; 2] = [1.0 * MILLIMETRE, 4.0 * MILLIMETRE];
+    let mut points = section.running.sample(STEPS[0]);
+    if section.kind == ProfileKind::Rail {
+        points.extend(polyline(&section.rest, STEPS[1]).into_iter().skip(1));
+    }
+    let found = nearest(&points, Some(section.kind), AS_IT_LIES).unwrap_or_default();
+    let named = &found[..found.len().min(NAMED)];
+    if named.is_empty() {
+        return;
+    }
+    let text = if named[0].placed.fits() {
+        format!("the nearest standards are {}", in_words(named))
+    } else {
+        format!("no standard has this shape; the nearest are {}", in_words(named))
+    };
+    section.findings.push(Finding::new(FindingKind::Shape, Action::Noted, text));
+}
+
+/// The message about a section that is refused because its line is open, with the standards that this line resembles, if it does: a running
+/// surface alone belongs on one of them.
+pub fn with_nearest_to(sketch: &Sketch, kind: ProfileKind, error: Error) -> Error {
+    let found = sketch.open_line().and_then(|line| nearest(line, Some(kind), PlaceOptions::default()).ok());
+    let mut fitting: Vec<Misfit> = found.unwrap_or_default();
+    fitting.retain(|misfit| misfit.placed.fits());
+    fitting.truncate(NAMED);
+    match error {
+        Error::Input(error) if !fitting.is_empty() => {
+            let remedy = format!("{}; nearest to what is drawn are {}", error.remedy, in_words(&fitting));
+            InputError { remedy, ..error }.into()
+        }
+        error => error,
+    }
 }
 
 /// The same in words for messages: names with misfits, joined by commas.

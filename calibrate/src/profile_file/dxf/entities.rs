@@ -30,6 +30,8 @@ pub(super) struct Drawing {
     pub entities: Vec<Entity>,
     /// Length of the unit, m, and the line that says so.
     pub unit: Option<(f64, usize)>,
+    /// The last line of a file that ends among its entities.
+    pub cut_off: Option<usize>,
 }
 
 /// A group: its code, its value and the line of the value.
@@ -112,14 +114,16 @@ impl Groups<'_> {
 
 /// Reads the entities of the drawing itself; those of blocks and of paper layouts are no part of it.
 pub(super) fn read(name: &str, text: &str) -> Result<Drawing> {
-    let mut drawing = Drawing { entities: Vec::new(), unit: None };
+    let mut drawing = Drawing { entities: Vec::new(), unit: None, cut_off: None };
     let mut section = "";
     let mut named = false;
     let mut variable = "";
     let mut entity: Option<Groups> = None;
     let mut polyline: Option<Polyline> = None;
+    let mut last_line = 1;
     for group in groups(name, text) {
         let group = group?;
+        last_line = group.line;
         if group.code != 0 {
             match (section, &mut entity) {
                 ("", _) if named && group.code == 2 => section = group.value.trim(),
@@ -151,6 +155,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Drawing> {
     if let Some(polyline) = polyline {
         drawing.entities.push(polyline.finish()?);
     }
+    drawing.cut_off = (section == "ENTITIES").then_some(last_line);
     Ok(drawing)
 }
 

@@ -18,7 +18,7 @@ use super::finding::{Action, Finding, FindingKind};
 use super::text::{error_at, lines, shown};
 use super::{Convention, MeasuredPoint, Part, ProfileFormat, Raw, push};
 use crate::error::{Error, InputError, Result};
-use crate::profile::Segment;
+use crate::profile::{OF_THE_FILE, Segment, Sketch};
 use crate::units::MILLIMETRE;
 
 /// Points along the extent of the profile: 0.2 mm apart on a head or wheel.
@@ -83,6 +83,10 @@ impl Joined {
 fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
     let drawing = entities::read(name, text)?;
     let mut findings = Vec::new();
+    if let Some(line) = drawing.cut_off {
+        let text = "the file ends among its entities, without ENDSEC: it may be cut off";
+        findings.push(Finding::new(FindingKind::Header, Action::Left, text).on_lines(line, line));
+    }
     let on_layer =
         |entity: &Entity| part.name.is_some_and(|wanted| entity.layer.eq_ignore_ascii_case(wanted.trim()));
     let by_layer = drawing.entities.iter().any(on_layer);
@@ -141,7 +145,8 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
     Ok((Joined { chains, layers, unit: drawing.unit, findings }, by_layer))
 }
 
-pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
+/// The points of the open line of a drawing that is the profile; of lines that are refused because they do not meet, all are put into `sketch`.
+pub(super) fn parse(name: &str, text: &str, part: &Part, sketch: &mut Sketch) -> Result<Raw> {
     let (mut joined, by_layer) = joined(name, text, part)?;
     let chains = &joined.chains;
     let list = || joined.list();
@@ -150,6 +155,8 @@ pub(super) fn parse(name: &str, text: &str, part: &Part) -> Result<Raw> {
         None if chains.len() == 1 => 0,
         Some(Ok(number)) if (1..=chains.len()).contains(&number) => number - 1,
         None => {
+            draw(&joined, sketch);
+            mark_step(&joined, sketch);
             let value = format!("{} lines that do not meet", chains.len());
             let expected = format!("one line, the running surface; the drawing has {}", list());
             let remedy =
@@ -209,8 +216,8 @@ pub(super) enum ClosedShape {
 /// The one closed line of a drawing.
 ///
 /// # Errors
-/// As [`parse`]; no closed line, with the gap, or several.
-pub(super) fn closed_line(name: &str, text: &str, remedy: &str) -> Result<Closed> {
+/// As [`parse`]; no closed line, with the gap, which is put into `sketch`, or several.
+pub(super) fn closed_line(name: &str, text: &str, remedy: &str, sketch: &mut Sketch) -> Result<Closed> {
     let whole = Part { name: None, field: String::new() };
     let (mut joined, _) = joined(name, text, &whole)?;
     let closed: Vec<usize> = (0..joined.chains.len()).filter(|&i| joined.chains[i].closed).collect();
@@ -221,6 +228,9 @@ pub(super) fn closed_line(name: &str, text: &str, remedy: &str) -> Result<Closed
             let Some((chain, [end, start])) = longest.and_then(|c| Some((c, c.path.ends()?))) else {
                 return Err(InputError::new(name, "no line with ends", expected, remedy).into());
             };
+            draw(&joined, sketch);
+            let scale = scale(&joined);
+            sketch.mark_ends(start * scale, end * scale);
             let value = format!(
                 "an open outline: a gap of {:.4} from ({:.4}, {:.4}) to ({:.4}, {:.4}), in units of the drawing",
                 (end - start).norm(),
@@ -261,6 +271,49 @@ pub(super) fn closed_line(name: &str, text: &str, remedy: &str) -> Result<Closed
         ClosedShape::Points(sample(name, &chain, &mut findings)?)
     };
     Ok(Closed { shape, unit: joined.unit, findings })
+}
+
+/// Length of the unit of a drawing, m: as it says, or mm or m as its size shows.
+fn scale(joined: &Joined) -> f64 {
+    /// Greatest extent of a drawing in m.
+    const METRES: f64 = 2.0;
+    let ends = joined.chains.iter().filter_map(|chain| chain.path.ends()).flatten();
+    let largest = ends.map(|p| p.coords.amax()).fold(0.0, f64::max);
+    joined.unit.map_or(if largest < METRES { 1.0 } else { MILLIMETRE }, |(unit, _)| unit)
+}
+
+/// Draws all lines of a drawing.
+fn draw(joined: &Joined, sketch: &mut Sketch) {
+    /// Parts of an arc or a spline.
+    const PARTS: u32 = 40;
+    let scale = scale(joined);
+    let points = |piece: &Piece| -> Vec<Point2<f64>> {
+        let parts = if matches!(piece, Piece::Line(..)) { 1 } else { PARTS };
+        (0..=parts).map(|i| piece.point(f64::from(i) / f64::from(parts)) * scale).collect()
+    };
+    let stroke = |chain: &Chain| chain.path.pieces.iter().flat_map(|(piece, _)| points(piece)).collect();
+    sketch.draw(joined.chains.iter().map(stroke).collect(), OF_THE_FILE);
+}
+
+/// Marks the nearest ends of different lines.
+fn mark_step(joined: &Joined, sketch: &mut Sketch) {
+    let ends: Vec<(usize, Point2<f64>)> = (joined.chains.iter().enumerate())
+        .filter(|(_, chain)| !chain.closed)
+        .flat_map(|(i, chain)| chain.path.ends().into_iter().flatten().map(move |end| (i, end)))
+        .take(LISTED * LISTED)
+        .collect();
+    let pairs = ends.iter().enumerate().flat_map(|(k, a)| ends[k + 1..].iter().map(move |b| (a, b)));
+    let step = pairs
+        .filter(|(a, b)| a.0 != b.0)
+        .min_by(|(a, b), (c, d)| (a.1 - b.1).norm_squared().total_cmp(&(c.1 - d.1).norm_squared()));
+    let Some(((one, a), (other, b))) = step else { return };
+    let fault = format!(
+        "nearest ends of lines {} and {}, {:.4} apart in units of the drawing",
+        one + 1,
+        other + 1,
+        (a - b).norm()
+    );
+    sketch.mark(nalgebra::center(a, b) * scale(joined), fault);
 }
 
 fn is_finite(piece: &Piece) -> bool {

@@ -1,13 +1,15 @@
 //! The closed section of a rail: head, web and foot.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::Vector2;
 
-use super::{
-    ClosedSection, Frame, Outline, Shape, at_line, bounds, direction, runs_to_the_field_side, through, width,
-};
+use super::divide::{divided, upright};
+use super::frame::Frame;
+use super::outline::{Outline, Shape};
+use super::ring::{bounds, direction, width};
+use super::{ClosedSection, at_line};
 use crate::error::{Error, Result};
 use crate::profile::rails::{RailOutline, running_curve};
-use crate::profile::{ProfileCurve, Segment, split_rail};
+use crate::profile::{ProfileCurve, of_ring, split_rail};
 use crate::profile_file::finding::{Action, Finding, FindingKind};
 use crate::profile_file::{MeasuredPoint, ProfileKind};
 use crate::units::MILLIMETRE;
@@ -19,15 +21,10 @@ const WIDER: f64 = 1.05;
 /// Departure from symmetry that is said, m.
 const ASYMMETRIC: f64 = 0.1 * MILLIMETRE;
 
-/// Reads the closed section of a rail from the content of a file: top at z = 0, the middle of the foot at y = 0. `name` is used in messages, and its
-/// ending tells the format where the content does not.
-///
-/// # Errors
-/// [`crate::error::InputError`] with the line of the file for an outline that is open, crosses itself or steps back, that has no head or
-/// not the size of a rail, or of which it is not certain which side is up.
-pub fn parse_rail_section(name: &str, bytes: &[u8]) -> Result<ClosedSection> {
-    let Outline { format, count, shape, mut ring, mut findings } =
-        Outline::read(name, bytes, ProfileKind::Rail)?;
+/// The closed section of a rail from its outline.
+pub(super) fn section(name: &str, outline: Outline) -> Result<ClosedSection> {
+    const KIND: ProfileKind = ProfileKind::Rail;
+    let Outline { format, count, shape, mut ring, mut findings } = outline;
     let (running, rest) = match shape {
         Shape::Table(lines) => {
             if foot_is_up(name, &ring)? {
@@ -39,50 +36,34 @@ pub fn parse_rail_section(name: &str, bytes: &[u8]) -> Result<ClosedSection> {
             let outline = RailOutline { running: lines.running, rest: lines.rest };
             (running_curve(&outline), outline.rest)
         }
-        Shape::Drawn(mut drawn) => {
+        Shape::Drawn(drawn) => {
             let frame = frame_of(name, &ring, &mut findings)?;
-            drawn.iter_mut().for_each(|(segment, _)| *segment = frame.segment(segment));
-            ring = frame.ring(&ring);
-            if !runs_to_the_field_side(ProfileKind::Rail, &ring) {
-                drawn.reverse();
-                drawn.iter_mut().for_each(|(segment, _)| *segment = segment.reversed());
-            }
+            let segments = upright(KIND, &drawn, &frame, &mut ring);
             say_asymmetry(&ring, &mut findings);
-            let segments: Vec<Segment> = drawn.iter().map(|(segment, _)| *segment).collect();
             let (running, rest) = split_rail(name, &segments, drawn[0].1)?;
-            let part = |range: std::ops::Range<usize>| range.map(|i| segments[i % segments.len()]).collect();
-            let outline = RailOutline { running: part(running), rest: part(rest) };
+            let outline =
+                RailOutline { running: of_ring(&segments, running), rest: of_ring(&segments, rest) };
             (running_curve(&outline), outline.rest)
         }
         Shape::Points => {
             ring = frame_of(name, &ring, &mut findings)?.ring(&ring);
-            if !runs_to_the_field_side(ProfileKind::Rail, &ring) {
-                ring.reverse();
-            }
             say_asymmetry(&ring, &mut findings);
-            let n = ring.len() - 1;
-            let top = (0..n).min_by(|&a, &b| ring[a].point.y.total_cmp(&ring[b].point.y)).unwrap_or(0);
-            let at = |i: usize| ring[(top + i) % n];
-            let (first, last) = head(name, n, at)?;
-            let surface: Vec<MeasuredPoint> = (first..=last).map(at).collect();
-            let around: Vec<Point2<f64>> = (last..=first + n).map(|i| at(i).point).collect();
-            let rest = around.windows(2).map(|pair| Segment::line(pair[0], pair[1])).collect();
-            (through(&surface, &mut findings), rest)
+            divided(KIND, &mut ring, |n, at| head(name, n, at), &mut findings)?
         }
     };
     check_head(name, &running, &ring)?;
-    Ok(ClosedSection { format, count, running, rest, findings })
+    Ok(ClosedSection { kind: KIND, format, count, running, rest, findings })
 }
 
 /// First and last vertex of the head, counted from `n` after the top: where its sides turn under it.
-fn head(name: &str, n: usize, at: impl Fn(usize) -> MeasuredPoint) -> Result<(usize, usize)> {
+fn head(name: &str, n: usize, at: &dyn Fn(usize) -> MeasuredPoint) -> Result<(usize, usize)> {
     /// Length over which the direction of a side is taken, m.
     const OVER: f64 = 1.0 * MILLIMETRE;
     /// Lateral part of the direction from which a side has turned: sides of heads lean inwards by less.
     const TURNED: f64 = -0.1;
     // The gauge side comes before the top, which is met again after `n` vertices.
-    let end = (n + 1..2 * n).find(|&i| direction(n, &at, i, true, OVER).x < TURNED);
-    let start = (1..n).rev().find(|&i| direction(n, &at, i, false, OVER).x < TURNED);
+    let end = (n + 1..2 * n).find(|&i| direction(n, at, i, true, OVER).x < TURNED);
+    let start = (1..n).rev().find(|&i| direction(n, at, i, false, OVER).x < TURNED);
     match (start, end) {
         (Some(start), Some(end)) if end - n < start && end > n + 2 => Ok((start, end)),
         _ => Err(no_head(name, at(0).line)),

@@ -2,7 +2,11 @@
 
 use std::fmt::Write;
 
+use nalgebra::Point2;
+
 use super::*;
+use crate::profile::lines_and_arcs;
+use crate::profile::polyline;
 use crate::profile::rails::rail_outline;
 use crate::section::{RailSection, rail_section, rail_section_on};
 
@@ -26,29 +30,41 @@ fn columns_of(points: &[Point2<f64>]) -> String {
     })
 }
 
-/// 60E1 as lines and arcs of a drawing with y up, moved to the right and up, in no order.
-fn drawing_of(segments: &[Segment]) -> String {
+/// Lines and arcs as a drawing, each where `place` puts it, in no order.
+pub(super) fn drawing(outline: &[Segment], place: impl Fn(Point2<f64>) -> Point2<f64>) -> String {
     let mut text = String::from("0\nSECTION\n2\nENTITIES\n");
-    let place = |p: Point2<f64>| (p.x / MILLIMETRE + 200.0, 300.0 - p.y / MILLIMETRE);
-    for segment in segments.iter().rev() {
+    for segment in outline.iter().rev() {
+        let (a, b) = (place(segment.start()), place(segment.end()));
         let _ = match *segment {
-            Segment::Line { start, end } => {
-                let ((a, b), (c, d)) = (place(start), place(end));
-                writeln!(text, "0\nLINE\n8\n0\n10\n{a:.9}\n20\n{b:.9}\n11\n{c:.9}\n21\n{d:.9}")
-            }
-            Segment::Arc { centre, radius, start_angle, sweep } => {
-                let (a, b) = place(centre);
-                let ends = [-start_angle, -(start_angle + sweep)].map(f64::to_degrees);
-                let [from, to] = if sweep > 0.0 { [ends[1], ends[0]] } else { ends };
-                let radius = radius / MILLIMETRE;
+            Segment::Line { .. } => {
+                let [a, b] = [a, b].map(|p| p / MILLIMETRE);
                 writeln!(
                     text,
-                    "0\nARC\n8\n0\n10\n{a:.9}\n20\n{b:.9}\n40\n{radius:.9}\n50\n{from:.12}\n51\n{to:.12}"
+                    "0\nLINE\n8\n0\n10\n{:.9}\n20\n{:.9}\n11\n{:.9}\n21\n{:.9}",
+                    a.x, a.y, b.x, b.y
+                )
+            }
+            Segment::Arc { centre, radius, .. } => {
+                // An arc of DXF goes round counter-clockwise, from where the shorter way does.
+                let c = place(centre);
+                let angle = |p: Point2<f64>| (p.y - c.y).atan2(p.x - c.x).to_degrees();
+                let forward = (a - c).perp(&(b - c)) > 0.0;
+                let [from, to] = if forward { [angle(a), angle(b)] } else { [angle(b), angle(a)] };
+                let (c, radius) = (c / MILLIMETRE, radius / MILLIMETRE);
+                writeln!(
+                    text,
+                    "0\nARC\n8\n0\n10\n{:.9}\n20\n{:.9}\n40\n{radius:.9}\n50\n{from:.12}\n51\n{to:.12}",
+                    c.x, c.y
                 )
             }
         };
     }
     text + "0\nENDSEC\n0\nEOF\n"
+}
+
+/// Lines and arcs of 60E1 as a drawing with y up, moved to the right and up.
+fn drawing_of(segments: &[Segment]) -> String {
+    drawing(segments, |p| Point2::new(p.x + 0.2, 0.3 - p.y))
 }
 
 fn section(name: &str, text: &str) -> (RailSection, Vec<String>) {
@@ -179,31 +195,7 @@ fn faulty_outlines_are_refused_with_their_place() {
         + &drawing_of(&small).replace("0\nSECTION\n2\nENTITIES\n", "");
     said("rail.dxf", &two, &["2 closed lines", "alone in the drawing"]);
 
-    let row = |segment: &Segment| match *segment {
-        Segment::Line { start, end } => {
-            format!(
-                "line,{:.6},{:.6},{:.6},{:.6},,\n",
-                1e3 * start.x,
-                1e3 * start.y,
-                1e3 * end.x,
-                1e3 * end.y
-            )
-        }
-        Segment::Arc { centre, .. } => {
-            let (a, b) = (segment.start() * 1e3, segment.end() * 1e3);
-            format!(
-                "arc,{:.6},{:.6},{:.6},{:.6},{:.6},{:.6}\n",
-                a.x,
-                a.y,
-                b.x,
-                b.y,
-                1e3 * centre.x,
-                1e3 * centre.y
-            )
-        }
-    };
-    let heading = "# profile: rail\n# y: field\n# z: down\nkind,y0_mm,z0_mm,y1_mm,z1_mm,yc_mm,zc_mm\n";
-    let table = |segments: &[Segment]| heading.to_string() + &segments.iter().map(row).collect::<String>();
+    let table = |segments: &[Segment]| lines_and_arcs::write(ProfileKind::Rail, segments);
     assert_eq!(section("rail.csv", &table(&all)).0.body.len(), rail_section("60E1").unwrap().body.len());
     said("rail.csv", &table(&outline.running), &["open outline", "profile_file"]);
     let overturned = table(&all).replace("z: down", "z: up");

@@ -4,12 +4,14 @@ use std::ops::RangeInclusive;
 
 use nalgebra::{Point2, Vector2};
 
-use super::{
-    ClosedSection, Frame, Outline, Shape, at_line, bounds, direction, runs_to_the_field_side, through, width,
-};
+use super::divide::{divided, upright};
+use super::frame::Frame;
+use super::outline::{Outline, Shape};
+use super::ring::{bounds, direction, width};
+use super::{ClosedSection, at_line};
 use crate::error::{Error, Result};
 use crate::field::InputField;
-use crate::profile::{ProfileCurve, Segment, TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, split_wheel};
+use crate::profile::{ProfileCurve, Segment, TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, of_ring, split_wheel};
 use crate::profile_file::finding::{Action, Finding, FindingKind};
 use crate::profile_file::{MeasuredPoint, ProfileFormat, ProfileKind};
 use crate::units::{MILLIMETRE, in_millimetres};
@@ -29,48 +31,22 @@ const BORE: f64 = 20.0 * MILLIMETRE;
 /// Step of the samples of the running surface, m: that of tables of lines and arcs.
 const STEP: f64 = 0.1 * MILLIMETRE;
 
-/// Reads the closed section of a wheel from the content of a file: tape circle at the origin, the bore at the least z. `name` is used in messages, and
-/// its ending tells the format where the content does not. `tape_circle` is the distance of the tape circle from the flange back, m, of drawings and
-/// columns; 70 mm if there is none. A table of lines and arcs says itself where its tape circle is.
-///
-/// # Errors
-/// [`crate::error::InputError`] with the line of the file for an outline that is open, crosses itself or steps back, that has no flange, tread or bore
-/// or not the size of a wheel, or of which it is not certain which end is the bore.
-pub fn parse_wheel_section(name: &str, bytes: &[u8], tape_circle: Option<f64>) -> Result<ClosedSection> {
+/// The closed section of a wheel from its outline; `tape_circle` is its distance from the flange back, m, 70 mm if there is none.
+pub(super) fn section(name: &str, outline: Outline, tape_circle: Option<f64>) -> Result<ClosedSection> {
+    const KIND: ProfileKind = ProfileKind::Wheel;
     let tape_circle = tape_circle.unwrap_or(TAPE_CIRCLE_FROM_FLANGE_BACK);
-    let Outline { format, count, shape, mut ring, mut findings } =
-        Outline::read(name, bytes, ProfileKind::Wheel)?;
+    let Outline { format, count, shape, mut ring, mut findings } = outline;
     let (running, mut rest) = match shape {
         Shape::Table(lines) => (lines.curve(), lines.rest),
-        Shape::Drawn(mut drawn) => {
-            let frame = upright(name, &ring, &mut findings)?;
-            drawn.iter_mut().for_each(|(segment, _)| *segment = frame.segment(segment));
-            ring = frame.ring(&ring);
-            if !runs_to_the_field_side(ProfileKind::Wheel, &ring) {
-                drawn.reverse();
-                drawn.iter_mut().for_each(|(segment, _)| *segment = segment.reversed());
-            }
-            let segments: Vec<Segment> = drawn.iter().map(|(segment, _)| *segment).collect();
+        Shape::Drawn(drawn) => {
+            let frame = frame_of(name, &ring, &mut findings)?;
+            let segments = upright(KIND, &drawn, &frame, &mut ring);
             let (running, rest) = split_wheel(name, &segments, Tape::FromBack(tape_circle), drawn[0].1)?;
-            let part = |range: std::ops::Range<usize>| -> Vec<Segment> {
-                range.map(|i| segments[i % segments.len()]).collect()
-            };
-            let (running, rest) = (ProfileCurve::from_segments(&part(running), STEP), part(rest));
-            (running, rest)
+            (ProfileCurve::from_segments(&of_ring(&segments, running), STEP), of_ring(&segments, rest))
         }
         Shape::Points => {
-            ring = upright(name, &ring, &mut findings)?.ring(&ring);
-            if !runs_to_the_field_side(ProfileKind::Wheel, &ring) {
-                ring.reverse();
-            }
-            let n = ring.len() - 1;
-            let tip = (0..n).max_by(|&a, &b| ring[a].point.y.total_cmp(&ring[b].point.y)).unwrap_or(0);
-            let at = |i: usize| ring[(tip + i) % n];
-            let (first, last) = surface(name, n, tape_circle, at)?;
-            let points: Vec<MeasuredPoint> = (first..=last).map(at).collect();
-            let around: Vec<Point2<f64>> = (last..=first + n).map(|i| at(i).point).collect();
-            let rest = around.windows(2).map(|pair| Segment::line(pair[0], pair[1])).collect();
-            (through(&points, &mut findings), rest)
+            ring = frame_of(name, &ring, &mut findings)?.ring(&ring);
+            divided(KIND, &mut ring, |n, at| surface(name, n, tape_circle, at), &mut findings)?
         }
     };
     let line = ring[0].line;
@@ -88,11 +64,11 @@ pub fn parse_wheel_section(name: &str, bytes: &[u8], tape_circle: Option<f64>) -
     let ring = frame.ring(&ring);
     check_flange(name, &ring)?;
     straighten_bore(name, &ring, &mut rest)?;
-    Ok(ClosedSection { format, count, running, rest, findings })
+    Ok(ClosedSection { kind: KIND, format, count, running, rest, findings })
 }
 
 /// How the outline comes upright: the bore above, the flange at small y.
-fn upright(name: &str, ring: &[MeasuredPoint], findings: &mut Vec<Finding>) -> Result<Frame> {
+fn frame_of(name: &str, ring: &[MeasuredPoint], findings: &mut Vec<Finding>) -> Result<Frame> {
     let (low, high) = bounds(ring);
     let wide = |z| {
         let (least, most) = width(ring, z);
@@ -131,7 +107,7 @@ fn surface(
     name: &str,
     n: usize,
     tape_circle: f64,
-    at: impl Fn(usize) -> MeasuredPoint,
+    at: &dyn Fn(usize) -> MeasuredPoint,
 ) -> Result<(usize, usize)> {
     /// Length over which the direction of the flange back is taken, m, and its greatest lateral part: 20 µm.
     const BACK: (f64, f64) = (2.0 * MILLIMETRE, 0.01);
@@ -154,7 +130,7 @@ fn surface(
         });
         far.unwrap_or(0)
     };
-    let back = (2..=n).rev().find(|&i| direction(n, &at, i, false, BACK.0).x < BACK.1);
+    let back = (2..=n).rev().find(|&i| direction(n, at, i, false, BACK.0).x < BACK.1);
     let back = back.filter(|&i| (at(i).point - at(n).point).norm() < RIM);
     let Some(back) = back else {
         return Err(no(
@@ -166,7 +142,7 @@ fn surface(
     let plane = (furthest..=back).map(|i| at(i).point.x).fold(f64::INFINITY, f64::min);
     let first = (furthest..=back).rev().find(|&i| at(i).point.x <= plane + ON_BACK).unwrap_or(back);
     let tape = (n..first + n).find(|&i| at(i).point.x >= plane + tape_circle);
-    let turned = |i: &usize| direction(n, &at, *i, true, TREAD.0).x < TREAD.1;
+    let turned = |i: &usize| direction(n, at, *i, true, TREAD.0).x < TREAD.1;
     let end = tape.filter(|i| !turned(i)).and_then(|tape| (tape..first + n).find(turned));
     let Some(end) = end else {
         return Err(no(

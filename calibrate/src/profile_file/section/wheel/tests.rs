@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
+use super::super::parse_wheel_section;
+use super::super::tests::drawing;
 use super::*;
 use crate::mesh::{MeshOptions, mesh_wheel, quality};
-use crate::profile::lines_and_arcs::{Overrides, parse};
+use crate::profile::lines_and_arcs::{Overrides, parse, write};
 use crate::profile::polyline;
 use crate::profile::wheels::wheel_profile;
 use crate::section::{
@@ -24,50 +26,8 @@ fn lma(web: WebShape) -> (WheelSection, Vec<Segment>) {
     (section, outline)
 }
 
-fn drawing(outline: &[Segment], place: impl Fn(Point2<f64>) -> Point2<f64>) -> String {
-    let mut text = String::from("0\nSECTION\n2\nENTITIES\n");
-    for segment in outline.iter().rev() {
-        let (a, b) = (place(segment.start()), place(segment.end()));
-        let _ = match *segment {
-            Segment::Line { .. } => {
-                let [a, b] = [a, b].map(|p| p / MILLIMETRE);
-                writeln!(
-                    text,
-                    "0\nLINE\n8\n0\n10\n{:.9}\n20\n{:.9}\n11\n{:.9}\n21\n{:.9}",
-                    a.x, a.y, b.x, b.y
-                )
-            }
-            Segment::Arc { centre, radius, .. } => {
-                // An arc of DXF goes round counter-clockwise, from where the shorter way does.
-                let c = place(centre);
-                let angle = |p: Point2<f64>| (p.y - c.y).atan2(p.x - c.x).to_degrees();
-                let forward = (a - c).perp(&(b - c)) > 0.0;
-                let [from, to] = if forward { [angle(a), angle(b)] } else { [angle(b), angle(a)] };
-                let (c, radius) = (c / MILLIMETRE, radius / MILLIMETRE);
-                writeln!(
-                    text,
-                    "0\nARC\n8\n0\n10\n{:.9}\n20\n{:.9}\n40\n{radius:.9}\n50\n{from:.12}\n51\n{to:.12}",
-                    c.x, c.y
-                )
-            }
-        };
-    }
-    text + "0\nENDSEC\n0\nEOF\n"
-}
-
 fn table(outline: &[Segment]) -> String {
-    let heading = "# profile: wheel\n# y: field\n# z: down\nkind,y0_mm,z0_mm,y1_mm,z1_mm,yc_mm,zc_mm\n";
-    outline.iter().fold(String::from(heading), |mut text, segment| {
-        let [a, b] = [segment.start(), segment.end()].map(|p| p / MILLIMETRE);
-        let _ = match *segment {
-            Segment::Line { .. } => writeln!(text, "line,{:.6},{:.6},{:.6},{:.6},,", a.x, a.y, b.x, b.y),
-            Segment::Arc { centre, .. } => {
-                let c = centre / MILLIMETRE;
-                writeln!(text, "arc,{:.6},{:.6},{:.6},{:.6},{:.6},{:.6}", a.x, a.y, b.x, b.y, c.x, c.y)
-            }
-        };
-        text
-    })
+    write(ProfileKind::Wheel, outline)
 }
 
 /// Points around a section, mm: on the running surface and on arcs 0.2 mm apart.
