@@ -137,6 +137,12 @@ fn half_a_section_is_unfolded() {
          arc,0,0,10,0.166713,0,300\nline,10,0.166713,35,14,,\n",
     );
     assert!(head.rail_outline().is_none() && head.running.len() == 3);
+    // a semicolon in another column of a table with commas separates nothing
+    let more = read(
+        "# profile: rail\n# y: field\n# z: down\nkind,y0_mm,z0_mm,y1_mm,z1_mm,yc_mm,zc_mm,coefficients\n\
+         arc,-10,0.166713,10,0.166713,0,300,\nline,10,0.166713,35,14,,,-0.5;0.0125\n",
+    );
+    assert_eq!(more.running.len(), 2);
     // a roof's ridge on the axis stays one
     let roof = read(
         "# profile: rail\n# y: field\n# z: down\n# symmetric: yes\nkind,y0_mm,z0_mm,y1_mm,z1_mm,yc_mm,zc_mm\n\

@@ -26,13 +26,17 @@ pub(super) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
     lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
 }
 
-pub(super) fn columns(line: &str) -> Vec<String> {
-    fields(line).map(|field| field.trim_matches('"').to_lowercase()).collect()
+pub(super) fn columns(heading: &str) -> Vec<String> {
+    fields(heading, separator(heading)).map(|field| field.trim_matches('"').to_lowercase()).collect()
 }
 
-/// Fields between semicolons, or commas where there is no semicolon.
-fn fields(line: &str) -> impl Iterator<Item = &str> {
-    line.split(if line.contains(';') { ';' } else { ',' }).map(str::trim)
+/// What separates the fields of a table, as its heading shows: semicolons, or commas where it has none.
+fn separator(heading: &str) -> char {
+    if heading.contains(';') { ';' } else { ',' }
+}
+
+fn fields(line: &str, separator: char) -> impl Iterator<Item = &str> {
+    line.split(separator).map(str::trim)
 }
 
 /// What comments and heading say.
@@ -48,6 +52,7 @@ pub(super) struct Settings {
     radius: Option<usize>,
     /// Line of the heading.
     heading: usize,
+    separator: char,
 }
 
 const COORDINATES: [&str; 6] = ["y0", "z0", "y1", "z1", "yc", "zc"];
@@ -108,6 +113,7 @@ impl Settings {
             columns: (kind_column, found),
             radius: names.iter().position(|n| n.starts_with("radius_")),
             heading,
+            separator: separator(line),
         })
     }
 }
@@ -179,7 +185,7 @@ pub(super) fn read_pieces(name: &str, text: &str, settings: &Settings) -> Result
 }
 
 fn read_piece(name: &str, line: usize, row: &str, settings: &Settings) -> Result<Piece> {
-    let fields: Vec<&str> = fields(row).collect();
+    let fields: Vec<&str> = fields(row, settings.separator).collect();
     let number = |column: usize, what: &str| -> Result<f64> {
         let field = fields.get(column).copied().unwrap_or_default();
         // Only between semicolons a comma can stand before decimals.
