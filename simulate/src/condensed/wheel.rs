@@ -157,9 +157,11 @@ impl<'a> Wheel<'a> {
         let InitialMotion { displacement, velocity, carried } = *initial;
         let suspended = [displacement[1] + initial.stroke(self.scenario, self.mass), velocity[1]];
         let mut state = WheelState { modes: vec![[0.0; 3]; self.modes.len()], suspended };
-        // the rail carries the rim, and what the hub carries holds it down
+        // the rail carries the rim, and weight and suspension hold it down
+        let on_hub = carried - self.mass * self.scenario.gravity;
         for (mode, at) in self.modes.iter().zip(&mut state.modes).filter(|(mode, _)| mode.square > 0.0) {
-            at[0] = carried * (mode.hub[1] - mode.rim.y) / mode.square;
+            let held = self.load(mode, &[0.0; 3], on_hub) - carried * mode.rim.y;
+            at[0] = if carried > 0.0 { held / mode.square } else { 0.0 };
         }
         // two rigid motions span the translations of the hub
         let mut rigid = (0..self.modes.len()).filter(|i| self.modes[*i].square == 0.0);

@@ -70,16 +70,16 @@ impl ContactStrips<'_> {
         }
         let way = |from: &Pose| self.profiles.motion_between(from, &self.looked).xy().norm();
         let (step, straight) = (way(&self.taken_up.committed), way(&self.taken_up.kept));
+        // strips that slide to and fro take up something else than the way from start to end says: what they had before they turned is kept
+        if self.taken_up.way + step > straight + DETOUR {
+            self.keep(coefficient);
+        }
         for strip in &mut self.strips {
             strip.before = strip.now;
         }
         let taken_up = &mut self.taken_up;
         (taken_up.committed, taken_up.stepped) = (self.looked, true);
         taken_up.way += step;
-        // strips that slide to and fro have taken up something else than the way from start to end says
-        if taken_up.way > straight + DETOUR {
-            self.keep(coefficient);
-        }
     }
 
     /// Keeps what the strips have taken up at the end of the last step.
