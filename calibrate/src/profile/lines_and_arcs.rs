@@ -117,7 +117,7 @@ pub fn recognises(text: &str) -> bool {
 /// Reads a table; `name` is that of the file, for messages.
 ///
 /// # Errors
-/// [`InputError`] with the line of the file for rows that cannot be understood, arcs whose ends do not lie on them, ends that do not
+/// [`crate::error::InputError`] with the line of the file for rows that cannot be understood, arcs whose ends do not lie on them, ends that do not
 /// meet, and a profile that does not lie in its frame.
 ///
 /// ```

@@ -5,7 +5,7 @@
 //! ([`railspring_calibrate::element`]): the normal forces have a potential, contacts may be many, and none is in tension. Nothing
 //! is fitted to runs in time.
 //!
-//! A step is average acceleration of the rail and Newmark's with a smaller `β` of the wheel ([`wheel`]), with the forces of the contacts at its ends. What that makes of the potential in an impact does not add up over a run:
+//! A step is average acceleration of the rail and Newmark's with a smaller `β` of the wheel, with the forces of the contacts at its ends. What that makes of the potential in an impact does not add up over a run:
 //! a wheel that bounces for 10,000 steps of 0.5 ms with sixteen in each has the same energy to 0.1 %.
 
 mod wheel;
