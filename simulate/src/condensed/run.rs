@@ -24,8 +24,8 @@ use crate::moving::{
 /// A step that does not converge is halved at most so many times.
 const MOST_HALVINGS: usize = 8;
 
-/// What a force may be off at the end of a step, N: some hundred-thousandths of a usual load.
-const FORCE: f64 = 5.0;
+/// What a force may be off at the end of a step, N: a ten-thousandth of a usual load.
+const FORCE: f64 = 10.0;
 
 /// State between two steps.
 #[derive(Clone)]

@@ -171,7 +171,7 @@ fn a_separated_wheel_falls_freely() {
 }
 
 /// Source: statics. Goal: an elastic wheel with a sprung mass that starts in balance stays there: the force of the contact (N) is the weight at every step of a second. Accuracy: SOLVER, a
-/// step may be 5 N off; without `carried` the suspension is slack, and the force falls to that of the wheel alone.
+/// step may be 10 N off; without `carried` the suspension is slack, and the force falls to that of the wheel alone.
 #[test]
 fn a_wheel_in_balance_stays_there() {
     const SOLVER: f64 = 10.0;
