@@ -26,7 +26,7 @@ use crate::study::{ContactElementKey, Study};
 /// Names of the cases.
 pub const LOAD_CASE: &str = "load case 4.1";
 /// The same with the steps of the integration that a study has unless it gives them.
-pub const IN_EIGHTHS: &str = "4.1 in eighths";
+pub const IN_SIXTEENTHS: &str = "4.1 in sixteenths";
 /// The span that other programs were timed on.
 pub const BRIDGE: &str = "bridge of 25 m";
 /// Rails of elements of a decimetre.
@@ -195,7 +195,7 @@ fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Ve
         Scenario { inner_steps, wheel_mass: Some(WHEEL_MASS), ..constant.scenario.clone() }
     };
     let mut cases = Vec::new();
-    for (name, inner_steps) in [(LOAD_CASE, 1), (IN_EIGHTHS, study.simulation.inner_steps)] {
+    for (name, inner_steps) in [(LOAD_CASE, 1), (IN_SIXTEENTHS, study.simulation.inner_steps)] {
         for model in models(study, &geometry, &beam, element) {
             cases.push(Case { name, elements: beam.elements(), model, scenario: in_steps(inner_steps) });
         }

@@ -401,7 +401,7 @@ impl Default for SimulationKeys {
             contact_penalty_kn_per_m: 2e9,
             rail_node_spacing_mm: 0.25,
             sliding_matrix: SlidingMatrixKey::Unsymmetric,
-            inner_steps: 8,
+            inner_steps: 16,
             law_accepted: Vec::new(),
             scenario: None,
         }
