@@ -84,19 +84,18 @@ impl Step<'_> {
             }
             last = size;
             let before = next.pose;
-            if !self.correct(&mut next.pose, &next.contacts, &off, length) {
+            if !self.correct(&mut next.pose, &next.contacts, &off, 1.0) {
                 return Err(failure(looks, size, &next.contacts, StopReason::Singular));
             }
             let moved = next.pose.wheel - before.wheel - off.to_wheel * (next.pose.rail - before.rail);
             let looked = (looks > 0).then(|| self.way(start, &before));
             if next.contacts.hold(&moved, looked, self.friction, self.tolerance) {
-                if length < 1.0 {
-                    next.pose = before;
-                    self.correct(&mut next.pose, &next.contacts, &off, 1.0);
-                }
-                let moved = next.pose.wheel - before.wheel - off.to_wheel * (next.pose.rail - before.rail);
                 next.contacts.move_by(&moved);
                 return Ok(looks);
+            }
+            if length < 1.0 {
+                next.pose = before;
+                self.correct(&mut next.pose, &next.contacts, &off, length);
             }
             next.contacts.look(strips, self.law, &next.pose, self.friction);
         }
