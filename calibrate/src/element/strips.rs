@@ -166,6 +166,8 @@ pub struct ContactStrips<'a> {
     /// Where they were looked at last, and the motion of the wheel against the rail from the one to the other, in the wheel's frame.
     looked: Pose,
     motion: Vector3<f64>,
+    /// Whether the next look finds them anew.
+    anew: bool,
     taken_up: TakenUp,
 }
 
@@ -205,7 +207,7 @@ impl Strip {
 
     /// The largest tangential displacement that friction can take up, m, under a normal force per length.
     fn limit(&self, coefficient: f64, normal: f64) -> f64 {
-        coefficient * normal / (self.cosine * self.modulus.tangential)
+        if coefficient > 0.0 { coefficient * normal / (self.cosine * self.modulus.tangential) } else { 0.0 }
     }
 }
 
@@ -224,6 +226,7 @@ impl<'a> ContactStrips<'a> {
             found: None,
             looked: Pose::default(),
             motion: Vector3::zeros(),
+            anew: false,
         }
     }
 

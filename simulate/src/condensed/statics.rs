@@ -69,6 +69,9 @@ impl CondensedModel {
                 false => high = way,
             }
         }
+        // strips that serve at poses near by have the tangential stiffness of where they were found
+        strips.find_anew();
+        at.contacts.look(&mut strips, law, &at.pose, friction);
         let to_wheel = transport(&arm(&references, &at.pose));
         let both = rim + to_wheel * head * to_wheel.transpose();
         let sticking = at.contacts.all.sticking;

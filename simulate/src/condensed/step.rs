@@ -13,7 +13,7 @@ const ITERATIONS: usize = 100;
 const FULL: usize = 8;
 const SHORTEST: f64 = 1e-3;
 /// Where they do come nearer, the longest grows by this.
-const LONGER: f64 = 1.1;
+const LONGER: f64 = 1.02;
 
 /// A side of the contact over one step: at its end the section has moved by `free + flexibility·force` under the contact's force there.
 #[derive(Debug, Clone, Copy)]
@@ -71,13 +71,15 @@ impl Step<'_> {
             if !size.is_finite() {
                 return Err(failure(looks, size, &next.contacts, StopReason::NotFinite));
             }
-            // An iteration that goes round in a circle, between sticking and sliding or touching and not for instance, is shortened; one that
+            // An iteration that goes round in a circle, between sticking and sliding or touching and not for instance, is shortened and has the
+            // derivatives of strips found anew; one that
             // comes nearer as its length has it, is on one side and may be longer, but less so each time that it went round.
             if looks > FULL {
                 if size < (1.0 - 0.5 * length) * last {
                     longest = (LONGER * longest).min(1.0);
                     length = (1.5 * length).min(longest);
                 } else {
+                    strips.find_anew();
                     longest = (0.8 * longest).max(SHORTEST);
                     length = (0.5 * length).max(SHORTEST);
                 }
