@@ -81,3 +81,59 @@ pub(super) fn loads(a: &Solid<'_>, b: &Solid<'_>) -> Vec<f64> {
     let chosen = LOADS.min(common.len());
     (0..chosen).map(|n| common[n * (common.len() - 1) / (chosen - 1).max(1)]).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points at loads with a tangent of 100 kN/m at each, and bands that are 0.01, 0.02, … of them.
+    fn points(loads: &[f64]) -> (Vec<TangentRecord>, Vec<BandPointRecord>) {
+        let point = |&force_kn: &f64| TangentRecord {
+            force_kn,
+            displacement_mm: 10.0 * force_kn,
+            tangent_kn_per_m: 100.0,
+        };
+        let band = |(n, &force_kn): (usize, &f64)| BandPointRecord {
+            force_kn,
+            grid_displacement: None,
+            grid_tangent: None,
+            mesh_displacement: None,
+            mesh_tangent: None,
+            displacement: Some(0.01 * (n + 1) as f64),
+            tangent: (n != 2).then_some(0.1 * (n + 1) as f64),
+        };
+        (loads.iter().map(point).collect(), loads.iter().enumerate().map(band).collect())
+    }
+
+    /// Goal: a band runs straight between the loads that have one, and is none beside one that has none; at a load it is that load's. Beyond
+    /// the loads there is no value. Accuracy: ROUNDOFF.
+    #[test]
+    fn bands_are_straight_between_loads() {
+        const ROUNDOFF: f64 = 1e-12;
+        let (points, band) = points(&[10.0, 20.0, 40.0]);
+        let solid = Solid { points: &points, band: &band };
+        let shares = |force: f64| solid.at(force).unwrap().map(|value| value.error.map(|e| e / value.value));
+        let near = |found: Option<f64>, expected: f64| (found.unwrap() - expected).abs() < ROUNDOFF;
+        let [displacement, tangent] = shares(12.5);
+        assert!(near(displacement, 0.0125) && near(tangent, 0.125), "{displacement:?} {tangent:?}");
+        let [displacement, tangent] = shares(20.0);
+        assert!(near(displacement, 0.02) && near(tangent, 0.2), "{displacement:?} {tangent:?}");
+        let [displacement, tangent] = shares(30.0);
+        assert!(near(displacement, 0.025) && tangent.is_none(), "{displacement:?} {tangent:?}");
+        for force in [9.999, 40.001, f64::NAN] {
+            assert!(solid.at(force).is_none(), "{force}");
+        }
+    }
+
+    /// Goal: at most eight loads, from the smallest to the largest that lie in both ranges, spread over those between.
+    #[test]
+    fn loads_are_spread_over_what_both_have() {
+        let all: Vec<f64> = (1..=30).map(|n| 5.0 * f64::from(n)).collect();
+        let ((first, _), (second, _)) = (points(&all), points(&[20.0, 130.0]));
+        let [a, b] = [&first, &second].map(|points| Solid { points, band: &[] });
+        let chosen = loads(&a, &b);
+        assert_eq!((chosen.len(), chosen[0], chosen[7]), (8, 20.0, 130.0), "{chosen:?}");
+        assert!(chosen.windows(2).all(|pair| (10.0..=20.0).contains(&(pair[1] - pair[0]))), "{chosen:?}");
+        assert_eq!(loads(&b, &a), [20.0, 130.0]);
+    }
+}

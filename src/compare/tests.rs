@@ -203,6 +203,136 @@ fn verdicts_are_matched_line_by_line() {
     );
 }
 
+/// Goal: lines of one quantity belong together within a load case alone, and the limit stands beside the value; where no state changes, that is said.
+#[test]
+fn lines_belong_to_their_load_case() {
+    let with = |first: f64, second: f64| -> VerificationRecord {
+        let of = |name: &str, value: f64| {
+            let simple = serde_json::json!({ "degrees_of_freedom": 1, "ending": "completed" });
+            serde_json::json!({ "scenario": name, "simple": simple, "lines": [line("touches", value, 0.5)] })
+        };
+        let mut record = verdict(&[line("touches", 0.25, 0.5)]);
+        let of = |name, value| serde_json::from_value(of(name, value)).unwrap();
+        record.scenarios = vec![of("one", first), of("two", second)];
+        record
+    };
+    let [mut a, mut b] = [side("a"), side("b")];
+    (a.verdict, b.verdict) = (Some(with(0.1, 0.2)), Some(with(0.3, 0.4)));
+    b.verdict.as_mut().unwrap().scenarios.reverse();
+    let found = compare(&a, &b).unwrap();
+    let texts: Vec<(&str, [String; 3])> =
+        found.lines.iter().map(|line| (line.subject.as_str(), line.texts())).collect();
+    let expected = [("springs", ["0.25", "0.25"]), ("one", ["0.1", "0.3"]), ("two", ["0.2", "0.4"])];
+    let expected = expected.map(|(subject, values)| {
+        let [a, b] = values.map(|value| format!("{value} (limit 0.5), holds"));
+        (subject, [a, b, String::new()])
+    });
+    assert_eq!(texts, expected);
+    assert!(found.summary.iter().any(|s| s == "No limit of both verdicts changes its state."));
+}
+
+/// Goal: the summary has the largest change of a group, whether it is beyond, and how many inputs differ beside the first six; a horizontal stiffness is held
+/// against its band, and a group of one unit says so once.
+#[test]
+fn the_summary_has_the_largest_change() {
+    let [a, mut b] = [side("a"), side("b")];
+    for reference in &mut b.stiffness.references {
+        reference.points[0].tangent_kn_per_m *= 1.001;
+        let last = reference.points.len() - 1;
+        reference.points[last].tangent_kn_per_m *= 0.5;
+    }
+    b.stiffness.horizontal_kn_per_m = b.stiffness.horizontal_kn_per_m.map(|value| 1.1 * value);
+    let keys = &mut b.inputs.as_mut().unwrap().keys;
+    keys.extend((0..9).map(|n| ResolvedKey {
+        section: "mesh".into(),
+        key: format!("key_{n}"),
+        value: "1".into(),
+        given: true,
+    }));
+    let found = compare(&a, &b).unwrap();
+    let tangent = &found.summary[0];
+    assert!(
+        tangent.starts_with("Tangent stiffness of the solid: beyond the error bands at 1 of 8")
+            && tangent.contains("\u{2212}50 % (at 150 kN: "),
+        "{tangent}"
+    );
+    let displacement = &found.summary[1];
+    assert_eq!(displacement, "Displacement of the solid: the same.");
+    let horizontal = &found.summary[2];
+    assert!(
+        horizontal.starts_with("Horizontal stiffness: beyond the error bands; +10 % (k_h: "),
+        "{horizontal}"
+    );
+    assert!(found.summary.last().unwrap().ends_with("mesh.key_5 and 3 more."), "{:?}", found.summary);
+    assert_eq!(group(&found, "Tangent stiffness of").unit(), Some("kN/m"));
+    assert_eq!(group(&found, "Normal law").unit(), None);
+
+    let [a, mut b] = [side("a"), side("b")];
+    b.stiffness = softer(b.stiffness, 1.05, 0.2);
+    let found = compare(&a, &b).unwrap();
+    assert!(
+        found.summary[0].contains("within the error bands at all 8; largest change +5.0 %"),
+        "{:?}",
+        found.summary
+    );
+}
+
+/// Goal: stiffness along the contact normal is that of the same shift, load and reference; loads of one side alone have no partner.
+#[test]
+fn shifts_and_loads_have_their_partners() {
+    let [a, mut b] = [side("a"), side("b")];
+    let shifts = &mut b.by_angle.as_mut().unwrap().shifts;
+    for (n, shift) in shifts.iter_mut().enumerate() {
+        for (m, load) in shift.loads.iter_mut().enumerate() {
+            for point in &mut load.references {
+                point.tangent_kn_per_m *= 1.0 + 0.1 * n as f64 + 0.01 * m as f64;
+            }
+        }
+    }
+    shifts[2].loads.remove(1);
+    shifts[3].shift_mm = 6.5;
+    let found = compare(&a, &b).unwrap();
+    let rows = &group(&found, "Tangent stiffness along").rows;
+    let changes: Vec<(String, Option<f64>)> =
+        rows.iter().map(|row| (row.quantity.clone(), row.change.map(|c| (1e3 * c).round() / 1e3))).collect();
+    let expected = [
+        ("shift 0 mm (1.4\u{b0} and 1.4\u{b0}) at 20 kN", Some(0.1)),
+        ("shift 0 mm (1.4\u{b0} and 1.4\u{b0}) at 40 kN", Some(0.11)),
+        ("shift 0 mm (1.4\u{b0} and 1.4\u{b0}) at 80 kN", Some(0.12)),
+        ("shift 4 mm (5.8\u{b0} and 5.8\u{b0}) at 20 kN", Some(0.2)),
+        ("shift 4 mm (5.8\u{b0} and 5.8\u{b0}) at 40 kN", None),
+        ("shift 4 mm (5.8\u{b0} and 5.8\u{b0}) at 80 kN", Some(0.22)),
+    ];
+    assert_eq!(changes, expected.map(|(name, change)| (name.to_string(), change)));
+    // a figure has a panel for each load that both have
+    let page = page(&a, &b, &found);
+    assert!(page.contains("at 20 kN") && page.contains("at 80 kN"));
+}
+
+/// Goal: what either side lacks is said of it, and so is that no load is in both ranges.
+#[test]
+fn what_is_missing_is_said() {
+    let [mut a, mut b] = [side("a"), side("b")];
+    (a.by_angle, b.inputs) = (None, None);
+    for reference in &mut a.stiffness.references {
+        reference.points.retain(|point| point.force_kn < 30.0);
+    }
+    for reference in &mut b.stiffness.references {
+        reference.points.retain(|point| point.force_kn > 60.0);
+    }
+    let found = compare(&a, &b).unwrap();
+    let expected = [
+        "A has no laws by contact angle.",
+        "A has no verdict.",
+        "B has no verdict.",
+        "B has no list of its inputs (inputs.json) that is of these springs.",
+    ];
+    assert_eq!(found.not_compared[..4], expected.map(String::from));
+    assert!(found.not_compared[4].starts_with("No load is in both ranges: A has 1 to "), "{found:?}");
+    assert!(found.inputs.is_empty(), "{:?}", found.inputs);
+    assert!(found.groups.iter().all(|group| !group.name.starts_with("Tangent stiffness of")));
+}
+
 /// Goal: the reference in use of A is compared where B has it, else one that both have; none is an error that names both.
 #[test]
 fn a_common_reference_is_taken() {

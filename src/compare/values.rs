@@ -93,3 +93,36 @@ impl Compared {
         [value(self.a, self.a_error), value(self.b, self.b_error), change, beyond.into()]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: values are rounded to their errors, those without an error have four digits, changes have two with their sign, and what is not known is a dash.
+    #[test]
+    fn texts_say_what_is_known() {
+        let texts = |a: Option<Value>, b: Option<Value>| Compared::new("q", "mm", a, b).texts();
+        let known = |value: f64, error: f64| Some(Value::with_error(value, error));
+        assert_eq!(
+            texts(known(1.2345, 0.012), known(1.3333, 0.1)),
+            ["1.234 \u{b1} 0.012", "1.33 \u{b1} 0.10", "+8.0 %", "no"]
+        );
+        assert_eq!(texts(known(2.0, 0.1), known(1.0, 0.2))[2..], ["\u{2212}50 %", "yes"]);
+        assert_eq!(texts(known(12.3456, 0.0), None), ["12.35", "none", "\u{2013}", "\u{2013}"]);
+        // a change is none below six digits alone
+        assert_eq!(texts(known(1.0, 0.0), known(1.000_01, 0.0))[2], "+0.0010 %");
+        assert_eq!(texts(known(1.0, 0.0), known(1.000_004, 0.0))[2], "0 %");
+    }
+
+    /// Goal: a band is a share of its value's size; an error of 0 or that is no number is none; from 0 there is no change that is a number.
+    #[test]
+    fn errors_and_changes_are_numbers() {
+        assert_eq!(Value::with_band(-2.0, Some(0.1)).error, Some(0.2));
+        for error in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(Value::with_error(3.0, error).error, None, "{error}");
+        }
+        let value = |value: f64| Some(Value::with_error(value, 0.1));
+        assert_eq!(Compared::new("a", "1", value(0.0), value(1.0)).change, None);
+        assert_eq!(Compared::new("a", "1", value(1.0), value(1.0)).without_answer().beyond, None);
+    }
+}
