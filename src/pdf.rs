@@ -154,19 +154,46 @@ mod tests {
         assert_eq!(Printer::find_on(folder.path().as_os_str()).unwrap(), Printer { browser });
     }
 
-    /// Goal: a browser that writes no PDF is an error with its last words, and leaves no file.
+    /// Prints a page with a script in the place of a browser; what is said, and whether the PDF is there.
     #[cfg(unix)]
-    #[test]
-    fn a_browser_that_fails_is_quoted() {
+    fn printed(script: &str) -> (Result<String>, Option<Vec<u8>>) {
         use std::os::unix::fs::PermissionsExt;
         let place = tempfile::tempdir().unwrap();
         let browser = place.path().join("chromium");
-        std::fs::write(&browser, "#!/bin/sh\necho 'no display' >&2\nexit 3\n").unwrap();
+        std::fs::write(&browser, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&browser, std::fs::Permissions::from_mode(0o755)).unwrap();
         let folder = OutputFolder::create(&place.path().join("out")).unwrap();
         folder.write("report.html", b"<p>").unwrap();
-        let said = Printer { browser }.print(&folder, "report.html").unwrap_err().to_string();
-        assert!(said.contains("no display") && said.contains("report.html"), "{said}");
-        assert!(!folder.file("report.pdf").exists());
+        let said = Printer { browser }.print(&folder, "report.html");
+        (said, std::fs::read(folder.file("report.pdf")).ok())
+    }
+
+    /// Goal: a browser that fails, or that writes no PDF, is an error with its last words, and leaves no file.
+    #[cfg(unix)]
+    #[test]
+    fn a_browser_that_fails_is_quoted() {
+        let to_file = "for a in \"$@\"; do case $a in --print-to-pdf=*) file=${a#*=};; esac; done";
+        let scripts = [
+            "echo begin >&2; echo 'no display' >&2; echo >&2; exit 3".to_string(),
+            "echo begin >&2; echo 'no display' >&2".into(),
+            format!("{to_file}; echo '<html>' > $file; echo 'no display' >&2"),
+            format!("{to_file}; echo '%PDF-1.4' > $file; echo 'no display' >&2; exit 1"),
+        ];
+        for script in scripts {
+            let (said, pdf) = printed(&script);
+            let said = said.unwrap_err().to_string();
+            assert!(said.contains("= no display: ") && said.contains("report.html"), "{script}: {said}");
+            assert_eq!(pdf, None, "{script}");
+        }
+    }
+
+    /// Goal: what the browser prints of the page of the folder stands beside it, byte for byte.
+    #[cfg(unix)]
+    #[test]
+    fn a_page_is_printed_beside_it() {
+        let (said, pdf) = printed(
+            "for a in \"$@\"; do case $a in --print-to-pdf=*) file=${a#*=};; file://*/out/report.html) page=$a;; esac; done; test -n \"$page\" && printf '%%PDF-1.4 of it' > $file",
+        );
+        assert_eq!((said.unwrap().as_str(), pdf.as_deref()), ("report.pdf", Some(&b"%PDF-1.4 of it"[..])));
     }
 }

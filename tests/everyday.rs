@@ -230,10 +230,26 @@ fn help_is_in_the_terminal() {
     let begin = concat!("railspring ", env!("CARGO_PKG_VERSION"), " (");
     let origin = version.trim_end().strip_prefix(begin).and_then(|rest| rest.strip_suffix(')'));
     let origin = origin.unwrap_or_else(|| panic!("{version}"));
-    let commit = origin.strip_prefix("commit ").map(|commit| commit.trim_end_matches(" and changes"));
-    let is_commit =
-        commit.is_some_and(|commit| commit.len() == 12 && commit.chars().all(|c| c.is_ascii_hexdigit()));
-    assert!(is_commit || origin == "built outside of its repository, commit not known", "{version}");
+    // in its repository it is the commit of that, and has changes only where something is changed
+    let git = |arguments: &[&str]| {
+        let output = std::process::Command::new("git")
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .args(arguments)
+            .output();
+        let output = output.ok().filter(|output| output.status.success())?;
+        Some(String::from_utf8(output.stdout).unwrap().trim().to_string())
+    };
+    let here = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().unwrap();
+    let root = git(&["rev-parse", "--show-toplevel"]).and_then(|root| Path::new(&root).canonicalize().ok());
+    if root == Some(here) {
+        let commit = git(&["rev-parse", "--short=12", "HEAD"]).unwrap();
+        let [built, changed] = [format!("commit {commit}"), format!("commit {commit} and changes")];
+        let clean = git(&["status", "--porcelain"]).is_some_and(|status| status.is_empty());
+        assert!(origin == built || origin == changed && !clean, "{version} of {commit}");
+    } else {
+        let packed = origin.strip_prefix("commit ").is_some_and(|commit| commit.len() == 12);
+        assert!(packed || origin == "built outside of its repository, commit not known", "{version}");
+    }
     assert!(said(&place.run(&["man"])).contains(".TH railspring 1"));
     assert_eq!(place.run(&["man", "-o", "man"]).status.code(), Some(0));
     for command in ["railspring", "railspring-fit", "railspring-run", "railspring-profile-place"] {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::rows::{common_shifts, tangent_at};
 use super::{Comparison, Side};
-use crate::records::{BandPointRecord, LoadCurveRow, ReferenceRecord, TangentRecord};
+use crate::records::{BandPointRecord, LoadCurveRow, ReferenceRecord, ShiftRecord, TangentRecord};
 use crate::report::accessible::inline;
 use crate::report::figures::{WIDTH, hertz_tangent};
 use crate::report::html;
@@ -117,6 +117,16 @@ fn reference_of<'s>(side: &'s Side, name: &str) -> Option<&'s ReferenceRecord> {
     side.stiffness.references.iter().find(|found| found.reference == name)
 }
 
+/// A bar from end to end, parted from the next by what is not finite.
+fn bar(ends: [(f64, f64); 2]) -> [(f64, f64); 3] {
+    [ends[0], ends[1], (f64::NAN, f64::NAN)]
+}
+
+/// Both ends of the band of a value, which is this share of it to either side.
+pub(super) fn ends_of(value: f64, share: f64) -> [f64; 2] {
+    [-1.0, 1.0].map(|sign| value * (1.0 + sign * share))
+}
+
 /// Points with bars: `place` of a point, and of a point with its band the two ends.
 fn points_and_bars(
     side: &Side,
@@ -129,10 +139,7 @@ fn points_and_bars(
     let (_, color, dash, marker) = LOOKS[n];
     let band = side.stiffness.error_band.as_ref().and_then(|band| band.of(reference));
     let with_band = found.points.iter().zip(band.iter().flat_map(|band| &band.points));
-    let bars = with_band.filter_map(|(point, band)| ends(point, band)).flat_map(|[low, high]| {
-        // what is not finite parts one bar from the next
-        [low, high, (f64::NAN, f64::NAN)]
-    });
+    let bars = with_band.filter_map(|(point, band)| ends(point, band)).flat_map(bar);
     let bars = Series::line("", bars.collect(), color, Dash::Solid);
     let points = found.points.iter().map(place).collect();
     vec![bars, Series::marks(&named(n, &side.stiffness.study), points, color, marker).sampled(dash)]
@@ -162,8 +169,7 @@ fn tangents(sides: &[&Side; 2], reference: &str) -> String {
         let place = |p: &TangentRecord| (p.force_kn, p.tangent_kn_per_m * 1e-6);
         points_and_bars(side, n, reference, place, |p, band| {
             let (force, tangent) = place(p);
-            let band = band.tangent?;
-            Some([-1.0, 1.0].map(|sign| (force, tangent * (1.0 + sign * band))))
+            Some(ends_of(tangent, band.tangent?).map(|tangent| (force, tangent)))
         })
     }));
     stacked(
@@ -181,8 +187,7 @@ fn displacements(sides: &[&Side; 2], reference: &str) -> String {
             .map_or_else(Vec::new, |found| found.points.iter().map(place).collect());
         let mut series = vec![Series::line("", points, color, dash)];
         series.extend(points_and_bars(side, n, reference, place, |p, band| {
-            let band = band.displacement?;
-            Some([-1.0, 1.0].map(|sign| (p.displacement_mm * (1.0 + sign * band), p.force_kn)))
+            Some(ends_of(p.displacement_mm, band.displacement?).map(|mm| (mm, p.force_kn)))
         }));
         series
     });
@@ -196,9 +201,7 @@ fn horizontal(sides: &[&Side; 2]) -> String {
         let points: Vec<(f64, f64)> =
             record.points.iter().map(|p| (p.preload_kn, p.stiffness_kn_per_m * 1e-6)).collect();
         let band = record.error_band.as_ref().and_then(|band| band.band);
-        let bars = points.iter().filter_map(|&(x, y)| {
-            band.map(|band| [(x, y * (1.0 - band)), (x, y * (1.0 + band)), (f64::NAN, f64::NAN)])
-        });
+        let bars = points.iter().filter_map(|&(x, y)| Some(bar(ends_of(y, band?).map(|y| (x, y)))));
         let bars = Series::line("", bars.flatten().collect(), color, Dash::Solid);
         let ends = points.first().zip(points.last()).map(|(first, last)| [first.0, last.0]);
         let constant = side
@@ -212,25 +215,27 @@ fn horizontal(sides: &[&Side; 2]) -> String {
     stacked(WIDTH, 240, &[Panel::new("vertical preload, kN", "dQ/dy, 10\u{2076} kN/m", true, series)])
 }
 
+/// Loads that both have at a shift, some of them from the smallest to the largest, kN.
+pub(super) fn panel_loads(shifts: &[[&ShiftRecord; 2]]) -> Vec<f64> {
+    let of_both = shifts.iter().flat_map(|[a, b]| {
+        a.loads.iter().filter(|load| b.loads.iter().any(|other| other.force_kn == load.force_kn))
+    });
+    let mut loads: Vec<f64> = of_both.map(|load| load.force_kn).collect();
+    loads.sort_by(f64::total_cmp);
+    loads.dedup();
+    let chosen = PANELS.min(loads.len());
+    (0..chosen).map(|n| loads[n * (loads.len() - 1) / (chosen - 1).max(1)]).collect()
+}
+
 /// Over the shifts that both have, in the order of A's contact angles; none where there are none.
 fn by_angle(sides: &[&Side; 2], reference: &str) -> Option<String> {
     let mut shifts = common_shifts(sides[0], sides[1]);
     shifts.retain(|both| both.iter().all(|shift| shift.touch.is_some()));
     shifts.sort_by(|x, y| x[0].angle().unwrap_or(0.0).total_cmp(&y[0].angle().unwrap_or(0.0)));
-    let mut loads: Vec<f64> = shifts
-        .iter()
-        .flat_map(|[a, b]| {
-            a.loads.iter().filter(|load| b.loads.iter().any(|other| other.force_kn == load.force_kn))
-        })
-        .map(|load| load.force_kn)
-        .collect();
-    loads.sort_by(f64::total_cmp);
-    loads.dedup();
+    let loads = panel_loads(&shifts);
     if loads.is_empty() {
         return None;
     }
-    let chosen = PANELS.min(loads.len());
-    let loads: Vec<f64> = (0..chosen).map(|n| loads[n * (loads.len() - 1) / (chosen - 1).max(1)]).collect();
     let names: Vec<[String; 2]> = shifts
         .iter()
         .map(|[a, b]| {
@@ -249,8 +254,7 @@ fn by_angle(sides: &[&Side; 2], reference: &str) -> Option<String> {
                 points.map(|(place, value)| (at(place), value.map_or(f64::NAN, |value| value.value * 1e-6)));
             let bars = values.iter().enumerate().filter_map(|(place, value)| {
                 let (value, error) = (value.as_ref()?.value, value.as_ref()?.error?);
-                let end = |sign: f64| (at(place), (value + sign * error) * 1e-6);
-                Some([end(-1.0), end(1.0), (f64::NAN, f64::NAN)])
+                Some(bar([value - error, value + error].map(|tangent| (at(place), tangent * 1e-6))))
             });
             let bars = Series::line("", bars.flatten().collect(), color, Dash::Solid);
             vec![

@@ -3,8 +3,13 @@
 use std::path::Path;
 
 use super::*;
-use crate::records::{InputsRecord, ResolvedKey, StiffnessRecord, VerificationRecord};
+use crate::output::{OutputFolder, to_json};
+use crate::records::{
+    FixedLoadRecord, InputsRecord, ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord, history_csv,
+};
 use crate::report::samples;
+use crate::results::{NewFile, Results};
+use railspring_calibrate::history::History;
 
 /// ROUNDOFF: a product and a quotient of numbers of order one.
 const ROUNDOFF: f64 = 1e-12;
@@ -304,9 +309,68 @@ fn shifts_and_loads_have_their_partners() {
         ("shift 4 mm (5.8\u{b0} and 5.8\u{b0}) at 80 kN", Some(0.22)),
     ];
     assert_eq!(changes, expected.map(|(name, change)| (name.to_string(), change)));
-    // a figure has a panel for each load that both have
-    let page = page(&a, &b, &found);
-    assert!(page.contains("at 20 kN") && page.contains("at 80 kN"));
+}
+
+/// Goal: the figure over the contact angle has the smallest, the largest and a middle one of the loads that both have, and a bar is the band to either side.
+#[test]
+fn figures_have_common_loads_and_bars() {
+    let [a, b] = [side("a"), side("b")];
+    let mut shifts = b.by_angle.clone().unwrap().shifts;
+    let mut others = a.by_angle.clone().unwrap().shifts;
+    let more =
+        [30.0, 60.0, 70.0, 90.0].map(|force_kn| FixedLoadRecord { force_kn, ..shifts[1].loads[0].clone() });
+    others[1].loads.extend(more[..3].iter().cloned());
+    shifts[1].loads.extend(more[1..].iter().cloned());
+    let pairs: Vec<_> = others.iter().zip(&shifts).map(|(a, b)| [a, b]).collect();
+    assert_eq!(page::panel_loads(&pairs), [20.0, 60.0, 80.0]);
+    assert!(page::panel_loads(&[]).is_empty());
+    let ends = page::ends_of(200.0, 0.1);
+    assert!((ends[0] - 180.0).abs() < 1e-9 && (ends[1] - 220.0).abs() < 1e-9, "{ends:?}");
+}
+
+/// Goal: a folder is read with the runs of its own load cases, and with its inputs only where they are those of its springs.
+#[test]
+fn a_folder_is_read_as_it_was_written() {
+    let place = tempfile::tempdir().unwrap();
+    let folder = OutputFolder::create(&place.path().join("out")).unwrap();
+    let read = |calibration: &str| {
+        let made = side("a");
+        let inputs = InputsRecord { calibration: calibration.into(), ..made.inputs.unwrap() };
+        let mut verdict = verdict(&[]);
+        let of = |name: &str| {
+            let simple = serde_json::json!({ "degrees_of_freedom": 1, "ending": "completed" });
+            serde_json::from_value(serde_json::json!({ "scenario": name, "simple": simple, "lines": [] }))
+                .unwrap()
+        };
+        verdict.scenarios = vec![of("one"), of("two")];
+        let history = |name: &str, shift: f64| {
+            let history = samples::history(shift);
+            let rows = history_csv::write(&history);
+            NewFile { run: Some(RunRecord::bare(&history)), ..NewFile::new(name, rows, "") }
+        };
+        let files = vec![
+            NewFile::new("stiffness.json", to_json(&made.stiffness), ""),
+            NewFile::new("inputs.json", to_json(&inputs), ""),
+            NewFile::new("verification.json", to_json(&verdict), ""),
+            history("history.csv", 0.0),
+            history("history-two.csv", 0.01),
+        ];
+        Results::new(&folder).write(files, &[]).unwrap();
+        Side::read(folder.path()).unwrap()
+    };
+    let found = read(&samples::stiffness().input_hash);
+    let names: Vec<&str> = found.runs.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["one", "two"]);
+    for ((_, found), shift) in found.runs.iter().zip([0.0, 0.01]) {
+        let peak = |history: &History| history.rows.iter().map(|row| row.vertical_force).fold(0.0, f64::max);
+        let first = |history: &History| {
+            let peak = peak(history);
+            history.rows.iter().position(|row| row.vertical_force > 0.99 * peak)
+        };
+        assert_eq!(first(found), first(&samples::history(shift)), "{shift}");
+    }
+    assert!(found.keys().is_some());
+    assert!(read("another").keys().is_none());
 }
 
 /// Goal: what either side lacks is said of it, and so is that no load is in both ranges.
@@ -358,6 +422,8 @@ fn the_page_has_all_of_it() {
     a.runs = vec![("constant".into(), samples::history(0.0))];
     b.runs = vec![("constant".into(), samples::history(0.001))];
     b.stiffness = softer(b.stiffness, 1.2, 0.01);
+    a.verdict = Some(verdict(&[line("law_max", 0.1, 0.15), line("law_rms", 0.2, 0.15)]));
+    b.verdict = Some(verdict(&[line("law_max", 0.3, 0.15), line("law_rms", 0.2, 0.15)]));
     let found = compare(&a, &b).unwrap();
     let html = page(&a, &b, &found);
     assert!(!html.contains("could not be written"), "{html}");
@@ -366,6 +432,11 @@ fn the_page_has_all_of_it() {
     for name in found.groups.iter().map(|group| group.name.as_str()).chain(["Load case constant", "fails"]) {
         assert!(html.contains(name), "{name}");
     }
+    // rows beyond their bands, and limits that fail now, stand out
+    let beyond =
+        found.groups.iter().flat_map(|group| &group.rows).filter(|row| row.beyond == Some(true)).count();
+    assert!(beyond > 8, "{beyond}");
+    assert_eq!(html.matches("<tr class=\"fails\">").count(), beyond + 1);
     for figure in html.split("<figure ").skip(1) {
         assert!(figure.contains("A: ") && figure.contains("B: "), "{}", &figure[..200]);
     }
