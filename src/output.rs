@@ -50,8 +50,11 @@ impl OutputFolder {
             return Err(InputError::new(
                 "output folder",
                 path.display(),
-                "a folder that an earlier stage has written",
-                "run that stage first, or name its folder with -o",
+                "a folder that `railspring calibrate`, `fit` or `run` has written",
+                format!(
+                    "run `railspring calibrate` with -o {} first, or name the folder of its results with -o",
+                    path.display()
+                ),
             )
             .into());
         }

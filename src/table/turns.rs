@@ -165,8 +165,8 @@ impl<P: Pairs> Turns<'_, P> {
 mod tests {
     use super::*;
     use railspring_calibrate::error::InputError;
+    use std::sync::Condvar;
     use std::thread::sleep;
-    use std::time::{Duration, Instant};
 
     /// Pairs whose places wait, the first of each for long; the last number is the pair that fails.
     struct Waiting {
@@ -260,18 +260,60 @@ mod tests {
         assert_eq!(*pairs.ready.lock().unwrap(), [0, 1]);
     }
 
-    /// Goal: two threads do not wait for the long place of a pair while another pair is ready: the time is half of the sum of all. Threads that wait for the
-    /// end of each pair need as long as its long place. Accuracy: a quarter, the last pair and sleeps that take longer; the other is a half more.
+    /// Pairs the first place of which ends when that of the next pair has begun; the last number is how many are open at once.
+    struct Linked {
+        places: Vec<usize>,
+        at_once: usize,
+        /// How many first places have begun.
+        begun: Mutex<usize>,
+        another: Condvar,
+    }
+
+    /// Longest that a place waits for another one: milliseconds are enough where it comes at all.
+    const PATIENCE: Duration = Duration::from_secs(30);
+
+    impl Pairs for &Linked {
+        type Ready = ();
+        type Place = ();
+
+        fn places(&self) -> &[usize] {
+            &self.places
+        }
+
+        fn ready(&self, _: usize) -> Result<()> {
+            Ok(())
+        }
+
+        fn at_once(&self, (): &()) -> usize {
+            self.at_once
+        }
+
+        fn place(&self, pair: usize, (): &(), place: usize) -> Result<()> {
+            if place > 0 {
+                return Ok(());
+            }
+            let mut begun = self.begun.lock().unwrap();
+            *begun += 1;
+            self.another.notify_all();
+            let next = (pair + 2).min(self.places.len());
+            let waited = self.another.wait_timeout_while(begun, PATIENCE, |begun| *begun < next).unwrap();
+            match waited.1.timed_out() {
+                true => Err(InputError::new("pair", pair, "the next one begun", "wait for no place").into()),
+                false => Ok(()),
+            }
+        }
+    }
+
+    /// Goal: two threads do not wait for the long place of a pair while there is another pair: here it ends only when that of the next pair has begun. With one
+    /// thread, or one pair at a time, that never happens.
     #[test]
     fn no_thread_waits_for_the_last_place_of_a_pair() {
-        const ENDS: f64 = 0.25;
-        const PAIRS: usize = 8;
-        const SHORTS: usize = 4;
-        let pairs = waiting(&[1 + SHORTS; PAIRS], 2, None);
-        let begun = Instant::now();
-        threads(2).install(|| in_turn(&&pairs)).unwrap();
-        let sum = PAIRS as f64 * (LONG + SHORTS as u32 * SHORT).as_secs_f64();
-        assert!(begun.elapsed().as_secs_f64() < (1.0 + ENDS) * 0.5 * sum, "{:?}", begun.elapsed());
-        assert!((1.0 + ENDS) * 0.5 * sum < PAIRS as f64 * LONG.as_secs_f64());
+        let linked = |places: &[usize], at_once: usize| {
+            let linked =
+                Linked { places: places.to_vec(), at_once, begun: Mutex::default(), another: Condvar::new() };
+            threads(2).install(|| in_turn(&&linked)).map(|made| made.len())
+        };
+        assert_eq!(linked(&[5; 8], 2).unwrap(), 8);
+        assert_eq!(linked(&[1, 4, 1, 1, 3], 2).unwrap(), 5);
     }
 }
