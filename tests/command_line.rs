@@ -411,7 +411,11 @@ fn later_stages_need_the_earlier_ones() {
     for command in ["simulate", "verify", "report"] {
         let absent = place.run(&[command, "study.toml", "-o", "nowhere"]);
         assert_eq!(absent.status.code(), Some(2));
-        assert!(message(&absent).contains("an earlier stage"), "{}", message(&absent));
+        assert!(
+            message(&absent).contains("run `railspring calibrate` with -o nowhere first"),
+            "{}",
+            message(&absent)
+        );
         let empty = place.run(&[command, "study.toml", "-o", "empty"]);
         assert_eq!(empty.status.code(), Some(2));
         assert!(message(&empty).contains("empty/stiffness.json"), "{}", message(&empty));

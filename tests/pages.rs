@@ -1,6 +1,6 @@
 //! The pages in a real browser (`cargo pages`): Chromium, puppeteer-core and axe-core in the versions of `testing/pages/package-lock.json`.
 //!
-//! Goal: report, cross-check, table and comparison scroll sideways on no screen of 390 px, every figure has a text, every link goes somewhere, and
+//! Goal: reports of a study and of two measured profiles, cross-check, table and comparison scroll sideways on no screen of 390 px, every figure has a text, every link goes somewhere, and
 //! axe-core finds no violation; px, no tolerance. A page with a fault of each kind is refused. Printed on A4, no page but the last of each is less than
 //! half full.
 
@@ -57,13 +57,18 @@ fn pages_pass_in_a_browser() {
     write("worn.toml", &base.replace("S1002", "EN13715-1in40"));
     railspring(&["run", "worn.toml", "-o", "worn"]);
     railspring(&["table", "table.toml", "-o", "table"]);
+    // two measured profiles without a study
+    let profiles = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/profiles");
+    let [wheel, rail] =
+        ["worn-s1002.whl", "worn-60e1.prr"].map(|file| profiles.join(file).display().to_string());
+    railspring(&["fit", &wheel, &rail, "-o", "measured", "--pdf"]);
     let compare = Command::new(env!("CARGO_BIN_EXE_railspring"))
         .args(["compare", "run", "worn", "--pdf"])
         .current_dir(place.path())
         .output()
         .unwrap();
     assert!(compare.status.success(), "{}", said(&compare));
-    for pdf in ["run/report.pdf", "run/crosscheck.pdf", "compare.pdf"] {
+    for pdf in ["run/report.pdf", "run/crosscheck.pdf", "measured/report.pdf", "compare.pdf"] {
         let full = fullness(&path(pdf));
         println!("{pdf}: {full:.2?}");
         let (_, pages) = full.split_last().unwrap_or_else(|| panic!("{pdf} has no page"));
@@ -87,7 +92,14 @@ fn pages_pass_in_a_browser() {
         let mut node = Command::new("node");
         node.arg("check.mjs").arg(&browser).args(pages).current_dir(place.path()).output().unwrap()
     };
-    let output = check(&["run/report.html", "run/crosscheck.html", "table/table.html", "compare.html"]);
+    let pages = [
+        "run/report.html",
+        "run/crosscheck.html",
+        "measured/report.html",
+        "table/table.html",
+        "compare.html",
+    ];
+    let output = check(&pages);
     assert!(output.status.success(), "{}", said(&output));
 
     let report = std::fs::read_to_string(path("run/report.html")).unwrap();

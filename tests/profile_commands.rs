@@ -235,7 +235,9 @@ fn the_nearest_standards_of_a_section_are_said() {
     let check = |name: &str| railspring(place.path(), &["check", name, "--section", "--kind", "rail"]);
     let said = output_of(place.path(), &["check", "whole.csv", "--section", "--kind", "rail"]);
     assert!(
-        said.contains("the nearest standards are 54E1 (0.000 mm off what wear leaves alone), "),
+        said.contains(
+            "the nearest standards are 54E1 (0.000 mm off what wear leaves alone, 0 % worn or unlike), "
+        ),
         "{said}"
     );
     let refused = check("head.csv");

@@ -78,7 +78,7 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
             format!(
                 "{} % (RMS), {} % at most",
                 significant(1e2 * law.rms_rel_error, 2),
-                significant(1e2 * law.max_rel_error, 3)
+                significant(1e2 * law.max_rel_error, 2)
             ),
         ),
         row("horizontal stiffness", horizontal(stiffness)),

@@ -127,7 +127,7 @@ impl OnStandard {
     /// The parts of the running surface in their order, and what of the measurement is not used.
     pub(super) fn rows(&self) -> Vec<PartRow> {
         let place = |p: Option<&Point2<f64>>| match p {
-            Some(p) => format!("({:.3}, {:.3})", p.x / MILLIMETRE, p.y / MILLIMETRE),
+            Some(p) => format!("({:.3}, {:.3})", p.x / MILLIMETRE, p.y / MILLIMETRE).replace('-', "\u{2212}"),
             None => String::new(),
         };
         let shown = |part: &&Part| part.running && part.origin != Origin::StandardUnused;

@@ -128,8 +128,8 @@ fn the_page_is_complete_and_needs_nothing_else() {
         "P, RMS difference over the solid",
         "solid model itself",
         "of the wheel on the rail. Band: what the solid is worth itself, the change at each instant with an input that is 0.1 % larger, up to 275 ms. From 100 ms on the motion of the solid is not determined",
-        "<td>0 to 99.5 ms</td>",
-        "<td>100 to 275 ms</td>",
+        "<td class=\"line\">0 to 99.5 ms</td>",
+        "<td class=\"line\">100 to 275 ms</td>",
         "peak memory",
         "scaled Jacobian",
         // the measured surface: what was changed, and where its parts meet

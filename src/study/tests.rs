@@ -324,7 +324,9 @@ fn measured_profiles_are_named_by_file_and_body() {
     for standard in ["", "\nstandard = \"61E1\""] {
         let near = refused(&format!("profile_file = \"new.csv\"{standard}"));
         assert!(
-            near.contains("nearest to \"new.csv\" are 60E1 (0.000 mm off what wear leaves alone)"),
+            near.contains(
+                "nearest to \"new.csv\" are 60E1 (0.000 mm off what wear leaves alone, 0 % worn or unlike)"
+            ),
             "{near}"
         );
     }

@@ -223,7 +223,7 @@ fn odd(seen: &[Seen<'_>]) -> Vec<Value> {
             "shift": number(place.shift),
             "angle": format!("{angle:.1}"),
             "stiffness": format!("{:.3}", 1e-6 * stiffness),
-            "off": format!("{:+.1} %", 1e2 * off),
+            "off": format!("{:+.1} %", 1e2 * off).replace('-', "\u{2212}"),
         })
     };
     off.iter().take(ODD).map(row).collect()
@@ -289,8 +289,14 @@ fn embedded(rows: &Rows) -> String {
     json!({ "rows": rows.rows.len(), "columns": columns }).to_string().replace('<', "\\u003c")
 }
 
+/// What is smaller, in the unit of its column, is 0: no quantity of a place is, but for rounding.
+const NOTHING: f64 = 1e-9;
+
 /// A number of six digits.
 fn rounded(number: f64) -> Value {
+    if number.abs() < NOTHING {
+        return 0.into();
+    }
     format!("{number:.5e}").parse::<f64>().map_or(Value::Null, Value::from)
 }
 

@@ -47,10 +47,10 @@ impl fmt::Display for Misfit {
         let off = self.rms.map_or_else(|| "nothing measured that wear leaves alone".into(), off);
         let size = self.placed.size;
         let size = if size.is_one() { String::new() } else { format!(", {:.3} times as large", size.factor) };
-        let unlike = if self.placed.fits() {
-            String::new()
-        } else {
-            format!(", another shape: {:.0} % unlike", 100.0 * self.share)
+        let share = 100.0 * self.share;
+        let unlike = match self.placed.fits() {
+            true => format!(", {share:.0} % worn or unlike"),
+            false => format!(", another shape: {share:.0} % unlike"),
         };
         write!(f, "{} ({off}{size}{unlike})", self.name)
     }

@@ -63,6 +63,16 @@ fn a_page_shows_what_is_odd_and_what_is_missing() {
     assert_eq!(missing[0]["reason"], "off the <rail>");
 }
 
+/// Goal: numbers have six digits, and what rounding leaves of a zero is 0.
+#[test]
+fn numbers_have_six_digits() {
+    let cases =
+        [(0.123_456_789, 0.123_457), (-1.661e-13, 0.0), (2.5e-9, 2.5e-9), (-1_234_567.0, -1_234_570.0)];
+    for (value, expected) in cases {
+        assert_eq!(rounded(value).as_f64(), Some(expected), "{value}");
+    }
+}
+
 /// Goal: what the page's program reads is the rows: a column that is the same everywhere once, words by their number, numbers of six digits,
 /// nothing where there is nothing.
 #[test]
