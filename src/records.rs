@@ -25,7 +25,9 @@ pub use by_angle::{
     AngleLawRecord, BY_ANGLE, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord,
     ShiftTouchRecord, StiffnessByAngleRecord,
 };
-pub use element::{ElasticWheelRecord, ElementRecord, HubDeviationRecord, StripRecord};
+pub use element::{
+    ElasticWheelRecord, ElementRecord, EndPlaceRecord, HeldEndRecord, HubDeviationRecord, StripRecord,
+};
 pub use error_band::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };

@@ -89,6 +89,7 @@ fn element(pair: &Pair) -> PairElement {
             rest: Matrix3::from_diagonal(&Vector3::new(1.5e-10, 1e-10, 5e-8)),
         },
         head: Matrix3::from_diagonal(&Vector3::new(6e-9, 6e-11, 6e-7)),
+        held_end: None,
         strips: StripStiffness::new(vec![StripPlace { rail_s: 0.0, modulus }], relieving, 0.0),
         misfit: [0.0; 2],
     }

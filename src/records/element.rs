@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 use railspring_calibrate::element::{
-    ElasticWheel, Influence, PairElement, RimMode, StripModulus, StripPlace, StripStiffness,
+    ElasticWheel, EndPlace, HeldEnd, Influence, PairElement, RimMode, StripModulus, StripPlace,
+    StripStiffness,
 };
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::units::MILLIMETRE;
@@ -23,6 +24,9 @@ pub struct ElementRecord {
     pub wheel: ElasticWheelRecord,
     /// Flexibility of the rail's head against its section: motions under unit forces.
     pub head: [[f64; 3]; 3],
+    /// What becomes of it near a held end of the rail; left out of an element that knows the middle of its rail alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub held_end: Option<HeldEndRecord>,
     /// Stiffness of the contact's strips along the rail.
     pub strips: Vec<StripRecord>,
     /// Displacement of a surface at a distance from a load, times that: what contacts relieve each other, µm·mm/kN.
@@ -44,6 +48,26 @@ pub struct HubDeviationRecord {
     pub shift_mm: f64,
     /// Load along the contact normal, kN.
     pub force_kn: f64,
+}
+
+/// The head of a rail near an end that is held.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HeldEndRecord {
+    /// Length of the rail at either end that has no shear flexibility, mm; its torsion is Vlasov's.
+    pub shear_inset_mm: f64,
+    /// The head against such a rail, by its distance from the nearer end.
+    pub places: Vec<EndPlaceRecord>,
+}
+
+/// The head at a distance from a held end.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EndPlaceRecord {
+    /// The distance, mm.
+    pub distance_mm: f64,
+    /// Its flexibility against the rail: motions under unit forces.
+    pub flexibility: [[f64; 3]; 3],
+    /// Its motion beyond the rail's rotation under a torque of 1 N·m at the middle of the rail.
+    pub twist: [f64; 3],
 }
 
 /// The wheel as hub, modes and static rest.
@@ -140,6 +164,9 @@ impl ElementRecord {
                 );
             }
         }
+        if let Some(end) = &self.held_end {
+            end.check(&wrong)?;
+        }
         if self.relief_um_mm_per_kn < 0.0 {
             return wrong("relief_um_mm_per_kn".into(), self.relief_um_mm_per_kn.to_string(), "0 or more");
         }
@@ -157,9 +184,60 @@ impl ElementRecord {
     }
 }
 
+impl HeldEndRecord {
+    /// Whether there is a place at least, and each is farther from the end than the one before.
+    fn check(
+        &self,
+        wrong: &dyn Fn(String, String, &str) -> Result<(), InputError>,
+    ) -> Result<(), InputError> {
+        if self.shear_inset_mm < 0.0 {
+            return wrong("held_end.shear_inset_mm".into(), self.shear_inset_mm.to_string(), "0 or more");
+        }
+        if self.places.is_empty() {
+            return wrong(
+                "held_end.places".into(),
+                "[]".into(),
+                "the head at one distance from the end at least",
+            );
+        }
+        let mut before = 0.0;
+        for (i, place) in self.places.iter().enumerate() {
+            if place.distance_mm <= before {
+                let key = format!("held_end.places[{i}].distance_mm");
+                let expected = format!("more than {before} mm, the place before");
+                return wrong(key, place.distance_mm.to_string(), &expected);
+            }
+            before = place.distance_mm;
+        }
+        Ok(())
+    }
+}
+
+impl From<&HeldEnd> for HeldEndRecord {
+    fn from(HeldEnd { inset, places }: &HeldEnd) -> Self {
+        let place = |EndPlace { distance, flexibility, twist }: &EndPlace| EndPlaceRecord {
+            distance_mm: distance / MILLIMETRE,
+            flexibility: rows(flexibility),
+            twist: (*twist).into(),
+        };
+        Self { shear_inset_mm: inset / MILLIMETRE, places: places.iter().map(place).collect() }
+    }
+}
+
+impl From<&HeldEndRecord> for HeldEnd {
+    fn from(HeldEndRecord { shear_inset_mm, places }: &HeldEndRecord) -> Self {
+        let place = |EndPlaceRecord { distance_mm, flexibility, twist }: &EndPlaceRecord| EndPlace {
+            distance: distance_mm * MILLIMETRE,
+            flexibility: matrix(flexibility),
+            twist: Vector3::from(*twist),
+        };
+        Self { inset: shear_inset_mm * MILLIMETRE, places: places.iter().map(place).collect() }
+    }
+}
+
 impl From<&PairElement> for ElementRecord {
     fn from(element: &PairElement) -> Self {
-        let PairElement { wheel, head, strips, misfit } = element;
+        let PairElement { wheel, head, held_end, strips, misfit } = element;
         let mode = |mode: &RimMode| RimModeRecord {
             frequency_hz: mode.square.sqrt() / std::f64::consts::TAU,
             square_per_s2: mode.square,
@@ -181,6 +259,7 @@ impl From<&PairElement> for ElementRecord {
                 rest: rows(&wheel.rest),
             },
             head: rows(head),
+            held_end: held_end.as_ref().map(HeldEndRecord::from),
             strips: strips.places().iter().map(strip).collect(),
             relief_um_mm_per_kn: strips.influence.flexibility / MICROMETRE_MILLIMETRE_PER_KILONEWTON,
             strips_max_rel_error: strips.misfit,
@@ -192,7 +271,7 @@ impl From<&PairElement> for ElementRecord {
 
 impl From<&ElementRecord> for PairElement {
     fn from(record: &ElementRecord) -> Self {
-        let ElementRecord { wheel, head, strips, .. } = record;
+        let ElementRecord { wheel, head, held_end, strips, .. } = record;
         let mode = |mode: &RimModeRecord| RimMode {
             square: mode.square_per_s2,
             rim: Vector3::from(mode.rim),
@@ -215,6 +294,7 @@ impl From<&ElementRecord> for PairElement {
                 rest: matrix(&wheel.rest),
             },
             head: matrix(head),
+            held_end: held_end.as_ref().map(HeldEnd::from),
             strips: StripStiffness::new(
                 strips.iter().map(place).collect(),
                 Influence { flexibility: record.relief_um_mm_per_kn * MICROMETRE_MILLIMETRE_PER_KILONEWTON },

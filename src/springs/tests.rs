@@ -66,6 +66,7 @@ fn the_condensed_element_is_that_beside_the_law() {
             rest: [[1e-8, 0.0, 0.0], [0.0, 2e-10, 0.0], [0.0, 0.0, 2e-7]],
         },
         head: [[5e-9, 0.0, 0.0], [0.0, 7e-11, 0.0], [0.0, 0.0, 5e-7]],
+        held_end: None,
         strips: vec![strip(0.0), strip(2.0)],
         relief_um_mm_per_kn: 2.8,
         strips_max_rel_error: 0.1,

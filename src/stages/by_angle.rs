@@ -75,7 +75,7 @@ pub fn by_angle(
     };
     let element = study.wants_condensed().then(|| {
         let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
-        PairElement::new(pair, bodies, &places, PairElement::HIGHEST)
+        PairElement::new(pair, bodies, &places, PairElement::HIGHEST, geometry.beam.length())
     });
     let (element, element_missing) = match element {
         Some(Ok(element)) => (Some(element), None),

@@ -7,8 +7,10 @@ mod factor;
 mod motion;
 mod rail;
 mod correction;
+mod held;
 
 pub use element::{BeamElement, deflection_functions};
 pub use factor::{ChainFactor, Meeting, NODE, Node};
+pub use held::HeldRail;
 pub use rail::{End, RailBeam, SectionRows};
 pub use section::{BeamCorrection, BeamSection, Torsion};

@@ -224,6 +224,19 @@ impl RailBeam {
         Matrix3::from_fn(|i, j| product(of(rows[i]), of(rows[j])))
     }
 
+    /// Static flexibility at `x` (m from the first end, clamped to the beam) of a beam that has a node there, in the axes of the section: displacements along y and z (m/N) and
+    /// rotation about x (rad/(N·m)) under unit loads.
+    pub fn at_place(&self, x: f64) -> [f64; 3] {
+        let block = self.at_node(x.clamp(0.0, self.length));
+        // the matrix is positive definite, as the beam is held
+        [0, 1, 2].map(|i| block.map_or(f64::NAN, |block| block[(i, i)]))
+    }
+
+    /// How its ends are held.
+    pub fn ends(&self) -> [End; 2] {
+        self.ends
+    }
+
     /// Static flexibility of a node at `x`; none if the section's stiffness is not positive.
     fn at_node(&self, x: f64) -> Option<Block> {
         let mut stiffness = Block::zeros();

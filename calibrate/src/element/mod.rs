@@ -1,6 +1,7 @@
 //! What the condensed contact element of a moving wheel knows of a pair of solids.
 
 mod sections;
+mod held_end;
 mod wheel;
 mod relief;
 mod modulus;
@@ -11,13 +12,14 @@ mod hertz;
 mod fit;
 
 pub use fit::{PlaceApproaches, PlaceLoad, Sections, fit_strips};
+pub use held_end::{EndPlace, HeldEnd, in_world};
 pub use law::{StripPlace, StripStiffness};
 pub use modulus::{StripLaw, StripModulus};
 pub use overlap::{Pose, Profiles};
 pub use relief::Influence;
 pub use sections::{RunningSurface, SectionFlexibility};
 pub use strips::{Contact, ContactStrips, Relieved};
-pub use wheel::{ElasticWheel, RimMode};
+pub use wheel::{ElasticWheel, RimMode, positive};
 
 use crate::contact::{HalfSpace, Side};
 use crate::error::{InputError, Result};
@@ -32,6 +34,8 @@ pub struct PairElement {
     /// Flexibility of the rail's head against its section, about the node line: displacements y and z (m) and rotation about x (rad)
     /// under forces (N) and a torque (N·m).
     pub head: Matrix3<f64>,
+    /// What becomes of it near a held end; none of a rail that is known in its middle alone.
+    pub held_end: Option<HeldEnd>,
     /// The contact.
     pub strips: StripStiffness,
     /// What of the motions of rim and head a section does not have, relative.
@@ -42,11 +46,17 @@ impl PairElement {
     /// Frequency up to which the wheel moves in modes, Hz.
     pub const HIGHEST: f64 = 2000.0;
 
-    /// The element of a condensed pair, whose wheel has modes, with its laws by contact angle.
+    /// The element of a condensed pair, whose wheel has modes, with its laws by contact angle, for a rail of a `length` (m).
     ///
     /// # Errors
     /// [`InputError`] for a wheel without modes, and for laws without a place.
-    pub fn new(pair: &Pair, bodies: &CondensedPair, laws: &[PlaceApproaches], highest: f64) -> Result<Self> {
+    pub fn new(
+        pair: &Pair,
+        bodies: &CondensedPair,
+        laws: &[PlaceApproaches],
+        highest: f64,
+        length: f64,
+    ) -> Result<Self> {
         let wheel = &bodies.wheel;
         let modes = wheel.modes.as_ref().ok_or_else(|| {
             InputError::new(
@@ -76,6 +86,7 @@ impl PairElement {
         let strips = fit_strips(pair, &bodies.material, laws, &Sections { rim: &rim, head: &head })?;
         Ok(Self {
             wheel: ElasticWheel::new(&on_wheel, modes, &rim, origin, highest)?,
+            held_end: Some(HeldEnd::new(pair, bodies, &head, length)?),
             head: head.flexibility,
             strips,
             misfit: [rim.misfit, head.misfit],

@@ -117,8 +117,8 @@ fn rigid_rows(surface: &RunningSurface, modes: &Modes, about: Point2<f64>) -> [D
     [0, 1, 2].map(|i| motions.row(i).transpose())
 }
 
-/// The nearest flexibility that stores no negative energy: what is negative is the misfit of the section.
-fn positive(matrix: Matrix3<f64>) -> Matrix3<f64> {
+/// The nearest flexibility of a section (y, z, rotation about x) that stores no negative energy: what is negative is the misfit of the section.
+pub fn positive(matrix: Matrix3<f64>) -> Matrix3<f64> {
     // rotations as displacements at a lever of the profile's size
     const LEVER: f64 = 0.03;
     let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, LEVER));

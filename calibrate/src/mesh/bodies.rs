@@ -41,7 +41,7 @@ impl MeshSize {
 /// As [`mesh_rail`].
 pub fn rail_size(section: &RailSection, length: f64, options: &MeshOptions) -> Result<MeshSize> {
     let plane = rail_section_mesh(section, length, options)?;
-    let x = rail_layers(length, options);
+    let x = rail_layers([0.5 * length; 2], options);
     Ok(MeshSize {
         nodes: plane.nodes.len() * x.len(),
         hexes: plane.quads.len() * (x.len() - 1),
@@ -74,11 +74,43 @@ pub fn mesh_rail(
     length: f64,
     options: &MeshOptions,
 ) -> Result<HexMesh> {
+    mesh_rail_between(section, placed, [0.5 * length; 2], options)
+}
+
+/// Meshes a rail in the world frame whose first and second end are at the distances `ends` (m) from the contact at x = 0.
+///
+/// # Errors
+/// As [`mesh_rail`].
+pub fn mesh_rail_between(
+    section: &RailSection,
+    placed: &PlacedRail,
+    ends: [f64; 2],
+    options: &MeshOptions,
+) -> Result<HexMesh> {
+    let mut mesh = rail_section_mesh(section, 2.0 * ends[0].min(ends[1]), options)?;
+    let foot = on_line(&mesh.boundary, &mesh.nodes, section.height);
+    mesh.nodes.iter_mut().for_each(|p| *p = placed.to_world(p));
+    let x = rail_layers(ends, options);
+    Ok(extrude(&mesh, &x, grid_half_length(&x, 1.0, options), &foot))
+}
+
+/// The same with an even number of equally long elements along the track, at least `layers`; the contact grid is the line x = 0.
+///
+/// # Errors
+/// As [`mesh_rail`].
+pub fn mesh_even_rail(
+    section: &RailSection,
+    placed: &PlacedRail,
+    length: f64,
+    layers: usize,
+    options: &MeshOptions,
+) -> Result<HexMesh> {
     let mut mesh = rail_section_mesh(section, length, options)?;
     let foot = on_line(&mesh.boundary, &mesh.nodes, section.height);
     mesh.nodes.iter_mut().for_each(|p| *p = placed.to_world(p));
-    let x = rail_layers(length, options);
-    Ok(extrude(&mesh, &x, grid_half_length(&x, 1.0, options), &foot))
+    let half = layers.div_ceil(2).max(1) as isize;
+    let x: Vec<f64> = (-half..=half).map(|i| 0.5 * length * i as f64 / half as f64).collect();
+    Ok(extrude(&mesh, &x, 0.25 * length / half as f64, &foot))
 }
 
 fn rail_section_mesh(section: &RailSection, length: f64, options: &MeshOptions) -> Result<SectionMesh> {
@@ -88,9 +120,9 @@ fn rail_section_mesh(section: &RailSection, length: f64, options: &MeshOptions) 
 }
 
 /// Positions of the layers of nodes along x.
-fn rail_layers(length: f64, options: &MeshOptions) -> Vec<f64> {
-    let half = half_positions(options, 0.5 * length, options.rail_length_element);
-    half.iter().skip(1).rev().map(|v| -v).chain(half.iter().copied()).collect()
+fn rail_layers(ends: [f64; 2], options: &MeshOptions) -> Vec<f64> {
+    let [before, after] = ends.map(|end| half_positions(options, end, options.rail_length_element));
+    before.iter().skip(1).rev().map(|v| -v).chain(after).collect()
 }
 
 /// Meshes a wheel, the full revolution, in its body frame: origin at the hub

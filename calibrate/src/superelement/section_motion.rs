@@ -97,6 +97,16 @@ impl SectionMotion {
         Ok(Self { shear_centre, flexibility, nodes, moved })
     }
 
+    /// Positions (y, z) of the contact nodes, m.
+    pub fn places(&self) -> &[Point2<f64>] {
+        &self.nodes
+    }
+
+    /// Displacements of the contact nodes (`3·node + axis`) under the unit force or torque number `k` of a beam on the section, m.
+    pub fn moved(&self, k: usize) -> &[f64] {
+        &self.moved[k]
+    }
+
     fn arm(&self, node: usize) -> Matrix2x3<f64> {
         carried(&(self.nodes[node] - self.shear_centre))
     }

@@ -10,6 +10,7 @@
 
 mod wheel;
 mod contact;
+mod head;
 mod model;
 mod step;
 mod statics;

@@ -1,8 +1,8 @@
 //! The condensed model: what it consists of.
 
-use nalgebra::Point2;
+use nalgebra::{Matrix3, Point2};
 
-use railspring_calibrate::beam::RailBeam;
+use railspring_calibrate::beam::{End, HeldRail, RailBeam};
 use railspring_calibrate::element::PairElement;
 use railspring_calibrate::error::Result;
 use railspring_calibrate::pair::Pair;
@@ -11,6 +11,7 @@ use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::solid::Material;
 
+use super::head::Head;
 use crate::moving::{InitialMotion, RailSupport};
 
 /// A condensed wheel on a rail, ready to run scenarios.
@@ -26,6 +27,8 @@ pub struct CondensedModel {
     pub support: RailSupport,
     /// Wheel, head and contact.
     pub element: PairElement,
+    /// The statics of the rail whose ends hold its sections; none of a rail that has no such ends.
+    pub held: Option<HeldRail>,
     /// Stiffness of the axle against the wheel's rotation about x, N·m/rad, in scenarios that free the rotations.
     pub axle: f64,
     /// Damping of the wheel proportional to stiffness, s, as [`Material::damping`].
@@ -35,9 +38,12 @@ pub struct CondensedModel {
 }
 
 impl CondensedModel {
-    /// The wheel of a calibrated pair on its rail as a beam.
+    /// The wheel of a calibrated pair on its rail as a beam; a beam with both ends fixed is the rail of the pair between held ends.
     pub fn of_pair(pair: &Pair, beam: RailBeam, material: &Material, element: PairElement) -> Self {
+        let end = element.held_end.as_ref().filter(|_| beam.ends() == [End::Fixed; 2]);
+        let held = end.map(|end| HeldRail::new(&pair.properties, material, beam.length(), end.inset));
         Self {
+            held,
             rail: pair.placed.clone(),
             wheel: pair.wheel.running.clone(),
             tape: Point2::from(pair.tape()),
@@ -46,6 +52,17 @@ impl CondensedModel {
             axle: axle(pair, material),
             damping: material.damping,
             initial: InitialMotion::default(),
+        }
+    }
+
+    /// The head along the rail; a rail that does not move has none.
+    pub(super) fn head(&self) -> Head {
+        match (&self.support, &self.held, &self.element.held_end) {
+            (RailSupport::Rigid, ..) => Head::same(Matrix3::zeros()),
+            (RailSupport::Beam { beam, .. }, Some(rail), Some(end)) => {
+                Head::between_held_ends(beam, rail, end)
+            }
+            _ => Head::same(self.element.head),
         }
     }
 

@@ -14,6 +14,7 @@ use railspring_calibrate::newmark::Newmark;
 use railspring_calibrate::placement::{departure, lateral_extent};
 use railspring_calibrate::scenario::Scenario;
 
+use super::head::{Head, HeadAt};
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
 use super::wheel::{self, Free, Wheel, WheelState};
@@ -31,6 +32,8 @@ const FORCE: f64 = 10.0;
 #[derive(Clone)]
 struct State {
     at: Meeting,
+    /// The head where the wheel is.
+    head: HeadAt,
     wheel: WheelState,
     rail: Option<RailState>,
     ledger: EnergyLedger,
@@ -74,8 +77,7 @@ struct Run<'a> {
     ends: Option<[f64; 2]>,
     start_x: f64,
     references: [Vector2<f64>; 2],
-    /// Flexibility of the head beyond the beam; a rail that does not move has none.
-    head: Matrix3<f64>,
+    head: Head,
     /// Points of both running surfaces from their reference points, m.
     outlines: [Outline; 2],
 }
@@ -135,8 +137,9 @@ fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Re
             break;
         }
         if (number + 1) % inner_steps == 0 {
-            state.ledger = state.ledger.stored(&run.stored(&state, &prepared));
-            rows.push(run.row((step + 1) as f64 * scenario.time_step, &state));
+            let time = (step + 1) as f64 * scenario.time_step;
+            state.ledger = state.ledger.stored(&run.stored(&state, &prepared, time));
+            rows.push(run.row(time, &state));
             rail.push(section(&state));
         }
     }
@@ -162,7 +165,7 @@ impl<'a> Run<'a> {
             model,
             scenario,
             wheel: Wheel::new(&model.element.wheel, scenario, model.axle, model.damping)?,
-            head: rail.as_ref().map_or_else(Matrix3::zeros, |_| model.element.head),
+            head: model.head(),
             rail,
             start_x: scenario.start_x.unwrap_or(ends.map_or(0.0, |[from, to]| 0.5 * (from + to))),
             ends,
@@ -183,9 +186,11 @@ impl<'a> Run<'a> {
     fn start(&self, strips: &mut ContactStrips, prepared: &Prepared) -> Result<State> {
         let mut wheel = self.wheel.start(&self.model.initial);
         let rim = self.wheel.rim(&wheel);
+        let load = self.rail_load(0.0);
+        let head = self.head.at(load.x);
         let step = Step {
             wheel: Side { free: rim, flexibility: self.wheel.rest },
-            rail: Side { free: Vector3::zeros(), flexibility: self.head },
+            rail: Side { free: head.moved(&Vector3::zeros(), load.torsion), flexibility: head.flexibility },
             law: &self.model.element.strips,
             friction: 0.0,
             tolerance: FORCE,
@@ -197,10 +202,10 @@ impl<'a> Run<'a> {
         // from here on there is friction, which has taken up nothing yet
         at.contacts.look(strips, step.law, &at.pose, self.scenario.friction);
         self.wheel.accelerate(&mut wheel, &at.contacts.all.force);
-        let on_rail = to_world() * self.on_rail(&at);
-        let rail = self.rail.as_ref().map(|rail| rail.start(&self.rail_load(0.0), on_rail)).transpose()?;
-        let mut state = State { at, wheel, rail, ledger: EnergyLedger::default() };
-        state.ledger = EnergyLedger::new(self.stored(&state, prepared));
+        let on_beam = to_world() * head.share * self.on_rail(&at);
+        let rail = self.rail.as_ref().map(|rail| rail.start(&load, on_beam)).transpose()?;
+        let mut state = State { at, head, wheel, rail, ledger: EnergyLedger::default() };
+        state.ledger = EnergyLedger::new(self.stored(&state, prepared, 0.0));
         Ok(state)
     }
 
@@ -209,11 +214,11 @@ impl<'a> Run<'a> {
         -transport(&arm(&self.references, &at.pose)).tr_mul(&at.contacts.all.force)
     }
 
-    /// Energy of contacts and of the parts that follow their forces, J.
-    fn elastic(&self, at: &Meeting) -> f64 {
-        let (force, on_rail) = (at.contacts.all.force, self.on_rail(at));
-        let rest = force.dot(&(self.wheel.rest * force)) + on_rail.dot(&(self.head * on_rail));
-        at.contacts.elastic().iter().sum::<f64>() + 0.5 * rest
+    /// Energy of contacts and of the parts that follow their forces at a `time` (s), J.
+    fn elastic(&self, State { at, head, .. }: &State, time: f64) -> f64 {
+        let force = at.contacts.all.force;
+        let of_head = head.stored(&self.on_rail(at), self.rail_load(time).torsion);
+        at.contacts.elastic().iter().sum::<f64>() + 0.5 * force.dot(&(self.wheel.rest * force)) + of_head
     }
 
     /// Advances between two times, with `spare` as room for the next state; a step that does not converge is done in two halves.
@@ -277,25 +282,24 @@ impl<'a> Run<'a> {
         let Prepared { wheel, rail } = prepared;
         let free = self.wheel.free(wheel, &state.wheel, times);
         let rim = Side { free: free.rim, flexibility: wheel.flexibility + self.wheel.rest };
+        let load = self.rail_load(times[1]);
         let rail_step = match (rail, &state.rail, &mut next.rail) {
-            (Some(rail), Some(before), Some(after)) => {
-                Some(rail.predict(before, &self.rail_load(times[1]), after))
-            }
+            (Some(rail), Some(before), Some(after)) => Some(rail.predict(before, &load, after)),
             _ => None,
         };
-        let head = match &rail_step {
-            Some(step) => {
-                let flexibility = Matrix3::from_fn(|i, j| step.flexibility()[(i, j)]);
-                Side {
-                    free: to_world() * Vector3::from_column_slice(step.free()),
-                    flexibility: to_world() * flexibility * to_world() + self.head,
-                }
-            }
-            None => Side { free: Vector3::zeros(), flexibility: self.head },
-        };
+        next.head = if self.scenario.speed == 0.0 { state.head } else { self.head.at(load.x) };
+        let of_head = &next.head;
+        let mut on_head =
+            Side { free: of_head.moved(&Vector3::zeros(), load.torsion), flexibility: of_head.flexibility };
+        if let Some(step) = &rail_step {
+            let share = of_head.share * to_world();
+            let flexibility = Matrix3::from_fn(|i, j| step.flexibility()[(i, j)]);
+            on_head.free += share * Vector3::from_column_slice(step.free());
+            on_head.flexibility += share * flexibility * share.transpose();
+        }
         let step = Step {
             wheel: rim,
-            rail: head,
+            rail: on_head,
             law: &self.model.element.strips,
             friction: self.scenario.friction,
             tolerance: FORCE,
@@ -307,7 +311,7 @@ impl<'a> Run<'a> {
         }
         self.wheel.finish(wheel, &state.wheel, &free, &next.at.contacts.all.force, &mut next.wheel);
         if let Some(step) = rail_step {
-            step.finish((to_world() * self.on_rail(&next.at)).as_slice());
+            step.finish((to_world() * next.head.share * self.on_rail(&next.at)).as_slice());
         }
         let works = self.worked(state, next, times, &free);
         next.ledger = state.ledger.worked(&works);
@@ -319,24 +323,31 @@ impl<'a> Run<'a> {
         Err(NumericsError { stage, step: None, iteration: looks, residual: f64::NAN, active, reason }.into())
     }
 
-    /// Energies of a state, J.
-    fn stored(&self, state: &State, prepared: &Prepared) -> PartEnergy {
+    /// Energies of a state at a `time` (s), J.
+    fn stored(&self, state: &State, prepared: &Prepared, time: f64) -> PartEnergy {
         let of_rail = self.rail.as_ref().zip(state.rail.as_ref()).map(|(rail, state)| rail.stored(state));
-        let of_contact = PartEnergy { elastic: self.elastic(&state.at), ..PartEnergy::default() };
+        let of_contact = PartEnergy { elastic: self.elastic(state, time), ..PartEnergy::default() };
         self.wheel.stored(&state.wheel, &prepared.wheel) + of_rail.unwrap_or_default() + of_contact
     }
 
     /// Works in a step, J.
     fn worked(&self, state: &State, next: &State, times: [f64; 2], free: &Free) -> PartEnergy {
         let [before, after] = [&state.at, &next.at];
-        let torsion = |time: f64| self.rail_load(time).torsion;
         let of_rail = match (&self.rail, &state.rail, &next.rail) {
             (Some(dynamics), Some(before), Some(after)) => {
-                let torsion = 0.5 * (torsion(times[0]) + torsion(times[1]));
-                let forces = [&state.at, &next.at].map(|at| to_world() * self.on_rail(at));
-                let driven = dynamics.driven([before, after], times.map(|time| self.wheel_x(time)), forces);
-                let driven = PartEnergy { work: driven, ..PartEnergy::default() };
-                dynamics.worked(before, after, torsion, times[1] - times[0]) + driven
+                let torsions = times.map(|time| self.rail_load(time).torsion);
+                let torsion = 0.5 * (torsions[0] + torsions[1]);
+                let (heads, forces) =
+                    ([&state.head, &next.head], [&state.at, &next.at].map(|at| self.on_rail(at)));
+                let shares = heads.map(|head| to_world() * head.share * to_world());
+                let places = times.map(|time| self.wheel_x(time));
+                let of_beam =
+                    dynamics.driven([before, after], places, shares, forces.map(|force| to_world() * force));
+                let of_head = heads[0].driven(heads[1], [&forces[0], &forces[1]], torsions);
+                let turned = heads[1].turned(&forces[1]) - heads[0].turned(&forces[0]);
+                let work = of_beam + of_head + torsion * turned;
+                let beside = PartEnergy { work, ..PartEnergy::default() };
+                dynamics.worked(before, after, torsion, times[1] - times[0]) + beside
             }
             _ => PartEnergy::default(),
         };

@@ -6,9 +6,10 @@ use railspring_calibrate::element::{ContactStrips, Profiles};
 use railspring_calibrate::error::{NumericsError, Result, StopReason};
 
 use super::contact::Contacts;
+use super::head::HeadAt;
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
-use crate::moving::HubStatics;
+use crate::moving::{HubStatics, RailSupport};
 
 /// What a force may be off where the hub is held, N.
 const FORCE: f64 = 1e-4;
@@ -27,8 +28,38 @@ impl CondensedModel {
     /// # Errors
     /// [`NumericsError`] for a force that the contact does not reach.
     pub fn pressed(&self, direction: Vector2<f64>, force: f64, friction: f64) -> Result<HubStatics> {
+        self.pressed_on(self.element.head, direction, force, friction)
+    }
+
+    /// The same with the wheel at `x` (m from the rail's first end) and the rail held as it is in a run.
+    ///
+    /// # Errors
+    /// As [`Self::pressed`].
+    pub fn pressed_at(
+        &self,
+        x: f64,
+        direction: Vector2<f64>,
+        force: f64,
+        friction: f64,
+    ) -> Result<HubStatics> {
+        let HeadAt { share, flexibility, .. } = self.head().at(x);
+        let of_beam = match &self.support {
+            RailSupport::Rigid => Matrix3::zeros(),
+            RailSupport::Beam { beam, .. } => beam.section_flexibility(x),
+        };
+        self.pressed_on(share * of_beam * share.transpose() + flexibility, direction, force, friction)
+    }
+
+    /// The hub pressed on a rail whose head has a flexibility `head`.
+    fn pressed_on(
+        &self,
+        head: Matrix3<f64>,
+        direction: Vector2<f64>,
+        force: f64,
+        friction: f64,
+    ) -> Result<HubStatics> {
         let references = [self.tape.coords, self.support.reference(&self.rail).coords];
-        let [rim, head] = [self.element.wheel.rim_flexibility(), self.element.head];
+        let rim = self.element.wheel.rim_flexibility();
         let profiles = Profiles::new(&self.rail.curve, &self.wheel, self.tape, Point2::from(references[1]));
         let mut strips = ContactStrips::new(profiles, &self.element.strips);
         let law = &self.element.strips;

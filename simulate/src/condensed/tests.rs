@@ -21,6 +21,7 @@ use crate::moving::run_tests::{bridge, profile, quiet, relative};
 use crate::moving::{InitialMotion, MovingRun, RailSupport};
 
 mod endings;
+mod head;
 mod random;
 
 const GRAVITY: f64 = 9.81;
@@ -63,7 +64,14 @@ pub(super) fn model(
         wheel,
         tape: Point2::origin(),
         support: RailSupport::Rigid,
-        element: PairElement { wheel: body, head: Matrix3::zeros(), strips, misfit: [0.0; 2] },
+        element: PairElement {
+            wheel: body,
+            head: Matrix3::zeros(),
+            held_end: None,
+            strips,
+            misfit: [0.0; 2],
+        },
+        held: None,
         axle: 1e6,
         damping: 0.0,
         initial: InitialMotion::default(),

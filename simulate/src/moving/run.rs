@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use nalgebra::{Point2, Vector2, Vector3};
+use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
 use railspring_calibrate::error::{Error, Result, StopReason};
@@ -348,7 +348,8 @@ impl<'a> Run<'a> {
             (Some(dynamics), Some(before), Some(after)) => {
                 let times = [time - step, time];
                 let x = times.map(|time| self.rail_load(time).x);
-                let driven = dynamics.driven([before, after], x, [state.on_rail, on_rail]);
+                let driven =
+                    dynamics.driven([before, after], x, [Matrix3::identity(); 2], [state.on_rail, on_rail]);
                 let driven = PartEnergy { work: driven, ..PartEnergy::default() };
                 dynamics.energy(before, after, 0.5 * (torsion(times[0]) + torsion(times[1])), step) + driven
             }

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use faer::MatRef;
-use nalgebra::{Point2, Vector3};
+use nalgebra::{Matrix3, Point2, Vector3};
 
 use railspring_calibrate::beam::{ChainFactor, Meeting, NODE, Node, RailBeam, SectionRows};
 use railspring_calibrate::energy::PartEnergy;
@@ -195,24 +195,32 @@ impl<'a> RailDynamics<'a> {
     }
 
     /// Work of what moves the contact along the rail in a step from `before` to `after`, J: what its forces (directions 1, 2 and moment 3; at both ends of the step,
-    /// where the wheel is at `x`, m) do to the nodes, less what they do to the section under the wheel, which comes down as the wheel rolls down a slope.
-    pub fn driven(&self, [before, after]: [&RailState; 2], x: [f64; 2], forces: [Vector3<f64>; 2]) -> f64 {
+    /// where the wheel is at `x`, m) do to the nodes, less what they do to the surface under the wheel, which comes down as the wheel rolls down a slope. The surface has `shares` of the
+    /// motion of its section.
+    pub fn driven(
+        &self,
+        [before, after]: [&RailState; 2],
+        x: [f64; 2],
+        shares: [Matrix3<f64>; 2],
+        forces: [Vector3<f64>; 2],
+    ) -> f64 {
         if x[0] == x[1] {
             return 0.0;
         }
         let sections = x.map(|x| self.section(x));
-        let moved = |at: &SectionRows, state: &RailState, i: usize| {
-            (0..2).map(|node| dot(&at.rows[i][node], &state.displacements[at.element + node])).sum::<f64>()
+        let moved = |side: usize, state: &RailState| {
+            let SectionRows { element, rows } = &sections[side];
+            let of_section = Vector3::from_fn(|i, _| {
+                (0..2).map(|node| dot(&rows[i][node], &state.displacements[element + node])).sum::<f64>()
+            });
+            shares[side] * of_section
         };
-        let work = |i: usize| {
-            let of_section = moved(&sections[1], after, i) - moved(&sections[0], before, i);
-            let side = |side: usize| {
-                let of_nodes = moved(&sections[side], after, i) - moved(&sections[side], before, i);
-                0.5 * forces[side][i] * (of_nodes - of_section)
-            };
-            side(0) + side(1)
+        let (was, is) = (moved(0, before), moved(1, after));
+        let work = |side: usize| {
+            let of_nodes = moved(side, after) - moved(side, before);
+            0.5 * forces[side].dot(&(of_nodes - (is - was)))
         };
-        (0..3).map(work).sum()
+        work(0) + work(1)
     }
 
     /// The rail over steps of `scheme`.

@@ -84,7 +84,8 @@ fn a_moving_force_matches_the_series() {
             let next = part.advance(&state, &load, &[0.0, -force, 0.0]);
             let x = [speed * (time - dt), load.x];
             let forces = if step == 1 { [0.0, -force] } else { [-force; 2] };
-            driven += dynamics.driven([&state, &next], x, forces.map(|force| Vector3::new(0.0, force, 0.0)));
+            let forces = forces.map(|force| Vector3::new(0.0, force, 0.0));
+            driven += dynamics.driven([&state, &next], x, [Matrix3::identity(); 2], forces);
             let energy = dynamics.energy(&state, &next, 0.0, dt);
             stored = energy.kinetic + energy.elastic;
             state = next;
