@@ -76,13 +76,13 @@ fn of_solids(track: &Track, pair: &Pair, x: f64) -> Matrix2<f64> {
 }
 
 /// Source: both solids with the wheel at a place of the rail, whose ends are held, under 50 kN, all points sticking. Goal: flexibility of the hub (m/N) with the condensed element, lateral and vertical over the
-/// solids' and their coupling over the root of both, with the wheel centred and 6 mm aside, in the middle of 0.555 m of rail and 200, 120 and 60 mm from its end. Accuracy: MODEL, 3 %. With the head
-/// as in the middle it is up to 21 % off.
+/// solids' and their coupling over the root of both, with the wheel centred and 6 mm aside, in the middle of 0.555 m of rail and 200, 120 and 60 mm from its end. Accuracy: MODEL, 3 %, and 6 mm aside 5 %, as
+/// in the middle. With the head as in the middle everywhere it is up to 8 and 21 % off.
 #[test]
 fn the_hub_stands_as_on_the_solids_wherever_the_wheel_is() {
-    const MODEL: f64 = 0.03;
     let track = track();
-    for shift in [0.0, 6e-3] {
+    const MODEL: [(f64, f64); 2] = [(0.0, 0.03), (6e-3, 0.05)];
+    for (shift, model_error) in MODEL {
         let pair = track.pair.with_wheel_at(track.pair.tape_y + shift).unwrap();
         let beam = pair.beam(&Material::STEEL, LENGTH, 20).unwrap().corrected(&track.correction).unwrap();
         let model = CondensedModel::of_pair(&pair, beam, &Material::STEEL, track.element.clone());
@@ -93,7 +93,7 @@ fn the_hub_stands_as_on_the_solids_wherever_the_wheel_is() {
             let scale = Matrix2::new(solid[(0, 0)], both, both, solid[(1, 1)]);
             let off = (found - solid).component_div(&scale);
             println!("{shift} {x}: {:.4} {:.4} {:.4}", off[(0, 0)], off[(0, 1)], off[(1, 1)]);
-            assert!(off.amax() < MODEL, "{shift} m aside, {x} m: {off}");
+            assert!(off.amax() < model_error, "{shift} m aside, {x} m: {off}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use railspring_calibrate::beam::{BeamCorrection, HeldRail, RailBeam};
-use railspring_calibrate::element::{EndPlace, HeldEnd};
+use railspring_calibrate::element::{EndPlace, HeldEnd, in_world};
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::placement::TrackGeometry;
@@ -38,45 +38,56 @@ fn beam(length: f64) -> (Pair, RailBeam) {
     (pair, beam)
 }
 
-/// Source: its parts, a rail with held ends and the head at a distance from them. Goal: on rails of 0.3, 0.555 and 30 m the head is as flexible as both together (m/N and rad/(N·m)) wherever that stores no
-/// negative energy, and never stores negative energy itself; a place and its mirror image are the same, and nothing moves at the ends. Between places 0.1 mm apart its slope changes by less than a hundredth of its value over
-/// a tenth of a millimetre. Accuracy: INTERPOLATION over places 2.5 mm apart, a thousandth of the largest, and what the head of a rail is beyond its misfit.
+/// The head against the beam in the middle: a little more flexible than [`end`] has it.
+fn middle() -> Matrix3<f64> {
+    Matrix3::new(6.3e-9, -1e-10, -6e-8, -1e-10, 9e-11, 1.2e-9, -6e-8, 1.2e-9, 6.6e-7)
+}
+
+/// Source: its parts, a rail with held ends, the head at a distance from them, and the head in the middle. Goal: on rails of 0.3, 0.555 and 30 m the head on its beam is as flexible (m/N and rad/(N·m)) as the given one in the
+/// middle, and 40 mm from the end as a held rail and the head there, with the part of what the middle differs from that which the head's rotation has there. It stores no negative energy beyond MISFIT of made-up numbers, a thousandth; a place and its mirror image are
+/// the same, nothing moves at the ends, and its slope does not jump: from one tenth of a millimetre to the next it changes by less than 1e-4 of the largest value. Accuracy: INTERPOLATION over places 2.5 mm apart, and what
+/// is taken off the misfit of the made-up numbers, a hundredth of the largest.
 #[test]
-fn the_head_is_that_of_a_held_rail_everywhere() {
-    const INTERPOLATION: f64 = 1e-3;
+fn the_head_is_that_of_a_held_rail_near_the_ends() {
+    const INTERPOLATION: f64 = 1e-2;
+    const MISFIT: f64 = 1e-3;
     const LEVER: f64 = 0.1;
     let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, LEVER));
     for length in [0.3, LENGTH, 30.0] {
         let (pair, beam) = beam(length);
         let rail = HeldRail::new(&pair.properties, &Material::STEEL, length, end().inset);
-        let head = Head::between_held_ends(&beam, &rail, &end());
+        let head = Head::between_held_ends(&beam, &rail, &end(), &middle());
+        let of_beam = |x: f64| in_world(beam.angle(), beam.at_place(x));
         let whole = |x: f64| {
             let HeadAt { share, flexibility, .. } = head.at(x);
-            let [y, z, turned] = beam.at_place(x);
-            let of_beam = railspring_calibrate::element::in_world(beam.angle(), [y, z, turned]);
-            share * of_beam * share.transpose() + flexibility
+            share * of_beam(x) * share.transpose() + flexibility
         };
-        let largest = (scale * whole(0.5 * length) * scale).amax();
+        let half = 0.5 * length;
+        let largest = (scale * (middle() + of_beam(half)) * scale).amax();
+        let off =
+            |found: Matrix3<f64>, exact: Matrix3<f64>| (scale * (found - exact) * scale).amax() / largest;
+        let held = |x: f64| in_world(beam.angle(), rail.flexibility(x));
+        let [first, last] = [&end().places[0], end().places.last().unwrap()].map(|place| place.flexibility);
+        let shared = head.at(half).share * of_beam(half) * head.at(half).share.transpose();
+        assert!(off(whole(half), shared + middle()) < INTERPOLATION, "{length}: {}", whole(half));
+        if half > end().places.last().unwrap().distance {
+            let differs = shared + middle() - held(half) - last;
+            let near = held(0.04) + first + differs * (first[(2, 2)] / last[(2, 2)]);
+            assert!(
+                off(whole(0.04), near) < INTERPOLATION,
+                "{length}: {} {}",
+                off(whole(0.04), near),
+                whole(0.04)
+            );
+        }
         for step in 0..=2000 {
             let x = length * f64::from(step) / 2000.0;
             let at = head.at(x);
             let least = SymmetricEigen::new(scale * at.flexibility * scale).eigenvalues.min();
-            assert!(least > -1e-4 * largest, "{length} {x}: {least:e} of {largest:e}");
+            assert!(least > -MISFIT * largest, "{length} {x}: {least:e} of {largest:e}");
             let mirrored = head.at(length - x);
             assert!((at.flexibility - mirrored.flexibility).amax() < 1e-9 * at.flexibility.amax().max(1e-12));
             assert!((0.0..=1.0 + 1e-3).contains(&at.share[(2, 2)]), "{length} {x}: {}", at.share);
-            let distance = x.min(length - x);
-            if distance > 0.04 {
-                let upper = end().places.partition_point(|place| place.distance < distance);
-                if upper < end().places.len() {
-                    continue;
-                }
-                let of_end = end().places.last().unwrap().flexibility;
-                let exact =
-                    railspring_calibrate::element::in_world(beam.angle(), rail.flexibility(x)) + of_end;
-                let off = (scale * (whole(x) - exact) * scale).amax();
-                assert!(off < INTERPOLATION * largest, "{length} {x}: {off:e} of {largest:e}");
-            }
         }
         assert_eq!(
             (head.at(0.0).flexibility, head.at(length).flexibility),
@@ -84,7 +95,7 @@ fn the_head_is_that_of_a_held_rail_everywhere() {
         );
         let step = 1e-4;
         for n in 1..1000 {
-            let x = 0.5 * length * f64::from(n) / 1000.0;
+            let x = half * f64::from(n) / 1000.0;
             let [a, b, c] = [x - step, x, x + step].map(|x| scale * head.at(x).flexibility * scale);
             let kink = (a - b * 2.0 + c).amax();
             assert!(kink < 1e-4 * largest, "{length} {x}: {kink:e} of {largest:e}");
