@@ -5,11 +5,13 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
+use nalgebra::Point2;
 use railspring_calibrate::profile::lines_and_arcs;
 use railspring_calibrate::profile::rails::{RailOutline, rail_outline};
 use railspring_calibrate::profile::{ProfileKind, Segment, polyline};
 use railspring_calibrate::profile_file::parse_rail_section;
 use railspring_calibrate::section::{rail_section, rail_section_on, wheel_section};
+use railspring_testing::dxf::{self, Entity};
 use serde_json::Value;
 
 /// The coarse study with these keys of the rail, of the wheel, or of both, in the place of the standards'.
@@ -70,25 +72,14 @@ fn load_curve(root: &Path) -> Vec<f64> {
 }
 
 fn drawing<'a>(outline: impl Iterator<Item = &'a Segment>) -> String {
-    let mut text = String::from("0\nSECTION\n2\nENTITIES\n");
-    for segment in outline {
-        let _ = match *segment {
-            Segment::Line { start, end } => {
-                let [a, b, c, d] = [start.x, -start.y, end.x, -end.y].map(|v| 1e3 * v);
-                writeln!(text, "0\nLINE\n8\n0\n10\n{a:.9}\n20\n{b:.9}\n11\n{c:.9}\n21\n{d:.9}")
-            }
-            Segment::Arc { centre, radius, start_angle, sweep } => {
-                let [a, b, r] = [centre.x, -centre.y, radius].map(|v| 1e3 * v);
-                let ends = [-start_angle, -(start_angle + sweep)].map(f64::to_degrees);
-                let [from, to] = if sweep > 0.0 { [ends[1], ends[0]] } else { ends };
-                writeln!(
-                    text,
-                    "0\nARC\n8\n0\n10\n{a:.9}\n20\n{b:.9}\n40\n{r:.9}\n50\n{from:.12}\n51\n{to:.12}"
-                )
-            }
-        };
-    }
-    text + "0\nENDSEC\n0\nEOF\n"
+    let at = |p: Point2<f64>| [1e3 * p.x, -1e3 * p.y];
+    dxf::drawing(outline.map(|segment| {
+        let ends = [at(segment.start()), at(segment.end())];
+        match *segment {
+            Segment::Line { .. } => Entity::Line(ends),
+            Segment::Arc { centre, .. } => Entity::Arc { ends, centre: at(centre) },
+        }
+    }))
 }
 
 fn columns(outline: &RailOutline) -> String {

@@ -10,6 +10,7 @@ use railspring_calibrate::profile_file::{
     prepare,
 };
 use railspring_calibrate::section::rail_section;
+use railspring_testing::dxf::Entity;
 
 const MM: f64 = 1e-3;
 const UM: f64 = 1e-6;
@@ -68,29 +69,20 @@ fn segments(curve: &ProfileCurve) -> Vec<Segment> {
 }
 
 impl Segment {
-    fn centre(&self) -> (Point2<f64>, f64) {
+    fn centre(&self) -> Point2<f64> {
         let chord = self.to - self.from;
         let half = 0.25 * (1.0 / self.bulge - self.bulge);
-        let centre = nalgebra::center(&self.from, &self.to) + half * Vector2::new(-chord.y, chord.x);
-        (centre, (self.from - centre).norm())
+        nalgebra::center(&self.from, &self.to) + half * Vector2::new(-chord.y, chord.x)
     }
 
     /// As LINE or ARC, which runs from the smaller angle to the larger one.
     fn entity(&self) -> String {
-        let Self { from, to, bulge } = self;
-        if *bulge == 0.0 {
-            return format!(
-                "0\nLINE\n8\nhead\n10\n{}\n20\n{}\n30\n0.0\n11\n{}\n21\n{}\n31\n0.0\n",
-                to.x, to.y, from.x, from.y
-            );
-        }
-        let (centre, radius) = self.centre();
-        let angle = |p: &Point2<f64>| (p.y - centre.y).atan2(p.x - centre.x).to_degrees();
-        let (start, end) = if *bulge > 0.0 { (angle(from), angle(to)) } else { (angle(to), angle(from)) };
-        format!(
-            "0\nARC\n8\nhead\n10\n{}\n20\n{}\n30\n0.0\n40\n{radius}\n50\n{start}\n51\n{end}\n",
-            centre.x, centre.y
-        )
+        let [from, to] = [self.from, self.to].map(<[f64; 2]>::from);
+        let entity = match self.bulge {
+            0.0 => Entity::Line([to, from]),
+            _ => Entity::Arc { ends: [from, to], centre: self.centre().into() },
+        };
+        entity.text("head")
     }
 
     /// An arc as a rational spline of degree 2.

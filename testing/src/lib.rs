@@ -1,10 +1,11 @@
 //! What tests need that is not part of the project (tables of other programs, Python, CalculiX, OpenSees, STEM), and counting the tests
-//! that are skipped without it; besides, random numbers, and waiting for what a process writes.
+//! that are skipped without it; besides, random numbers, drawings, and waiting for what a process writes.
 //!
 //! A test cannot tell cargo at run time that it was skipped: it counts as passed. So it says so on a line of its own that
 //! cargo does not hold back, and leaves a mark in the target folder, which it takes away when it finds what it needs.
 //! The test target `skipped` of this package and `.ci/run` count them.
 
+pub mod dxf;
 mod programs;
 mod random;
 

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use nalgebra::Point2;
+use railspring_testing::dxf::{self, Entity};
 
 use super::*;
 use crate::profile::lines_and_arcs;
@@ -32,34 +33,14 @@ fn columns_of(points: &[Point2<f64>]) -> String {
 
 /// Lines and arcs as a drawing, each where `place` puts it, in no order.
 pub(super) fn drawing(outline: &[Segment], place: impl Fn(Point2<f64>) -> Point2<f64>) -> String {
-    let mut text = String::from("0\nSECTION\n2\nENTITIES\n");
-    for segment in outline.iter().rev() {
-        let (a, b) = (place(segment.start()), place(segment.end()));
-        let _ = match *segment {
-            Segment::Line { .. } => {
-                let [a, b] = [a, b].map(|p| p / MILLIMETRE);
-                writeln!(
-                    text,
-                    "0\nLINE\n8\n0\n10\n{:.9}\n20\n{:.9}\n11\n{:.9}\n21\n{:.9}",
-                    a.x, a.y, b.x, b.y
-                )
-            }
-            Segment::Arc { centre, radius, .. } => {
-                // An arc of DXF goes round counter-clockwise, from where the shorter way does.
-                let c = place(centre);
-                let angle = |p: Point2<f64>| (p.y - c.y).atan2(p.x - c.x).to_degrees();
-                let forward = (a - c).perp(&(b - c)) > 0.0;
-                let [from, to] = if forward { [angle(a), angle(b)] } else { [angle(b), angle(a)] };
-                let (c, radius) = (c / MILLIMETRE, radius / MILLIMETRE);
-                writeln!(
-                    text,
-                    "0\nARC\n8\n0\n10\n{:.9}\n20\n{:.9}\n40\n{radius:.9}\n50\n{from:.12}\n51\n{to:.12}",
-                    c.x, c.y
-                )
-            }
-        };
-    }
-    text + "0\nENDSEC\n0\nEOF\n"
+    let at = |p: Point2<f64>| <[f64; 2]>::from(place(p) / MILLIMETRE);
+    dxf::drawing(outline.iter().rev().map(|segment| {
+        let ends = [at(segment.start()), at(segment.end())];
+        match *segment {
+            Segment::Line { .. } => Entity::Line(ends),
+            Segment::Arc { centre, .. } => Entity::Arc { ends, centre: at(centre) },
+        }
+    }))
 }
 
 /// Lines and arcs of 60E1 as a drawing with y up, moved to the right and up.
