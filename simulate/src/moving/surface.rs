@@ -92,15 +92,6 @@ pub(super) struct ContactForces {
     pub provisional: bool,
 }
 
-/// Foot of a rail node on the wheel.
-struct Foot {
-    /// Its arc length, and the derivative of the spline there.
-    place: f64,
-    slope: Vector2<f64>,
-    /// From the wheel to the node, m; negative is penetration.
-    gap: f64,
-}
-
 /// The rail's nodes and the wheel's spline.
 pub(super) struct ContactSurface<'a> {
     wheel: &'a ProfileCurve,
@@ -121,21 +112,8 @@ pub(super) struct ContactSurface<'a> {
 /// A node with a smaller gap (m) that moved less keeps its foot in the neighbourhood: every radius of a wheel is larger.
 const NEAR: f64 = 2e-3;
 
-/// The iteration for a foot ends with a shorter step, m.
-const SETTLED: f64 = 1e-9;
-
 /// Beyond its predicted motion a step may move this far (m) before nodes are listed anew.
 const LEAST_REACH: f64 = 50e-6;
-
-/// A vector of the wheel's profile frame in directions 1 and 2.
-fn in_plane(vector: &Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(vector.x, -vector.y)
-}
-
-/// Equation (13) in the wheel's profile frame: how far a node is behind its foot, m, where the spline has this derivative.
-fn penetration(from_foot: &Vector2<f64>, slope: &Vector2<f64>) -> f64 {
-    normal_displacement(in_plane(from_foot), in_plane(slope).normalize())
-}
 
 impl<'a> ContactSurface<'a> {
     /// `points` are the rail nodes relative to C, `centre` the wheel centre relative to C, both at rest in directions 1 and 2.
@@ -176,29 +154,20 @@ impl<'a> ContactSurface<'a> {
         Point2::new(arm.x, -arm.y - self.wheel_radius)
     }
 
-    /// Foot of a point on the spline, starting from the arc length `near`; the gap is known to be `least` (m) or more.
-    fn foot(&self, point: &Point2<f64>, near: f64, least: f64) -> Foot {
+    /// Foot of a point near the spline, starting from the arc length `near`.
+    fn foot(&self, point: &Point2<f64>, near: f64) -> (f64, Point2<f64>, Vector2<f64>) {
         let mut s = near;
         let (mut foot, mut slope) = self.wheel.evaluate(s);
-        let mut step = f64::INFINITY;
         // The gap is small against the radius of curvature: the simplified Newton converges in a few iterations.
         for _ in 0..12 {
-            step = (point - foot).dot(&slope) / slope.norm_squared();
+            let step = (point - foot).dot(&slope) / slope.norm_squared();
             s += step;
             (foot, slope) = self.wheel.evaluate(s);
             if step.abs() < 1e-16 {
                 break;
             }
         }
-        let gap = -penetration(&(point - foot), &slope);
-        if step.abs() < SETTLED && gap > least - SETTLED {
-            return Foot { place: s, slope, gap };
-        }
-        // Further away than the radius of curvature it leads elsewhere, on the tangents beyond the ends as well.
-        let (place, distance) = self.wheel.closest(point);
-        let (foot, slope) = self.wheel.evaluate(place);
-        let inside = penetration(&(point - foot), &slope) > 0.0 && place > 0.0 && place < self.wheel.length();
-        Foot { place, slope, gap: if inside { -distance } else { distance } }
+        (s, foot, slope)
     }
 
     /// Lists the nodes that can touch within `reach` (m) of `start`, the last converged pose, and finds the feet of those that are
@@ -219,12 +188,13 @@ impl<'a> ContactSurface<'a> {
             // A listed node has its foot from the last converged pose; one that was near finds it near the last.
             let near = was_listed || (self.bounds[i] + moved < NEAR && moved < NEAR);
             let place = if near { self.nodes[i].place } else { self.wheel.closest(&point).0 };
-            let Foot { place, slope, gap } = self.foot(&point, place, self.bounds[i]);
+            let (place, foot, slope) = self.foot(&point, place);
+            let gap = slope.perp(&(point - foot)) / slope.norm();
             if !was_listed {
                 let node = &mut self.nodes[i];
                 node.place = place;
                 node.force = 0.0;
-                node.tangent = Rotation2::new(start[5]) * in_plane(&slope).normalize();
+                node.tangent = Rotation2::new(start[5]) * Vector2::new(slope.x, -slope.y).normalize();
             }
             self.bounds[i] = gap;
             if gap <= reach {
@@ -258,8 +228,11 @@ impl<'a> ContactSurface<'a> {
             }
             let node = &self.nodes[i];
             let point = self.in_wheel(node, pose);
-            let Foot { place, slope, gap } = self.foot(&point, node.place, self.bounds[i] - motion);
-            let (local_tangent, penetration) = (in_plane(&slope).normalize(), -gap);
+            let (place, foot, slope) = self.foot(&point, node.place);
+            let norm = slope.norm();
+            let local_tangent = Vector2::new(slope.x, -slope.y) / norm;
+            let gap = point - foot;
+            let penetration = normal_displacement(Vector2::new(gap.x, -gap.y), local_tangent);
             // With given limits friction does not need pressure: else a node that opens would let go of a finite
             // force, and the potential would jump.
             let held = matches!(limit, FrictionLimit::Given(limits) if limits[i] > 0.0);
@@ -405,14 +378,13 @@ impl<'a> ContactSurface<'a> {
 
     /// Makes the converged pose and its touching nodes the last state.
     pub fn commit(&mut self, pose: &Pose, active: &[ActiveNode]) {
-        let motion = self.motion(&self.listed_at, pose);
         for &i in &self.listed {
             let point = self.in_wheel(&self.nodes[i], pose);
-            let Foot { place, slope, .. } = self.foot(&point, self.nodes[i].place, self.bounds[i] - motion);
+            let (place, _, slope) = self.foot(&point, self.nodes[i].place);
             let node = &mut self.nodes[i];
             node.place = place;
             node.force = 0.0;
-            node.tangent = Rotation2::new(pose[5]) * in_plane(&slope).normalize();
+            node.tangent = Rotation2::new(pose[5]) * Vector2::new(slope.x, -slope.y).normalize();
         }
         for touching in active {
             let node = &mut self.nodes[touching.node];
