@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
-use railspring_calibrate::element::{PairElement, PlaceApproaches};
+use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches};
 use railspring_calibrate::history::{History, HistoryRow};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail_between, mesh_wheel};
 use railspring_calibrate::monitor::Silent;
@@ -19,7 +19,7 @@ use railspring_calibrate::solid::{Formulation, Material};
 use railspring_calibrate::step_control::{InnerSteps, StepControl};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, TransientModel};
-use railspring_simulate::condensed::CondensedModel;
+use railspring_simulate::condensed::{CondensedModel, fitted_element};
 
 const LENGTH: f64 = 0.555;
 const MODES: usize = 64;
@@ -71,8 +71,9 @@ fn element(pair: &Pair, rail: CondensedBody, wheel: CondensedBody) -> (PairEleme
         [-4e-3, -2e-3, 0.0, 2e-3, 4e-3, 6e-3, 6.5e-3, 6.58e-3, 7e-3].map(|shift| pair.tape_y + shift);
     let laws = law_by_shift(pair, &bodies, &settings, &shifts, &Silent).unwrap();
     let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
-    let element = PairElement::new(pair, &bodies, &places, PairElement::HIGHEST, LENGTH).unwrap();
     let beam = pair.beam(&steel(), LENGTH, 20).unwrap();
+    let parts = ElementBodies::new(pair, &bodies, LENGTH).unwrap();
+    let element = fitted_element(&parts, (&beam, &steel()), places, CONTACT.friction).unwrap();
     let correction = SeriesBeam::new(pair, &bodies, &beam).unwrap().correction;
     (element, beam.corrected(&correction).unwrap())
 }
@@ -90,11 +91,12 @@ fn off(found: &History, solid: &History) -> [f64; 2] {
 }
 
 /// Source: the transient solids with the contact zone 60 mm from a held end. Goal: P and Q of load case 4.2 over 60 ms (RMS over the solids' peaks) of the condensed element that stands there, and that rolls
-/// past that place at 0.5 m/s, as in the publication's case with motion; in 60 ms it comes 30 mm far. Accuracy: MODEL, 5 % of P and 2.5 % of Q; in the middle of the rail, on the same bodies, it is 3.3 and 1.3 %. A wheel in the middle of the
+/// past that place at 0.5 m/s, as in the publication's case with motion; in 60 ms it comes 30 mm far. Accuracy: MODEL, twice the 2.8 % of P and 1.2 % of Q by which it is off in the middle of the rail, on the same bodies:
+/// near an end the beam has less of the motion, and what moves at once more. A wheel in the middle of the
 /// rail is 20 and 5 % off the solids there.
 #[test]
 fn a_wheel_near_a_held_end_follows_the_solids_there() {
-    const MODEL: [f64; 2] = [0.05, 0.025];
+    const MODEL: [f64; 2] = [0.056, 0.024];
     const PLACE: f64 = 0.06;
     let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.858).unwrap());
     let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();

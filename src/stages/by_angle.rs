@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
-use railspring_calibrate::element::{PairElement, PlaceApproaches};
+use railspring_calibrate::element::{ElementBodies, PlaceApproaches};
 use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
@@ -13,7 +13,7 @@ use railspring_calibrate::pair::{
 use railspring_calibrate::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
-use railspring_simulate::condensed::CondensedModel;
+use railspring_simulate::condensed::{CondensedModel, fitted_element};
 use railspring_simulate::moving::{HubStatics, MovingModel, WheelSprings};
 
 use super::Geometry;
@@ -75,7 +75,13 @@ pub fn by_angle(
     };
     let element = study.wants_condensed().then(|| {
         let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
-        PairElement::new(pair, bodies, &places, PairElement::HIGHEST, geometry.beam.length())
+        let beam = (&geometry.beam, &study.material);
+        fitted_element(
+            &ElementBodies::new(pair, bodies, geometry.beam.length())?,
+            beam,
+            places,
+            study.contact.friction,
+        )
     });
     let (element, element_missing) = match element {
         Some(Ok(element)) => (Some(element), None),

@@ -1,13 +1,14 @@
 //! Fits the strips of a pair to its laws by contact angle.
 
-use super::hertz::{MINDLIN, hertz_table};
+use super::hertz::hertz_table;
 use super::law::{StripPlace, StripStiffness};
 use super::modulus::StripModulus;
 use super::overlap::{Pose, Profiles};
+use super::places::{PlaceApproaches, PlaceLoad, StickingHub};
 use super::sections::SectionFlexibility;
 use super::strips::{Contact, ContactStrips};
 use crate::error::{InputError, Result};
-use crate::pair::{Pair, ShiftLaw};
+use crate::pair::Pair;
 use crate::solid::Material;
 use crate::superelement::carried;
 use nalgebra::{DMatrix, DVector, Point2, Vector2, Vector3};
@@ -34,49 +35,13 @@ const SMALL: f64 = 1e-4;
 /// What costs as much as displacements that are off by a hundredth: such a hardening, and such a change of the logarithm of the stiffness or of the hardening
 /// from knot to knot. It decides where the laws do not.
 const HARDENING_WORTH: f64 = 1.0;
-const CHANGE_WORTH: f64 = 0.4;
+const CHANGE_WORTH: f64 = 0.07;
 
 /// Least and largest hardening.
 const HARDENING: [f64; 2] = [-0.8, 4.0];
 
 /// Tangential over normal stiffness that a contact can have: the integrals of Mindlin for ellipses stay well within.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.4..=1.5;
-
-/// What the solids say of the contact with the wheel in one place, pressed along the contact normal with the hub held across it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PlaceApproaches {
-    /// Lateral world position of the tape circle, m.
-    pub tape_y: f64,
-    /// The loads, ascending.
-    pub loads: Vec<PlaceLoad>,
-    /// Some loads, and the flexibility of the hub across the normal under them with everything sticking, m/N.
-    pub sticking: Vec<(PlaceLoad, f64)>,
-}
-
-/// A load along the contact normal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlaceLoad {
-    /// Force, N.
-    pub force: f64,
-    /// Approach of the surfaces, m.
-    pub approach: f64,
-}
-
-impl PlaceApproaches {
-    /// Of a law by contact angle; none where there is no law.
-    pub fn of(law: &ShiftLaw) -> Option<Self> {
-        let angle = law.law.as_ref().ok()?;
-        let points = angle.laws.local.points.iter();
-        let loads =
-            points.map(|point| PlaceLoad { force: point.force, approach: point.displacement }).collect();
-        let sticking = angle.fixed.iter().map(|at| {
-            let point = &at.points.local;
-            let load = PlaceLoad { force: point.force, approach: point.displacement };
-            (load, 1.0 / at.tangential_stiffness)
-        });
-        Some(Self { tape_y: law.tape_y, loads, sticking: sticking.collect() })
-    }
-}
 
 /// Rim and head, between which the strips are.
 #[derive(Clone, Copy)]
@@ -88,11 +53,6 @@ pub struct Sections<'a> {
 }
 
 impl Sections<'_> {
-    /// What they lack of the flexibility of the solids along the normal of a contact, m/N.
-    fn lacking(&self, contact: &Contact) -> f64 {
-        self.rim.lacking(contact.wheel_s) + self.head.lacking(contact.rail_s)
-    }
-
     /// Their flexibility in a direction where the wheel touches, m/N.
     fn along(&self, pair: &Pair, direction: Vector2<f64>) -> f64 {
         let of = |section: &SectionFlexibility, at: Point2<f64>| {
@@ -108,7 +68,7 @@ struct Pressed {
     pair: Pair,
     along: Vector2<f64>,
     loads: Vec<PlaceLoad>,
-    sticking: Vec<(PlaceLoad, f64)>,
+    sticking: Vec<StickingHub>,
 }
 
 /// What is sought at one place of the rail.
@@ -142,7 +102,7 @@ pub fn fit_strips(
         let stays = |load: &PlaceLoad| place.stays(&mut place.profiles(&hertz), sections, load, &hertz);
         let every = law.loads.len().div_ceil(LOADS).max(1);
         let loads = law.loads.iter().rev().step_by(every).filter(|load| stays(load)).copied().collect();
-        let sticking = law.sticking.iter().filter(|(load, _)| stays(load)).copied().collect();
+        let sticking = law.sticking.iter().filter(|hub| stays(&hub.load)).copied().collect();
         (place.loads, place.sticking) = (loads, sticking);
         if !place.loads.is_empty() {
             pressed.push(place);
@@ -197,7 +157,7 @@ impl Fit<'_> {
             let modulus = StripModulus {
                 normal,
                 hardening: knot.hardening,
-                tangential: normal * knot.tangential,
+                tangential: place.modulus.tangential * knot.tangential,
                 relief: place.modulus.relief,
             };
             StripPlace { modulus, ..*place }
@@ -213,13 +173,8 @@ impl Fit<'_> {
         load: &PlaceLoad,
         strips: &StripStiffness,
     ) -> f64 {
-        let first = place.contacts(profiles, &self.sections, load, 0.0, strips);
-        // where the sections lack flexibility, or have too much, the contact has it
-        let lacking = total(&first, |contact| self.sections.lacking(contact) * contact.normal_force);
-        let whole = total(&first, |contact| contact.normal_force);
-        let more = if whole > 0.0 { lacking / whole * load.force } else { 0.0 };
-        let then = place.contacts(profiles, &self.sections, load, more, strips);
-        total(&then, |contact| -contact.force.xy().dot(&place.along))
+        let contacts = place.contacts(profiles, &self.sections, load, strips);
+        total(&contacts, |contact| -contact.force.xy().dot(&place.along))
     }
 
     /// How far the displacements of a place are off, over their own: the force goes with the power 3/2 of the approach. Small loads
@@ -308,33 +263,65 @@ impl Fit<'_> {
         }
     }
 
-    /// What both sections leave of the hub's flexibility across the normal is the contact's: at every knot that of the nearest places.
+    /// What both sections leave of the hub's flexibility across the normal is the contact's: least squares of it by the tangential stiffness at all places, which costs
+    /// something to change from knot to knot.
     fn tangential(&mut self, pressed: &[Pressed]) {
-        let strips = self.table();
-        let mut found: Vec<(f64, f64)> = Vec::new();
+        let count = self.knots.len();
+        // the stiffness of a contact is linear in what the knots have
+        let mut parts = Vec::new();
         for place in pressed {
             let mut profiles = place.profiles(&self.hertz);
-            let across = Vector2::new(-place.along.y, place.along.x);
-            let of_sections = self.sections.along(&place.pair, across);
-            let mut ratios = Vec::new();
-            for (load, flexibility) in &place.sticking {
-                let contacts = place.contacts(&mut profiles, &self.sections, load, 0.0, &strips);
-                let unit = total(&contacts, |contact| contact.tangential_stiffness);
-                let stiffness = 1.0 / (flexibility - of_sections);
-                let slope = load.approach * stiffness / load.force / 1.5;
-                if PLAUSIBLE.contains(&slope) && unit > 0.0 {
-                    ratios.push(stiffness / unit);
+            let direction = Vector2::new(-place.along.y, place.along.x);
+            let of_sections = self.sections.along(&place.pair, direction);
+            for StickingHub { load, across, .. } in &place.sticking {
+                let flexibility = across - of_sections;
+                if !PLAUSIBLE.contains(&(load.approach / flexibility / load.force / 1.5)) {
+                    continue;
+                }
+                let mut of_knot = |n: usize| {
+                    for (i, knot) in self.knots.iter_mut().enumerate() {
+                        knot.tangential = if i == n { 1.0 } else { 0.0 };
+                    }
+                    let strips = self.table();
+                    let contacts = place.contacts(&mut profiles, &self.sections, load, &strips);
+                    // the strips miss the load by a few per cent, and the contact grows with its third root
+                    let carried = total(&contacts, |contact| contact.normal_force);
+                    let whole = total(&contacts, |contact| contact.tangential_stiffness);
+                    whole * (load.force / carried).cbrt() * flexibility
+                };
+                let part = DVector::from_iterator(count, (0..count).map(&mut of_knot));
+                if part.sum() > 0.0 {
+                    parts.push(part);
                 }
             }
-            if !ratios.is_empty() {
-                found.push((place.pair.touch.rail_s, ratios.iter().sum::<f64>() / ratios.len() as f64));
+        }
+        let mut ratios = DVector::zeros(count);
+        for _ in 0..ROUNDS {
+            let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
+            let mut add = |slope: &DVector<f64>, off: f64| {
+                normal += slope * slope.transpose();
+                right -= slope * off;
+            };
+            for part in &parts {
+                let stiffness = part.component_mul(&ratios.map(f64::exp));
+                let sum = stiffness.sum();
+                // logarithm of the flexibility over the wanted one
+                add(&(stiffness / -sum), -sum.ln());
+            }
+            let worth = 1e-2 / CHANGE_WORTH;
+            for n in 1..count {
+                let mut slope = DVector::zeros(count);
+                (slope[n], slope[n - 1]) = (worth, -worth);
+                add(&slope, worth * (ratios[n] - ratios[n - 1]));
+            }
+            let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else { break };
+            ratios += &step;
+            if step.amax() < SETTLED {
+                break;
             }
         }
-        for knot in &mut self.knots {
-            let weight = |rail_s: f64| 1.0 / ((rail_s - knot.rail_s).powi(2) + KNOTS * KNOTS).powi(2);
-            let sum: f64 = found.iter().map(|(rail_s, _)| weight(*rail_s)).sum();
-            let mean = found.iter().map(|(rail_s, ratio)| weight(*rail_s) * ratio).sum::<f64>() / sum;
-            knot.tangential = if found.is_empty() { MINDLIN } else { mean };
+        for (knot, ratio) in self.knots.iter_mut().zip(&ratios) {
+            knot.tangential = ratio.exp();
         }
     }
 }
@@ -371,8 +358,8 @@ impl Pressed {
         ContactStrips::new(profiles, strips)
     }
 
-    /// Both sections turned under a load, the touching point moved together by the approach and a little `more` (m).
-    fn pose(&self, sections: &Sections, load: &PlaceLoad, more: f64) -> Pose {
+    /// Both sections turned under a load, the touching point moved together by the approach.
+    fn pose(&self, sections: &Sections, load: &PlaceLoad) -> Pose {
         let pair = &self.pair;
         let (to_wheel, to_rail) =
             (pair.touch.point - Point2::from(pair.tape()), pair.touch.point - pair.node_line());
@@ -383,7 +370,7 @@ impl Pressed {
         };
         let (wheel, rail) = (turn(sections.rim, &to_wheel, -force), turn(sections.head, &to_rail, force));
         let about_touch = |turn: f64, arm: &Vector2<f64>| Vector3::new(arm.y * turn, -arm.x * turn, turn);
-        let way = self.along * (load.approach + more);
+        let way = self.along * load.approach;
         Pose {
             wheel: about_touch(wheel, &to_wheel) + Vector3::new(way.x, way.y, 0.0),
             rail: about_touch(rail, &to_rail),
@@ -398,22 +385,21 @@ impl Pressed {
         load: &PlaceLoad,
         strips: &StripStiffness,
     ) -> bool {
-        let contacts = self.contacts(profiles, sections, load, 0.0, strips);
+        let contacts = self.contacts(profiles, sections, load, strips);
         let force: Vector2<f64> = -contacts.iter().map(|contact| contact.force.xy()).sum::<Vector2<f64>>();
         force.angle(&self.along) < TURNED.to_radians()
     }
 
-    /// The contacts under the approach that belongs to a load and a little `more` (m), without friction.
+    /// The contacts under the approach that belongs to a load, without friction.
     fn contacts(
         &self,
         profiles: &mut ContactStrips,
         sections: &Sections,
         load: &PlaceLoad,
-        more: f64,
         strips: &StripStiffness,
     ) -> Vec<Contact> {
         let mut contacts = Vec::new();
-        profiles.settled(&self.pose(sections, load, more), strips, &mut contacts);
+        profiles.settled(&self.pose(sections, load), strips, &mut contacts);
         contacts
     }
 }
@@ -423,6 +409,7 @@ mod tests {
     use super::*;
     use crate::placement::TrackGeometry;
     use crate::section::{rail_section, wheel_section};
+    use nalgebra::Matrix2;
 
     /// Source: the strips of Hertz's contact times a factor. Goal: approaches that these strips make give them back: the normal stiffness at
     /// every place of the rail between those of the laws, no hardening, and the tangential stiffness that the flexibility across the normal leaves; approaches of
@@ -444,7 +431,7 @@ mod tests {
             for StripPlace { modulus, .. } in &mut places {
                 modulus.normal *= FACTOR;
                 modulus.hardening = hardening;
-                modulus.tangential = TANGENTIAL * modulus.normal;
+                modulus.tangential *= TANGENTIAL;
             }
             let strips = StripStiffness::new(places, hertz.influence, 0.0);
             let laws: Vec<PlaceApproaches> = [-3e-3, 0.0, 4e-3, 6e-3]
@@ -456,14 +443,18 @@ mod tests {
                     let mut profiles = pressed.profiles(&strips);
                     let under = |way: f64| {
                         let load = PlaceLoad { force: 0.0, approach: way };
-                        let contacts = pressed.contacts(&mut profiles, &sections, &load, 0.0, &strips);
+                        let contacts = pressed.contacts(&mut profiles, &sections, &load, &strips);
                         let force = total(&contacts, |contact| -contact.force.xy().dot(&along));
                         let flexibility = 1.0 / total(&contacts, |contact| contact.tangential_stiffness);
-                        (PlaceLoad { force, approach: way }, flexibility)
+                        StickingHub {
+                            load: PlaceLoad { force, approach: way },
+                            flexibility: Matrix2::identity() * flexibility,
+                            across: flexibility,
+                        }
                     };
                     let sticking = [10e-6, 25e-6, 50e-6, 80e-6].map(under).to_vec();
-                    let loads = sticking.iter().map(|(load, _)| *load).collect();
-                    PlaceApproaches { tape_y, loads, sticking }
+                    let loads = sticking.iter().map(|hub| hub.load).collect();
+                    PlaceApproaches { tape_y, along, loads, sticking }
                 })
                 .to_vec();
             let found = fit_strips(&pair, &Material::STEEL, &laws, &sections).unwrap();

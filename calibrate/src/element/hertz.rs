@@ -17,7 +17,7 @@ const SMOOTHED: f64 = 2e-3;
 /// Largest relative radius across the track, m: flatter profiles touch over their whole breadth.
 const FLATTEST: f64 = 3.0;
 
-/// The weights of the relief are evened out twice over so many places on either side: what changes along a contact turns its force.
+/// Weights of the relief and tangential stiffnesses are evened out twice over so many places on either side: what changes along a contact turns its force.
 const EVEN: usize = 4;
 
 /// Of an approach at least so much presses strips.
@@ -31,7 +31,7 @@ const PARTS: usize = 10;
 
 /// Tangential over normal stiffness of a circular contact of steel: R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech.
 /// 16 (1949), 2(1-ν)/(2-ν).
-pub(super) const MINDLIN: f64 = 1.4 / 1.7;
+const MINDLIN: f64 = 1.4 / 1.7;
 
 /// The strips of Hertz's contact where both profiles have the same slope, κ the relative curvature across the track, under [`Influence::TYPICAL`]: at the edge,
 /// Hertz's semi-axis b away, the profiles overlap by the approach less `κb²/2`, which is the relief there; the force of the strips within is the load.
@@ -76,17 +76,23 @@ pub(super) fn hertz_table(pair: &Pair, material: &Material) -> StripStiffness {
     };
     let touches: Vec<Touch> = (0..=count).map(place).collect();
     let Some(places) = ReliefPlaces::new(rail, influence) else { unreachable!("a half-space gives way") };
-    let mut weights: Vec<f64> = touches.iter().map(|touch| touch.weight(&places)).collect();
-    for _ in 0..2 {
-        let around = |i: usize| &weights[i.saturating_sub(EVEN)..=(i + EVEN).min(count)];
-        weights = (0..=count).map(|i| around(i).iter().sum::<f64>() / around(i).len() as f64).collect();
-    }
-    let place = |(touch, relief): (&Touch, f64)| {
+    let even = |value: &dyn Fn(&Touch) -> f64| {
+        let mut values: Vec<f64> = touches.iter().map(value).collect();
+        for _ in 0..2 {
+            let around = |i: usize| &values[i.saturating_sub(EVEN)..=(i + EVEN).min(count)];
+            values = (0..=count).map(|i| around(i).iter().sum::<f64>() / around(i).len() as f64).collect();
+        }
+        values
+    };
+    let weights = even(&|touch| touch.weight(&places));
+    let stiffnesses = even(&|touch| touch.spread_stiffness().ln());
+    let place = |((touch, relief), spread): ((&Touch, f64), f64)| {
         let normal = touch.modulus(&places, relief);
-        let modulus = StripModulus { normal, hardening: 0.0, tangential: MINDLIN * normal, relief };
+        let tangential = MINDLIN * spread.exp();
+        let modulus = StripModulus { normal, hardening: 0.0, tangential, relief };
         StripPlace { rail_s: touch.rail_s, modulus }
     };
-    StripStiffness::new(touches.iter().zip(weights).map(place).collect(), influence, 0.0)
+    StripStiffness::new(touches.iter().zip(weights).zip(stiffnesses).map(place).collect(), influence, 0.0)
 }
 
 /// A place of the rail under the usual load.
@@ -127,6 +133,11 @@ impl Touch {
             if weighted(middle, at_edge) < wanted { low = middle } else { high = middle }
         }
         low
+    }
+
+    /// Stiffness of the whole contact under the usual load over its width, Pa: the force goes with the power 3/2 of the approach.
+    fn spread_stiffness(&self) -> f64 {
+        1.5 * Influence::TYPICAL / self.approach / (2.0 * self.half)
     }
 
     /// Stiffness of the strips that makes their force the load, Pa.

@@ -9,13 +9,15 @@ mod overlap;
 mod strips;
 mod law;
 mod hertz;
+mod places;
 mod fit;
 
-pub use fit::{PlaceApproaches, PlaceLoad, Sections, fit_strips};
+pub use fit::{Sections, fit_strips};
 pub use held_end::{EndPlace, HeldEnd, in_world};
 pub use law::{StripPlace, StripStiffness};
 pub use modulus::{StripLaw, StripModulus};
 pub use overlap::{Pose, Profiles};
+pub use places::{PlaceApproaches, PlaceLoad, StickingHub};
 pub use relief::Influence;
 pub use sections::{RunningSurface, SectionFlexibility};
 pub use strips::{Contact, ContactStrips, Relieved};
@@ -24,6 +26,7 @@ pub use wheel::{ElasticWheel, RimMode, positive};
 use crate::contact::{HalfSpace, Side};
 use crate::error::{InputError, Result};
 use crate::pair::{CondensedPair, Pair};
+use crate::solid::Material;
 use nalgebra::{Matrix3, Point2};
 
 /// The condensed contact element of a pair.
@@ -42,21 +45,22 @@ pub struct PairElement {
     pub misfit: [f64; 2],
 }
 
-impl PairElement {
-    /// Frequency up to which the wheel moves in modes, Hz.
-    pub const HIGHEST: f64 = 2000.0;
+/// What the contact element of a pair has of its bodies, from which elements are made with one set of laws after another.
+pub struct ElementBodies<'a> {
+    pair: &'a Pair,
+    material: Material,
+    wheel: ElasticWheel,
+    rim: SectionFlexibility,
+    head: SectionFlexibility,
+    held_end: HeldEnd,
+}
 
-    /// The element of a condensed pair, whose wheel has modes, with its laws by contact angle, for a rail of a `length` (m).
+impl<'a> ElementBodies<'a> {
+    /// Of a condensed pair, whose wheel has modes, for a rail of a `length` (m): the wheel moves in those up to [`PairElement::HIGHEST`].
     ///
     /// # Errors
-    /// [`InputError`] for a wheel without modes, and for laws without a place.
-    pub fn new(
-        pair: &Pair,
-        bodies: &CondensedPair,
-        laws: &[PlaceApproaches],
-        highest: f64,
-        length: f64,
-    ) -> Result<Self> {
+    /// [`InputError`] for a wheel without modes and for a grid of contact nodes with too few lines.
+    pub fn new(pair: &'a Pair, bodies: &CondensedPair, length: f64) -> Result<Self> {
         let wheel = &bodies.wheel;
         let modes = wheel.modes.as_ref().ok_or_else(|| {
             InputError::new(
@@ -66,30 +70,59 @@ impl PairElement {
                 "condense it with `condense_in_time`",
             )
         })?;
+        let material = bodies.material;
         let on_wheel = RunningSurface {
             compliance: &wheel.compliance,
             grid: &wheel.grid,
             nodes: &wheel.nodes,
-            half_space: HalfSpace::new(&bodies.material, Side::Opposing),
+            half_space: HalfSpace::new(&material, Side::Opposing),
         };
         let rail = &bodies.rail_on_ends;
         let on_rail = RunningSurface {
             compliance: bodies.against_section(),
             grid: &rail.grid,
             nodes: &rail.nodes,
-            half_space: HalfSpace::new(&bodies.material, Side::Base),
+            half_space: HalfSpace::new(&material, Side::Base),
         };
         let origin = Point2::new(0.0, pair.wheel.radius);
         on_wheel.check("wheel")?;
         on_rail.check("rail")?;
         let (rim, head) = (on_wheel.section(origin), on_rail.section(pair.node_line()));
-        let strips = fit_strips(pair, &bodies.material, laws, &Sections { rim: &rim, head: &head })?;
-        Ok(Self {
-            wheel: ElasticWheel::new(&on_wheel, modes, &rim, origin, highest)?,
-            held_end: Some(HeldEnd::new(pair, bodies, &head, length)?),
+        let wheel = ElasticWheel::new(&on_wheel, modes, &rim, origin, PairElement::HIGHEST)?;
+        let held_end = HeldEnd::new(pair, bodies, &head, length)?;
+        Ok(Self { pair, material, wheel, rim, head, held_end })
+    }
+
+    /// The pair.
+    pub fn pair(&self) -> &Pair {
+        self.pair
+    }
+
+    /// The element with laws by contact angle.
+    ///
+    /// # Errors
+    /// [`InputError`] for laws without a place.
+    pub fn element(&self, laws: &[PlaceApproaches]) -> Result<PairElement> {
+        let Self { pair, material, wheel, rim, head, held_end } = self;
+        let strips = fit_strips(pair, material, laws, &Sections { rim, head })?;
+        Ok(PairElement {
+            wheel: wheel.clone(),
+            held_end: Some(held_end.clone()),
             head: head.flexibility,
             strips,
             misfit: [rim.misfit, head.misfit],
         })
+    }
+}
+
+impl PairElement {
+    /// Frequency up to which the wheel moves in modes, Hz.
+    pub const HIGHEST: f64 = 2000.0;
+
+    /// Flexibility of the head on its rail far from its ends, as [`Self::head`]. A solid rail's section under a contact does not move quite as a beam's, so that it is another one than against the
+    /// section.
+    pub fn head_on_rail(&self) -> Matrix3<f64> {
+        let of_rail = self.held_end.as_ref().and_then(|end| end.places.last());
+        of_rail.map_or(self.head, |place| positive(place.flexibility))
     }
 }

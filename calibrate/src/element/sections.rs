@@ -11,7 +11,10 @@ use crate::superelement::carried;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Point2, Point3, Rotation2, Vector2, Vector3};
 
-/// Lines of the grid along the track between force and displacement: an element mesh does not resolve a half-space that is nearer.
+/// Distance along the track of force and displacement at most, m, where the grid is that long: patches on a flange are, and what a body gives way nearer than that is the contact's.
+const APART: f64 = 24e-3;
+
+/// Lines of the grid between them at least: an element mesh does not resolve a half-space that is nearer.
 const LINES_APART: usize = 4;
 
 /// Forces and displacements this far apart along the profile are those of one contact or of two that stand side by side, m.
@@ -37,25 +40,12 @@ pub struct SectionFlexibility {
     pub flexibility: Matrix3<f64>,
     /// What of the displacements (RMS, over their own) the section does not have.
     pub misfit: f64,
-    /// What it lacks along the normal of a contact at arc lengths of the profile (m), m/N.
-    lacking: Vec<[f64; 2]>,
 }
 
 impl SectionFlexibility {
     /// A section that does not move.
     pub fn rigid() -> Self {
-        Self { flexibility: Matrix3::zeros(), misfit: 0.0, lacking: Vec::new() }
-    }
-
-    /// What the body gives way along the normal at an arc length of its profile (m) beyond its half-space and its section, m/N: in proportion between
-    /// the lines of its grid, constant beyond them.
-    pub fn lacking(&self, s: f64) -> f64 {
-        let Some(last) = self.lacking.len().checked_sub(1) else { return 0.0 };
-        let upper = self.lacking.partition_point(|[at, _]| *at < s);
-        let ([from, a], [to, b]) =
-            (self.lacking[upper.saturating_sub(1).min(last)], self.lacking[upper.min(last)]);
-        let share = if to > from { ((s - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-        a + share * (b - a)
+        Self { flexibility: Matrix3::zeros(), misfit: 0.0 }
     }
 }
 
@@ -83,6 +73,15 @@ impl RunningSurface<'_> {
         (0..lines.len()).min_by(|&a, &b| lines[a].abs().total_cmp(&lines[b].abs())).unwrap_or(0)
     }
 
+    /// The lines along the track of force and displacement, on either side of the middle.
+    fn apart(&self) -> (usize, usize) {
+        let (middle, lines) = (self.middle(), &self.grid.along_track);
+        let most = middle.min(lines.len() - 1 - middle);
+        let within = |k: &usize| lines[middle + k] - lines[middle - k] <= APART * (1.0 + 1e-9);
+        let half = (0..=most).rev().find(within).unwrap_or(0).max(LINES_APART / 2);
+        (middle - half, middle + half)
+    }
+
     fn place(&self, line: usize, column: usize) -> Point3<f64> {
         self.nodes[line * self.grid.along_track.len() + column]
     }
@@ -104,8 +103,7 @@ impl RunningSurface<'_> {
     /// contact, m/N.
     fn beyond_half_space(&self, to: usize, from: usize) -> Matrix2<f64> {
         let columns = self.grid.along_track.len();
-        let middle = self.middle();
-        let (low, high) = (middle - LINES_APART / 2, middle + LINES_APART / 2);
+        let (low, high) = self.apart();
         let between = |a: usize, b: usize| {
             let (row, column) = (3 * (to * columns + a) + 1, 3 * (from * columns + b) + 1);
             Matrix2::from_fn(|i, j| self.compliance[(row + i, column + j)])
@@ -176,13 +174,7 @@ impl RunningSurface<'_> {
             missed += (row.dot(&values) - value).powi(2);
             size += value * value;
         }
-        let lacking = |(line, arm): (usize, &Matrix2x3<f64>)| {
-            let normal = self.frame(line).column(0).into_owned();
-            let of_section = arm.tr_mul(&normal).dot(&(flexibility * arm.tr_mul(&normal)));
-            [self.grid.along_profile[line], normal.dot(&(self.at(line) * normal)) - of_section]
-        };
-        let lacking = arms.iter().enumerate().map(lacking).collect();
-        SectionFlexibility { flexibility, misfit: (missed / size).sqrt(), lacking }
+        SectionFlexibility { flexibility, misfit: (missed / size).sqrt() }
     }
 
     /// Flexibility (y, z; m/N) beyond the half-space at one line of the profile.

@@ -2,8 +2,8 @@
 //!
 //! The head moves with the section of the beam under it and, beyond that, at once with the force on it. In the middle of a long rail it has all of the section's motion and
 //! the flexibility of the condensed head. Near a held end a beam without warping is too flexible: there the head has a share of its motion only, such that the beam has no more than a rail whose ends hinder it from
-//! warping ([`HeldRail`]); what such a rail has beyond the beam's share, and the head's flexibility at that distance, follow the force. Towards the ends the flexibility of the head on its rail becomes that of the
-//! solid, it stores no negative energy but for the misfit of the given head of the middle, and forces and motions belong to each other.
+//! warping ([`HeldRail`]); what such a rail has beyond the beam's share, and the head's flexibility at that distance, follow the force. So the head on its rail is as flexible as the
+//! solid's everywhere, it stores no negative energy, and forces and motions belong to each other.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -74,9 +74,8 @@ impl Head {
         Self::Same(HeadAt::on_section(flexibility))
     }
 
-    /// The head on a `beam` whose ends are those of a `rail`, with the flexibility of the `middle` against the beam's section in the middle: the strips of the contact belong to that. What it differs there from the
-    /// solid's on its rail goes with the head's rotation towards the ends.
-    pub fn between_held_ends(beam: &RailBeam, rail: &HeldRail, end: &HeldEnd, middle: &Matrix3<f64>) -> Self {
+    /// The head on a `beam` whose ends are those of a `rail`.
+    pub fn between_held_ends(beam: &RailBeam, rail: &HeldRail, end: &HeldEnd) -> Self {
         let of_end = of_end(end);
         let (half, angle, torsion) = (0.5 * beam.length(), beam.angle(), beam.section().torsion);
         let mut distances = vec![0.0];
@@ -86,23 +85,15 @@ impl Head {
             distance += SPACING.max(GROWTH * distance);
         }
         distances.push(half);
-        // share, and flexibility as the solid has it
-        let parts = |distance: f64| {
+        let at = |distance: f64| {
             // in the limit at the end
             let (held, bent) = (rail.flexibility(distance), beam.at_place(distance));
             let near = distance.max(distances[1]);
             let (held_near, bent_near) = (rail.flexibility(near), beam.at_place(near));
             let share = [0, 1, 2].map(|i| (held_near[i] / bent_near[i]).clamp(0.0, 1.0).sqrt());
             let beyond = [0, 1, 2].map(|i| (held[i] - share[i] * share[i] * bent[i]).max(0.0));
-            let [yy, yz, yr, zz, zr, rr, ..] = of_end.at(distance);
-            (share, positive(in_world(angle, beyond) + symmetric([yy, yz, yr, zz, zr, rr])))
-        };
-        let rotation = |distance: f64| of_end.at(distance)[5];
-        let off = middle - parts(half).1;
-        let at = |distance: f64| {
-            let (share, flexibility) = parts(distance);
-            let flexibility = flexibility + off * (rotation(distance) / rotation(half)).clamp(0.0, 1.0);
-            let [.., y, z, turned] = of_end.at(distance);
+            let [yy, yz, yr, zz, zr, rr, y, z, turned] = of_end.at(distance);
+            let flexibility = positive(in_world(angle, beyond) + symmetric([yy, yz, yr, zz, zr, rr]));
             // a torque at the middle turns a beam in proportion to the distance from its end
             let turned = turned + rail.twist(half, distance) - share[2] * distance / (2.0 * torsion);
             let share = in_world(angle, share);

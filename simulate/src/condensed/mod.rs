@@ -14,8 +14,10 @@ mod head;
 mod model;
 mod step;
 mod statics;
+mod fitted;
 mod run;
 
+pub use fitted::fitted_element;
 pub use model::CondensedModel;
 
 #[cfg(test)]

@@ -60,9 +60,9 @@ impl CondensedModel {
         match (&self.support, &self.held, &self.element.held_end) {
             (RailSupport::Rigid, ..) => Head::same(Matrix3::zeros()),
             (RailSupport::Beam { beam, .. }, Some(rail), Some(end)) => {
-                Head::between_held_ends(beam, rail, end, &self.element.head)
+                Head::between_held_ends(beam, rail, end)
             }
-            _ => Head::same(self.element.head),
+            _ => Head::same(self.element.head_on_rail()),
         }
     }
 

@@ -28,6 +28,11 @@ const MOST_HALVINGS: usize = 8;
 /// What a force may be off at the end of a step, N: a ten-thousandth of a usual load.
 const FORCE: f64 = 10.0;
 
+/// A contact slides, as one of the solid does, where more than half of its normal force is on surfaces that slide: under Hertz's pressures
+/// those are around an ellipse that sticks, which carries `(1 - T/µN)^(1/3)` of the semi-axes (R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16, 1949), so that it is from this part
+/// of the limit on, 1 - (1 - 2^(-2/3))^(3/2).
+const SLIDING: f64 = 0.7749;
+
 /// State between two steps.
 #[derive(Clone)]
 struct State {
@@ -420,8 +425,10 @@ impl<'a> Run<'a> {
     }
 
     fn contact(&self, contact: &Contact) -> ContactState {
+        let limit = self.scenario.friction * contact.normal_force;
+        let slides = contact.tangential_force().abs() >= SLIDING * limit;
         ContactState {
-            mode: if contact.sticks { ContactMode::Stick } else { ContactMode::Slip },
+            mode: if slides { ContactMode::Slip } else { ContactMode::Stick },
             rail: self.model.rail.to_profile(&self.model.rail.curve.point(contact.rail_s)),
             wheel: self.model.wheel.point(contact.wheel_s),
             normal_force: contact.normal_force,
