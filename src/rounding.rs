@@ -29,6 +29,33 @@ fn rounded(value: f64, power: i32) -> String {
     }
 }
 
+/// A text for a page with the minus sign U+2212 where its negative numbers and exponents have a hyphen. Ranges, dates and names keep theirs, and so does what
+/// stands between backticks, which may be copied into a command.
+pub fn with_minus_signs(text: &str) -> String {
+    let mut signed = String::with_capacity(text.len() + 2);
+    let mut before = [' '; 2];
+    let mut code = false;
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        code ^= c == '`';
+        let begins = before[1].is_whitespace() || "([{<|\u{b1}".contains(before[1]);
+        let exponent = matches!(before, ['0'..='9' | '.', 'e' | 'E']);
+        let number = rest.peek().is_some_and(|next| next.is_ascii_digit() || *next == '.');
+        signed.push(if c == '-' && !code && number && (begins || exponent) { '\u{2212}' } else { c });
+        before = [before[1], c];
+    }
+    signed
+}
+
+/// A slope as it is written in the track: 1:40 for 0.025.
+pub fn ratio(slope: f64) -> String {
+    let run = significant(1.0 / slope, 4);
+    match run.contains('.') {
+        true => format!("1:{}", run.trim_end_matches('0').trim_end_matches('.')),
+        false => format!("1:{run}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,5 +71,27 @@ mod tests {
         assert_eq!(both(0.0, 0.0), ("0".into(), None));
         assert_eq!(both(1.5, f64::NAN), ("1.50000".into(), None));
         assert_eq!([significant(92_345.6, 4), significant(0.621_9, 2)], ["92350", "0.62"]);
+    }
+
+    /// Goal: negative numbers and exponents have the minus sign, and nothing else changes.
+    #[test]
+    fn numbers_have_the_minus_sign() {
+        for (text, expected) in [
+            ("-0.5", "\u{2212}0.5"),
+            ("moved by -1.2 mm, (-.5, 3e-4) mm", "moved by \u{2212}1.2 mm, (\u{2212}.5, 3e\u{2212}4) mm"),
+            (
+                "lines 3-5, 2026-11-25, 60E1-1:40, wheel-2.csv, a - 3",
+                "lines 3-5, 2026-11-25, 60E1-1:40, wheel-2.csv, a - 3",
+            ),
+            ("`--set track.lateral_shift_mm -4` or -4", "`--set track.lateral_shift_mm -4` or \u{2212}4"),
+        ] {
+            assert_eq!(with_minus_signs(text), expected);
+        }
+    }
+
+    /// Goal: a slope is 1 to a length.
+    #[test]
+    fn slopes_are_ratios() {
+        assert_eq!([0.025, 0.05, 0.03].map(ratio), ["1:40", "1:20", "1:33.33"]);
     }
 }

@@ -14,6 +14,7 @@ use crate::report::html;
 use crate::report::panel::{Panel, stacked, stacked_over_names};
 use crate::report::plot::{DARK, Dash, GREY, Marker, ORANGE, RED, Series};
 use crate::report::tables::number;
+use crate::rounding::with_minus_signs;
 
 /// Points of a smooth curve.
 const CURVE_POINTS: usize = 160;
@@ -239,8 +240,7 @@ fn by_angle(sides: &[&Side; 2], reference: &str) -> Option<String> {
     let names: Vec<[String; 2]> = shifts
         .iter()
         .map(|[a, b]| {
-            let angle =
-                |at: Option<f64>| format!("{:.1}\u{b0}", at.unwrap_or(f64::NAN)).replace('-', "\u{2212}");
+            let angle = |at: Option<f64>| with_minus_signs(&format!("{:.1}\u{b0}", at.unwrap_or(f64::NAN)));
             [format!("{} mm", number(a.shift_mm)), format!("{}, {}", angle(a.angle()), angle(b.angle()))]
         })
         .collect();

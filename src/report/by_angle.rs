@@ -4,7 +4,7 @@ use plotters::prelude::*;
 use serde::Serialize;
 
 use crate::records::{ErrorBandRecord, ShiftRecord, StiffnessByAngleRecord};
-use crate::rounding::significant;
+use crate::rounding::{significant, with_minus_signs};
 
 use super::figures::WIDTH;
 use super::panel::{Panel, stacked_over_names};
@@ -99,7 +99,7 @@ pub fn stiffness(laws: &StiffnessByAngleRecord) -> String {
 
 /// A contact angle with a decimal.
 fn degrees(angle: f64) -> String {
-    format!("{angle:.1}\u{b0}").replace('-', "\u{2212}")
+    with_minus_signs(&format!("{angle:.1}\u{b0}"))
 }
 
 /// The secants over those of the published law, shift by shift, where there are any.

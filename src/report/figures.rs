@@ -9,6 +9,7 @@ use crate::records::{
     BandPointRecord, ComplianceRecord, HertzRecord, HorizontalRecord, LoadCurveRow, PatchRecord,
     ReferenceRecord, StiffnessRecord, TangentRecord,
 };
+use crate::rounding::with_minus_signs;
 
 use super::legend::{Entry, draw_legend, legend_height};
 use super::panel::{Panel, stacked};
@@ -275,7 +276,7 @@ pub fn compliance(rows: &[ComplianceRecord]) -> String {
                 rest.draw(&Rectangle::new(corners, color.filled()))?;
                 rest.draw(&frame(corners, stroke(BLACK, 6)))?;
                 let dark = *color == DARK || *color == BLUE;
-                let text = format!("{value:.3}").replace('-', "\u{2212}");
+                let text = with_minus_signs(&format!("{value:.3}"));
                 // A number that does not fit its part is left to the files.
                 if right - left > px(text.chars().count() as u32 * 7) {
                     let style =

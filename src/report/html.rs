@@ -4,7 +4,7 @@ use minijinja::value::Serde;
 use serde_json::Value;
 
 use super::tables;
-use crate::rounding::significant;
+use crate::rounding::{significant, with_minus_signs};
 
 /// The pages, and the parts that they share.
 const TEMPLATES: [(&str, &str); 9] = [
@@ -31,6 +31,7 @@ fn filled(template: &str, context: Value) -> Result<String, minijinja::Error> {
     environment.add_filter("number", tables::number);
     environment.add_filter("percent", percent);
     environment.add_filter("coded", coded);
+    environment.add_filter("signed", |text: String| with_minus_signs(&text));
     for (name, source) in TEMPLATES {
         environment.add_template(name, source)?;
     }
@@ -39,12 +40,13 @@ fn filled(template: &str, context: Value) -> Result<String, minijinja::Error> {
 
 /// A relative deviation in per cent with the two digits that mean something.
 fn percent(value: f64) -> String {
-    format!("{} %", significant(1e2 * value + 0.0, 2)).replace('-', "\u{2212}")
+    with_minus_signs(&format!("{} %", significant(1e2 * value + 0.0, 2)))
 }
 
 /// A text for a page, in which what stands between backticks is code.
 fn coded(text: String) -> minijinja::Value {
     let escape = |part: &str| part.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let text = with_minus_signs(&text);
     let parts = text.split('`').enumerate().map(|(n, part)| match n % 2 {
         0 => escape(part),
         _ => format!("<code>{}</code>", escape(part)),
@@ -65,7 +67,7 @@ mod tests {
     /// Goal: names of files and keys are code, and nothing of a text becomes a tag.
     #[test]
     fn names_are_code() {
-        let page = coded("a < b, see `x.json` & `y<z`.".into()).to_string();
-        assert_eq!(page, "a &lt; b, see <code>x.json</code> &amp; <code>y&lt;z</code>.");
+        let page = coded("a < -1, see `x.json` & `y<z -1`.".into()).to_string();
+        assert_eq!(page, "a &lt; \u{2212}1, see <code>x.json</code> &amp; <code>y&lt;z -1</code>.");
     }
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::panel::{Panel, stacked_with_notes};
 use super::plot::{BLUE, DARK, Dash, GREY, Marker, ORANGE, RED, Series};
+use crate::rounding::with_minus_signs;
 
 /// Where a part of a surface comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,7 +128,7 @@ impl OnStandard {
     /// The parts of the running surface in their order, and what of the measurement is not used.
     pub(super) fn rows(&self) -> Vec<PartRow> {
         let place = |p: Option<&Point2<f64>>| match p {
-            Some(p) => format!("({:.3}, {:.3})", p.x / MILLIMETRE, p.y / MILLIMETRE).replace('-', "\u{2212}"),
+            Some(p) => with_minus_signs(&format!("({:.3}, {:.3})", p.x / MILLIMETRE, p.y / MILLIMETRE)),
             None => String::new(),
         };
         let shown = |part: &&Part| part.running && part.origin != Origin::StandardUnused;

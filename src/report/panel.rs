@@ -9,6 +9,7 @@ use super::plot::{
     Area, Dash, Drawn, GREY, LABEL_TEXT, LETTER_WIDTH, LIGHT, Marker, Series, TICK_TEXT, frame, label, mark,
     nice_range, nice_step, px, stroke, svg, tick,
 };
+use crate::rounding::with_minus_signs;
 
 /// A chart with two linear axes.
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
@@ -87,7 +88,7 @@ enum Scale<'a> {
 fn drawn(width: u32, panel_height: u32, panels: &[Panel], notes: &[String], scale: Scale<'_>) -> String {
     let entries = legend_of(panels);
     let legend = legend_height(width, &entries);
-    let notes: Vec<String> = notes.iter().flat_map(|note| broken(note, width)).collect();
+    let notes: Vec<String> = notes.iter().flat_map(|note| broken(&with_minus_signs(note), width)).collect();
     let drawn = legend + panel_height * panels.len() as u32;
     let below = if notes.is_empty() { 0 } else { NOTE_LINE * (notes.len() as u32 + 1) };
     svg(width, drawn + below, |root| {

@@ -4,6 +4,7 @@
 //! Every series differs in dash or marker and not only in colour, so that the
 //! figures can be read in grey.
 
+use crate::rounding::with_minus_signs;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -248,12 +249,12 @@ pub fn nice_step(raw: f64) -> f64 {
 pub fn tick(value: f64, step: f64) -> String {
     const LONG: f64 = 1e9;
     if !(value.abs() < LONG && step * LONG > 1.0) {
-        return format!("{value:.2e}").replace('-', "\u{2212}");
+        return with_minus_signs(&format!("{value:.2e}"));
     }
     let decimals = (-step.log10().floor()).max(0.0) as usize;
     let text = format!("{value:.decimals$}");
     let is_zero = text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.');
-    if is_zero { "0".into() } else { text.replace('-', "\u{2212}") }
+    if is_zero { "0".into() } else { with_minus_signs(&text) }
 }
 
 /// Outline of a rectangle. The library's own has no line width in this backend.

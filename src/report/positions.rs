@@ -12,6 +12,7 @@ use super::legend::{Entry, draw_legend, legend_height};
 use super::plot::{
     Area, BLUE, DARK, Dash, Drawn, GREY, LIGHT, Marker, RED, Series, frame, label, mark, px, stroke, svg,
 };
+use crate::rounding::with_minus_signs;
 
 /// The two profiles as polylines, and where they stand.
 #[derive(Debug, Clone, PartialEq)]
@@ -188,7 +189,7 @@ fn round_time(time: f64) -> String {
 
 fn signed(value: f64) -> String {
     let text = round((value * 100.0).round() / 100.0);
-    if value > 0.005 { format!("+{text}") } else { text.replace('-', "\u{2212}") }
+    if value > 0.005 { format!("+{text}") } else { with_minus_signs(&text) }
 }
 
 /// A rectangle that outlines are cut at.

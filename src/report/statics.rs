@@ -3,6 +3,7 @@
 use plotters::prelude::*;
 
 use crate::records::{FixedLoadRecord, ShiftRecord, StiffnessByAngleRecord};
+use crate::rounding::with_minus_signs;
 
 use super::figures::WIDTH;
 use super::panel::{Panel, stacked_over_names};
@@ -93,7 +94,7 @@ pub fn statics(laws: &StiffnessByAngleRecord) -> Option<String> {
         .iter()
         .map(|shift| {
             let angle = shift.angle().map_or_else(String::new, |angle| format!("{angle:.1}\u{b0}"));
-            [format!("{} mm", number(shift.shift_mm)), angle.replace('-', "\u{2212}")]
+            [format!("{} mm", number(shift.shift_mm)), with_minus_signs(&angle)]
         })
         .collect();
     Some(stacked_over_names(WIDTH, 165, &panels, &[], &names))

@@ -7,6 +7,7 @@ use crate::records::{
     BandPointRecord, ElementVerdict, ResolvedKey, RunRecord, ScenarioVerdict, StiffnessRecord,
     VerificationRecord,
 };
+use crate::rounding::with_minus_signs;
 use crate::verify::{self, HeldBy, Kind, Line};
 
 use super::ScenarioRun;
@@ -262,7 +263,7 @@ pub(crate) fn number(value: f64) -> String {
     } else {
         text
     };
-    grouped_by_thousands(&text).replace('-', "\u{2212}")
+    with_minus_signs(&grouped_by_thousands(&text))
 }
 
 /// Thin spaces between groups of three digits, from five digits on.

@@ -45,6 +45,7 @@ pub use source::{LocatedError, Mistakes, Place, Source};
 use source::Lines;
 
 use crate::records::{PairRecord, ResolvedKey};
+use crate::rounding::ratio;
 use crate::verify::Limits;
 
 /// A checked study, in SI units.
@@ -357,9 +358,12 @@ impl Study {
         };
         PairRecord {
             name: format!(
-                "rail {} inclined by {}, wheel {} of {} m, shift {} mm",
+                "rail {} {}, wheel {} of {} m, shift {} mm",
                 surface(&self.rail.profile, &self.rail.measured),
-                self.rail.inclination,
+                match self.rail.inclination {
+                    0.0 => "upright".into(),
+                    slope => format!("inclined {}", ratio(slope)),
+                },
                 surface(&self.wheel.profile, &self.wheel.measured),
                 self.wheel.tape_diameter,
                 (self.track.lateral_shift / MILLIMETRE * 1e6).round() / 1e6

@@ -11,6 +11,7 @@ use crate::report::html;
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Marker, RED, Series};
 use crate::report::tables::number;
+use crate::rounding::{ratio, with_minus_signs};
 
 /// Most points of a curve.
 const POINTS: usize = 2000;
@@ -86,8 +87,7 @@ fn seen<'a>(rows: &'a Rows, load: &str) -> Vec<Seen<'a>> {
                 names[0] += &format!(", {diameter} m");
             }
             if let (true, Some(slope)) = (inclinations, value(row, inclination)) {
-                names[1] +=
-                    &if slope == 0.0 { ", upright".into() } else { format!(", 1:{}", number(1.0 / slope)) };
+                names[1] += &if slope == 0.0 { ", upright".into() } else { format!(", {}", ratio(slope)) };
             }
             let [wheel, rail] = names;
             let shift = value(row, shift).unwrap_or(f64::NAN);
@@ -223,7 +223,7 @@ fn odd(seen: &[Seen<'_>]) -> Vec<Value> {
             "shift": number(place.shift),
             "angle": format!("{angle:.1}"),
             "stiffness": format!("{:.3}", 1e-6 * stiffness),
-            "off": format!("{:+.1} %", 1e2 * off).replace('-', "\u{2212}"),
+            "off": with_minus_signs(&format!("{:+.1} %", 1e2 * off)),
         })
     };
     off.iter().take(ODD).map(row).collect()

@@ -10,6 +10,7 @@ use super::tables::{self, number};
 use super::{Collector, Figure, html};
 use crate::records::ResolvedKey;
 use crate::records::crosscheck::{Check, CrosscheckRecord, SectionDifference};
+use crate::rounding::with_minus_signs;
 
 /// The state of the cross-validation in the output folder.
 #[derive(Debug, Clone, Copy)]
@@ -184,7 +185,7 @@ fn value(value: f64) -> String {
         return "none".into();
     }
     let whole = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
-    format!("{value:.*}", (5 - whole).clamp(0, 12) as usize).replace('-', "\u{2212}")
+    with_minus_signs(&format!("{value:.*}", (5 - whole).clamp(0, 12) as usize))
 }
 
 /// A difference or limit: plain from a thousandth on, else with a power of ten.
