@@ -2,52 +2,28 @@
 //!
 //! Goal: what is said of two folders, of springs alone, and of what cannot be compared; exactly, no tolerance.
 
-use std::path::PathBuf;
-use std::process::Output;
-
-use assert_cmd::Command;
+use railspring_testing::{Place, message, said};
 use serde_json::Value;
 
 const COARSE: &str = include_str!("studies/coarse.toml");
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        Command::cargo_bin("railspring")
-            .unwrap()
-            .current_dir(self.0.path())
-            .env("RAILSPRING_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/compare"))
-            .args(arguments)
-            .output()
-            .unwrap()
-    }
-
-    /// What a refused command says.
-    fn refused(&self, arguments: &[&str]) -> String {
-        let output = self.run(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", message(&output));
-        assert!(output.stdout.is_empty(), "{}", said(&output));
-        message(&output)
-    }
+/// An empty folder for this file's tests, which have one store.
+fn empty() -> Place {
+    Place::new(env!("CARGO_BIN_EXE_railspring"), concat!(env!("CARGO_TARGET_TMPDIR"), "/compare"))
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn message(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
+/// What a refused command says.
+fn refused(place: &Place, arguments: &[&str]) -> String {
+    let output = place.run(arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", message(&output));
+    assert!(output.stdout.is_empty(), "{}", said(&output));
+    message(&output)
 }
 
 /// Two results of one study, the second with another friction, more beam elements and the wheel elsewhere.
 fn place() -> Place {
-    let place = Place(tempfile::tempdir().unwrap());
-    std::fs::write(place.path("study.toml"), COARSE).unwrap();
+    let place = empty();
+    place.write("study.toml", COARSE);
     let output = place.run(&["run", "study.toml", "-o", "a", "--quiet"]);
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", message(&output));
     let output =
@@ -104,19 +80,19 @@ fn two_results_stand_side_by_side() {
     );
 
     // what cannot be compared
-    let missing = place.refused(&["compare", "a", "nowhere"]);
+    let missing = refused(&place, &["compare", "a", "nowhere"]);
     assert!(
         missing.contains("nowhere = (does not exist)") && missing.contains("an output folder"),
         "{missing}"
     );
     std::fs::create_dir(place.path("empty")).unwrap();
-    let empty = place.refused(&["compare", "empty", "a"]);
+    let empty = refused(&place, &["compare", "empty", "a"]);
     assert!(empty.contains("empty/stiffness.json") && empty.contains("railspring calibrate"), "{empty}");
-    let page = place.refused(&["compare", "a", "b", "-o", "pages"]);
+    let page = refused(&place, &["compare", "a", "b", "-o", "pages"]);
     assert!(page.contains("-o = pages") && page.contains("name a file"), "{page}");
     let curve = std::fs::read_to_string(place.path("b/load_curve.csv")).unwrap();
     std::fs::write(place.path("b/load_curve.csv"), curve.replacen("beam", "foot", 1)).unwrap();
-    let edited = place.refused(&["compare", "a", "b"]);
+    let edited = refused(&place, &["compare", "a", "b"]);
     assert!(
         edited.contains("b/load_curve.csv = another content") && edited.contains("as it was written"),
         "{edited}"
@@ -132,12 +108,9 @@ fn two_results_stand_side_by_side() {
 /// Goal: `--pdf` without a browser says so before anything is done; with a command that has no page it is refused.
 #[test]
 fn a_pdf_needs_a_browser_and_a_page() {
-    let place = Place(tempfile::tempdir().unwrap());
-    std::fs::write(place.path("study.toml"), COARSE).unwrap();
-    let run = |arguments: &[&str]| {
-        let mut command = Command::cargo_bin("railspring").unwrap();
-        command.current_dir(place.0.path()).env("PATH", place.0.path()).args(arguments).output().unwrap()
-    };
+    let place = empty();
+    place.write("study.toml", COARSE);
+    let run = |arguments: &[&str]| place.command(arguments).env("PATH", place.root()).output().unwrap();
     let missing = run(&["run", "study.toml", "--pdf"]);
     assert_eq!(missing.status.code(), Some(2));
     let said = message(&missing);

@@ -1,36 +1,21 @@
 //! The estimate of what a study takes, compared with what it takes; and the refusal of what the machine cannot hold.
 
-use std::path::PathBuf;
-use std::process::Output;
-
+use railspring_testing::{Place, message, said};
 use serde_json::Value;
 
 const COARSE: &str = include_str!("studies/coarse.toml");
 
-/// A folder with a study.
-struct Place(tempfile::TempDir);
+/// A folder with a study, its cache in it.
+fn with(study: &str) -> Place {
+    let place = Place::new(env!("CARGO_BIN_EXE_railspring"), "cache");
+    place.write("study.toml", study);
+    place
+}
 
-impl Place {
-    fn new(study: &str) -> Self {
-        let root = tempfile::tempdir().unwrap();
-        std::fs::write(root.path().join("study.toml"), study).unwrap();
-        Self(root)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, arguments: &[&str]) -> (Option<i32>, String, String) {
-        let Output { status, stdout, stderr } = assert_cmd::Command::cargo_bin("railspring")
-            .unwrap()
-            .current_dir(self.0.path())
-            .env("RAILSPRING_CACHE", self.path("cache"))
-            .args(arguments)
-            .output()
-            .unwrap();
-        (status.code(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
-    }
+/// The exit code of a command, and what it writes on standard output and on standard error.
+fn run(place: &Place, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = place.run(arguments);
+    (output.status.code(), said(&output), message(&output))
 }
 
 /// The memory (GiB) on the line of a stage.
@@ -53,12 +38,12 @@ fn the_expected_memory_is_that_of_the_run() {
         .replace("contact_element_mm = 6", "contact_element_mm = 3")
         .replace("contact_element_along_mm = 6", "contact_element_along_mm = 2.5");
     assert_ne!(study, COARSE);
-    let place = Place::new(&study);
-    let (code, said, _) = place.run(&["calibrate", "study.toml", "--dry-run", "-o", "out"]);
+    let place = with(&study);
+    let (code, said, _) = run(&place, &["calibrate", "study.toml", "--dry-run", "-o", "out"]);
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("degrees of freedom") && !place.path("out").exists(), "{said}");
     let expected = expected_gib(&said, "calibration");
-    let (code, _, shown) = place.run(&["calibrate", "study.toml", "-o", "out"]);
+    let (code, _, shown) = run(&place, &["calibrate", "study.toml", "-o", "out"]);
     assert_eq!(code, Some(0), "{shown}");
     assert!(shown.contains(said.lines().next().unwrap()), "the run says it, too: {shown}");
     let record: Value =
@@ -74,8 +59,8 @@ fn the_expected_memory_is_that_of_the_run() {
 /// says what they would do.
 #[test]
 fn what_the_machine_cannot_hold_is_refused() {
-    let place = Place::new(COARSE);
-    let (code, _, said) = place.run(&["run", "study.toml", "--memory-limit", "0.1", "-o", "out"]);
+    let place = with(COARSE);
+    let (code, _, said) = run(&place, &["run", "study.toml", "--memory-limit", "0.1", "-o", "out"]);
     assert_eq!(code, Some(2), "{said}");
     for part in ["study.toml:", "mesh.contact_element_mm = 6 (", "GiB", "--memory-limit"] {
         assert!(said.contains(part), "{part}: {said}");
@@ -83,32 +68,32 @@ fn what_the_machine_cannot_hold_is_refused() {
     let finest = COARSE
         .replace("contact_element_mm = 6", "contact_element_mm = 0.2")
         .replace("contact_element_along_mm = 6", "contact_element_along_mm = 0.2");
-    let place = Place::new(&finest);
-    let (code, _, said) = place.run(&["run", "study.toml", "--quiet", "-o", "out", "--memory-limit", "64"]);
+    let place = with(&finest);
+    let (code, _, said) = run(&place, &["run", "study.toml", "--quiet", "-o", "out", "--memory-limit", "64"]);
     assert_eq!(code, Some(2), "{said}");
     assert!(
         said.contains("mesh.contact_element_mm = 0.2 (") && said.contains("take mesh.contact_element_mm = ")
     );
     assert!(!place.path("out").exists(), "nothing is left behind");
     for limit in ["0", "-1", "nan", "x"] {
-        let (code, _, _) = place.run(&["run", "study.toml", "--memory-limit", limit]);
+        let (code, _, _) = run(&place, &["run", "study.toml", "--memory-limit", limit]);
         assert_eq!(code, Some(2), "{limit}");
     }
-    let place = Place::new(COARSE);
+    let place = with(COARSE);
     for command in [&["mesh"][..], &["deck", "--format", "calculix"], &["crosscheck"]] {
         let limits = ["study.toml", "--quiet", "-o", "apart", "--memory-limit", "0.005"];
-        let (code, _, said) = place.run(&[command, &limits].concat());
+        let (code, _, said) = run(&place, &[command, &limits].concat());
         assert_eq!(code, Some(2), "{command:?}: {said}");
         assert!(said.contains("mesh.contact_element_mm = 6 ("), "{command:?}: {said}");
     }
-    let (code, said, _) = place.run(&["crosscheck", "study.toml", "--second-order", "--dry-run"]);
+    let (code, said, _) = run(&place, &["crosscheck", "study.toml", "--second-order", "--dry-run"]);
     assert_eq!(code, Some(0), "{said}");
     let [own, reference] = ["calibration", "reference"].map(|stage| expected_gib(&said, stage));
     assert!(reference > 3.0 * own, "{said}");
     for (command, part) in
         [("report", "results in out/coarse"), ("simulate", ""), ("mesh", "degrees of freedom")]
     {
-        let (code, said, shown) = place.run(&[command, "study.toml", "--dry-run"]);
+        let (code, said, shown) = run(&place, &[command, "study.toml", "--dry-run"]);
         assert_eq!(code, Some(0), "{command}: {shown}");
         assert!(said.contains(part) && !place.path("out").exists(), "{command}: {said}");
     }

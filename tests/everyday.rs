@@ -2,11 +2,11 @@
 //!
 //! Goal: what is said and what is left in folders, exactly; no tolerance.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Output;
 
-use assert_cmd::Command;
 use railspring_calibrate::section::rail_section;
+use railspring_testing::{Place, message, said};
 use serde_json::Value;
 
 const COARSE: &str = include_str!("studies/coarse.toml");
@@ -26,39 +26,9 @@ const COARSELY: [&str; 12] = [
     "calibration.error_band=false",
 ];
 
-/// A folder, removed at the end.
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn read(&self, name: &str) -> String {
-        std::fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        Command::cargo_bin("railspring")
-            .unwrap()
-            .current_dir(self.0.path())
-            .env("RAILSPRING_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/everyday"))
-            .args(arguments)
-            .output()
-            .unwrap()
-    }
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn message(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
+/// An empty folder for this file's tests, which have one store.
+fn empty() -> Place {
+    Place::new(env!("CARGO_BIN_EXE_railspring"), concat!(env!("CARGO_TARGET_TMPDIR"), "/everyday"))
 }
 
 fn json(output: &Output) -> Value {
@@ -78,8 +48,8 @@ fn head() -> String {
 /// study that is left in the folder is that of the fit, whose results are taken from the store.
 #[test]
 fn a_pair_is_fitted_without_a_study() {
-    let place = Place::new();
-    std::fs::write(place.path("head.csv"), head()).unwrap();
+    let place = empty();
+    place.write("head.csv", &head());
     let output = place.run(&[&["fit", "S1002", "head.csv"], &COARSELY[..]].concat());
     let (text, remarks) = (said(&output), message(&output));
     assert!(matches!(output.status.code(), Some(0 | 1)), "{remarks}");
@@ -117,13 +87,13 @@ fn a_pair_is_fitted_without_a_study() {
 /// What cannot be fitted is said of the argument or option, and nothing is left behind.
 #[test]
 fn a_pair_that_cannot_be_fitted_is_named() {
-    let place = Place::new();
+    let place = empty();
     let canted = rail_section("60E1").unwrap().running.sample(0.5e-3).into_iter().map(|p| {
         let (sin, cos) = 0.05_f64.atan().sin_cos();
         format!("{:.6},{:.6}\n", 1e3 * (cos * p.x - sin * p.y), 1e3 * (sin * p.x + cos * p.y))
     });
-    std::fs::write(place.path("canted.csv"), format!("y_mm,z_mm\n{}", canted.collect::<String>())).unwrap();
-    std::fs::write(place.path("bad.csv"), "y_mm,z_mm\n1,2\n1,x\n").unwrap();
+    place.write("canted.csv", &format!("y_mm,z_mm\n{}", canted.collect::<String>()));
+    place.write("bad.csv", "y_mm,z_mm\n1,2\n1,x\n");
     for (arguments, parts) in [
         (&["fit", "S1003", "60E1"][..], &["error: WHEEL = \"S1003\"", "did you mean \"S1002\"?"][..]),
         (&["fit", "60E1", "S1002"], &["error: WHEEL = \"60E1\""]),
@@ -144,7 +114,7 @@ fn a_pair_that_cannot_be_fitted_is_named() {
         for part in parts {
             assert!(message(&output).contains(part), "{part}: {}", message(&output));
         }
-        assert_eq!(std::fs::read_dir(place.0.path()).unwrap().count(), 2, "{arguments:?} leaves nothing");
+        assert_eq!(std::fs::read_dir(place.root()).unwrap().count(), 2, "{arguments:?} leaves nothing");
     }
     // a place in a file is no key
     let of_file = message(&place.run(&["fit", "S1002", "bad.csv"]));
@@ -154,8 +124,8 @@ fn a_pair_that_cannot_be_fitted_is_named() {
 /// A new study is read as it stands, names files from its own folder, and takes the place of no other file.
 #[test]
 fn a_new_study_runs_and_replaces_nothing() {
-    let place = Place::new();
-    std::fs::write(place.path("head.csv"), head()).unwrap();
+    let place = empty();
+    place.write("head.csv", &head());
     let output = place.run(&["new", "studies/mine", "--rail", "head.csv", "--set", "contact.friction=0.3"]);
     assert_eq!(
         (output.status.code(), said(&output).trim()),
@@ -181,8 +151,8 @@ fn a_new_study_runs_and_replaces_nothing() {
 /// One JSON object on standard output: springs, verdict with every line, exit code; of a study that is refused its mistakes. Colours are not for a pipe.
 #[test]
 fn results_are_json_on_request() {
-    let place = Place::new();
-    std::fs::write(place.path("study.toml"), COARSE).unwrap();
+    let place = empty();
+    place.write("study.toml", COARSE);
     let output = place.run(&["run", "study.toml", "--json", "--quiet"]);
     let found = json(&output);
     let code = output.status.code().unwrap();
@@ -216,7 +186,7 @@ fn results_are_json_on_request() {
 /// Keys are explained, shells get completions, and every command has a manual page.
 #[test]
 fn help_is_in_the_terminal() {
-    let place = Place::new();
+    let place = empty();
     let key = said(&place.run(&["explain", "contact.friction"]));
     assert!(key.contains("a number from 0 to 2") && key.contains("default  0.5"), "{key}");
     let wrong = place.run(&["explain", "contact.frction"]);

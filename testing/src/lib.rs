@@ -1,11 +1,12 @@
 //! What tests need that is not part of the project (tables of other programs, Python, CalculiX, OpenSees, STEM), and counting the tests
-//! that are skipped without it; besides, random numbers, drawings, and waiting for what a process writes.
+//! that are skipped without it; besides, random numbers, drawings, a folder in which the program runs, and waiting for what a process writes.
 //!
 //! A test cannot tell cargo at run time that it was skipped: it counts as passed. So it says so on a line of its own that
 //! cargo does not hold back, and leaves a mark in the target folder, which it takes away when it finds what it needs.
 //! The test target `skipped` of this package and `.ci/run` count them.
 
 pub mod dxf;
+mod place;
 mod programs;
 mod random;
 
@@ -15,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+pub use place::{Place, message, said};
 pub use programs::{locked, opensees, stem};
 pub use random::Random;
 

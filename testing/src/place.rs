@@ -1,0 +1,82 @@
+//! A folder in which a test runs the program.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+/// A folder of its own for a test, removed at the end, and the program that runs in it.
+pub struct Place {
+    folder: TempDir,
+    program: PathBuf,
+    cache: PathBuf,
+}
+
+impl Place {
+    /// An empty folder; `program` is the file of the program, `cache` its cache folder.
+    ///
+    /// # Panics
+    /// If there is no room for a folder.
+    pub fn new(program: impl Into<PathBuf>, cache: impl Into<PathBuf>) -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        Self { folder, program: program.into(), cache: cache.into() }
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The path of a file in the folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.root().join(name)
+    }
+
+    /// The text of a file in the folder.
+    ///
+    /// # Panics
+    /// If it cannot be read.
+    pub fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap_or_else(|cause| panic!("{name}: {cause}"))
+    }
+
+    /// Writes a file of the folder.
+    ///
+    /// # Panics
+    /// If it cannot be written.
+    pub fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.path(name), text).unwrap_or_else(|cause| panic!("{name}: {cause}"));
+    }
+
+    /// A command in the folder, without input.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(&self.program);
+        command.current_dir(self.root()).env("RAILSPRING_CACHE", &self.cache).args(arguments);
+        command.stdin(Stdio::null());
+        command
+    }
+
+    /// What becomes of a command in the folder.
+    ///
+    /// # Panics
+    /// If the program cannot be started.
+    pub fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().expect("the program of this project")
+    }
+}
+
+/// What a program has written on standard output.
+///
+/// # Panics
+/// If that is no text.
+pub fn said(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("text")
+}
+
+/// What a program has written on standard error.
+///
+/// # Panics
+/// If that is no text.
+pub fn message(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("text")
+}
