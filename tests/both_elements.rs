@@ -9,7 +9,7 @@ use serde_json::Value;
 
 /// A lateral force (kN) that throws the wheel over the rail; the iterations of the published element end there, those of the condensed one go on until
 /// the wheel has left.
-const HARD_KN: f64 = 2500.0;
+const HARD_KN: f64 = 8000.0;
 
 /// Bodies of half the degrees of freedom: what is compared are bytes and words.
 const COARSER: &str = "[mesh]\nwheel_section_element_mm = 40\nwheel_arc_element_mm = 300\nrail_length_element_mm = 60\ngrowth = 2.5\n";

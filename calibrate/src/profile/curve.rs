@@ -250,17 +250,21 @@ impl ProfileCurve {
     ///
     /// The global minimum over the whole curve, to round-off; the smaller s of two that are equally near.
     pub fn closest(&self, point: &Point2<f64>) -> (f64, f64) {
-        let mut blocks: Vec<(f64, usize)> = self
-            .discs
-            .iter()
-            .enumerate()
-            .map(|(i, (centre, radius))| ((point - centre).norm() - radius, i))
-            .collect();
-        blocks.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let bound = |(centre, radius): &(Point2<f64>, f64)| (point - centre).norm() - radius;
+        let mut nearest = (f64::INFINITY, 0);
+        for (block, disc) in self.discs.iter().enumerate() {
+            let lower_bound = bound(disc);
+            if lower_bound < nearest.0 {
+                nearest = (lower_bound, block);
+            }
+        }
         let mut best = (0.0, f64::INFINITY);
-        for (lower_bound, block) in blocks {
-            if lower_bound > best.1 {
-                break;
+        // The most promising block first, so that its distance rules out most of the others.
+        for block in
+            std::iter::once(nearest.1).chain((0..self.discs.len()).filter(|&block| block != nearest.1))
+        {
+            if bound(&self.discs[block]) > best.1 {
+                continue;
             }
             let first = block * BLOCK;
             let intervals = first..(first + BLOCK).min(self.cubics.len());
@@ -274,7 +278,7 @@ impl ProfileCurve {
                     promising = i;
                 }
             }
-            // The most promising interval first, so that its distance rules out most of the others.
+            // The most promising interval first, in the same way.
             for interval in std::iter::once(promising).chain(intervals) {
                 if bounds[interval - first] > best.1 {
                     continue;

@@ -11,6 +11,10 @@ use super::element::{
     rotation, sticking_force, symmetric_sliding_stiffness, tangential_increment, two_node_stiffness,
 };
 
+mod underside;
+
+use underside::Underside;
+
 pub(super) type Vector6 = SVector<f64, 6>;
 pub(super) type Matrix6 = SMatrix<f64, 6, 6>;
 
@@ -92,9 +96,19 @@ pub(super) struct ContactForces {
     pub provisional: bool,
 }
 
+/// Foot of a rail node on the wheel.
+struct Foot {
+    /// Its arc length, and the derivative of the spline there.
+    place: f64,
+    slope: Vector2<f64>,
+    /// From the wheel to the node, m; negative is penetration.
+    gap: f64,
+}
+
 /// The rail's nodes and the wheel's spline.
 pub(super) struct ContactSurface<'a> {
     wheel: &'a ProfileCurve,
+    underside: Underside,
     wheel_radius: f64,
     /// From C to the wheel centre at rest.
     centre: Vector2<f64>,
@@ -112,8 +126,21 @@ pub(super) struct ContactSurface<'a> {
 /// A node with a smaller gap (m) that moved less keeps its foot in the neighbourhood: every radius of a wheel is larger.
 const NEAR: f64 = 2e-3;
 
+/// The iteration for a foot ends with a shorter step, m.
+const SETTLED: f64 = 1e-9;
+
 /// Beyond its predicted motion a step may move this far (m) before nodes are listed anew.
 const LEAST_REACH: f64 = 50e-6;
+
+/// A vector of the wheel's profile frame in directions 1 and 2.
+fn in_plane(vector: &Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(vector.x, -vector.y)
+}
+
+/// Equation (13) in the wheel's profile frame: how far a node is behind its foot, m, where the spline has this derivative.
+fn penetration(from_foot: &Vector2<f64>, slope: &Vector2<f64>) -> f64 {
+    normal_displacement(in_plane(from_foot), in_plane(slope).normalize())
+}
 
 impl<'a> ContactSurface<'a> {
     /// `points` are the rail nodes relative to C, `centre` the wheel centre relative to C, both at rest in directions 1 and 2.
@@ -130,6 +157,7 @@ impl<'a> ContactSurface<'a> {
             .collect();
         Self {
             wheel,
+            underside: Underside::of(wheel),
             wheel_radius,
             centre,
             nodes,
@@ -154,20 +182,36 @@ impl<'a> ContactSurface<'a> {
         Point2::new(arm.x, -arm.y - self.wheel_radius)
     }
 
-    /// Foot of a point near the spline, starting from the arc length `near`.
-    fn foot(&self, point: &Point2<f64>, near: f64) -> (f64, Point2<f64>, Vector2<f64>) {
+    /// Foot of a point on the spline by Newton's iteration from the arc length `near`; the gap is known to be `least` (m) or more. None where the iteration leads elsewhere:
+    /// further away than the radius of curvature, on the tangents beyond the ends as well.
+    fn foot_near(&self, point: &Point2<f64>, near: f64, least: f64) -> Option<Foot> {
         let mut s = near;
         let (mut foot, mut slope) = self.wheel.evaluate(s);
+        let mut step = f64::INFINITY;
         // The gap is small against the radius of curvature: the simplified Newton converges in a few iterations.
         for _ in 0..12 {
-            let step = (point - foot).dot(&slope) / slope.norm_squared();
+            step = (point - foot).dot(&slope) / slope.norm_squared();
             s += step;
             (foot, slope) = self.wheel.evaluate(s);
             if step.abs() < 1e-16 {
                 break;
             }
         }
-        (s, foot, slope)
+        let gap = -penetration(&(point - foot), &slope);
+        (step.abs() < SETTLED && gap > least - SETTLED).then_some(Foot { place: s, slope, gap })
+    }
+
+    /// Foot of a point on the whole spline, found anew.
+    fn foot_anywhere(&self, point: &Point2<f64>) -> Foot {
+        let (place, distance) = self.wheel.closest(point);
+        let (foot, slope) = self.wheel.evaluate(place);
+        let inside = penetration(&(point - foot), &slope) > 0.0 && place > 0.0 && place < self.wheel.length();
+        Foot { place, slope, gap: if inside { -distance } else { distance } }
+    }
+
+    /// The foot of [`Self::foot_near`], or the one on the whole spline.
+    fn foot(&self, point: &Point2<f64>, near: f64, least: f64) -> Foot {
+        self.foot_near(point, near, least).unwrap_or_else(|| self.foot_anywhere(point))
     }
 
     /// Lists the nodes that can touch within `reach` (m) of `start`, the last converged pose, and finds the feet of those that are
@@ -188,13 +232,12 @@ impl<'a> ContactSurface<'a> {
             // A listed node has its foot from the last converged pose; one that was near finds it near the last.
             let near = was_listed || (self.bounds[i] + moved < NEAR && moved < NEAR);
             let place = if near { self.nodes[i].place } else { self.wheel.closest(&point).0 };
-            let (place, foot, slope) = self.foot(&point, place);
-            let gap = slope.perp(&(point - foot)) / slope.norm();
+            let Foot { place, slope, gap } = self.foot(&point, place, self.bounds[i]);
             if !was_listed {
                 let node = &mut self.nodes[i];
                 node.place = place;
                 node.force = 0.0;
-                node.tangent = Rotation2::new(start[5]) * Vector2::new(slope.x, -slope.y).normalize();
+                node.tangent = Rotation2::new(start[5]) * in_plane(&slope).normalize();
             }
             self.bounds[i] = gap;
             if gap <= reach {
@@ -228,14 +271,16 @@ impl<'a> ContactSurface<'a> {
             }
             let node = &self.nodes[i];
             let point = self.in_wheel(node, pose);
-            let (place, foot, slope) = self.foot(&point, node.place);
-            let norm = slope.norm();
-            let local_tangent = Vector2::new(slope.x, -slope.y) / norm;
-            let gap = point - foot;
-            let penetration = normal_displacement(Vector2::new(gap.x, -gap.y), local_tangent);
             // With given limits friction does not need pressure: else a node that opens would let go of a finite
             // force, and the potential would jump.
             let held = matches!(limit, FrictionLimit::Given(limits) if limits[i] > 0.0);
+            let foot = match self.foot_near(&point, node.place, self.bounds[i] - motion) {
+                Some(foot) => foot,
+                None if !held && self.underside.is_above(&point) => continue,
+                None => self.foot_anywhere(&point),
+            };
+            let Foot { place, slope, gap } = foot;
+            let (local_tangent, penetration) = (in_plane(&slope).normalize(), -gap);
             if penetration <= 0.0 && !held {
                 continue;
             }
@@ -378,13 +423,14 @@ impl<'a> ContactSurface<'a> {
 
     /// Makes the converged pose and its touching nodes the last state.
     pub fn commit(&mut self, pose: &Pose, active: &[ActiveNode]) {
+        let motion = self.motion(&self.listed_at, pose);
         for &i in &self.listed {
             let point = self.in_wheel(&self.nodes[i], pose);
-            let (place, _, slope) = self.foot(&point, self.nodes[i].place);
+            let Foot { place, slope, .. } = self.foot(&point, self.nodes[i].place, self.bounds[i] - motion);
             let node = &mut self.nodes[i];
             node.place = place;
             node.force = 0.0;
-            node.tangent = Rotation2::new(pose[5]) * Vector2::new(slope.x, -slope.y).normalize();
+            node.tangent = Rotation2::new(pose[5]) * in_plane(&slope).normalize();
         }
         for touching in active {
             let node = &mut self.nodes[touching.node];

@@ -7,6 +7,7 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
+use railspring_calibrate::step_control::InnerSteps;
 
 /// How far the wheel of `history` got to the side at its last state, m.
 fn last_y(run: &MovingRun) -> f64 {
@@ -31,6 +32,66 @@ fn a_wheel_pulled_into_the_track_falls_off() {
     assert!((rows.last().unwrap().time - (time - step)).abs() < 1e-12);
     assert_eq!((rows.len(), run.rail.len()), ((time / step).round() as usize, rows.len()));
     assert!(run.history.ending.to_string().starts_with("left the profile at 0.01"), "{}", run.history.ending);
+}
+
+/// Source: free fall, `y = Q·t²/2m` and `z = F·t²/2m`. Goal: a wheel that is pulled up off the rail flies to the end of the run, however far; pushed aside as well, until its flange is
+/// past the rail's head, 0.11 m from where it started. Nothing touches on the way, with long steps and short ones: not the tangents beyond the ends of the profile, where the
+/// wheel is further away from the rail than its flange is round (13 mm). Accuracy: average acceleration is exact under a constant force; SOLVER: the balance of forces in a step, 1e-8.
+#[test]
+fn a_wheel_that_is_pulled_up_flies() {
+    const SOLVER: f64 = 1e-8;
+    const MASS: f64 = 283.0;
+    for (up, aside, inner) in [
+        (260e3, 0.0, 16),
+        (260e3, 0.0, 1),
+        (5e3, 0.0, 16),
+        (5e3, -20e3, 4),
+        (60e3, 20e3, 16),
+        (60e3, 20e3, 1),
+    ] {
+        let scenario = Scenario {
+            steps: 400,
+            suspended_mass: 0.0,
+            vertical_force: HarmonicForce::constant(-up),
+            inner_steps: InnerSteps::Equal(inner),
+            ..published_scenario(HarmonicForce::constant(aside))
+        };
+        let run = published().run(&scenario, &Silent).unwrap();
+        let rows = &run.history.rows;
+        for row in &rows[1..] {
+            let half = 0.5 * row.time * row.time / MASS;
+            assert!(row.contacts.is_empty() && row.vertical_force == 0.0, "{up} {aside} {inner}: {row:?}");
+            let off = (row.wheel_y - aside * half).abs().max((row.wheel_z + up * half).abs());
+            assert!(off < SOLVER * up * half, "{up} {aside} {inner}: {off:e} at {} s", row.time);
+        }
+        match run.history.ending {
+            Ending::Completed => assert!(aside == 0.0 && rows.len() == 401, "{up} {aside} {inner}"),
+            Ending::Departed { time, .. } => {
+                let way = 0.5 * aside.abs() * time * time / MASS;
+                assert!((0.092..0.118).contains(&way), "{up} {aside} {inner}: {way}");
+            }
+            ref ending => panic!("{up} {aside} {inner}: {ending}"),
+        }
+    }
+}
+
+/// Goal: a wheel that is pushed aside while it is pulled up meets the gauge corner with its flange on the way, and goes over it to the field side.
+#[test]
+fn a_wheel_that_is_pulled_up_beside_the_rail_goes_over_it() {
+    let scenario = Scenario {
+        steps: 400,
+        suspended_mass: 0.0,
+        vertical_force: HarmonicForce::constant(-5e3),
+        inner_steps: InnerSteps::Equal(16),
+        ..published_scenario(HarmonicForce::constant(20e3))
+    };
+    let run = published().run(&scenario, &Silent).unwrap();
+    let Ending::Departed { time, departure } = run.history.ending else { panic!("{}", run.history.ending) };
+    assert_eq!(departure, Departure::FieldSide);
+    let fall = (2.0 * 0.1 * 283.0 / 20e3_f64).sqrt();
+    assert!(time > fall && last_y(&run) > 0.09, "{time} {fall} {}", last_y(&run));
+    let touched = run.history.rows.iter().any(|row| row.lateral_force > 20e3);
+    assert!(touched, "the flange does not meet the rail");
 }
 
 /// Source: Nadal. Goal: 200 kN sideways against 10 kN down, with friction 0.5 on a flange of 70°, is beyond any limit of climbing

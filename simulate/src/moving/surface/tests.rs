@@ -1,5 +1,6 @@
 use super::*;
 use nalgebra::Point2 as P;
+use railspring_calibrate::section::wheel_section;
 
 /// A round wheel profile, so that curvature matters.
 fn wheel() -> ProfileCurve {
@@ -82,4 +83,24 @@ fn contact_forces_balance() {
     let (b, c) = (centre + Vector2::new(pose[0], pose[1]), Vector2::new(pose[2], pose[3]));
     let moment = b.x * p[1] - b.y * p[0] + p[5] + c.x * p[3] - c.y * p[2] + p[4];
     assert!(moment.abs() < ROUNDOFF * p.norm());
+}
+
+/// Goal: a point of which the bound says that the whole wheel is above it has its nearest foot on S1002 ahead of it, as the search on the whole spline finds; the bound says so of
+/// what is 1.5 mm off the tread and the face of the flange. Exact: a sign.
+#[test]
+fn what_is_below_the_wheel_is_not_in_it() {
+    let wheel = wheel_section("S1002", 0.858).unwrap().running;
+    let surface = ContactSurface::new(&[Vector2::zeros()], &wheel, 0.429, Vector2::new(0.0, 0.429));
+    let mut counts = [0; 2];
+    for (i, j) in (-90..=90).flat_map(|i| (-30..=50).map(move |j| (i, j))) {
+        let point = P::new(1e-3 * f64::from(i), 1e-3 * f64::from(j));
+        let above = surface.underside.is_above(&point);
+        assert!(!above || surface.foot_anywhere(&point).gap > 0.0, "{point}");
+        counts[usize::from(above)] += 1;
+    }
+    assert!(counts.iter().all(|count| *count > 1000), "{counts:?}");
+    for s in wheel.sample_parameters(1e-3) {
+        let off = wheel.point(s) - 1.5e-3 * wheel.upward_normal(s);
+        assert!(wheel.upward_normal(s).y > -0.3 || surface.underside.is_above(&off), "{s}: {off}");
+    }
 }
