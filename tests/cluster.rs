@@ -6,18 +6,16 @@
 //! lock file of `cluster/`.
 #![cfg(unix)]
 
-mod tables;
-
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
+use crate::tables::Place;
 use railspring::python::Python;
 use railspring_calibrate::monitor::Silent;
 use serde_json::{Value, json};
-use tables::Place;
 
 /// A measured wheel and a file that is no profile on two rails at two shifts.
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\
@@ -131,7 +129,7 @@ fn dask(python: &Path, folder: &Path, arguments: &[&str], last: &Path) -> Proces
 
 impl Place {
     /// The table into a folder, with a store of the folder's name.
-    fn table(&self, out: &str, more: &[&str]) -> Command {
+    fn table_command(&self, out: &str, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_railspring"));
         command.current_dir(self.0.path()).args(["table", "table.toml", "-o", out, "--cache"]);
         command.arg(format!("store-{out}")).args(more).env("RAILSPRING_CACHE", cache());
@@ -140,7 +138,7 @@ impl Place {
     }
 
     fn on(&self, cluster: &DaskCluster, out: &str, more: &[&str]) -> Command {
-        self.table(out, &[&["--executor", "dask", "--scheduler", &cluster.address], more].concat())
+        self.table_command(out, &[&["--executor", "dask", "--scheduler", &cluster.address], more].concat())
     }
 }
 
@@ -163,7 +161,7 @@ fn a_cluster_that_loses_a_worker_comes_to_the_same_bytes() {
     ));
     place.write("notes.whl", "the wheels of the third of May\n");
     let mut cluster = DaskCluster::new(python, 3);
-    let alone = place.table("alone", &[]).spawn().unwrap();
+    let alone = place.table_command("alone", &[]).spawn().unwrap();
     let mut running = place.on(&cluster, "sent", &["--worker-cache", "stored"]).spawn().unwrap();
     while cluster.entries("body-") == 0 {
         assert!(running.try_wait().unwrap().is_none(), "{}", done(running, 1));
@@ -198,7 +196,7 @@ fn a_cluster_that_loses_a_worker_comes_to_the_same_bytes() {
         "{said}"
     );
     let seen = cluster.entries("place-");
-    let local = place.table("sent", &[]).spawn().unwrap();
+    let local = place.table_command("sent", &[]).spawn().unwrap();
     done(local, 1);
     assert!(place.files("sent") == place.files("alone"));
     assert_eq!(cluster.entries("place-"), seen, "workers that share the store have none themselves");
@@ -212,7 +210,7 @@ fn a_worker_that_hangs_is_lost() {
     let Some(python) = python() else { return };
     let place = Place::new(TABLE);
     let cluster = DaskCluster::new(python, 2);
-    let alone = place.table("alone", &[]).spawn().unwrap();
+    let alone = place.table_command("alone", &[]).spawn().unwrap();
     let more = ["--worker-cache", "stored", "--worker-silence", "2"];
     let mut running = place.on(&cluster, "sent", &more).spawn().unwrap();
     let stopped = Stopped::first(&mut running, &cluster);
@@ -275,9 +273,9 @@ fn a_cluster_that_cannot_is_an_error() {
         "{said}"
     );
     let more = ["--executor", "dask", "--scheduler", "tcp://127.0.0.1:9"];
-    let said = done(place.table("out", &more).spawn().unwrap(), 2);
+    let said = done(place.table_command("out", &more).spawn().unwrap(), 2);
     assert!(said.contains("--scheduler = tcp://127.0.0.1:9 ("), "{said}");
-    let said = done(place.table("out", &["--scheduler", "tcp://127.0.0.1:9"]).spawn().unwrap(), 2);
+    let said = done(place.table_command("out", &["--scheduler", "tcp://127.0.0.1:9"]).spawn().unwrap(), 2);
     assert!(said.contains("no scheduler for --executor local"), "{said}");
     assert!(!place.path("out").exists());
 }
@@ -345,7 +343,7 @@ fn trial() {
     );
     let place = Place::new(&table);
     let begun = Instant::now();
-    done(place.table("alone", &["--threads", "1"]).spawn().unwrap(), 0);
+    done(place.table_command("alone", &["--threads", "1"]).spawn().unwrap(), 0);
     println!("one thread without a cluster: {:.1} s", begun.elapsed().as_secs_f64());
     for workers in 1..=3 {
         let cluster = DaskCluster::new(python, workers);

@@ -7,16 +7,14 @@
 //! store. The full disk is a file system of a given size (tmpfs in a mount namespace). `cargo table-kills` does more of each.
 #![cfg(unix)]
 
-mod tables;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime};
 
+use crate::tables::Place;
 use railspring_testing::{Need, Random, await_changes, needs};
-use tables::Place;
 
 /// Two wheels on a rail at two shifts.
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\

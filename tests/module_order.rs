@@ -139,6 +139,23 @@ fn modules_use_only_those_above_them() {
     }
 }
 
+/// Goal: every file of tests is a module of its package's one test program; another would not be compiled.
+#[test]
+fn every_file_of_tests_is_run() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for tests in ["tests", "calibrate/tests", "simulate/tests"].map(|folder| root.join(folder)) {
+        let suite = std::fs::read_to_string(tests.join("suite.rs")).unwrap();
+        for entry in std::fs::read_dir(&tests).unwrap() {
+            let path = entry.unwrap().path();
+            let is_module = path.extension().is_some_and(|kind| kind == "rs") || path.join("mod.rs").exists();
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            let line = format!("mod {name};");
+            let listed = name == "suite" || suite.lines().any(|other| other == line);
+            assert!(!is_module || listed, "{}: add `{line}` to suite.rs", path.display());
+        }
+    }
+}
+
 #[test]
 fn a_module_that_looks_down_is_found() {
     let root = tempfile::tempdir().unwrap();

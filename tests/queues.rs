@@ -4,17 +4,15 @@
 //! in `docs/dask.md`. The queue of the test starts its jobs at once on this machine.
 #![cfg(unix)]
 
-mod tables;
-
 use std::collections::BTreeSet;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, PoisonError};
 
+use crate::tables::Place;
 use railspring::python::Python;
 use railspring_calibrate::monitor::Silent;
-use tables::Place;
 
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\
     [[wheel]]\nname = \"worn\"\nprofile_file = \"worn.whl\"\nstandard = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n";

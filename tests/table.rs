@@ -4,14 +4,12 @@
 //! influence on stays; a case that fails is a row. Source: `railspring calibrate` on the studies that
 //! the cases are, and tables with an empty store, equal to the byte.
 
-mod tables;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use crate::tables::Place;
 use serde_json::Value;
-use tables::Place;
 
 /// Two wheels on two rails at two shifts, with columns at loads of the study.
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use serde_json::Value;
 
-use super::tables::Place;
 use super::{export_of, railspring, rows, said, text};
+use crate::tables::Place;
 
 /// A wheel at three shifts, of which it is off the rail at the last.
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2, 29]\nstiffness_at_kn = [20, 40, 60]\n\

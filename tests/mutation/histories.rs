@@ -8,8 +8,8 @@ use railspring::records::history_csv;
 use railspring::verify::{Limits, ModelRun, Spread, compare};
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
-use crate::mutate::{Dice, mistakes};
-use crate::{Fate, tried};
+use super::mutate::{Dice, mistakes};
+use super::{Fate, tried};
 
 /// A wheel that rolls from tread to flange and lifts off for three steps.
 fn history() -> History {

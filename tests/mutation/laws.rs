@@ -10,8 +10,8 @@ use railspring::study::Study;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
 
-use crate::mutate::{Dice, mistakes};
-use crate::{Fate, tried};
+use super::mutate::{Dice, mistakes};
+use super::{Fate, tried};
 
 const STUDY: &str = r#"
 name = "law"

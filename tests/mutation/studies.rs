@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use railspring::study::{Study, schema};
 use serde_json::Value;
 
-use crate::mutate::{Dice, mistakes};
-use crate::{Fate, tried};
+use super::mutate::{Dice, mistakes};
+use super::{Fate, tried};
 
 /// Everything that a study can say, but for files.
 const EVERYTHING: &str = r#"

@@ -4,8 +4,6 @@
 //! Units as in the files: m and N, or mm and kN where the name says so. OpenSees, STEM and CalculiX are not needed to build or use the
 //! tool; without them their tests are counted as skipped.
 
-#[path = "../tables/mod.rs"]
-mod tables;
 mod programs;
 mod profiles;
 mod rows_of_tables;

@@ -1,0 +1,32 @@
+//! All tests of this package that are not unit tests, in one program: they are linked once, and no core waits for the last test of a file.
+
+mod conical;
+mod contact;
+mod contact_solver;
+mod error_band;
+mod first_touch;
+mod held_ends;
+mod hybrid;
+mod joined;
+mod law_by_shift;
+mod lines_and_arcs;
+mod mesh_depth;
+mod off_centre;
+mod pair;
+mod press;
+mod press_direction;
+mod profile_dialects;
+mod profile_drawings;
+mod profile_files;
+mod profile_mutation;
+mod profile_placement;
+mod profile_slices;
+mod profiles;
+mod rigid_contact;
+mod section_analysis;
+mod section_motion;
+mod sections;
+mod solids;
+mod standards;
+mod transient_ending;
+mod transient_hybrid;

@@ -1,0 +1,4 @@
+//! All tests of this package that are not unit tests, in one program: they are linked once, and no core waits for the last test of a file.
+
+mod along_the_rail;
+mod held_ends;
