@@ -357,8 +357,8 @@ mod tests {
         assert_ne!(room(1.001 * least), Room::default());
     }
 
-    /// Goal: a study that needs more than there is is refused by the first look (elements of 0.2 mm, which no machine
-    /// holds) and by the count (a limit just below the need), with keys, numbers and sizes that would do.
+    /// Goal: a study that needs more than there is is refused by the first look (elements of 0.5 mm, which need twenty times
+    /// the limit) and by the count (a limit just below the need), with keys, numbers and sizes that would do.
     #[test]
     fn what_cannot_be_held_is_refused_with_sizes_that_can() {
         let coarse = study(COARSE);
@@ -371,11 +371,11 @@ mod tests {
         }
         assert!(estimate(&coarse, Some(1.001 * need / GIB)).is_ok());
         let mut finest = coarse.clone();
-        finest.mesh.contact_element = 0.2e-3;
-        finest.mesh.contact_element_along = 0.2e-3;
-        let said = refused(&finest, 64.0);
+        finest.mesh.contact_element = 0.5e-3;
+        finest.mesh.contact_element_along = 0.5e-3;
+        let said = refused(&finest, 1.0);
         assert!(
-            said.starts_with("mesh.contact_element_mm = 0.2 (") && said.contains("take mesh.contact"),
+            said.starts_with("mesh.contact_element_mm = 0.5 (") && said.contains("take mesh.contact"),
             "{said}"
         );
     }
