@@ -294,9 +294,13 @@ impl<'a> Pipeline<'a> {
         let options = stages::mesh_options(self.study, &geometry);
         let meshes = stages::meshes(self.study, &geometry, options, interpreter, monitor)?;
         let key = hash(format!("mesh {}", self.study.keys.calibration).as_bytes());
-        let files = [(&meshes.rail, "rail.vtu"), (&meshes.wheel, "wheel.vtu")]
+        let [of_rail, of_wheel] = [&self.study.rail.mesh, &self.study.wheel.mesh]
+            .map(|file| file.as_ref().map_or(&[][..], |file| &file.groups));
+        let files = [(&meshes.rail, of_rail, "rail.vtu"), (&meshes.wheel, of_wheel, "wheel.vtu")]
             .into_iter()
-            .map(|(mesh, name)| Ok(NewFile::new(name, stages::mesh_vtu(mesh)?.into_bytes(), &key)))
+            .map(|(mesh, groups, name)| {
+                Ok(NewFile::new(name, stages::mesh_vtu(mesh, groups)?.into_bytes(), &key))
+            })
             .collect::<Result<_>>()?;
         self.results.write(files, &[])?;
         Ok([&meshes.rail, &meshes.wheel].map(MeshSize::of))

@@ -412,6 +412,12 @@ pub struct BodyMeshRecord {
     pub mean_scaled_jacobian: f64,
     /// Mass, kg.
     pub mass_kg: f64,
+    /// Young's modulus at the contact surface, GPa, where the groups of a mesh file have their own materials.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface_young_gpa: Option<f64>,
+    /// Poisson's ratio there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface_poisson: Option<f64>,
 }
 
 /// A measured profile on its way to a section, or a section from a file.

@@ -17,6 +17,7 @@ use railspring::python::{Purpose, Python};
 use railspring::records::crosscheck::Check;
 use railspring::study::Study;
 use railspring_calibrate::monitor::Silent;
+use railspring_calibrate::solid::Material;
 use railspring_testing::{Need, needs};
 
 /// Coarse enough for a few seconds, fine enough for a contact.
@@ -119,7 +120,9 @@ fn a_wrong_modulus_and_a_flipped_element_are_found() {
     }
     let mut exchange = prepared().exchange.clone();
     exchange.cases.clear();
-    exchange.bodies[0].material.young *= 1.01;
+    let Study { material, .. } = study();
+    let wrong = Material { young: 1.01 * material.young, ..material };
+    exchange.bodies[0].materials = wrong.into();
     let middle = exchange.bodies[1].mesh.hexes.len() / 2;
     let hex = &mut exchange.bodies[1].mesh.hexes[middle];
     *hex = [hex[4], hex[5], hex[6], hex[7], hex[0], hex[1], hex[2], hex[3]];

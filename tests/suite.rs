@@ -39,4 +39,5 @@ mod tables;
 mod user_meshes;
 mod user_sections;
 mod validation;
+mod wheel_materials;
 mod whole_study;

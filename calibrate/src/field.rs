@@ -49,6 +49,8 @@ fields! {
     RailContactSurface = "rail_contact_surface",
     /// Nodes at its foot.
     RailHeldNodes = "rail_held_nodes",
+    /// Materials of the groups of a rail mesh.
+    RailMaterials = "rail_materials",
     /// Name of the wheel's standard profile.
     WheelName = "wheel_name",
     /// The wheel's measured profile.
@@ -85,6 +87,8 @@ fields! {
     WheelContactSurface = "wheel_contact_surface",
     /// Nodes at its bore.
     WheelHeldNodes = "wheel_held_nodes",
+    /// Materials of the groups of a wheel mesh.
+    WheelMaterials = "wheel_materials",
     /// Track gauge.
     Gauge = "gauge",
     /// Depth below the top of the rail at which the gauge is measured.

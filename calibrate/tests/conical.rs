@@ -7,7 +7,7 @@ use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::solid::{Formulation, Material, Materials};
 
 /// Range of the published comparison, N.
 const LOADS: [f64; 2] = [20e3, 120e3];
@@ -24,15 +24,15 @@ fn ratios(shifts: &[f64], options: &MeshOptions) -> Vec<f64> {
     };
     let pair = at(0.0);
     let meshes = pair.mesh(0.555, options).unwrap();
-    let (material, element) = (Material::STEEL, Formulation::IncompatibleModes);
+    let (steel, element) = (&Materials::from(Material::STEEL), Formulation::IncompatibleModes);
     let (rail, wheel, orders) = (&meshes.rail, &meshes.wheel, &Orders::default());
-    let solids = PairSolids { pair: &pair, rail, wheel, material, element, orders };
+    let solids = PairSolids { pair: &pair, rail, wheel, materials: [steel; 2], element, orders };
     let [rail, wheel] =
         [PairBody::RailOnFoot, PairBody::Wheel].map(|body| solids.condense(body, solids.key(body)).unwrap());
     let published = StiffnessLaw::published();
     let ratio = |shift: &f64| {
         let pair = at(*shift);
-        let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, material, CONTACT);
+        let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, CONTACT);
         let states = press_loads(&wheel_on_rail, &LOADS, "press", &Silent).unwrap();
         let [from, to] = [0, 1].map(|load| states[load].hub.y);
         (published.displacement(LOADS[1]) - published.displacement(LOADS[0])) / (to - from)

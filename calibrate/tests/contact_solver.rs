@@ -124,7 +124,7 @@ struct Drawn {
 fn drawn(poisson: f64, axis: Unit<Vector3<f64>>, cells: f64, steps: &[f64]) -> Vec<Drawn> {
     let (radius, load, friction) = (0.3_f64, 85e3, 0.5);
     let material = Material { poisson, ..Material::STEEL };
-    let patch = (0.75 * load * radius / material.contact_modulus()).cbrt();
+    let patch = (0.75 * load * radius / material.contact_modulus(&material)).cbrt();
     let h = patch / cells;
     let count = 2 * (1.2 * cells) as usize + 1;
     let points = flat_grid((count, count), h, |s, x| (s * s + x * x + h * h / 3.0) / (2.0 * radius));

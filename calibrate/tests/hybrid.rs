@@ -65,10 +65,12 @@ fn bodies() -> &'static Bodies {
 }
 
 fn on<'a>(bodies: &'a Bodies, pair: &'a Pair, friction: f64, field: ContactField) -> WheelOnRail<'a> {
-    let rail = ContactBody { compliance: &bodies.rail.compliance, grid: &bodies.meshes.rail.contact };
-    let wheel = ContactBody { compliance: &bodies.wheel.compliance, grid: &bodies.meshes.wheel.contact };
+    let [rail, wheel] =
+        [(&bodies.rail, &bodies.meshes.rail), (&bodies.wheel, &bodies.meshes.wheel)].map(|(body, mesh)| {
+            ContactBody { compliance: &body.compliance, grid: &mesh.contact, material: MATERIAL }
+        });
     let contact = ContactConditions { friction, enforcement: Enforcement::Exact, field };
-    pair.wheel_on_rail(rail, wheel, MATERIAL, contact)
+    pair.wheel_on_rail(rail, wheel, contact)
 }
 
 fn press(wheel_on_rail: &WheelOnRail, loads: &[f64], reference: Reference) -> Vec<LoadPoint> {

@@ -6,7 +6,7 @@ use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::solid::{Formulation, Material, Materials};
 
 /// Displacement of the hub under 20 and 160 kN, m: S1002 on UIC60, the foot held, on a fine grid over bodies meshed with contact
 /// elements of a size, m. Far from the contact the elements are large, the same for all sizes.
@@ -27,14 +27,14 @@ fn hub_displacement(contact_element: f64) -> [f64; 2] {
     let (rail, wheel) = (rail_section("UIC60"), wheel_section("S1002", 0.92));
     let pair = Pair::new(rail.unwrap(), wheel.unwrap(), &TrackGeometry::standard()).unwrap();
     let meshes = pair.mesh(0.3, &options).unwrap();
-    let (material, element) = (Material::STEEL, Formulation::IncompatibleModes);
+    let (steel, element) = (&Materials::from(Material::STEEL), Formulation::IncompatibleModes);
     let (rail, wheel, orders) = (&meshes.rail, &meshes.wheel, &Orders::default());
-    let solids = PairSolids { pair: &pair, rail, wheel, material, element, orders };
+    let solids = PairSolids { pair: &pair, rail, wheel, materials: [steel; 2], element, orders };
     let [rail, wheel] =
         [PairBody::RailOnFoot, PairBody::Wheel].map(|body| solids.condense(body, solids.key(body)).unwrap());
     let contact =
         ContactConditions { friction: 0.0, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
-    let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, material, contact);
+    let wheel_on_rail = pair.wheel_on_rail(&rail, &wheel, contact);
     let states = press_loads(&wheel_on_rail, &[20e3, 160e3], "press", &Silent).unwrap();
     [0, 1].map(|load| states[load].hub.dot(&wheel_on_rail.along))
 }

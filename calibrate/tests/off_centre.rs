@@ -6,7 +6,7 @@ use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairMeshes, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::solid::{Formulation, Material, Materials};
 
 /// SOLVER: the wanted force is met to 1e-10 of the largest.
 const SOLVER: f64 = 1e-8;
@@ -33,11 +33,12 @@ fn tread_corner_and_flange_reach_their_answer() {
         let centred = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
         let PairMeshes { rail, wheel } = centred.mesh(0.3, &options).unwrap();
         // a shift moves neither mesh
+        let steel = Materials::from(Material::STEEL);
         let solids = PairSolids {
             pair: &centred,
             rail: &rail,
             wheel: &wheel,
-            material: Material::STEEL,
+            materials: [&steel; 2],
             element: Formulation::FullIntegration,
             orders: &Orders::default(),
         };
@@ -49,7 +50,7 @@ fn tread_corner_and_flange_reach_their_answer() {
             for friction in [0.05, 0.3, 0.6] {
                 let (enforcement, field) = (Enforcement::Exact, ContactField::Elements);
                 let contact = ContactConditions { friction, enforcement, field };
-                let pair = shifted.wheel_on_rail(&on_foot, &on_hub, Material::STEEL, contact);
+                let pair = shifted.wheel_on_rail(&on_foot, &on_hub, contact);
                 let case = format!("{name}, shift {lateral_shift} m, friction {friction}");
                 let states = press_loads(&pair, &loads, "press", &Silent)
                     .unwrap_or_else(|error| panic!("{case}: {error}"));

@@ -6,7 +6,7 @@ use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{CondensedPair, ContactConditions, Pair, PairBody};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material, Supports};
+use railspring_calibrate::solid::{Formulation, Material, Materials, Supports};
 use railspring_calibrate::superelement::{CondensedBody, body_key};
 
 fn coarse() -> MeshOptions {
@@ -96,7 +96,7 @@ fn files_that_are_no_bodies_are_refused() {
     let mut endless = body.clone();
     endless.compliance[(0, 0)] = f64::INFINITY;
     let endless = endless.write();
-    let other = String::from_utf8_lossy(&file[8..header]).replace("body 2", "body 9").into_bytes();
+    let other = String::from_utf8_lossy(&file[8..header]).replace("body 3", "body 9").into_bytes();
     let other = [&file[..8], &other, &file[header..]].concat();
     let cases: [(&[u8], &str); 5] = [
         (&[], "condensed body"),
@@ -118,12 +118,12 @@ fn a_body_knows_what_made_it() {
     let wheel = wheel_section("S1002", 0.858).unwrap();
     let mesh = mesh_wheel(&wheel, &coarse()).unwrap();
     let supports = Supports { followers: mesh.bore.clone(), ..Supports::default() };
-    let (steel, full) = (Material::STEEL, Formulation::FullIntegration);
+    let (steel, full) = (Materials::from(Material::STEEL), Formulation::FullIntegration);
     let key = body_key(&mesh, &steel, full, &supports);
     assert_eq!(key.len(), 64);
     let mut moved = mesh.clone();
     moved.nodes[0].x += 1e-9;
-    let softer = Material { young: 209e9, ..steel };
+    let softer = Materials::from(Material { young: 209e9, ..Material::STEEL });
     let others = [
         body_key(&moved, &steel, full, &supports),
         body_key(&mesh, &softer, full, &supports),

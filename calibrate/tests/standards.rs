@@ -13,7 +13,7 @@ use railspring_calibrate::profile::wheels::{
 use railspring_calibrate::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
 use railspring_calibrate::section::{WebShape, WheelBody, rail_section, wheel_section, wheel_section_on};
 use railspring_calibrate::section_analysis::rail_properties;
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::superelement::CondensedBody;
 
 /// kg/m³, of the published masses.
@@ -283,7 +283,7 @@ fn every_wheel_is_fitted_to_every_rail() {
         contact_half_length: 32e-3,
         ..MeshOptions::default()
     };
-    let (material, element) = (Material::STEEL, Formulation::IncompatibleModes);
+    let (steel, element) = (Materials::from(Material::STEEL), Formulation::IncompatibleModes);
     let contact =
         ContactConditions { friction: 0.3, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
     let track = TrackGeometry::standard();
@@ -309,17 +309,15 @@ fn every_wheel_is_fitted_to_every_rail() {
                 pair: &pair,
                 rail: &meshes.rail,
                 wheel: &meshes.wheel,
-                material,
+                materials: [&steel; 2],
                 element,
                 orders: &orders,
             };
             let condense = |body| solids.condense(body, solids.key(body)).unwrap();
             let wheel_body = known.get_or_insert_with(|| condense(PairBody::Wheel)).clone();
             let rail_body = on_ends.get_or_insert_with(|| condense(PairBody::RailOnEnds)).clone();
-            let bodies = CondensedPair::new(
-                material,
-                vec![(PairBody::Wheel, wheel_body), (PairBody::RailOnEnds, rail_body)],
-            );
+            let bodies =
+                CondensedPair::new(vec![(PairBody::Wheel, wheel_body), (PairBody::RailOnEnds, rail_body)]);
             let bodies = bodies.unwrap();
             let fitted = bodies.press(&pair, contact, &LOADS, &Silent).and_then(|pressed| {
                 let ended = pressed.ended().map(ToString::to_string);

@@ -8,6 +8,7 @@ mod first_touch;
 mod held_ends;
 mod hybrid;
 mod joined;
+mod layered;
 mod law_by_shift;
 mod lines_and_arcs;
 mod mesh_depth;

@@ -10,7 +10,7 @@ use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::transient::{SolidBodies, TransientModel};
 
@@ -42,13 +42,15 @@ fn run_in_zone(scenarios: &[Scenario], field_y: f64) -> (Vec<History>, f64) {
     let rail_mesh = mesh_rail(&rail, &placed, 0.555, &options).unwrap();
     let wheel_mesh = mesh_wheel(&wheel, &options).unwrap();
     let tape = Vector2::new(track.tape_y(&wheel.running), touching.tape_z);
+    let steel = Materials::from(Material::STEEL);
     let model = TransientModel {
         bodies: SolidBodies::Full {
             rail: &rail_mesh,
             wheel: &wheel_mesh,
+            materials: [&steel; 2],
             formulation: Formulation::FullIntegration,
         },
-        material: Material::STEEL,
+        materials: [Material::STEEL; 2],
         placed_rail: &placed,
         rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
         wheel_surface: Surface::revolved(&wheel.running, &wheel_mesh.contact, wheel.radius, tape),

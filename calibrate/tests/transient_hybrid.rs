@@ -10,7 +10,7 @@ use railspring_calibrate::pair::{Pair, PairBody, PairMeshes};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::step_control::{InnerSteps, StepControl};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel, TransientRun};
@@ -48,7 +48,9 @@ fn run(
     steps: usize,
 ) -> Result<History, Error> {
     let element = Formulation::FullIntegration;
-    let model = TransientModel::of_pair(pair, [&meshes.rail, &meshes.wheel], steel(), element, contact);
+    let materials = Materials::from(steel());
+    let model =
+        TransientModel::of_pair(pair, [&meshes.rail, &meshes.wheel], [&materials; 2], element, contact);
     Ok(model.run(&pressed(steps), &Silent)?.history)
 }
 
@@ -74,7 +76,7 @@ fn run_reduced(
     scenario: &Scenario,
 ) -> Result<TransientRun, Error> {
     let contact = (Enforcement::Exact, ContactField::Hybrid);
-    TransientModel::reduced(pair, [rail, wheel], modes, steel(), contact).run(scenario, &Silent)
+    TransientModel::reduced(pair, [rail, wheel], modes, steel().damping, contact).run(scenario, &Silent)
 }
 
 /// Largest difference of P and of Q over the largest value of the second history.
@@ -186,7 +188,7 @@ fn a_second_load_case_is_that_of_its_own_run() {
     let bodies = condensed(&pair, &meshes, 16);
     let contact = (Enforcement::Exact, ContactField::Hybrid);
     let [rail, wheel] = &bodies;
-    let model = TransientModel::reduced(&pair, [rail, wheel], ModeCount::Given(16), steel(), contact);
+    let model = TransientModel::reduced(&pair, [rail, wheel], ModeCount::Given(16), steel().damping, contact);
     let first = pressed(6);
     let mut second = first.clone();
     second.lateral_force.constant += 5e3;
@@ -198,7 +200,9 @@ fn a_second_load_case_is_that_of_its_own_run() {
     let refused = model.run_beside(&first, &moving, &Silent).map(|_| ()).unwrap_err();
     assert!(refused.to_string().starts_with("speed = 1 m/s"), "{refused}");
     let element = Formulation::FullIntegration;
-    let full = TransientModel::of_pair(&pair, [&meshes.rail, &meshes.wheel], steel(), element, contact);
+    let materials = Materials::from(steel());
+    let full =
+        TransientModel::of_pair(&pair, [&meshes.rail, &meshes.wheel], [&materials; 2], element, contact);
     let refused = full.run_beside(&first, &second, &Silent).map(|_| ()).unwrap_err();
     assert!(refused.to_string().contains("bodies at full order"), "{refused}");
 }
@@ -272,7 +276,8 @@ fn adapted_steps_follow_short_ones() {
     let element = Formulation::FullIntegration;
     let full = [&meshes.rail, &meshes.wheel];
     let contact = (Enforcement::Exact, ContactField::Hybrid);
-    let full = TransientModel::of_pair(&pair, full, steel(), element, contact);
+    let materials = Materials::from(steel());
+    let full = TransientModel::of_pair(&pair, full, [&materials; 2], element, contact);
     let refused = full.run(&published(adapted, 1), &Silent).map(|_| ()).unwrap_err();
     assert!(refused.to_string().starts_with("inner_steps = steps of adapted length"), "{refused}");
 }

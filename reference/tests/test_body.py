@@ -41,7 +41,7 @@ def test_the_rule_integrates_its_degree_exactly() -> None:
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_distorted_block_keeps_its_volume(order: int) -> None:
     """Goal: no corner is mixed up between meshio's and scikit-fem's order: volume is the box's."""
-    body = Body(block(), STEEL, np.array([0]), order)
+    body = Body(block(), [STEEL], np.array([0]), order)
     assert abs(body.basis.dx.sum() - 0.4 * 0.3 * 0.2) < ROUNDOFF
     assert body.smallest_jacobian > 0.0
 
@@ -50,21 +50,21 @@ def test_a_distorted_block_keeps_its_volume(order: int) -> None:
 def test_patch(order: int) -> None:
     """Source: constant strain is an exact solution. Forces of a linear field give back that field."""
     mesh = block()
-    body = Body(mesh, STEEL, np.flatnonzero(mesh.points[:, 0] < 1e-9), order)
+    body = Body(mesh, [STEEL], np.flatnonzero(mesh.points[:, 0] < 1e-9), order)
     slope = np.array([[1e-3, 0.0, 0.0], [2e-4, -3e-4, 1e-4], [-1e-4, 2e-4, 5e-4]])
     slope[:, 1:] = 0.0  # vanishes on the held face
     exact = (slope @ body.basis.doflocs).T.ravel()
     solution = body.solve((body.stiffness @ exact)[:, None])[:, 0]
     assert np.abs(solution - exact).max() < ROUNDOFF * np.abs(exact).max()
     # the same check notices a wrong modulus
-    other = Body(mesh, Material(1.01 * STEEL.young_pa, STEEL.poisson), body.held, order)
+    other = Body(mesh, [Material(1.01 * STEEL.young_pa, STEEL.poisson)], body.held, order)
     assert np.abs(other.solve((body.stiffness @ exact)[:, None])[:, 0] - exact).max() > 1e-3 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_the_stiffness_is_that_of_the_vector_form(order: int) -> None:
     """Source: scikit-fem's own linear elasticity with vector functions. Accuracy: rounding."""
-    body = Body(block((2, 2, 1)), STEEL, np.array([0]), order)
+    body = Body(block((2, 2, 1)), [STEEL], np.array([0]), order)
     vector = skfem.Basis(body.mesh, skfem.ElementVector(body.element), quadrature=body.basis.quadrature)
     form = linear_elasticity(*lame_parameters(STEEL.young_pa, STEEL.poisson)).assemble(vector)
     place = np.zeros(vector.N, dtype=int)
@@ -75,6 +75,36 @@ def test_the_stiffness_is_that_of_the_vector_form(order: int) -> None:
     assert abs(difference).max() < ROUNDOFF * abs(form).max()
 
 
+@pytest.mark.parametrize("order", [1, 2])
+def test_layers_are_in_series(order: int) -> None:
+    """Source: a bar of three layers without Poisson's effect is a series of springs, F·(h1/E1 + h2/E2)/A. Goal: its
+    change of length under a force at its end, m; the groups the other way round give another. Accuracy: rounding of a
+    stiffness that jumps by 1e4."""
+    axes = [np.linspace(0.0, 0.3, 4), np.array([0.0, 0.1]), np.array([0.0, 0.1])]
+    grid = np.array(np.meshgrid(*axes, indexing="ij"))
+    number = np.arange(16).reshape(4, 2, 2)
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    hexes = np.array([[number[k + a, b, c] for a, b, c in corners] for k in range(3)])
+    mesh = meshio.Mesh(grid.reshape(3, -1).T, [("hexahedron", hexes)])
+    stiff, soft = Material(210e9, 0.0), Material(21e6, 0.0)
+    held = np.flatnonzero(mesh.points[:, 0] < 1e-9)
+    end = np.flatnonzero(mesh.points[:, 0] > 0.3 - 1e-9)
+
+    def longer(groups: list[int]) -> float:
+        body = Body(mesh, [stiff, soft], held, order, np.array(groups))
+        pull = skfem.LinearForm(lambda v, _: v / 0.01)
+        face = skfem.FacetBasis(body.mesh, body.element, facets=body.mesh.facets_satisfying(lambda x: x[0] > 0.3 - 1e-9))
+        forces = np.zeros(body.degrees_of_freedom)
+        forces[0::3] = pull.assemble(face)
+        return float(body.at_nodes(body.solve(forces[:, None])[:, 0])[end, 0].mean())
+
+    exact = (0.2 / stiff.young_pa + 0.1 / soft.young_pa) / 0.01
+    assert abs(longer([0, 1, 0]) - exact) < 1e4 * ROUNDOFF * exact
+    assert abs(longer([1, 0, 1]) - exact) > 0.5 * exact
+    with pytest.raises(ValueError, match="groups of 2 hexahedra"):
+        Body(mesh, [stiff, soft], held, order, np.array([0, 1]))
+
+
 def test_both_solvers_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     """Source: MKL Pardiso against SuperLU, where it is installed. Accuracy: rounding."""
     pytest.importorskip("pypardiso")
@@ -82,9 +112,9 @@ def test_both_solvers_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     held = np.flatnonzero(mesh.points[:, 0] < 1e-9)
     forces = np.zeros((3 * len(mesh.points), 2))
     forces[-1, 0], forces[-2, 1] = 1.0, 1.0
-    pardiso = Body(mesh, STEEL, held).solve(forces)
+    pardiso = Body(mesh, [STEEL], held).solve(forces)
     monkeypatch.setattr(factor, "pypardiso", None)
-    assert np.abs(Body(mesh, STEEL, held).solve(forces) - pardiso).max() < ROUNDOFF * np.abs(pardiso).max()
+    assert np.abs(Body(mesh, [STEEL], held).solve(forces) - pardiso).max() < ROUNDOFF * np.abs(pardiso).max()
 
 
 def test_an_inverted_hexahedron_shows() -> None:
@@ -92,7 +122,7 @@ def test_an_inverted_hexahedron_shows() -> None:
     mesh = block()
     cells = mesh.cells_dict["hexahedron"].copy()
     cells[5, [0, 6]] = cells[5, [6, 0]]
-    assert Body(meshio.Mesh(mesh.points, [("hexahedron", cells)]), STEEL, np.array([0])).smallest_jacobian < 0.0
+    assert Body(meshio.Mesh(mesh.points, [("hexahedron", cells)]), [STEEL], np.array([0])).smallest_jacobian < 0.0
 
 
 def test_other_cells_are_refused(tmp_path: Path) -> None:
@@ -105,7 +135,7 @@ def test_other_cells_are_refused(tmp_path: Path) -> None:
 def test_the_order_is_a_permutation_with_little_fill() -> None:
     """Goal: every node once, and far less fill than in an order by chance."""
     mesh = block((8, 8, 8), (0.1, 0.1, 0.1))
-    body = Body(mesh, STEEL, np.array([0]))
+    body = Body(mesh, [STEEL], np.array([0]))
     dofs = body.nodal_dofs[0]
     pattern = body.stiffness[dofs][:, dofs].tocsr()
     order = nested_dissection(mesh.points, pattern)

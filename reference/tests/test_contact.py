@@ -38,7 +38,7 @@ def pair(friction: bool = False, carrier: Carrier = "rail") -> tuple[Contact, Bo
         return mesh, np.arange(len(mesh.points)).reshape([k + 1 for k in n])
 
     rail_mesh, number = flat()
-    rail = Body(rail_mesh, STEEL, number[:, :, -1].ravel())
+    rail = Body(rail_mesh, [STEEL], number[:, :, -1].ravel())
     y = np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, 201)
     rail_side = Side(
         Grid(number[:, :, 0].T.copy(), rail_mesh.points[number[:, 0, 0], 0]),
@@ -50,7 +50,7 @@ def pair(friction: bool = False, carrier: Carrier = "rail") -> tuple[Contact, Bo
     angle = x * 0.97 / RADIUS
     rho = RADIUS - across**2 / 0.4 - (HEIGHT - depth)
     wheel_mesh.points[:] = np.array([rho * np.sin(angle), across, rho * np.cos(angle)]).T
-    wheel = Body(wheel_mesh, STEEL, number[:, :, 0].ravel())
+    wheel = Body(wheel_mesh, [STEEL], number[:, :, 0].ravel())
     wheel_side = Side(
         Grid(number[:, :, -1].T.copy(), (wheel_mesh.points[number[:, 0, -1], 0] / RADIUS).copy()),
         np.array([y, -(y**2) / 0.4]).T, np.zeros(2), RADIUS,

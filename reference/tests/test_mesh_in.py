@@ -221,3 +221,65 @@ def test_files_that_may_refer_to_others_are_refused(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(content)
         text = refused(tmp_path / name)
         assert text.startswith(f'mesh_file = "{name}" (') and "expected a file that has the whole mesh" in text, text
+
+
+@pytest.mark.parametrize("kind", ["physical", "mask", "elset"])
+def test_groups_of_hexahedra_have_materials(kind: str, tmp_path: Path) -> None:
+    """Goal: the number of every brick's material, in the order asked for, from physical volumes, masks of cells and
+    element sets, with other cells before and between the bricks."""
+    faces = np.array([[0, 4, 6, 2], [0, 1, 3, 2]])
+    cells = [("quad", faces[:1]), ("hexahedron", BRICKS[1:]), ("quad", faces[1:]), ("hexahedron", BRICKS[:1])]
+    data = {name: [np.full(len(c), float(b == k)) for b, (_, c) in enumerate(cells)] for name, k in
+            (("top", 0), ("end", 2), ("rubber", 1), ("steel", 3))}
+    path = tmp_path / "a.vtu"
+    if kind == "physical":
+        path = tmp_path / "a.msh"
+        tags = [np.full(len(c), tag) for (_, c), tag in zip(cells, (1, 1, 2, 2), strict=True)]
+        groups = {n: np.array(v) for n, v in
+                  (("top", (1, 2)), ("rubber", (1, 3)), ("end", (2, 2)), ("steel", (2, 3)))}
+        mesh = meshio.Mesh(POINTS, cells, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}, field_data=groups)
+        meshio.write(path, mesh, file_format="gmsh22")
+    elif kind == "mask":
+        meshio.Mesh(POINTS, cells, cell_data=data).write(path)
+    else:
+        path = tmp_path / "a.inp"
+        lines = ["*NODE", *(f"{k + 1}, {', '.join(map(repr, map(float, p)))}" for k, p in enumerate(POINTS))]
+        number = 0
+        heads = ("S4, ELSET=top", "C3D8, ELSET=Rubber", "S4, ELSET=end", "C3D8, ELSET=steel")
+        for (_, block_), head in zip(cells, heads, strict=True):
+            lines.append(f"*ELEMENT, TYPE={head}")
+            for cell in block_:
+                number += 1
+                lines.append(", ".join(str(v) for v in [number, *(cell + 1)]))
+        path.write_text("\n".join([*lines, ""]))
+    for names in (["rubber", "steel"], ["steel", "rubber"]):
+        header, raw = collect(path, "top", "end", names)
+        assert header["groups"] == 2
+        assert np.frombuffer(raw[-16:], dtype="<i8").tolist() == [names.index("rubber"), names.index("steel")]
+    header, _ = collect(path, "top", "end")
+    assert header["groups"] == 0
+
+
+def test_groups_that_are_no_materials_are_refused(tmp_path: Path) -> None:
+    """Goal: unknown names, groups of nodes or faces, bricks in two groups and in none, with name, number and place."""
+    path = tmp_path / "a.vtu"
+    data = {"one": [np.array([1.0, 0.0])], "two": [np.array([0.0, 1.0])], "both": [np.ones(2)]}
+    block(point_data=masks(), cell_data=data).write(path)
+
+    def said(*names: str) -> str:
+        with pytest.raises(Refused) as caught:
+            collect(path, "top", "end", list(names))
+        return str(caught.value)
+
+    unknown = said("one", "three")
+    assert unknown.startswith('materials.three = "three": expected a name that the mesh file has: "both" (cell mask), ')
+    assert "top" not in unknown, "a mask of nodes has no hexahedra"
+    twice = said("one", "both")
+    assert twice.startswith('materials.both = "both" (1 of its hexahedra are in "one" too, the first around (0.5, '), twice
+    without = said("one")
+    assert without.startswith("materials = 1 of 2 hexahedra in none of the groups named, the first around (1.75, "), without
+    assert '"both", "one", "two"' in without
+    cells = [("hexahedron", BRICKS), ("quad", np.array([[0, 4, 6, 2]]))]
+    faces = {"face": [np.zeros(2), np.ones(1)], "all": [np.ones(2), np.zeros(1)]}
+    meshio.Mesh(POINTS, cells, point_data=masks(), cell_data=faces).write(path)
+    assert said("all", "face").startswith('materials.face = "face" (cell mask, no hexahedron)')

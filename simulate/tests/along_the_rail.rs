@@ -15,7 +15,7 @@ use railspring_calibrate::pair::{
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::step_control::{InnerSteps, StepControl};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, TransientModel};
@@ -51,15 +51,15 @@ fn sine() -> Scenario {
 
 fn condensed(pair: &Pair, wheel: &HexMesh, x: f64, body: PairBody) -> CondensedBody {
     let rail = mesh_rail_between(&pair.rail, &pair.placed, [x, LENGTH - x], &options()).unwrap();
-    let (material, element) = (steel(), Formulation::IncompatibleModes);
-    let solids = PairSolids { pair, rail: &rail, wheel, material, element, orders: &Orders::default() };
+    let (steel, element) = (Materials::from(steel()), Formulation::IncompatibleModes);
+    let (materials, orders) = ([&steel; 2], Orders::default());
+    let solids = PairSolids { pair, rail: &rail, wheel, materials, element, orders: &orders };
     solids.condense_in_time(body, solids.key(body), MODES).unwrap()
 }
 
 /// The element of the pair, from laws with the contact in the middle of the rail, and its beam.
 fn element(pair: &Pair, rail: CondensedBody, wheel: CondensedBody) -> (PairElement, RailBeam) {
-    let bodies =
-        CondensedPair::new(steel(), vec![(PairBody::RailOnEnds, rail), (PairBody::Wheel, wheel)]).unwrap();
+    let bodies = CondensedPair::new(vec![(PairBody::RailOnEnds, rail), (PairBody::Wheel, wheel)]).unwrap();
     let loads = [10e3, 20e3, 40e3, 60e3, 80e3, 120e3];
     let settings = AngleSettings {
         contact: CONTACT,
@@ -104,7 +104,8 @@ fn a_wheel_near_a_held_end_follows_the_solids_there() {
     let wheel = condensed(&pair, &mesh, 0.5 * LENGTH, PairBody::Wheel);
     let near = condensed(&pair, &mesh, PLACE, PairBody::RailOnEnds);
     let contact = (CONTACT.enforcement, CONTACT.field);
-    let solid = TransientModel::reduced(&pair, [&near, &wheel], ModeCount::Given(MODES), steel(), contact);
+    let solid =
+        TransientModel::reduced(&pair, [&near, &wheel], ModeCount::Given(MODES), steel().damping, contact);
     let adaptive = Scenario { inner_steps: InnerSteps::Adaptive(StepControl::DEFAULT), ..sine() };
     let solid = solid.run(&adaptive, &Silent).unwrap().history;
     let middle = condensed(&pair, &mesh, 0.5 * LENGTH, PairBody::RailOnEnds);

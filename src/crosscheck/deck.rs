@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use nalgebra::{Point3, Vector3};
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::HexMesh;
-use railspring_calibrate::solid::Material;
+use railspring_calibrate::solid::{Material, Materials};
 use railspring_calibrate::units::{MEGAPASCAL, MILLIMETRE};
 
 use crate::stages::{Geometry, Meshes, rail_held};
@@ -86,12 +86,19 @@ impl Deck<'_> {
                 let _ = writeln!(out, "{}, {}", e + elements + 1, list.join(", "));
             }
         }
-        set(&mut out, "HELD", rail_held(self.study, rail).iter().map(|n| n + 1));
-        set(&mut out, "BORE", wheel.bore.iter().map(|n| n + offset + 1));
+        set(&mut out, "NSET", "HELD", rail_held(self.study, rail).iter().map(|n| n + 1));
+        set(&mut out, "NSET", "BORE", wheel.bore.iter().map(|n| n + offset + 1));
         let _ = writeln!(out, "*NSET, NSET=HUB\n{hub}");
         surface(&mut out, "SRAIL", rail, 0)?;
         surface(&mut out, "SWHEEL", wheel, rail.hexes.len())?;
-        material(&mut out, &self.study.material);
+        let Study { rail: of_rail, wheel: of_wheel, .. } = self.study;
+        for (name, mesh, file, of, elements) in [
+            ("RAIL", rail, &of_rail.mesh, &of_rail.materials, 0),
+            ("WHEEL", wheel, &of_wheel.mesh, &of_wheel.materials, rail.hexes.len()),
+        ] {
+            let groups = file.as_ref().map_or(&[][..], |file| &file.groups);
+            materials(&mut out, name, (mesh, elements), of, groups);
+        }
         match format {
             Format::Calculix => {
                 let _ = writeln!(out, "*RIGID BODY, NSET=BORE, REF NODE={hub}, ROT NODE={}", hub + 1);
@@ -132,27 +139,35 @@ impl Deck<'_> {
     }
 }
 
-fn set(out: &mut String, name: &str, nodes: impl Iterator<Item = usize>) {
-    let _ = writeln!(out, "*NSET, NSET={name}");
-    let list: Vec<String> = nodes.map(|n| n.to_string()).collect();
+fn set(out: &mut String, kind: &str, name: &str, members: impl Iterator<Item = usize>) {
+    let _ = writeln!(out, "*{kind}, {kind}={name}");
+    let list: Vec<String> = members.map(|n| n.to_string()).collect();
     for line in list.chunks(12) {
         let _ = writeln!(out, "{},", line.join(", "));
     }
 }
 
-fn material(out: &mut String, material: &Material) {
-    let _ = writeln!(
-        out,
-        "*MATERIAL, NAME=STEEL\n*ELASTIC\n{:.12e}, {}",
-        material.young / MEGAPASCAL,
-        material.poisson
-    );
-    // t/mm³, the density that goes with mm and N
-    let _ = writeln!(out, "*DENSITY\n{:.12e}", material.density * 1e-12);
-    let _ = writeln!(
-        out,
-        "*SOLID SECTION, ELSET=RAIL, MATERIAL=STEEL\n*SOLID SECTION, ELSET=WHEEL, MATERIAL=STEEL"
-    );
+/// The materials of a body, which is an element set with its name: one each for its `groups`, as element sets with their numbers, or one for all.
+fn materials(
+    out: &mut String,
+    body: &str,
+    (mesh, elements): (&HexMesh, usize),
+    materials: &Materials,
+    groups: &[String],
+) {
+    for (number, material) in materials.of_groups().iter().enumerate() {
+        let name = if groups.is_empty() { body.to_owned() } else { format!("{body}-{}", number + 1) };
+        if let Some(group) = groups.get(number) {
+            let _ = writeln!(out, "** {name}: {}", group.replace(char::is_control, " "));
+            let members = (0..mesh.hexes.len()).filter(|&e| mesh.group(e) == number);
+            set(out, "ELSET", &name, members.map(|e| e + elements + 1));
+        }
+        let Material { young, poisson, density, .. } = material;
+        let _ = writeln!(out, "*MATERIAL, NAME={name}\n*ELASTIC\n{:.12e}, {poisson}", young / MEGAPASCAL);
+        // t/mm³, the density that goes with mm and N
+        let _ = writeln!(out, "*DENSITY\n{:.12e}", density * 1e-12);
+        let _ = writeln!(out, "*SOLID SECTION, ELSET={name}, MATERIAL={name}");
+    }
 }
 
 /// Faces S1 to S6 of a brick by the positions of their nodes.

@@ -6,7 +6,7 @@
 use nalgebra::{Point2, Vector3};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
-use railspring_calibrate::solid::Material;
+use railspring_calibrate::solid::{Material, Materials};
 use serde_json::{Value, json};
 
 use crate::output::OutputFolder;
@@ -14,7 +14,7 @@ use crate::stages::{Answers, Geometry, Meshes, rail_held};
 use crate::study::Study;
 
 /// Version of the layout of `exchange.json`.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Step of the profile curves' points, m: a cubic spline through them is off by less than 1e-9 m
 /// where radii of 80 and 300 mm meet, `Δκ·step²/16`.
 const CURVE_STEP: f64 = 0.1e-3;
@@ -52,8 +52,8 @@ impl Case {
 pub struct Body {
     /// The mesh.
     pub mesh: HexMesh,
-    /// Material.
-    pub material: Material,
+    /// Materials of the mesh's groups.
+    pub materials: Materials,
     /// Held nodes.
     pub held: Vec<usize>,
     /// Given nodal forces, N.
@@ -109,7 +109,7 @@ impl Exchange {
             };
             Body {
                 mesh: mesh.clone(),
-                material: study.material,
+                materials: if k == 0 { &study.rail.materials } else { &study.wheel.materials }.clone(),
                 held: held.to_vec(),
                 forces: if answered {
                     answer.forces.clone()
@@ -182,8 +182,8 @@ impl Body {
     fn entry(&self, file: &str) -> Value {
         json!({
             "mesh": file,
-            "young_pa": self.material.young,
-            "poisson": self.material.poisson,
+            "materials": self.materials.of_groups().iter().map(constants).collect::<Vec<_>>(),
+            "groups": self.mesh.groups,
             "held": self.held,
             "compliance_columns": self.columns,
             "surface": {
@@ -195,4 +195,8 @@ impl Body {
             },
         })
     }
+}
+
+fn constants(Material { young, poisson, .. }: &Material) -> Value {
+    json!({ "young_pa": young, "poisson": poisson })
 }

@@ -11,10 +11,11 @@ use nalgebra::Point2;
 use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::profile::ProfileKind;
 use railspring_calibrate::profile_file::{MeasuredPoint, ProfileFormat, write};
-use railspring_calibrate::units::{KILONEWTON, MEGAPASCAL, MILLIMETRE};
+use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, MEGAPASCAL, MILLIMETRE};
 
 use super::spring::{ExportFile, Spring, commented, plain};
 use super::surfaces::Surfaces;
+use crate::study::Study;
 use crate::table::document::DirectionKey;
 
 /// A load with what stands behind the contact there.
@@ -66,7 +67,9 @@ pub(super) fn files(spring: &Spring, surfaces: &Surfaces<'_>) -> Result<Vec<Expo
     let wheel =
         profile(ProfileKind::Wheel, "wheel.prw", "y = 0, z = 0 on the tape circle", &surfaces.wheel());
     // 1 kN/m is 1 N/mm
-    let cases = ExportFile { name: "contact.inp".into(), text: cases(spring, surfaces, &loads, k_y) };
+    let wheel_constants = wheel_constants(spring, surfaces.study)?;
+    let text = cases(spring, surfaces, &loads, k_y, wheel_constants);
+    let cases = ExportFile { name: "contact.inp".into(), text };
     Ok(vec![rail, wheel, cases])
 }
 
@@ -98,7 +101,37 @@ fn loads(spring: &Spring) -> Result<Vec<Load>> {
     .into())
 }
 
-fn cases(spring: &Spring, surfaces: &Surfaces<'_>, loads: &[Load], k_y: f64) -> String {
+/// Shear modulus (MPa) and Poisson's ratio of a body from Young's modulus (Pa).
+fn constants(young: f64, poisson: f64) -> [f64; 2] {
+    [young / (2.0 * (1.0 + poisson)) / MEGAPASCAL, poisson]
+}
+
+/// Those of the wheel at its running surface.
+fn wheel_constants(spring: &Spring, study: &Study) -> Result<[f64; 2]> {
+    if let Some([young_gpa, poisson]) = spring.wheel_surface {
+        return Ok(constants(young_gpa * GIGAPASCAL, poisson));
+    }
+    let of_groups: Vec<_> =
+        study.wheel.materials.of_groups().iter().map(|m| constants(m.young, m.poisson)).collect();
+    match of_groups.first().filter(|first| of_groups.iter().all(|other| other == *first)) {
+        Some(first) => Ok(*first),
+        None => Err(InputError::new(
+            "wheel.materials",
+            format!("{} groups", of_groups.len()),
+            "one material, or the stiffness.json of a calibration, which says what is at the running surface",
+            "export from the stiffness.json of a study of this pair: a row of a table does not say which group carries the contact",
+        )
+        .into()),
+    }
+}
+
+fn cases(
+    spring: &Spring,
+    surfaces: &Surfaces<'_>,
+    loads: &[Load],
+    k_y: f64,
+    [wheel_shear, wheel_nu]: [f64; 2],
+) -> String {
     let own = [
         "units: mm, N, MPa; right wheel, y to the right, z down".into(),
         "one case for each load, without friction: normal contact, what the law is about".into(),
@@ -115,8 +148,7 @@ fn cases(spring: &Spring, surfaces: &Surfaces<'_>, loads: &[Load], k_y: f64) -> 
         &spring.heading("Wheel on rail for CONTACT, module 1, with rail.prr and wheel.prw", &own),
     );
     let (study, pair) = (surfaces.study, &surfaces.geometry.pair);
-    let material = &study.material;
-    let shear = material.young / (2.0 * (1.0 + material.poisson)) / MEGAPASCAL;
+    let [shear, nu] = constants(study.material.young, study.material.poisson);
     let track = &study.track;
     let [gauge, height, backs, shift, radius, back] = [
         track.gauge,
@@ -127,7 +159,6 @@ fn cases(spring: &Spring, surfaces: &Surfaces<'_>, loads: &[Load], k_y: f64) -> 
         pair.wheel.running.point(0.0).x,
     ]
     .map(|length| format!("{:.6}", length / MILLIMETRE));
-    let nu = material.poisson;
     for (number, Load { force, k_z }) in loads.iter().enumerate() {
         let _ = write!(
             text,
@@ -138,7 +169,7 @@ fn cases(spring: &Spring, surfaces: &Surfaces<'_>, loads: &[Load], k_y: f64) -> 
              0001241     H-G-I-A-O-W-R   HEAT, GAUSEI, IESTIM, MATFIL, OUTPUT, FLOW, RETURN\n\
              999 100 30 1 1.0E-05        MAXGS, MAXIN, MAXNR, MAXOUT, EPS\n\
              0.3 0.3                     FSTAT, FKIN: not used without TANG\n\
-             {nu} {nu} {shear:.3} {shear:.3}   POISS 1,2, GG 1,2\n\
+             {nu} {wheel_nu} {shear:.3} {wheel_shear:.3}   POISS 1,2, GG 1,2\n\
              0.2 0.2 1.0 90d 8.0 4.0     DX, DS, DQREL, A_SEP, D_SEP, D_COMB\n\
              {height} 0 {gauge} 0.0      GAUGHT, GAUGSQ, GAUGWD, CANT\n\
              'rail.prr' 0 1.0 0.0        RFNAME, MIRRORY, SCALE, SMOOTH\n\

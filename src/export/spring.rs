@@ -44,6 +44,8 @@ pub(super) struct Spring {
     pub local: Vec<TangentRecord>,
     /// Horizontal stiffness of the sticking wheel, kN/m.
     pub horizontal_kn_per_m: Option<f64>,
+    /// Young's modulus (GPa) and Poisson's ratio at the running surface of a wheel whose groups have their own materials, if they are said.
+    pub wheel_surface: Option<[f64; 2]>,
 }
 
 impl Spring {
@@ -78,6 +80,11 @@ impl Spring {
             points: found.points.clone(),
             local: of(Reference::Local.name()).map(|local| local.points.clone()).unwrap_or_default(),
             horizontal_kn_per_m: record.horizontal_kn_per_m,
+            wheel_surface: record
+                .mesh
+                .iter()
+                .find(|mesh| mesh.body == "wheel")
+                .and_then(|mesh| Some([mesh.surface_young_gpa?, mesh.surface_poisson?])),
         })
     }
 

@@ -211,6 +211,7 @@ impl ExportRow<'_> {
             points: points(at, &wanted),
             local: points(at, Reference::Local.name()),
             horizontal_kn_per_m: self.horizontal().map(|[mean, ..]| mean),
+            wheel_surface: None,
             reference: wanted,
         })
     }

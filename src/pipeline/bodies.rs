@@ -3,7 +3,6 @@
 use railspring_calibrate::error::Result;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids, condense_all};
-use railspring_calibrate::solid::Material;
 use railspring_calibrate::superelement::CondensedBody;
 use std::sync::Mutex;
 
@@ -89,7 +88,7 @@ impl BodySource<'_> {
             let get = |body| self.body(solids, body, modes, &|text| say(body, text));
             let said = (&*format!("superelements{which}"), self.monitor);
             let bodies = condense_all(said, PairBody::of_pair(self.foot_held), self.together, get)?;
-            CondensedPair::new(solids.material, bodies)
+            CondensedPair::new(bodies)
         })
     }
 
@@ -129,7 +128,7 @@ impl BodySource<'_> {
     ///
     /// # Errors
     /// Bodies that are no pair.
-    pub fn known(&self, material: Material, keys: &[(PairBody, String)]) -> Result<Option<CondensedPair>> {
+    pub fn known(&self, keys: &[(PairBody, String)]) -> Result<Option<CondensedPair>> {
         let Some(store) = self.store else { return Ok(None) };
         let trouble = |text: String| self.trouble.unwrap_or(self.monitor).notice(&text);
         let of = |(body, key): &(PairBody, String)| {
@@ -137,7 +136,7 @@ impl BodySource<'_> {
             Some((*body, condensed))
         };
         let bodies: Option<Vec<_>> = keys.iter().map(of).collect();
-        bodies.map(|bodies| CondensedPair::new(material, bodies)).transpose()
+        bodies.map(CondensedPair::new).transpose()
     }
 
     /// What `make` makes; what it says of the bodies is said afterwards, in one order, whichever body is there first.

@@ -19,6 +19,7 @@ use tempfile::TempDir;
 
 pub(crate) use crate::child::messages_of;
 use crate::child::{self, Ended, Limits, Stop};
+use crate::study::MeshFile;
 pub use environment::cache_folder;
 use package::{CLUSTER, Package, REFERENCE};
 
@@ -153,38 +154,32 @@ impl Python {
         command
     }
 
-    /// What the reader of mesh files says about a file and the names of its contact surface and held nodes: a line of
+    /// What the reader of mesh files says about a file and the names of its contact surface, held nodes and groups: a line of
     /// JSON and raw data, as `mesh_in.py` describes them. `key` is that of the file in the study.
     ///
     /// # Errors
     /// [`InputError`] with key `--python` if the reader does not run, and with `key` if the file takes it too long or
     /// holds too much; an interruption by the user. A file that it refuses is no such error.
-    pub fn read_mesh(
-        &self,
-        key: &str,
-        file: &Path,
-        contact: &str,
-        held: &str,
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<u8>> {
-        let bytes = std::fs::metadata(file).map_or(0, |data| data.len());
+    pub fn read_mesh(&self, key: &str, file: &MeshFile, monitor: &dyn Monitor) -> Result<Vec<u8>> {
+        let bytes = std::fs::metadata(&file.path).map_or(0, |data| data.len());
         #[allow(clippy::cast_precision_loss)] // seconds for a file
         let time = READER_START + READER_PER_MEGABYTE.mul_f64(bytes as f64 / 1e6);
-        self.read_mesh_within(&Limits { time, output: LARGEST_ANSWER }, key, file, [contact, held], monitor)
+        self.read_mesh_within(&Limits { time, output: LARGEST_ANSWER }, key, file, monitor)
     }
 
     fn read_mesh_within(
         &self,
         limits: &Limits,
         key: &str,
-        file: &Path,
-        [contact, held]: [&str; 2],
+        MeshFile { path: file, contact, held, groups, .. }: &MeshFile,
         monitor: &dyn Monitor,
     ) -> Result<Vec<u8>> {
         let mut command = self.module("mesh_in");
         // with = a name may begin with a dash
         command
-            .args([format!("--contact={contact}"), format!("--held={held}"), "--".into()])
+            .args([format!("--contact={contact}"), format!("--held={held}")])
+            .args(groups.iter().map(|group| format!("--material={group}")))
+            .arg("--")
             .arg(whole(file));
         let go_on = || monitor.progress(&format!("reading {key}"), 0, 1);
         let ended = match child::run(&mut command, limits, &go_on) {
@@ -380,11 +375,17 @@ mod tests {
         let (python, root) = planted("exit 1");
         let limits = Limits { time: Duration::from_millis(300), output: 1000 };
         let begun = std::time::Instant::now();
-        let file = root.path().join("rail.inp");
-        let said = python
-            .read_mesh_within(&limits, "rail.mesh_file", &file, ["top", "foot"], &Silent)
-            .unwrap_err()
-            .to_string();
+        let file = MeshFile {
+            file: "rail.inp".into(),
+            path: root.path().join("rail.inp"),
+            hash: String::new(),
+            unit: 1.0,
+            contact: "top".into(),
+            held: "foot".into(),
+            groups: Vec::new(),
+        };
+        let said =
+            python.read_mesh_within(&limits, "rail.mesh_file", &file, &Silent).unwrap_err().to_string();
         assert!(begun.elapsed() < Duration::from_secs(30));
         assert!(said.starts_with("rail.mesh_file = ") && said.contains("rail.inp"), "{said}");
         assert!(said.contains("still being read after") && said.contains("check that the file"), "{said}");

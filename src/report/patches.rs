@@ -351,8 +351,8 @@ pub fn fields_caption(record: &PatchesRecord, hertz: bool) -> String {
 pub fn below_caption(record: &PatchesRecord) -> String {
     format!(
         "Largest von Mises and shear stress below the contact patch and their depths, over the load; and both over the depth below the \
-         place of the largest von Mises stress, under {}. The depth jumps where the place goes from one part of the patch to another. Elastic half-space under the pressure and the friction of the contact, the same \
-         in rail and wheel; without bending, residual and thermal stresses.",
+         place of the largest von Mises stress, under {}. The depth jumps where the place goes from one part of the patch to another. Elastic half-space of the rail's material under the pressure and the friction of the contact, the same \
+         in a wheel of that material; without bending, residual and thermal stresses.",
         loads(record)
     )
 }

@@ -168,7 +168,7 @@ pub(super) fn contact(
 ) -> Result<()> {
     let conditions = stages::contact_conditions(study);
     let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
-    let on_rail = geometry.pair.wheel_on_rail(rail, wheel, study.material, conditions);
+    let on_rail = geometry.pair.wheel_on_rail(rail, wheel, conditions);
     one(size, ("one load", "loads"), monitor, |clock| {
         let states = press_loads(&on_rail, &LOADS.map(|share| share * largest), "loads", clock)?;
         let begun = std::time::Instant::now();
@@ -178,7 +178,8 @@ pub(super) fn contact(
     })?;
     let modes = ModeCount::Given(size_of_modes(rail, wheel));
     let contact = (conditions.enforcement, conditions.field);
-    let model = TransientModel::reduced(&geometry.pair, [rail, wheel], modes, study.material, contact);
+    let model =
+        TransientModel::reduced(&geometry.pair, [rail, wheel], modes, study.material.damping, contact);
     let scenario = scenario(study);
     one(size, ("one step", "transient solid model"), monitor, |clock| {
         model.run(&scenario, clock).map(|_| 0.0)

@@ -6,10 +6,11 @@ use super::{Geometry, Meshes, formulation};
 use crate::study::{ReferenceKey, Study};
 
 /// The solids of a study on its meshes.
-pub fn solids<'a>(study: &Study, geometry: &'a Geometry, meshes: &'a Meshes) -> PairSolids<'a> {
-    let (pair, material, element) = (&geometry.pair, study.material, formulation(study));
+pub fn solids<'a>(study: &'a Study, geometry: &'a Geometry, meshes: &'a Meshes) -> PairSolids<'a> {
+    let (pair, element) = (&geometry.pair, formulation(study));
+    let materials = [&study.rail.materials, &study.wheel.materials];
     let Meshes { rail, wheel, orders, .. } = meshes;
-    PairSolids { pair, rail, wheel, material, element, orders }
+    PairSolids { pair, rail, wheel, materials, element, orders }
 }
 
 /// The rail whose compliance the study's reference takes.

@@ -13,7 +13,7 @@ use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, PairStates, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::{
-    KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
+    GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -213,7 +213,7 @@ pub fn calibrate(
             )?,
         ],
         profiles: geometry.profiles.clone(),
-        touch: touch_record(study, geometry),
+        touch: touch_record(geometry, bodies),
         pair: study.pair(),
         input_hash: study.keys.calibration.clone(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -395,6 +395,8 @@ fn mesh_record(
     condensed: &CondensedBody,
 ) -> Result<BodyMeshRecord> {
     let quality = quality(mesh)?;
+    let grouped = file.as_ref().is_some_and(|file| !file.groups.is_empty());
+    let surface = grouped.then_some(&condensed.surface);
     Ok(BodyMeshRecord {
         body: body.into(),
         file: file.as_ref().map(|file| file.file.clone()),
@@ -406,10 +408,12 @@ fn mesh_record(
         min_scaled_jacobian: quality.min_scaled_jacobian,
         mean_scaled_jacobian: quality.mean_scaled_jacobian,
         mass_kg: condensed.mass,
+        surface_young_gpa: surface.map(|surface| surface.young / GIGAPASCAL),
+        surface_poisson: surface.map(|surface| surface.poisson),
     })
 }
 
-fn touch_record(study: &Study, geometry: &Geometry) -> TouchRecord {
+fn touch_record(geometry: &Geometry, bodies: &CondensedPair) -> TouchRecord {
     let touch = &geometry.pair.touch;
     let rail = geometry.pair.rail.running.point(touch.rail_s);
     let wheel = geometry.pair.wheel.running.point(touch.wheel_s);
@@ -418,7 +422,8 @@ fn touch_record(study: &Study, geometry: &Geometry) -> TouchRecord {
     let wheel_curvature = -geometry.pair.wheel.running.curvature(touch.wheel_s);
     let rolling_radius = geometry.pair.wheel.radius + wheel.y;
     let [along, across] = geometry.pair.relative_radii();
-    let hertz = point_contact(KILONEWTON, along, across, study.material.contact_modulus());
+    let modulus = bodies.rail_on_ends.surface.contact_modulus(&bodies.wheel.surface);
+    let hertz = point_contact(KILONEWTON, along, across, modulus);
     TouchRecord {
         rail_y_mm: rail.x / MILLIMETRE,
         rail_z_mm: rail.y / MILLIMETRE,

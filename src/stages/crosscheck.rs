@@ -212,8 +212,7 @@ impl<'a> Asked<'a> {
         let clock = Instant::now();
         let contact =
             ContactConditions { friction, enforcement: Enforcement::Exact, field: ContactField::Elements };
-        let mut pair =
-            self.geometry.pair.wheel_on_rail(&bodies.rail, &bodies.wheel, self.study.material, contact);
+        let mut pair = self.geometry.pair.wheel_on_rail(&bodies.rail, &bodies.wheel, contact);
         for surface in [&mut pair.rail_surface, &mut pair.wheel_surface] {
             surface.between_nodes = between_nodes;
         }

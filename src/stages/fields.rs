@@ -8,7 +8,7 @@ use railspring_calibrate::contact::{PointMode, Side, Surface};
 use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, pvd, vtu};
 use railspring_calibrate::pair::{PairBody, PairSolids};
-use railspring_calibrate::solid::{Material, largest_shear, nodal_stress, von_mises};
+use railspring_calibrate::solid::{Materials, largest_shear, nodal_stress, von_mises};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::units::KILONEWTON;
 
@@ -55,14 +55,15 @@ pub(super) fn field_files<'a>(
     let axle =
         Vector3::new(0.0, geometry.pair.tape_y, geometry.pair.touch.tape_z - geometry.pair.wheel.radius);
     let [rail, wheel] = pressed.bodies;
+    let [of_rail, of_wheel] = pressed.solids.materials;
     let rail_fields = |_: &Pressed, displacement| {
         let (origin, rigid) = (Vector3::zeros(), Vector3::zeros());
-        BodyFields::new(&meshes.rail, pressed.solids.material, displacement, origin, rigid)
+        BodyFields::new(&meshes.rail, of_rail, displacement, origin, rigid)
     };
     let wheel_fields = |state: &Pressed, displacement| {
         let moved = state.hub - pressed.carried * state.force_on_wheel().yz();
         let rigid = Vector3::new(0.0, moved.x, moved.y);
-        BodyFields::new(&meshes.wheel, pressed.solids.material, displacement, axle, rigid)
+        BodyFields::new(&meshes.wheel, of_wheel, displacement, axle, rigid)
     };
     let of_body = |(body, condensed): (PairBody, &CondensedBody), side, fields: &BodyOf| {
         let rows = condensed.compliance.nrows();
@@ -148,18 +149,22 @@ struct ContactFields {
 }
 
 impl BodyFields {
-    /// From the displacements of all nodes of a mesh (`3·node + direction`, m), whose nodes are moved to `origin` and by `rigid` besides, m.
+    /// From the displacements of all nodes of a mesh (`3·node + direction`, m), whose nodes are moved to `origin` and by `rigid` besides, m; every group of
+    /// the mesh with its own nodes.
     fn new(
         mesh: &HexMesh,
-        material: Material,
+        materials: &Materials,
         displacement: Vec<f64>,
         origin: Vector3<f64>,
         rigid: Vector3<f64>,
     ) -> Self {
+        let (mesh, of) = mesh.with_groups_apart();
+        let displacement: Vec<f64> =
+            of.iter().flat_map(|&n| displacement[3 * n..3 * n + 3].to_vec()).collect();
         Self {
             points: mesh.nodes.iter().map(|p| p + origin).collect(),
-            hexes: mesh.hexes.clone(),
-            stress: nodal_stress(mesh, &material, &displacement),
+            stress: nodal_stress(&mesh, materials, &displacement),
+            hexes: mesh.hexes,
             displacement: displacement
                 .chunks_exact(3)
                 .map(|u| Vector3::new(u[0], u[1], u[2]) + rigid)
@@ -241,11 +246,11 @@ impl ContactFields {
 }
 
 /// Text of the VTU file of a mesh without any load, in its own frame, with masks of its contact surface and of its
-/// held nodes (a rail's foot, a wheel's bore): a mesh file that a study can name.
+/// held nodes (a rail's foot, a wheel's bore), and of the `groups` with materials: a mesh file that a study can name.
 ///
 /// # Errors
 /// None that a finished mesh can cause.
-pub fn mesh_vtu(mesh: &HexMesh) -> Result<String> {
+pub fn mesh_vtu(mesh: &HexMesh, groups: &[String]) -> Result<String> {
     let mask = |nodes: &[&[usize]]| {
         let mut mask = vec![0.0; mesh.nodes.len()];
         nodes.iter().copied().flatten().for_each(|&v| mask[v] = 1.0);
@@ -253,7 +258,11 @@ pub fn mesh_vtu(mesh: &HexMesh) -> Result<String> {
     };
     let (contact, held) = (mask(&[&mesh.contact.nodes]), mask(&[&mesh.foot, &mesh.bore]));
     let data = [Field::Scalar("contact", &contact), Field::Scalar("held", &held)];
-    vtu(&mesh.nodes, Cells::Hexes(&mesh.hexes), &data, &[])
+    let masks: Vec<Vec<f64>> = (0..groups.len())
+        .map(|group| (0..mesh.hexes.len()).map(|e| f64::from(u8::from(mesh.group(e) == group))).collect())
+        .collect();
+    let cells: Vec<_> = groups.iter().zip(&masks).map(|(name, mask)| Field::Scalar(name, mask)).collect();
+    vtu(&mesh.nodes, Cells::Hexes(&mesh.hexes), &data, &cells)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::Point3;
 use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{GivenMesh, HexMesh, MeshOptions, given_rail, given_wheel};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::profile::ProfileCurve;
@@ -15,13 +16,13 @@ use crate::python::{Purpose, Python, cache_folder};
 use crate::study::{MeshFile, Study};
 
 /// Version of the reader's answer.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// The first line of the reader's answer.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
 enum Header {
-    Read { format: u32, nodes: usize, hexes: usize, contact: usize, held: usize },
+    Read { format: u32, nodes: usize, hexes: usize, contact: usize, held: usize, groups: usize },
     Refused { error: Refusal },
 }
 
@@ -57,15 +58,26 @@ impl<'a> Files<'a> {
         let given = self.read("rail", file)?;
         let curve = &geometry.pair.placed.curve;
         let mesh = given_rail(given, curve, study.rail.length, options)?;
+        let (materials, pair) = (&study.rail.materials, &geometry.pair);
+        materials.check_layers(&mesh, &file.groups, InputField::RailMaterials)?;
+        let samples = pair.shear_stresses.iter().map(|sample| pair.placed.to_world(&sample.point));
+        materials.check_section(&mesh, samples, &study.material, &file.groups)?;
         check_touch("rail", &mesh, curve, geometry.pair.touch.rail_s)?;
         Ok(mesh)
     }
 
     /// The wheel of a mesh file.
-    pub fn wheel(&mut self, file: &MeshFile, geometry: &Geometry, options: &MeshOptions) -> Result<HexMesh> {
+    pub fn wheel(
+        &mut self,
+        file: &MeshFile,
+        study: &Study,
+        geometry: &Geometry,
+        options: &MeshOptions,
+    ) -> Result<HexMesh> {
         let given = self.read("wheel", file)?;
         let curve = &geometry.pair.wheel.running;
         let mesh = given_wheel(given, curve, geometry.pair.wheel.radius, options)?;
+        study.wheel.materials.check_layers(&mesh, &file.groups, InputField::WheelMaterials)?;
         check_touch("wheel", &mesh, curve, geometry.pair.touch.wheel_s)?;
         Ok(mesh)
     }
@@ -78,7 +90,7 @@ impl<'a> Files<'a> {
             None => Python::prepare(self.interpreter, &cache_folder(), Purpose::FirstOrder, self.monitor)?,
         };
         let python = self.python.insert(python);
-        let answer = python.read_mesh(&key, &file.path, &file.contact, &file.held, self.monitor)?;
+        let answer = python.read_mesh(&key, file, self.monitor)?;
         if !file.is_unchanged() {
             return Err(InputError::new(
                 key,
@@ -106,22 +118,26 @@ fn given(section: &str, file: &MeshFile, answer: &[u8]) -> Result<GivenMesh> {
     };
     let end = answer.iter().position(|&byte| byte == b'\n').ok_or_else(broken)?;
     let (format, counts) = match serde_json::from_slice(&answer[..end]).map_err(|_| broken())? {
-        Header::Read { format, nodes, hexes, contact, held } => (format, [nodes, hexes, contact, held]),
+        Header::Read { format, nodes, hexes, contact, held, groups } => {
+            (format, [nodes, hexes, contact, held, groups])
+        }
         Header::Refused { error } => {
             let key = format!("{section}.{}", error.key);
             return Err(InputError::new(key, error.value, error.expected, error.remedy).into());
         }
     };
     let (words, rest) = answer[end + 1..].as_chunks::<8>();
-    let [nodes, hexes, contact, held] = counts;
-    if format != FORMAT || !rest.is_empty() || words.len() != 3 * nodes + 8 * hexes + contact + held {
+    let [nodes, hexes, contact, held, groups] = counts;
+    let expected = 3 * nodes + 8 * hexes + contact + held + groups;
+    if format != FORMAT || !rest.is_empty() || words.len() != expected {
         return Err(broken().into());
     }
     let (points, numbers) = words.split_at(3 * nodes);
     // a number that is no index is refused with the mesh
     let index = |word: &[u8; 8]| usize::try_from(i64::from_le_bytes(*word)).unwrap_or(usize::MAX);
-    let (corners, groups) = numbers.split_at(8 * hexes);
-    let (contact, held) = groups.split_at(contact);
+    let (corners, numbers) = numbers.split_at(8 * hexes);
+    let (contact, numbers) = numbers.split_at(contact);
+    let (held, groups) = numbers.split_at(held);
     let coordinate = |word: &[u8; 8]| f64::from_le_bytes(*word) * file.unit;
     Ok(GivenMesh {
         nodes: points
@@ -133,6 +149,8 @@ fn given(section: &str, file: &MeshFile, answer: &[u8]) -> Result<GivenMesh> {
         hexes: corners.as_chunks::<8>().0.iter().map(|hex| hex.each_ref().map(index)).collect(),
         contact: contact.iter().map(index).collect(),
         held: held.iter().map(index).collect(),
+        groups: groups.iter().map(index).collect(),
+        group_names: file.groups.clone(),
     })
 }
 

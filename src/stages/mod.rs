@@ -121,7 +121,8 @@ pub fn meshes(
     let mut files = mesh_files::Files::new(interpreter, monitor);
     let rail =
         study.rail.mesh.as_ref().map(|file| files.rail(file, study, geometry, &options)).transpose()?;
-    let wheel = study.wheel.mesh.as_ref().map(|file| files.wheel(file, geometry, &options)).transpose()?;
+    let wheel =
+        study.wheel.mesh.as_ref().map(|file| files.wheel(file, study, geometry, &options)).transpose()?;
     Meshes::with_own(study, geometry, rail, wheel, options)
 }
 

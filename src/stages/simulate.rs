@@ -220,12 +220,13 @@ pub fn simulate_solid(
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<(TransientRun, Tried)> {
-    let (pair, material) = (&geometry.pair, study.material);
+    let pair = &geometry.pair;
     let contact = (enforcement(study), contact_field(study));
     let scenario = Scenario { inner_steps: study.solid.steps(), ..scenario.scenario.clone() };
     if study.solid.transient == TransientKey::Full {
         let meshes = [&meshes.rail, &meshes.wheel];
-        let model = TransientModel::of_pair(pair, meshes, material, formulation(study), contact);
+        let materials = [&study.rail.materials, &study.wheel.materials];
+        let model = TransientModel::of_pair(pair, meshes, materials, formulation(study), contact);
         let run = model.run(&scenario, monitor)?;
         let tried = tried(&scenario, &run, "");
         return Ok((run, tried));
@@ -233,7 +234,7 @@ pub fn simulate_solid(
     let larger = disturbed(&scenario);
     let with = |modes, count| {
         let bodies = bodies(modes)?;
-        let model = TransientModel::reduced(pair, bodies.both(), count, material, contact);
+        let model = TransientModel::reduced(pair, bodies.both(), count, study.material.damping, contact);
         match &larger {
             Some((larger, _)) => model.run_beside(&scenario, larger, monitor),
             None => model.run(&scenario, monitor),

@@ -126,6 +126,12 @@ impl Keys {
         ] {
             remove(&mut pair, section, key);
         }
+        for body in ["rail", "wheel"] {
+            let groups = pair[body].get_mut("materials").and_then(Value::as_object_mut);
+            groups.into_iter().flatten().for_each(|(_, group)| {
+                group.as_object_mut().and_then(|group| group.remove("density_kg_per_m3"));
+            });
+        }
 
         // The springs carry what the simple model has of the meshes and of the calibration.
         let mut simple =

@@ -1,19 +1,24 @@
-//! The keys that put a mesh from a file in the place of the tool's own.
+//! The keys that put a mesh from a file in the place of the tool's own, and its materials.
 
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::input;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_calibrate::solid::{Material, Materials};
+use railspring_calibrate::units::{GIGAPASCAL, MILLIMETRE};
 
 use super::MeshFile;
 use super::collect::Collector;
-use super::document::MeshUnitKey;
+use super::document::{ElementKey, GroupMaterialKeys, MeshUnitKey};
 use super::source::MISSING;
 
 /// Largest mesh file that is read, bytes.
 const LARGEST: u64 = 16 << 30;
+/// Largest Poisson's ratio of elements of full integration, which lock beyond: between rigid circles a bonded layer of rubber of four elements
+/// is 0.3 % too stiff at 0.49, 5 % at 0.499 and 15 % at 0.4995 (`calibrate/tests/layered.rs`).
+const LARGEST_POISSON: f64 = 0.49;
 
 /// The keys of one body.
 pub(super) struct MeshFileKeys<'a> {
@@ -25,6 +30,7 @@ pub(super) struct MeshFileKeys<'a> {
     pub unit: Option<MeshUnitKey>,
     pub contact: Option<&'a str>,
     pub held: Option<&'a str>,
+    pub materials: &'a BTreeMap<String, GroupMaterialKeys>,
 }
 
 impl MeshFileKeys<'_> {
@@ -38,6 +44,17 @@ impl MeshFileKeys<'_> {
                 ("contact_surface", self.contact.map(|name| format!("{name:?}"))),
                 ("held_nodes", self.held.map(|name| format!("{name:?}"))),
             ];
+            let groups =
+                self.materials.keys().map(|group| (format!("materials.{group}"), format!("{group:?}")));
+            for (leaf, value) in groups {
+                let mistake = InputError::new(
+                    key(&leaf),
+                    value,
+                    format!("{section}.mesh_file beside it"),
+                    "the key names a group of a mesh from a file: give the file, or remove the key",
+                );
+                collector.add(&[&key("mesh_file")], mistake);
+            }
             for (leaf, value) in alone.into_iter().filter_map(|(leaf, value)| Some((leaf, value?))) {
                 let mistake = InputError::new(
                     key(leaf),
@@ -83,8 +100,67 @@ impl MeshFileKeys<'_> {
             unit,
             contact: contact?,
             held: held?,
+            groups: self.materials.keys().cloned().collect(),
         }))
     }
+
+    /// The materials of the body in the order of its groups; that of the study without any.
+    pub fn materials(
+        &self,
+        of_study: &Material,
+        element: ElementKey,
+        collector: &mut Collector,
+    ) -> Option<Materials> {
+        if self.materials.is_empty() {
+            return Some((*of_study).into());
+        }
+        let mut found = Vec::new();
+        for (group, keys) in self.materials {
+            let here = format!("{}.materials.{group}", self.section);
+            let material = group_material(&here, keys, of_study, element);
+            found.extend(collector.take(&[&format!("{here}.*"), "material.*", "mesh.element"], material));
+        }
+        (found.len() == self.materials.len()).then(|| found.into())
+    }
+}
+
+/// The material of the group whose keys stand in the section `here`.
+fn group_material(
+    here: &str,
+    keys: &GroupMaterialKeys,
+    of_study: &Material,
+    element: ElementKey,
+) -> Result<Material, InputError> {
+    let GroupMaterialKeys { young_gpa, poisson, density_kg_per_m3 } = keys;
+    let (young, poisson, density) = match (young_gpa, poisson, density_kg_per_m3) {
+        (None, None, None) => (of_study.young, of_study.poisson, of_study.density),
+        (Some(young), Some(poisson), Some(density)) => (young * GIGAPASCAL, *poisson, *density),
+        _ => {
+            let all = [
+                ("young_gpa", young_gpa.is_none()),
+                ("poisson", poisson.is_none()),
+                ("density_kg_per_m3", density_kg_per_m3.is_none()),
+            ];
+            let missing = all.into_iter().find_map(|(leaf, missing)| missing.then_some(leaf)).unwrap_or("");
+            return Err(InputError::new(
+                format!("{here}.{missing}"),
+                MISSING,
+                "a number",
+                format!("add this key to [{here}], or leave the section empty for the study's [material]"),
+            ));
+        }
+    };
+    if poisson > LARGEST_POISSON && element == ElementKey::FullIntegration {
+        return Err(InputError::new(
+            format!("{here}.poisson"),
+            poisson,
+            format!(
+                "a ratio up to {LARGEST_POISSON} with mesh.element = \"full-integration\", whose elements lock beyond"
+            ),
+            "set mesh.element = \"incompatible-modes\", which takes up to 0.4995, or a smaller ratio",
+        ));
+    }
+    Ok(Material { young, poisson, density, damping: of_study.damping })
 }
 
 impl MeshUnitKey {

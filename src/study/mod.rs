@@ -25,7 +25,7 @@ use railspring_calibrate::profile::wheels::Flange;
 use railspring_calibrate::profile_file::Finding;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::WheelBody;
-use railspring_calibrate::solid::Material;
+use railspring_calibrate::solid::{Material, Materials};
 use railspring_calibrate::transient::START_MODES;
 use railspring_calibrate::units::MILLIMETRE;
 use serde::de::DeserializeOwned;
@@ -61,7 +61,7 @@ pub struct Study {
     pub wheel: Wheel,
     /// Where the wheel is on the track.
     pub track: Track,
-    /// Material of both bodies.
+    /// Material of the rail's section and its beam, and of both bodies where the groups of a mesh have no others.
     pub material: Material,
     /// The solid meshes.
     pub mesh: MeshOptions,
@@ -108,6 +108,8 @@ pub struct Rail {
     pub length: f64,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
+    /// Its materials.
+    pub materials: Materials,
 }
 
 /// The wheel.
@@ -129,6 +131,8 @@ pub struct Wheel {
     pub body: WheelBody,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
+    /// Its materials.
+    pub materials: Materials,
 }
 
 /// A closed section in a file.
@@ -180,6 +184,8 @@ pub struct MeshFile {
     pub contact: String,
     /// Name of the held nodes: at the foot of a rail, at the bore of a wheel.
     pub held: String,
+    /// Names of its groups of hexahedra, in the order of the body's materials; none where all is of one.
+    pub groups: Vec<String>,
 }
 
 /// Where the wheel is on the track; lengths in m.

@@ -45,8 +45,15 @@ pub(super) fn resolve(
 ) -> std::result::Result<Study, Vec<LocatedError>> {
     let mut collector = Collector::new(&source, findings, mistakes);
     collector.take(&["name"], check_name(&document.name));
-    let rail = rail(&document.rail, &source, &mut collector);
-    let wheel = wheel(&document.wheel, &source, &mut collector);
+    let material = Material {
+        young: document.material.young_gpa * GIGAPASCAL,
+        poisson: document.material.poisson,
+        density: document.material.density_kg_per_m3,
+        damping: document.material.damping_ratio / (PI * document.material.damping_frequency_hz),
+    };
+    let solid = (&material, document.mesh.element);
+    let rail = rail(&document.rail, solid, &source, &mut collector);
+    let wheel = wheel(&document.wheel, solid, &source, &mut collector);
     let calibration = collector.take(&["calibration.*"], calibration(&document.calibration));
     collector.take(&["contact.*"], contact(&document.contact));
     let friction = document.contact.friction;
@@ -86,12 +93,7 @@ pub(super) fn resolve(
             flange_back: document.track.flange_back_mm * MILLIMETRE,
             lateral_shift: document.track.lateral_shift_mm * MILLIMETRE,
         },
-        material: Material {
-            young: document.material.young_gpa * GIGAPASCAL,
-            poisson: document.material.poisson,
-            density: document.material.density_kg_per_m3,
-            damping: document.material.damping_ratio / (PI * document.material.damping_frequency_hz),
-        },
+        material,
         mesh,
         element: document.mesh.element,
         target_error: document.mesh.target_error,

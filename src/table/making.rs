@@ -152,11 +152,7 @@ impl CaseWork<'_> {
         let of_pair = self.of_pair();
         let known = |keys: &[String]| {
             let bodies: Vec<_> = of_pair.iter().copied().zip(keys.iter().cloned()).collect();
-            if keys.len() != of_pair.len() {
-                Ok(None)
-            } else {
-                self.source(room).known(study.material, &bodies)
-            }
+            if keys.len() != of_pair.len() { Ok(None) } else { self.source(room).known(&bodies) }
         };
         self.with_keys(|| {
             let Some(bodies) = known(own)? else { return Ok(None) };
@@ -238,7 +234,7 @@ impl CaseWork<'_> {
             rolling_radius_mm: at
                 .touch
                 .map(|touch| geometry.pair.wheel.radius / MILLIMETRE + touch.wheel_z_mm),
-            hertz_kn_per_m: hertz(study, geometry, shift, &fixed_loads),
+            hertz_kn_per_m: hertz(study, geometry, bodies, shift, &fixed_loads),
             at,
         };
         let artefact = Artefact::default().with(PLACE, to_json(&record));
@@ -303,12 +299,12 @@ pub(super) struct Prepared {
 
 /// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces
 /// as large as the loads (N), kN/m.
-fn hertz(study: &Study, geometry: &Geometry, shift: f64, loads: &[f64]) -> Vec<f64> {
+fn hertz(study: &Study, geometry: &Geometry, bodies: &CondensedPair, shift: f64, loads: &[f64]) -> Vec<f64> {
     let Ok(pair) = geometry.pair.with_wheel_at(stages::tape_y(study, &geometry.pair, shift)) else {
         return Vec::new();
     };
     let [along, across] = pair.relative_radii();
-    let modulus = study.material.contact_modulus();
+    let modulus = bodies.rail_on_ends.surface.contact_modulus(&bodies.wheel.surface);
     let tangent = |load: &f64| {
         let contact = point_contact(*load, along, across, modulus)?;
         Ok(contact.tangent_stiffness / KILONEWTON_PER_METRE)

@@ -159,7 +159,9 @@ mod tests {
         cells: f64,
         off: [f64; 2],
     ) -> (Lattice, Vec<ContactPoint>, Vec<f64>) {
-        let exact = point_contact(load, radii[0], radii[1], Material::STEEL.contact_modulus()).unwrap();
+        let exact =
+            point_contact(load, radii[0], radii[1], Material::STEEL.contact_modulus(&Material::STEEL))
+                .unwrap();
         let cell = Vector2::new(exact.semi_axis_x, exact.semi_axis_y) / cells;
         let count = 2 * (1.4 * cells) as usize + 1;
         let mut points = flat_grid((count, count), 1.0, |_, _| 0.0);
@@ -212,7 +214,8 @@ mod tests {
         const DISCRETISATION: f64 = 0.2;
         let (load, radius) = (50e3, 0.3);
         let both = HalfSpace::both(&Material::STEEL);
-        let exact = point_contact(load, radius, radius, Material::STEEL.contact_modulus()).unwrap();
+        let exact =
+            point_contact(load, radius, radius, Material::STEEL.contact_modulus(&Material::STEEL)).unwrap();
         let rim = rim_gap(&both, load, PI * exact.semi_axis_x.powi(2));
         assert!((rim / (0.5 * exact.approach) - 1.0).abs() < ROUNDOFF, "{rim}");
         let (_, points, forces) = pressed(load, [radius; 2], 8.0, [0.3, 0.1]);

@@ -256,7 +256,8 @@ mod tests {
             Problem { points: &points, compliance: &compliance, free: &free, friction: 0.0, hub: &hub };
         let mut exact = State::new(&problem, &vec![0.0; n]);
         newton(&mut exact, NEWTON_STEPS, &mut 0, &mut Factors::default()).unwrap();
-        let hertz = point_contact(LOAD, RADIUS, RADIUS, Material::STEEL.contact_modulus()).unwrap();
+        let hertz =
+            point_contact(LOAD, RADIUS, RADIUS, Material::STEEL.contact_modulus(&Material::STEEL)).unwrap();
         assert!((exact.hub[0] / hertz.approach - 1.0).abs() < DISCRETISATION, "{:?} {hertz:?}", exact.hub);
         let mut corner = vec![0.0; n];
         corner[0] = LOAD;

@@ -9,7 +9,6 @@ use super::sections::SectionFlexibility;
 use super::strips::{Contact, ContactStrips};
 use crate::error::{InputError, Result};
 use crate::pair::Pair;
-use crate::solid::Material;
 use crate::superelement::carried;
 use nalgebra::{DMatrix, DVector, Point2, Vector2, Vector3};
 
@@ -83,17 +82,18 @@ struct Knot {
 }
 
 /// Fits the strips of a pair to its laws by contact angle: at every place and load the force that belongs to the approach of the
-/// surfaces and to what the sections lack. Their rotation under the load turns the profiles against each other.
+/// surfaces and to what the sections lack. Their rotation under the load turns the profiles against each other. `modulus` is the
+/// contact modulus of both bodies, Pa.
 ///
 /// # Errors
 /// [`InputError`] if no place has a law.
 pub fn fit_strips(
     pair: &Pair,
-    material: &Material,
+    modulus: f64,
     laws: &[PlaceApproaches],
     sections: &Sections,
 ) -> Result<StripStiffness> {
-    let hertz = hertz_table(pair, material);
+    let hertz = hertz_table(pair, modulus);
     let mut pressed = Vec::new();
     for law in laws {
         let place = pair.with_wheel_at(law.tape_y)?;
@@ -409,7 +409,13 @@ mod tests {
     use super::*;
     use crate::placement::TrackGeometry;
     use crate::section::{rail_section, wheel_section};
+    use crate::solid::Material;
     use nalgebra::Matrix2;
+
+    /// Contact modulus of steel on steel, Pa.
+    fn steel() -> f64 {
+        Material::STEEL.contact_modulus(&Material::STEEL)
+    }
 
     /// Source: the strips of Hertz's contact times a factor. Goal: approaches that these strips make give them back: the normal stiffness at
     /// every place of the rail between those of the laws, no hardening, and the tangential stiffness that the flexibility across the normal leaves; approaches of
@@ -426,7 +432,7 @@ mod tests {
         let rigid = SectionFlexibility::rigid();
         let sections = Sections { rim: &rigid, head: &rigid };
         for hardening in [0.0, 0.4] {
-            let hertz = hertz_table(&pair, &Material::STEEL);
+            let hertz = hertz_table(&pair, steel());
             let mut places = hertz.places().to_vec();
             for StripPlace { modulus, .. } in &mut places {
                 modulus.normal *= FACTOR;
@@ -457,7 +463,7 @@ mod tests {
                     PlaceApproaches { tape_y, along, loads, sticking }
                 })
                 .to_vec();
-            let found = fit_strips(&pair, &Material::STEEL, &laws, &sections).unwrap();
+            let found = fit_strips(&pair, steel(), &laws, &sections).unwrap();
             println!("{hardening} {}", found.misfit);
             if hardening > 0.0 {
                 assert!(found.misfit < HARDENED, "{}", found.misfit);
@@ -471,7 +477,7 @@ mod tests {
                 assert!((found.tangential / exact.tangential - 1.0).abs() < SOLVER, "{found:?} {exact:?}");
             }
         }
-        let none = fit_strips(&pair, &Material::STEEL, &[], &sections).unwrap_err().to_string();
+        let none = fit_strips(&pair, steel(), &[], &sections).unwrap_err().to_string();
         assert!(none.contains("no place with a law"), "{none}");
     }
 }

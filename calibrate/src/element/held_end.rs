@@ -122,7 +122,7 @@ impl HeldEnd {
     /// # Errors
     /// A rail too short for its mesh, and an inverted element.
     pub fn new(pair: &Pair, bodies: &CondensedPair, head: &SectionFlexibility, length: f64) -> Result<Self> {
-        let material = &bodies.material;
+        let material = &bodies.rail_on_ends.surface;
         let (length, middle) = match length <= LONGEST {
             true => (length, head.flexibility + of_section(pair, &bodies.section, &bodies.rail_on_ends.grid)),
             false => (LONGEST, whole_in_middle(pair, material, LONGEST)?),

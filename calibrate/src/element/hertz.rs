@@ -3,10 +3,9 @@
 use super::law::{StripPlace, StripStiffness};
 use super::modulus::StripModulus;
 use super::relief::{Influence, ReliefPlaces};
-use crate::analytic::hertz::{contact_modulus, point_contact};
+use crate::analytic::hertz::point_contact;
 use crate::pair::Pair;
 use crate::profile::ProfileCurve;
-use crate::solid::Material;
 
 /// Distance of the places of the table, m.
 const SPACING: f64 = 1e-3;
@@ -35,7 +34,7 @@ const MINDLIN: f64 = 1.4 / 1.7;
 
 /// The strips of Hertz's contact where both profiles have the same slope, κ the relative curvature across the track, under [`Influence::TYPICAL`]: at the edge,
 /// Hertz's semi-axis b away, the profiles overlap by the approach less `κb²/2`, which is the relief there; the force of the strips within is the load.
-pub(super) fn hertz_table(pair: &Pair, material: &Material) -> StripStiffness {
+pub(super) fn hertz_table(pair: &Pair, modulus: f64) -> StripStiffness {
     let (rail, wheel) = (&pair.placed.curve, &pair.wheel.running);
     let angle = |curve: &ProfileCurve, s: f64| {
         let tangent = curve.tangent(s.clamp(0.0, curve.length() * (1.0 - 1e-9)));
@@ -53,8 +52,6 @@ pub(super) fn hertz_table(pair: &Pair, material: &Material) -> StripStiffness {
     let samples: Vec<(f64, f64)> =
         (0..=(4 * count)).map(every).filter(|s| *s >= tip).map(|s| (s, angle(wheel, s))).collect();
     let tape = pair.tape();
-    let Material { young, poisson, .. } = *material;
-    let modulus = contact_modulus(young, poisson, young, poisson);
     let influence = Influence { flexibility: 1.0 / (std::f64::consts::PI * modulus) };
     let place = |i: usize| {
         let rail_s = rail.length() * i as f64 / count as f64;

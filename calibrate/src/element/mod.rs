@@ -26,7 +26,6 @@ pub use wheel::{ElasticWheel, RimMode, positive};
 use crate::contact::{HalfSpace, Side};
 use crate::error::{InputError, Result};
 use crate::pair::{CondensedPair, Pair};
-use crate::solid::Material;
 use nalgebra::{Matrix3, Point2};
 
 /// The condensed contact element of a pair.
@@ -48,7 +47,8 @@ pub struct PairElement {
 /// What the contact element of a pair has of its bodies, from which elements are made with one set of laws after another.
 pub struct ElementBodies<'a> {
     pair: &'a Pair,
-    material: Material,
+    /// Contact modulus of both running surfaces, Pa.
+    modulus: f64,
     wheel: ElasticWheel,
     rim: SectionFlexibility,
     head: SectionFlexibility,
@@ -70,19 +70,18 @@ impl<'a> ElementBodies<'a> {
                 "condense it with `condense_in_time`",
             )
         })?;
-        let material = bodies.material;
         let on_wheel = RunningSurface {
             compliance: &wheel.compliance,
             grid: &wheel.grid,
             nodes: &wheel.nodes,
-            half_space: HalfSpace::new(&material, Side::Opposing),
+            half_space: HalfSpace::new(&wheel.surface, Side::Opposing),
         };
         let rail = &bodies.rail_on_ends;
         let on_rail = RunningSurface {
             compliance: bodies.against_section(),
             grid: &rail.grid,
             nodes: &rail.nodes,
-            half_space: HalfSpace::new(&material, Side::Base),
+            half_space: HalfSpace::new(&rail.surface, Side::Base),
         };
         let origin = Point2::new(0.0, pair.wheel.radius);
         on_wheel.check("wheel")?;
@@ -90,7 +89,8 @@ impl<'a> ElementBodies<'a> {
         let (rim, head) = (on_wheel.section(origin), on_rail.section(pair.node_line()));
         let wheel = ElasticWheel::new(&on_wheel, modes, &rim, origin, PairElement::HIGHEST)?;
         let held_end = HeldEnd::new(pair, bodies, &head, length)?;
-        Ok(Self { pair, material, wheel, rim, head, held_end })
+        let modulus = rail.surface.contact_modulus(&bodies.wheel.surface);
+        Ok(Self { pair, modulus, wheel, rim, head, held_end })
     }
 
     /// The pair.
@@ -103,8 +103,8 @@ impl<'a> ElementBodies<'a> {
     /// # Errors
     /// [`InputError`] for laws without a place.
     pub fn element(&self, laws: &[PlaceApproaches]) -> Result<PairElement> {
-        let Self { pair, material, wheel, rim, head, held_end } = self;
-        let strips = fit_strips(pair, material, laws, &Sections { rim, head })?;
+        let Self { pair, modulus, wheel, rim, head, held_end } = self;
+        let strips = fit_strips(pair, *modulus, laws, &Sections { rim, head })?;
         Ok(PairElement {
             wheel: wheel.clone(),
             held_end: Some(held_end.clone()),

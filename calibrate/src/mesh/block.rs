@@ -95,7 +95,7 @@ pub fn mesh_block(options: &BlockOptions) -> Result<HexMesh> {
         along_track: options.x.clone(),
         nodes: (0..ny).flat_map(|j| (0..nx).map(move |i| at(i, j, 0))).collect(),
     };
-    Ok(HexMesh { nodes, hexes, contact, ends, foot, bore: Vec::new() })
+    Ok(HexMesh { nodes, hexes, groups: Vec::new(), contact, ends, foot, bore: Vec::new() })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! How the hexahedra of a mesh hang together: outer faces and pieces.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Point3;
 
@@ -18,6 +18,28 @@ pub(super) struct Faces {
     pub pieces: usize,
     /// A hexahedron of the smallest piece, and how many that piece has.
     pub smallest: (usize, usize),
+}
+
+/// A hexahedron of a group that lies by itself between two other ones or those and nodes that are `rigid`: it meets them at opposite faces.
+pub(super) fn single_layer(
+    hexes: &[[usize; 8]],
+    group: impl Fn(usize) -> usize,
+    rigid: &[bool],
+    wanted: usize,
+) -> Option<usize> {
+    let key = |hex: &[usize; 8], face: usize| {
+        let mut key = FACES[face].map(|i| hex[i]);
+        key.sort_unstable();
+        key
+    };
+    let others: BTreeSet<[usize; 4]> = (0..hexes.len())
+        .filter(|&e| group(e) != wanted)
+        .flat_map(|e| (0..FACES.len()).map(move |face| key(&hexes[e], face)))
+        .collect();
+    let bounded = |face: [usize; 4]| face.iter().all(|&v| rigid[v]) || others.contains(&face);
+    (0..hexes.len()).filter(|&e| group(e) == wanted).find(|&e| {
+        [[0, 1], [2, 4], [3, 5]].iter().any(|faces| faces.iter().all(|&face| bounded(key(&hexes[e], face))))
+    })
 }
 
 impl Faces {

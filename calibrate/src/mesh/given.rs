@@ -44,6 +44,10 @@ pub struct GivenMesh {
     pub contact: Vec<usize>,
     /// Nodes that are held: at the foot of a rail, at the bore of a wheel.
     pub held: Vec<usize>,
+    /// Group of every hexahedron, by its number among the names; empty where all are of one material.
+    pub groups: Vec<usize>,
+    /// Names of the groups.
+    pub group_names: Vec<String>,
 }
 
 /// A rail of `length` (m) from a mesh that was made elsewhere, with its contact grid on the placed running `curve`.
@@ -95,7 +99,10 @@ pub fn given_rail(
     check_apart(&contact.nodes, &given.held, InputField::RailHeldNodes, "the contact surface")?;
     check_held(&given.nodes, &given.held, InputField::RailHeldNodes, "nodes that hold the foot")?;
     let foot = sorted(given.held);
-    Ok(HexMesh { nodes: given.nodes, hexes: given.hexes, contact, ends, foot, bore: Vec::new() })
+    let GivenMesh { nodes, hexes, groups, group_names, .. } = given;
+    let mesh = HexMesh { nodes, hexes, groups, contact, ends, foot, bore: Vec::new() };
+    check_contact_material(&mesh, &group_names, InputField::RailMaterials)?;
+    Ok(mesh)
 }
 
 /// A wheel from a mesh that was made elsewhere, with its contact grid on the `running` curve revolved with the given
@@ -130,7 +137,10 @@ pub fn given_wheel(
     check_apart(&contact.nodes, &given.held, InputField::WheelHeldNodes, "the contact surface")?;
     check_held(&given.nodes, &given.held, InputField::WheelHeldNodes, "nodes that follow the hub")?;
     let bore = sorted(given.held);
-    Ok(HexMesh { nodes: given.nodes, hexes: given.hexes, contact, ends: Vec::new(), foot: Vec::new(), bore })
+    let GivenMesh { nodes, hexes, groups, group_names, .. } = given;
+    let mesh = HexMesh { nodes, hexes, groups, contact, ends: Vec::new(), foot: Vec::new(), bore };
+    check_contact_material(&mesh, &group_names, InputField::WheelMaterials)?;
+    Ok(mesh)
 }
 
 fn sorted(mut nodes: Vec<usize>) -> Vec<usize> {
@@ -145,7 +155,7 @@ fn place(p: &Point3<f64>) -> String {
 
 /// Checks that the hexahedra are one sound body of a plausible size; returns its faces.
 fn check_solid(given: &GivenMesh, fields: (&str, InputField, InputField)) -> Result<Faces> {
-    let GivenMesh { nodes, hexes, contact, held } = given;
+    let GivenMesh { nodes, hexes, contact, held, groups, group_names } = given;
     let (section, file, unit) = fields;
     let refuse = |value: String, expected: &str, remedy: &str| -> Result<Faces> {
         Err(InputError::new(file, value, expected, remedy).into())
@@ -155,6 +165,14 @@ fn check_solid(given: &GivenMesh, fields: (&str, InputField, InputField)) -> Res
         return refuse(
             format!("node {v} of {}", nodes.len()),
             "nodes that the mesh has",
+            "write the mesh again",
+        );
+    }
+    let most = group_names.len();
+    if !groups.is_empty() && (groups.len() != hexes.len() || groups.iter().any(|&group| group >= most)) {
+        return refuse(
+            format!("{} groups of {} hexahedra, {most} names", groups.len(), hexes.len()),
+            "a group with a name for every hexahedron",
             "write the mesh again",
         );
     }
@@ -234,6 +252,23 @@ fn check_elements(given: &GivenMesh, file: InputField) -> Result<()> {
         ),
         "positive Jacobians",
         remedy,
+    )
+    .into())
+}
+
+/// Checks that one group reaches the contact surface: the contact sees a half-space there, of one material.
+fn check_contact_material(mesh: &HexMesh, names: &[String], field: InputField) -> Result<()> {
+    let mut at_contact = mesh.at_contact();
+    let Some(first) = at_contact.next() else { return Ok(()) };
+    let Some(other) = at_contact.find(|&e| mesh.group(e) != mesh.group(first)) else { return Ok(()) };
+    let nodes = mesh.hexes[other].map(|v| mesh.nodes[v]);
+    let middle = Point3::from(nodes.iter().map(|p| p.coords).sum::<Vector3<f64>>() / 8.0);
+    let [one, two] = [first, other].map(|e| names.get(mesh.group(e)).map_or("", String::as_str));
+    Err(InputError::new(
+        field,
+        format!("{one:?} and {two:?} at the contact surface, the latter around {}", place(&middle)),
+        "one group under the whole contact surface within the window, for the contact is that of a half-space of one material",
+        "put the elements with a node on the contact surface into one group, or name a shorter surface",
     )
     .into())
 }

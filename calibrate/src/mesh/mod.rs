@@ -17,6 +17,8 @@
 //! The same input gives the same mesh to the last bit: every choice between
 //! equals is settled by index order.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Point2, Point3};
 
 use crate::error::{InputError, Result};
@@ -84,6 +86,8 @@ pub struct HexMesh {
     /// Nodes of every hexahedron in the order of VTK: the face 0-1-2-3 seen
     /// from inside runs counter-clockwise, 4-7 lie above it; the Jacobian is positive.
     pub hexes: Vec<[usize; 8]>,
+    /// Group of every hexahedron, by its number among the materials of the body; empty where all are of one.
+    pub groups: Vec<usize>,
     /// Nodes where contact can take place.
     pub contact: SurfaceGrid,
     /// Nodes of both end faces of a rail, or of the sides of a block; empty for a wheel.
@@ -92,6 +96,56 @@ pub struct HexMesh {
     pub foot: Vec<usize>,
     /// Nodes on the bore of a wheel; empty for the other bodies.
     pub bore: Vec<usize>,
+}
+
+impl HexMesh {
+    /// Group of a hexahedron.
+    #[must_use]
+    pub fn group(&self, element: usize) -> usize {
+        self.groups.get(element).copied().unwrap_or(0)
+    }
+
+    /// The mesh with nodes of its own for every group, and the node of this mesh that each of them is: what jumps from group to group,
+    /// stresses for instance, has a value for each of them there.
+    #[must_use]
+    pub fn with_groups_apart(&self) -> (Self, Vec<usize>) {
+        if self.groups.is_empty() {
+            return (self.clone(), (0..self.nodes.len()).collect());
+        }
+        let mut known: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        let mut owner = vec![None; self.nodes.len()];
+        let mut of: Vec<usize> = (0..self.nodes.len()).collect();
+        let mut hexes = self.hexes.clone();
+        for (e, hex) in hexes.iter_mut().enumerate() {
+            let group = self.group(e);
+            for v in hex {
+                let node = *v;
+                if *owner[node].get_or_insert(group) != group {
+                    *v = *known.entry((group, node)).or_insert_with(|| {
+                        of.push(node);
+                        of.len() - 1
+                    });
+                }
+            }
+        }
+        let nodes = of.iter().map(|&node| self.nodes[node]).collect();
+        (Self { nodes, hexes, ..self.clone() }, of)
+    }
+
+    /// A hexahedron of a group that is the only one between two other groups, or between one and the nodes at the bore or the foot: it meets
+    /// them at opposite faces.
+    pub(crate) fn single_layer(&self, group: usize) -> Option<usize> {
+        let mut rigid = vec![false; self.nodes.len()];
+        self.bore.iter().chain(&self.foot).for_each(|&v| rigid[v] = true);
+        faces::single_layer(&self.hexes, |e| self.group(e), &rigid, group)
+    }
+
+    /// Hexahedra with a corner on the contact surface.
+    pub(crate) fn at_contact(&self) -> impl Iterator<Item = usize> + '_ {
+        let mut marked = vec![false; self.nodes.len()];
+        self.contact.nodes.iter().for_each(|&v| marked[v] = true);
+        (0..self.hexes.len()).filter(move |&e| self.hexes[e].iter().any(|&v| marked[v]))
+    }
 }
 
 /// Where the contact zone of a section begins and ends, in its profile frame.

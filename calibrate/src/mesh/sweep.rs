@@ -29,6 +29,7 @@ pub fn extrude(section: &SectionMesh, x: &[f64], window: f64, foot: &[usize]) ->
     HexMesh {
         nodes,
         hexes: hexes(section, layout),
+        groups: Vec::new(),
         contact: contact_grid(section, x, window),
         ends: (0..count).chain((x.len() - 1) * count..x.len() * count).collect(),
         foot: all_layers(foot, layout),
@@ -59,6 +60,7 @@ pub fn revolve(section: &SectionMesh, radius: f64, theta: &[f64], window: f64, b
     HexMesh {
         nodes,
         hexes: hexes(section, layout),
+        groups: Vec::new(),
         contact: contact_grid(section, theta, window),
         ends: Vec::new(),
         foot: Vec::new(),

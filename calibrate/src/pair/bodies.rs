@@ -11,7 +11,7 @@ use crate::error::{Error, InputError, Result};
 use crate::law::LEAST_LOADS;
 use crate::mesh::SurfaceGrid;
 use crate::monitor::Monitor;
-use crate::solid::{Formulation, Material};
+use crate::solid::{Formulation, Material, Materials};
 use crate::superelement::{CondensedBody, SectionMotion};
 use faer::Mat;
 use rayon::prelude::*;
@@ -36,21 +36,22 @@ pub struct ContactBody<'a> {
     pub compliance: &'a Mat<f64>,
     /// Where they are.
     pub grid: &'a SurfaceGrid,
+    /// The material there.
+    pub material: Material,
 }
 
 impl<'a> From<&'a CondensedBody> for ContactBody<'a> {
     fn from(body: &'a CondensedBody) -> Self {
-        Self { compliance: &body.compliance, grid: &body.grid }
+        Self { compliance: &body.compliance, grid: &body.grid, material: body.surface }
     }
 }
 
 impl Pair {
-    /// The wheel in place on the rail, both of one material, pressed downwards.
+    /// The wheel in place on the rail, pressed downwards.
     pub fn wheel_on_rail<'a>(
         &'a self,
         rail: impl Into<ContactBody<'a>>,
         wheel: impl Into<ContactBody<'a>>,
-        material: Material,
         ContactConditions { friction, enforcement, field }: ContactConditions,
     ) -> WheelOnRail<'a> {
         let (rail, wheel) = (rail.into(), wheel.into());
@@ -62,7 +63,7 @@ impl Pair {
             friction,
             enforcement,
             field,
-            materials: [material; 2],
+            materials: [rail.material, wheel.material],
             along: DOWNWARDS,
         }
     }
@@ -78,8 +79,6 @@ pub struct CondensedPair {
     pub rail_on_foot: Option<CondensedBody>,
     /// The motion of that rail's section at the contact.
     pub section: SectionMotion,
-    /// The material of both.
-    pub material: Material,
     /// Compliance of the rail's contact nodes against that section, m/N.
     against_section: Mat<f64>,
 }
@@ -114,9 +113,10 @@ impl PairMeshes {
         monitor: &dyn Monitor,
     ) -> Result<CondensedPair> {
         let (rail, wheel, orders) = (&self.rail, &self.wheel, &Orders::default());
-        let solids = PairSolids { pair, rail, wheel, material, element, orders };
+        let materials = &Materials::from(material);
+        let solids = PairSolids { pair, rail, wheel, materials: [materials; 2], element, orders };
         let condense = |body| solids.condense_in_time(body, solids.key(body), modes);
-        CondensedPair::new(material, condense_all(("superelements", monitor), bodies, false, condense)?)
+        CondensedPair::new(condense_all(("superelements", monitor), bodies, false, condense)?)
     }
 }
 
@@ -146,7 +146,7 @@ impl CondensedPair {
     ///
     /// # Errors
     /// [`InputError`] without wheel or rail between its ends, and for such a rail without the motion of its section.
-    pub fn new(material: Material, bodies: Vec<(PairBody, CondensedBody)>) -> Result<Self> {
+    pub fn new(bodies: Vec<(PairBody, CondensedBody)>) -> Result<Self> {
         let missing = |body: PairBody, what: &str| {
             InputError::new(
                 body.name(),
@@ -170,7 +170,7 @@ impl CondensedPair {
             .clone()
             .ok_or_else(|| missing(PairBody::RailOnEnds, "no motion of its section"))?;
         let against_section = section.relative(&rail_on_ends.compliance);
-        Ok(Self { wheel, rail_on_ends, rail_on_foot, section, material, against_section })
+        Ok(Self { wheel, rail_on_ends, rail_on_foot, section, against_section })
     }
 
     /// Compliance of the rail's contact nodes against its section, m/N.
@@ -259,8 +259,8 @@ impl CondensedPair {
             Reference::Foot => &body.compliance,
             Reference::Beam | Reference::Local => &self.against_section,
         };
-        let rail = ContactBody { compliance, grid: &body.grid };
-        Ok(pair.wheel_on_rail(rail, &self.wheel, self.material, contact))
+        let rail = ContactBody { compliance, ..body.into() };
+        Ok(pair.wheel_on_rail(rail, &self.wheel, contact))
     }
 }
 

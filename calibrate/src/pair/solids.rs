@@ -4,7 +4,7 @@ use super::geometry::Pair;
 use crate::error::Result;
 use crate::mesh::HexMesh;
 use crate::section_analysis::StressSample;
-use crate::solid::{Formulation, Material, MirrorHalf, Numbering, Supports, Symmetry, System};
+use crate::solid::{Formulation, Materials, MirrorHalf, Numbering, Supports, Symmetry, System};
 use crate::superelement::{CondensedBody, Parts, SectionMotion, Step, Wanted, body_key};
 use nalgebra::Point2;
 use std::sync::OnceLock;
@@ -70,8 +70,8 @@ pub struct PairSolids<'a> {
     pub rail: &'a HexMesh,
     /// Mesh of the wheel, in its body frame.
     pub wheel: &'a HexMesh,
-    /// Material of both.
-    pub material: Material,
+    /// Materials of the rail and of the wheel.
+    pub materials: [&'a Materials; 2],
     /// Element of both.
     pub element: Formulation,
     /// Orders of the equations on these meshes, as far as they are known.
@@ -82,7 +82,7 @@ impl<'a> PairSolids<'a> {
     /// Hash of what a body is made from; that of the condensed body.
     pub fn key(&self, body: PairBody) -> String {
         let (mesh, supports) = self.held(body);
-        let key = body_key(mesh, &self.material, self.element, &supports);
+        let key = body_key(mesh, self.materials(body), self.element, &supports);
         match body {
             PairBody::Wheel | PairBody::RailOnFoot => key,
             PairBody::RailOnEnds => {
@@ -154,7 +154,7 @@ impl<'a> PairSolids<'a> {
         let numbering = ordered(&known.of_half, &half.mesh, &half.supports)?;
         let system = |symmetry| {
             let numbering = half.numbered(&numbering, symmetry);
-            System::with_numbering(&half.mesh, self.material, self.element, numbering)
+            System::with_numbering(&half.mesh, self.materials(body).clone(), self.element, numbering)
         };
         let [symmetric, antisymmetric] = Symmetry::BOTH;
         Ok(Parts::Halves { whole, half, systems: Box::new([system(symmetric)?, system(antisymmetric)?]) })
@@ -168,7 +168,15 @@ impl<'a> PairSolids<'a> {
         let (mesh, supports) = self.held(body);
         let Orders(known) = self.orders;
         let numbering = ordered(&known[body as usize].whole, mesh, &supports)?;
-        System::with_numbering(mesh, self.material, self.element, numbering)
+        System::with_numbering(mesh, self.materials(body).clone(), self.element, numbering)
+    }
+
+    fn materials(&self, body: PairBody) -> &'a Materials {
+        let [rail, wheel] = self.materials;
+        match body {
+            PairBody::Wheel => wheel,
+            PairBody::RailOnFoot | PairBody::RailOnEnds => rail,
+        }
     }
 
     fn held(&self, body: PairBody) -> (&'a HexMesh, Supports) {

@@ -1,7 +1,8 @@
 //! Assembly of stiffness and mass.
 
+use super::brick::{self, corners};
 use super::columns::{Pattern, UpperMatrix};
-use super::{Formulation, Material, Numbering, Supports, brick};
+use super::{Formulation, Materials, Numbering, Supports};
 use crate::error::{InputError, Result};
 use crate::mesh::HexMesh;
 use faer::sparse::{SparseColMat, Triplet};
@@ -11,12 +12,12 @@ use rayon::prelude::*;
 /// Elements whose matrices are held at the same time.
 const AT_ONCE: usize = 4096;
 
-/// A meshed body with its material, supports and numbered equations.
+/// A meshed body with its materials, supports and numbered equations.
 pub struct System<'a> {
     /// The mesh.
     pub mesh: &'a HexMesh,
-    /// The material.
-    pub material: Material,
+    /// Their materials.
+    pub materials: Materials,
     /// The element.
     pub formulation: Formulation,
     /// Equation numbers.
@@ -36,28 +37,29 @@ impl<'a> System<'a> {
     /// Numbers the equations of `mesh`.
     ///
     /// # Errors
-    /// [`InputError`] if the material is impossible; a numerical error if the mesh cannot be ordered.
+    /// [`InputError`] if a material is impossible; a numerical error if the mesh cannot be ordered.
     pub fn new(
         mesh: &'a HexMesh,
-        material: Material,
+        materials: impl Into<Materials>,
         formulation: Formulation,
         supports: &Supports,
     ) -> Result<Self> {
-        Self::with_numbering(mesh, material, formulation, Numbering::new(mesh, supports)?)
+        Self::with_numbering(mesh, materials, formulation, Numbering::new(mesh, supports)?)
     }
 
     /// The body with the `numbering` that [`Numbering::new`] has for `mesh` and its supports.
     ///
     /// # Errors
-    /// [`InputError`] if the material is impossible.
+    /// [`InputError`] if a material is impossible.
     pub fn with_numbering(
         mesh: &'a HexMesh,
-        material: Material,
+        materials: impl Into<Materials>,
         formulation: Formulation,
         numbering: Numbering,
     ) -> Result<Self> {
-        material.check()?;
-        Ok(Self { mesh, material, formulation, numbering, massless: Vec::new() })
+        let materials = materials.into();
+        materials.check(mesh)?;
+        Ok(Self { mesh, materials, formulation, numbering, massless: Vec::new() })
     }
 
     /// Moves the mass of the contact nodes to the other nodes of their elements (H.B. Khenous, P. Laborde,
@@ -78,8 +80,10 @@ impl<'a> System<'a> {
     }
 
     /// Mass of an element between its nodes without those that are `massless`, kg.
-    fn element_mass(&self, hex: &[usize; 8], massless: &[bool]) -> SMatrix<f64, 8, 8> {
-        let full = brick::mass(&corners(self.mesh, hex), self.material.density);
+    fn element_mass(&self, element: usize, massless: &[bool]) -> SMatrix<f64, 8, 8> {
+        let hex = &self.mesh.hexes[element];
+        let density = self.materials.of(self.mesh, element).density;
+        let full = brick::mass(&corners(self.mesh, hex), density);
         let carries = hex.map(|n| !massless.get(n).copied().unwrap_or(false));
         if carries.iter().all(|c| *c) || carries.iter().all(|c| !*c) {
             return full;
@@ -101,11 +105,14 @@ impl<'a> System<'a> {
     ) -> Result<SparseColMat<usize, f64>> {
         let mut matrix = UpperMatrix::new(Pattern::new(self.mesh, &self.numbering));
         for (chunk, hexes) in self.mesh.hexes.chunks(AT_ONCE).enumerate() {
-            let elements: Vec<Option<brick::Stiffness>> =
-                hexes.par_iter().map(|hex| self.element(hex, stiffness_factor, mass_factor)).collect();
+            let first = chunk * AT_ONCE;
+            let elements: Vec<Option<brick::Stiffness>> = (first..first + hexes.len())
+                .into_par_iter()
+                .map(|e| self.element(e, stiffness_factor, mass_factor))
+                .collect();
             for (e, (hex, element)) in hexes.iter().zip(elements).enumerate() {
                 let Some(element) = element else {
-                    return Err(flat_element(chunk * AT_ONCE + e, &corners(self.mesh, hex)));
+                    return Err(flat_element(first + e, &corners(self.mesh, hex)));
                 };
                 matrix.add(self.mesh, &self.numbering, hex, &element);
             }
@@ -122,14 +129,12 @@ impl<'a> System<'a> {
     /// # Errors
     /// As [`Self::matrix`].
     pub fn stiffness_at_contact(&self) -> Result<SparseColMat<usize, f64>> {
-        let at_contact = self.contact_nodes();
         let Numbering { interior, contact, equations, .. } = self.numbering;
         let columns = interior..interior + contact;
         let mut entries = Vec::new();
-        for (e, hex) in
-            self.mesh.hexes.iter().enumerate().filter(|(_, hex)| hex.iter().any(|&n| at_contact[n]))
-        {
-            let Some(element) = self.element(hex, 1.0, 0.0) else {
+        for e in self.mesh.at_contact() {
+            let hex = &self.mesh.hexes[e];
+            let Some(element) = self.element(e, 1.0, 0.0) else {
                 return Err(flat_element(e, &corners(self.mesh, hex)));
             };
             let terms: [_; 24] = std::array::from_fn(|i| {
@@ -157,14 +162,15 @@ impl<'a> System<'a> {
     /// The matrix of an element; none if it is inverted or flat.
     pub(super) fn element(
         &self,
-        hex: &[usize; 8],
+        element: usize,
         stiffness_factor: f64,
         mass_factor: f64,
     ) -> Option<brick::Stiffness> {
-        let nodes = corners(self.mesh, hex);
-        let mut k = brick::stiffness(&nodes, &self.material, self.formulation)? * stiffness_factor;
+        let nodes = corners(self.mesh, &self.mesh.hexes[element]);
+        let material = self.materials.of(self.mesh, element);
+        let mut k = brick::stiffness(&nodes, material, self.formulation)? * stiffness_factor;
         if mass_factor != 0.0 {
-            let m = self.element_mass(hex, &self.massless) * mass_factor;
+            let m = self.element_mass(element, &self.massless) * mass_factor;
             for i in 0..24 {
                 for j in (i % 3..24).step_by(3) {
                     k[(i, j)] += m[(i / 3, j / 3)];
@@ -186,8 +192,8 @@ impl<'a> System<'a> {
 
     fn mass_without(&self, massless: &[bool]) -> NodalMass {
         let mut rows = vec![Vec::with_capacity(64); self.mesh.nodes.len()];
-        for hex in &self.mesh.hexes {
-            let m = self.element_mass(hex, massless);
+        for (e, hex) in self.mesh.hexes.iter().enumerate() {
+            let m = self.element_mass(e, massless);
             for i in 0..8 {
                 rows[hex[i]].extend((0..8).map(|j| (hex[j] as u32, m[(i, j)])));
             }
@@ -243,11 +249,6 @@ impl NodalMass {
     pub fn total(&self) -> f64 {
         self.values.iter().sum()
     }
-}
-
-/// Corner coordinates of a hexahedron.
-pub(super) fn corners(mesh: &HexMesh, hex: &[usize; 8]) -> [Point3<f64>; 8] {
-    hex.map(|n| mesh.nodes[n])
 }
 
 fn flat_element(element: usize, nodes: &[Point3<f64>; 8]) -> crate::error::Error {

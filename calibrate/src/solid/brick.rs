@@ -8,7 +8,7 @@
 //! distorted elements pass the patch test.
 
 use super::Material;
-use crate::mesh::CORNERS;
+use crate::mesh::{CORNERS, HexMesh};
 use crate::quadrature::GAUSS_2;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, Vector3};
 
@@ -24,6 +24,11 @@ pub enum Formulation {
 
 /// Stiffness of a brick, N/m; degree of freedom `3·node + direction`.
 pub type Stiffness = SMatrix<f64, 24, 24>;
+
+/// Corner coordinates of a hexahedron.
+pub(super) fn corners(mesh: &HexMesh, hex: &[usize; 8]) -> [Point3<f64>; 8] {
+    hex.map(|n| mesh.nodes[n])
+}
 
 /// The 2×2×2 Gauss points, one towards each corner.
 fn gauss_points() -> impl Iterator<Item = Vector3<f64>> {

@@ -225,8 +225,8 @@ mod tests {
                 spread.column_mut(equation).copy_from_slice(&system.numbering.expand(&mesh, &unit));
             }
             let mut all = DMatrix::<f64>::zeros(spread.nrows(), spread.nrows());
-            for hex in &mesh.hexes {
-                let k = system.element(hex, 2.0, 5e9).unwrap();
+            for (e, hex) in mesh.hexes.iter().enumerate() {
+                let k = system.element(e, 2.0, 5e9).unwrap();
                 for i in 0..24 {
                     for j in 0..24 {
                         all[(3 * hex[i / 3] + i % 3, 3 * hex[j / 3] + j % 3)] += k[(i, j)];

@@ -1,7 +1,6 @@
 //! Where a point lies in a mesh, and with which weights its nodes move it.
 
-use super::assembly::corners;
-use super::brick::{jacobian, shape, shape_gradient};
+use super::brick::{corners, jacobian, shape, shape_gradient};
 use crate::mesh::HexMesh;
 use nalgebra::{Point3, Vector3};
 
@@ -28,6 +27,18 @@ impl<'a> Cut<'a> {
     /// Nodes and weights whose weighted displacement is that of the point (x, `y`, `z`), m. Beside the mesh, as
     /// between a curved outline and its facets, the nearest hexahedron is continued. `None` if the plane misses the mesh.
     pub fn weights(&self, y: f64, z: f64) -> Option<[(usize, f64); 8]> {
+        self.find(y, z).map(|(e, at)| {
+            let n = shape(&at);
+            std::array::from_fn(|i| (self.mesh.hexes[e][i], n[i]))
+        })
+    }
+
+    /// The hexahedron of [`Self::weights`].
+    pub fn element(&self, y: f64, z: f64) -> Option<usize> {
+        self.find(y, z).map(|(e, _)| e)
+    }
+
+    fn find(&self, y: f64, z: f64) -> Option<(usize, Vector3<f64>)> {
         let point = Point3::new(self.x, y, z);
         let mut by_distance: Vec<(f64, usize)> = self
             .hexes
@@ -53,10 +64,7 @@ impl<'a> Cut<'a> {
                 break;
             }
         }
-        best.map(|(_, e, at)| {
-            let n = shape(&at);
-            std::array::from_fn(|i| (self.mesh.hexes[e][i], n[i]))
-        })
+        best.map(|(_, e, at)| (e, at))
     }
 }
 

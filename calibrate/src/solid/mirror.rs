@@ -78,12 +78,15 @@ impl MirrorHalf {
             hex.sort_unstable();
             hex
         };
-        let others: HashSet<[usize; 8]> =
-            mesh.hexes.iter().filter(|hex| on(&outside, hex)).map(|hex| corners(*hex)).collect();
-        let ours: Vec<&[usize; 8]> = mesh.hexes.iter().filter(|hex| on(&inside, hex)).collect();
+        let those = |side: &[bool]| -> Vec<usize> {
+            (0..mesh.hexes.len()).filter(|&e| on(side, &mesh.hexes[e])).collect()
+        };
+        let others: HashMap<[usize; 8], usize> =
+            those(&outside).into_iter().map(|e| (corners(mesh.hexes[e]), mesh.group(e))).collect();
+        let ours = those(&inside);
         let whole = ours.len() + others.len() == mesh.hexes.len()
             && ours.len() == others.len()
-            && ours.iter().all(|hex| others.contains(&corners(hex.map(image))));
+            && ours.iter().all(|&e| others.get(&corners(mesh.hexes[e].map(image))) == Some(&mesh.group(e)));
         if !whole {
             return None;
         }
@@ -94,7 +97,15 @@ impl MirrorHalf {
         let at: Vec<usize> = (0..contact.len()).filter(|&at| place[contact[at]].is_some()).collect();
         let half = HexMesh {
             nodes: kept.iter().map(|&node| mesh.nodes[node]).collect(),
-            hexes: ours.iter().map(|hex| hex.map(|node| place[node].expect("a node of this half"))).collect(),
+            hexes: ours
+                .iter()
+                .map(|&e| mesh.hexes[e].map(|node| place[node].expect("a node of this half")))
+                .collect(),
+            groups: if mesh.groups.is_empty() {
+                Vec::new()
+            } else {
+                ours.iter().map(|&e| mesh.group(e)).collect()
+            },
             contact: SurfaceGrid {
                 along_profile: along_profile.clone(),
                 along_track: along_track[columns / 2..].to_vec(),

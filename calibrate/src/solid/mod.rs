@@ -1,21 +1,23 @@
 //! Linear elastic solids of eight-node bricks.
 //!
-//! [`Material`] and its `Formulation` give the element, [`Supports`] says which nodes
+//! [`Materials`] and their `Formulation` give the elements, [`Supports`] says which nodes
 //! are held or follow the master node, and [`System`] numbers the equations
 //! and assembles them.
 
 mod brick;
+mod locate;
+mod materials;
 mod numbering;
 mod mirror;
 mod columns;
 mod assembly;
-mod locate;
 mod stress;
 
 pub use assembly::{NodalMass, System};
 pub use brick::Formulation;
 pub use columns::Pattern;
 pub use locate::Cut;
+pub use materials::Materials;
 pub use mirror::{MirrorHalf, Symmetry};
 pub use numbering::{Numbering, Supports, rigid_motion};
 pub use stress::{largest_shear, nodal_stress, von_mises};
@@ -70,9 +72,9 @@ impl Material {
         self.young / (2.0 * (1.0 + self.poisson))
     }
 
-    /// Contact modulus E* of two bodies of this material, Pa.
-    pub fn contact_modulus(&self) -> f64 {
-        crate::analytic::hertz::contact_modulus(self.young, self.poisson, self.young, self.poisson)
+    /// Contact modulus E* of a body of this material on one of the `other`, Pa.
+    pub fn contact_modulus(&self, other: &Self) -> f64 {
+        crate::analytic::hertz::contact_modulus(self.young, self.poisson, other.young, other.poisson)
     }
 
     /// Elasticity matrix, 6×6, Pa, for strains (xx, yy, zz, xy, yz, zx) with engineering shears.

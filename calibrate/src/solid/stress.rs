@@ -1,15 +1,18 @@
 //! Nodal stresses for pictures: volume-weighted means of the element centres.
 
-use super::{Material, assembly::corners, brick};
+use super::brick::{self, corners};
+use super::{Material, Materials};
 use crate::mesh::HexMesh;
 use nalgebra::{Matrix3, SVector};
 
-/// Stress at every node (xx, yy, zz, xy, yz, zx), Pa, from nodal displacements (`3·node + direction`, m).
-pub fn nodal_stress(mesh: &HexMesh, material: &Material, displacement: &[f64]) -> Vec<[f64; 6]> {
-    let d = material.elasticity();
+/// Stress at every node (xx, yy, zz, xy, yz, zx), Pa, from nodal displacements (`3·node + direction`, m). Where materials meet, stresses jump, and
+/// a mean of both is the stress of neither: [`HexMesh::with_groups_apart`].
+pub fn nodal_stress(mesh: &HexMesh, materials: &Materials, displacement: &[f64]) -> Vec<[f64; 6]> {
+    let elasticity: Vec<_> = materials.of_groups().iter().map(Material::elasticity).collect();
     let mut sums = vec![SVector::<f64, 6>::zeros(); mesh.nodes.len()];
     let mut volumes = vec![0.0; mesh.nodes.len()];
-    for hex in &mesh.hexes {
+    for (e, hex) in mesh.hexes.iter().enumerate() {
+        let d = elasticity[mesh.group(e)];
         let u = SVector::<f64, 24>::from_fn(|i, _| displacement[3 * hex[i / 3] + i % 3]);
         let (strain, volume) = brick::centre_strain(&corners(mesh, hex), &u);
         for &n in hex {

@@ -3,7 +3,7 @@
 use super::{Modes, SectionMotion};
 use crate::error::Result;
 use crate::mesh::{HexMesh, SurfaceGrid};
-use crate::solid::{Formulation, Material, Numbering, Supports, System};
+use crate::solid::{Formulation, Material, Materials, Numbering, Supports, System};
 use crate::superelement::{Factor, Superelement};
 use blake3::Hasher;
 use faer::Mat;
@@ -27,6 +27,8 @@ pub struct CondensedBody {
     pub equations: usize,
     /// Mass of its elements, kg.
     pub mass: f64,
+    /// Material at its contact surface, without its damping.
+    pub surface: Material,
     /// Of a rail that is a beam's solid: the motion of its section at the contact.
     pub section: Option<SectionMotion>,
     /// What it needs to move: [`Superelement::modes`]; statics do without.
@@ -44,10 +46,10 @@ pub(crate) struct Interior<'a> {
     factor: Factor,
 }
 
-/// Hash of everything that a condensed body depends on: mesh, material, element and supports.
-pub fn body_key(mesh: &HexMesh, material: &Material, element: Formulation, supports: &Supports) -> String {
+/// Hash of everything that a condensed body depends on: mesh, materials, element and supports.
+pub fn body_key(mesh: &HexMesh, materials: &Materials, element: Formulation, supports: &Supports) -> String {
     let mut hasher = Hasher::new();
-    hasher.update(b"condensed body 1");
+    hasher.update(b"condensed body 2");
     let mut numbers = |values: &[f64]| {
         hasher.update(&(values.len() as u64).to_le_bytes());
         values.iter().for_each(|v| {
@@ -57,7 +59,9 @@ pub fn body_key(mesh: &HexMesh, material: &Material, element: Formulation, suppo
     mesh.nodes.iter().for_each(|p| numbers(p.coords.as_slice()));
     numbers(&mesh.contact.along_profile);
     numbers(&mesh.contact.along_track);
-    numbers(&[material.young, material.poisson, material.density]);
+    for Material { young, poisson, density, .. } in materials.of_groups() {
+        numbers(&[*young, *poisson, *density]);
+    }
     let mut indices = |values: &[usize]| {
         hasher.update(&(values.len() as u64).to_le_bytes());
         values.iter().for_each(|v| {
@@ -65,6 +69,7 @@ pub fn body_key(mesh: &HexMesh, material: &Material, element: Formulation, suppo
         });
     };
     mesh.hexes.iter().for_each(|hex| indices(hex));
+    indices(&mesh.groups);
     indices(&mesh.contact.nodes);
     hasher.update(format!("{element:?} {supports:?}").as_bytes());
     hasher.finalize().to_hex().to_string()
@@ -83,6 +88,7 @@ impl Superelement<'_> {
             nodes: mesh.contact.nodes.iter().map(|&n| mesh.nodes[n]).collect(),
             equations: system.numbering.equations,
             mass: system.nodal_mass().total(),
+            surface: Material { damping: 0.0, ..system.materials.at_contact(mesh) },
             section: None,
             modes: None,
         }

@@ -3,13 +3,14 @@
 use super::{CondensedBody, Modes, SectionMotion};
 use crate::error::{InputError, Result};
 use crate::mesh::SurfaceGrid;
+use crate::solid::Material;
 use faer::Mat;
 use nalgebra::{DMatrix, Matrix3, Matrix6, Point2, Point3};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::collections::{BTreeMap, HashMap};
 
 /// Layout of the file.
-const FORMAT: &str = "railspring condensed body 2";
+const FORMAT: &str = "railspring condensed body 3";
 
 impl CondensedBody {
     /// The body as a file: tensors `compliance` (column by column), `nodes`, `along_profile`, `along_track` and
@@ -65,6 +66,9 @@ impl CondensedBody {
             ("key", self.key.clone()),
             ("equations", self.equations.to_string()),
             ("mass_kg", format!("{:e}", self.mass)),
+            ("young_pa", format!("{:e}", self.surface.young)),
+            ("poisson", format!("{:e}", self.surface.poisson)),
+            ("density_kg_per_m3", format!("{:e}", self.surface.density)),
         ]
         .map(|(name, value)| (name.to_string(), value))
         .into();
@@ -177,6 +181,12 @@ impl CondensedBody {
             nodes,
             equations: entry("equations")?.parse().map_err(|_| "equations that are no number".to_string())?,
             mass: number("mass_kg")?,
+            surface: Material {
+                young: number("young_pa")?,
+                poisson: number("poisson")?,
+                density: number("density_kg_per_m3")?,
+                damping: 0.0,
+            },
             section,
             modes,
         })

@@ -153,6 +153,7 @@ impl Parts<'_> {
                     nodes: whole.contact.nodes.iter().map(|&n| whole.nodes[n]).collect(),
                     equations,
                     mass: 2.0 * symmetric.mass,
+                    surface: symmetric.surface,
                     section,
                     modes: with.zip(against).map(|(with, against)| Modes::joined(half, [with, against])),
                 })
@@ -266,9 +267,9 @@ mod tests {
 
     fn halves<'a>(mesh: &'a HexMesh, half: &'a MirrorHalf) -> Parts<'a> {
         let systems = Symmetry::BOTH.map(|symmetry| {
-            let System { mesh, material, formulation, numbering, .. } = system(&half.mesh, &half.supports);
+            let System { mesh, materials, formulation, numbering, .. } = system(&half.mesh, &half.supports);
             let numbering = half.numbered(&numbering, symmetry);
-            System::with_numbering(mesh, material, formulation, numbering).unwrap()
+            System::with_numbering(mesh, materials, formulation, numbering).unwrap()
         });
         Parts::Halves { whole: mesh, half, systems: Box::new(systems) }
     }

@@ -82,9 +82,10 @@ pub(super) struct StepContact<'m> {
 
 impl<'m> StepContact<'m> {
     pub fn new(model: &'m TransientModel<'m>, scenario: &Scenario, scheme: &Newmark) -> Self {
-        let damping = model.material.damping;
+        let damping = model.damping();
         let stiffening = 1.0 + damping * scheme.velocity;
-        let half_spaces = HalfSpace::both(&model.material)
+        let [rail, wheel] = &model.materials;
+        let half_spaces = [HalfSpace::new(rail, Side::Base), HalfSpace::new(wheel, Side::Opposing)]
             .map(|body| HalfSpace { shear_modulus: stiffening * body.shear_modulus, ..body });
         let kept = [damping * scheme.velocity / stiffening, damping / stiffening];
         let nodes = [&model.rail_surface, &model.wheel_surface]

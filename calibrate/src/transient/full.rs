@@ -50,7 +50,7 @@ impl<'a> FullBody<'a> {
         let mass = system.nodal_mass();
         let diagonal: Vec<(usize, f64)> =
             hub_stiffness.and_then(|k| Some((system.numbering.master_equation(2)?, k))).into_iter().collect();
-        let beta = system.material.damping;
+        let beta = system.materials.damping();
         let damping = (beta > 0.0).then(|| system.matrix(beta, 0.0, &[])).transpose()?;
         let element =
             Superelement::effective(system, 1.0 + beta * scheme.velocity, scheme.acceleration, &diagonal)?;

@@ -31,7 +31,7 @@ use crate::newmark::Newmark;
 use crate::pair::Pair;
 use crate::placement::PlacedRail;
 use crate::scenario::Scenario;
-use crate::solid::{Formulation, Material, Supports, System};
+use crate::solid::{Formulation, Material, Materials, Supports, System};
 use crate::step_control::InnerSteps;
 use crate::superelement::{CondensedBody, Modes};
 use crate::suspension::Suspension;
@@ -46,8 +46,8 @@ use run::{Observer, Run, ShorterSteps};
 pub struct TransientModel<'a> {
     /// Rail and wheel.
     pub bodies: SolidBodies<'a>,
-    /// Material of both.
-    pub material: Material,
+    /// Materials at the contact surfaces of rail and wheel, with the damping of both bodies, which is the same.
+    pub materials: [Material; 2],
     /// The placed rail, for positions in its profile frame.
     pub placed_rail: &'a PlacedRail,
     /// Contact surface of the rail.
@@ -70,6 +70,8 @@ pub enum SolidBodies<'a> {
         rail: &'a HexMesh,
         /// Mesh of the wheel.
         wheel: &'a HexMesh,
+        /// Materials of rail and wheel.
+        materials: [&'a Materials; 2],
         /// Element of both.
         formulation: Formulation,
     },
@@ -89,24 +91,27 @@ impl<'a> TransientModel<'a> {
     pub fn of_pair(
         pair: &'a Pair,
         [rail, wheel]: [&'a HexMesh; 2],
-        material: Material,
+        materials: [&'a Materials; 2],
         formulation: Formulation,
         contact: (Enforcement, ContactField),
     ) -> Self {
-        let bodies = SolidBodies::Full { rail, wheel, formulation };
-        Self::with(pair, bodies, [&rail.contact, &wheel.contact], material, contact)
+        let bodies = SolidBodies::Full { rail, wheel, materials, formulation };
+        let surfaces = [materials[0].at_contact(rail), materials[1].at_contact(wheel)];
+        Self::with(pair, bodies, [&rail.contact, &wheel.contact], surfaces, contact)
     }
 
-    /// The solid model of a pair with reduced bodies: the rail between its ends and the wheel, both with modes.
+    /// The solid model of a pair with reduced bodies: the rail between its ends and the wheel, both with modes and with a `damping`
+    /// ([`Material::damping`]).
     pub fn reduced(
         pair: &'a Pair,
         [rail, wheel]: [&'a CondensedBody; 2],
         modes: ModeCount,
-        material: Material,
+        damping: f64,
         contact: (Enforcement, ContactField),
     ) -> Self {
         let bodies = SolidBodies::Reduced { rail, wheel, modes };
-        Self::with(pair, bodies, [&rail.grid, &wheel.grid], material, contact)
+        let surfaces = [rail, wheel].map(|body| Material { damping, ..body.surface });
+        Self::with(pair, bodies, [&rail.grid, &wheel.grid], surfaces, contact)
     }
 
     /// The bodies of a pair with the grids of their contact surfaces.
@@ -114,12 +119,12 @@ impl<'a> TransientModel<'a> {
         pair: &'a Pair,
         bodies: SolidBodies<'a>,
         [rail, wheel]: [&'a SurfaceGrid; 2],
-        material: Material,
+        materials: [Material; 2],
         (enforcement, field): (Enforcement, ContactField),
     ) -> Self {
         Self {
             bodies,
-            material,
+            materials,
             placed_rail: &pair.placed,
             rail_surface: pair.rail_surface(rail),
             wheel_surface: pair.wheel_surface(wheel),
@@ -264,7 +269,7 @@ impl TransientModel<'_> {
     }
 
     fn full_bodies(&self, scenario: &Scenario) -> Result<[FullBody<'_>; 2]> {
-        let SolidBodies::Full { rail, wheel, formulation } = self.bodies else {
+        let SolidBodies::Full { rail, wheel, materials, formulation } = self.bodies else {
             unreachable!("bodies at full order");
         };
         let scheme = longest(scenario);
@@ -278,13 +283,21 @@ impl TransientModel<'_> {
             master: Point3::origin(),
             master_free,
         };
-        let body = |mesh, supports, hub_stiffness| {
-            let system = System::new(mesh, self.material, formulation, supports)?;
+        let body = |mesh, materials: &Materials, supports, hub_stiffness| {
+            let system = System::new(mesh, materials.clone(), formulation, supports)?;
             FullBody::new(system.with_massless_contact(), &scheme, hub_stiffness)
         };
-        let (rail, wheel) =
-            rayon::join(|| body(rail, &on_ends, None), || body(wheel, &on_hub, Some(stiffness)));
+        let [of_rail, of_wheel] = materials;
+        let (rail, wheel) = rayon::join(
+            || body(rail, of_rail, &on_ends, None),
+            || body(wheel, of_wheel, &on_hub, Some(stiffness)),
+        );
         Ok([rail?, wheel?])
+    }
+
+    /// Damping of both bodies, s.
+    fn damping(&self) -> f64 {
+        self.materials[0].damping
     }
 
     /// The number of modes that the body with more of them has.
@@ -305,8 +318,8 @@ impl TransientModel<'_> {
         };
         let stiffness = Suspension::new(scenario, scheme).stiffness();
         Ok([
-            ReducedBody::new(rail, count, &self.material, scheme, &[], 0.0)?,
-            ReducedBody::new(wheel, count, &self.material, scheme, hub_motions(scenario), stiffness)?,
+            ReducedBody::new(rail, count, self.damping(), scheme, &[], 0.0)?,
+            ReducedBody::new(wheel, count, self.damping(), scheme, hub_motions(scenario), stiffness)?,
         ])
     }
 }

@@ -13,7 +13,6 @@ use crate::energy::PartEnergy;
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
-use crate::solid::Material;
 use crate::superelement::{CondensedBody, Modes, add_times, times};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
@@ -82,7 +81,7 @@ pub(super) struct ReducedStep<'s, 'a> {
 }
 
 impl<'a> ReducedBody<'a> {
-    /// A body with its first `count` modes, or all it has. `hub` are the free motions of its hub, none of a body that is held;
+    /// A body with its first `count` modes, or all it has, damped by `damping` times its stiffness (s). `hub` are the free motions of its hub, none of a body that is held;
     /// `hub_stiffness` is added to the hub's vertical motion.
     ///
     /// # Errors
@@ -90,7 +89,7 @@ impl<'a> ReducedBody<'a> {
     pub(super) fn new(
         body: &'a CondensedBody,
         count: usize,
-        material: &Material,
+        damping: f64,
         scheme: &Newmark,
         hub: &[usize],
         hub_stiffness: f64,
@@ -105,7 +104,6 @@ impl<'a> ReducedBody<'a> {
         })?;
         let count = count.min(modes.count());
         let (held, size) = (hub.len(), hub.len() + count);
-        let damping = material.damping;
         let stiffening = 1.0 + damping * scheme.velocity;
         let mass = DMatrix::from_fn(size, size, |i, j| match (hub.get(i), hub.get(j)) {
             (Some(&a), Some(&b)) => modes.rigid_mass(a, b),

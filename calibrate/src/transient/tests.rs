@@ -128,7 +128,11 @@ fn of_order(
     run: &mut dyn FnMut(SolidBodies<'_>),
 ) {
     match order {
-        Order::Full => run(SolidBodies::Full { rail, wheel, formulation: Formulation::IncompatibleModes }),
+        Order::Full => {
+            let materials = Materials::from(material);
+            let materials = [&materials; 2];
+            run(SolidBodies::Full { rail, wheel, materials, formulation: Formulation::IncompatibleModes });
+        }
         Order::Reduced(modes) => {
             let [rail, wheel] = &condensed([rail, wheel], material, modes);
             run(SolidBodies::Reduced { rail, wheel, modes: ModeCount::Given(modes) });
@@ -159,7 +163,7 @@ fn collide(
     of_order(order, [rail_mesh, wheel_mesh], material, &mut |bodies| {
         let model = TransientModel {
             bodies,
-            material,
+            materials: [material; 2],
             placed_rail: &placed_rail,
             rail_surface: Surface::extruded(&curve, &rail_mesh.contact),
             wheel_surface: wheel_surface.clone(),

@@ -1,6 +1,6 @@
 """A linear elastic body of hexahedra on scikit-fem."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -48,17 +48,28 @@ class Body:
     """A body, factored with some nodes held.
 
     ``order`` 1: trilinear elements with 2x2x2 Gauss points. ``order`` 2: serendipity
-    elements (20 nodes) on the same, straight-edged hexahedra with 3x3x3 points.
+    elements (20 nodes) on the same, straight-edged hexahedra with 3x3x3 points. ``groups``: the number of every
+    hexahedron's material among ``materials``; left out or empty, all have the first.
     """
 
-    def __init__(self, mesh: meshio.Mesh, material: Material, held: Ints, order: int = 1) -> None:
+    def __init__(
+        self,
+        mesh: meshio.Mesh,
+        materials: Sequence[Material],
+        held: Ints,
+        order: int = 1,
+        groups: Ints | None = None,
+    ) -> None:
         self.points: Floats = np.asarray(mesh.points, dtype=np.float64)
         self.hexes: Ints = np.asarray(mesh.cells_dict["hexahedron"], dtype=np.int64)
         self.mesh = from_meshio(mesh)
         # scikit-fem numbers the corners of a hexahedron in another order: nodes must still be the file's
         if not np.array_equal(self.mesh.p.T, self.points):
             raise ValueError("scikit-fem renumbered the nodes of the mesh")
-        self.material = material
+        self.materials = materials
+        self.groups = groups if groups is not None and len(groups) else np.zeros(len(self.hexes), dtype=np.int64)
+        if len(self.groups) != len(self.hexes) or not set(self.groups.tolist()) <= set(range(len(materials))):
+            raise ValueError(f"groups of {len(self.groups)} hexahedra of {len(self.hexes)}, {len(materials)} materials")
         self.order = order
         self.element = skfem.ElementHex1() if order == 1 else skfem.ElementHexS2()
         self.basis = skfem.Basis(self.mesh, self.element, quadrature=gauss_cube(2 if order == 1 else 3))
@@ -88,14 +99,26 @@ class Body:
     @cached_property
     def stiffness(self) -> sp.csc_matrix:
         """Stiffness matrix, N/m, nothing held."""
+        total = sp.csc_matrix((self.degrees_of_freedom,) * 2)
+        for number, material in enumerate(self.materials):
+            elements = np.flatnonzero(self.groups == number)
+            if len(elements):
+                total = total + self._stiffness_of(material, elements)
+        return total
+
+    def _stiffness_of(self, material: Material, elements: Ints) -> sp.csc_matrix:
+        """The part of some elements of one material."""
+        basis = self.basis
+        if len(elements) < len(self.hexes):
+            basis = skfem.Basis(self.mesh, self.element, quadrature=self.basis.quadrature, elements=elements)
         # products of slopes of scalar functions: twenty times faster than the form of vector functions
         slopes: dict[tuple[int, int], sp.csr_matrix] = {}
         for a in range(3):
             for b in range(a + 1):
                 form = skfem.BilinearForm(lambda u, v, _, a=a, b=b: u.grad[b] * v.grad[a])
-                slopes[a, b] = form.assemble(self.basis).tocsr()
+                slopes[a, b] = form.assemble(basis).tocsr()
                 slopes[b, a] = slopes[a, b].T
-        first, second = lame_parameters(self.material.young_pa, self.material.poisson)
+        first, second = lame_parameters(material.young_pa, material.poisson)
         shear = second * (slopes[0, 0] + slopes[1, 1] + slopes[2, 2])
         total = sp.csc_matrix((self.degrees_of_freedom,) * 2)
         for a in range(3):

@@ -16,7 +16,7 @@ from .body import Body, Floats, Ints, Material, read_mesh
 
 FORCE = "force (N)"
 """Point data with the given nodal forces."""
-FORMAT = 1
+FORMAT = 2
 """Version of the exchange that this package reads."""
 
 
@@ -58,9 +58,10 @@ class Exchange:
     def body(self, name: str, variant: str = "bodies", order: int = 1) -> Body:
         """A body with its supports."""
         entry = self.data[variant][name]
-        material = Material(entry["young_pa"], entry["poisson"])
+        materials = [Material(constants["young_pa"], constants["poisson"]) for constants in entry["materials"]]
         mesh = read_mesh(self.folder / entry["mesh"])
-        return Body(mesh, material, np.asarray(entry["held"], dtype=np.int64), order)
+        held, groups = (np.asarray(entry[name], dtype=np.int64) for name in ("held", "groups"))
+        return Body(mesh, materials, held, order, groups)
 
     def given_forces(self, name: str) -> Floats:
         """The given nodal forces of a body, one row a node."""

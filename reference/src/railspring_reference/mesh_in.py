@@ -1,8 +1,9 @@
 """Reads a mesh that a user brings, in any format that meshio reads.
 
-``python -m railspring_reference.mesh_in FILE --contact NAME --held NAME`` writes to its standard output one line of
-JSON and then raw little-endian data: coordinates in the file's unit (``<f8``, three a node), nodes of the hexahedra in
-the order of VTK (``<i8``, eight each), the contact nodes and the held nodes (``<i8``, ascending). The line of JSON has
+``python -m railspring_reference.mesh_in FILE --contact NAME --held NAME [--material NAME]...`` writes to its standard
+output one line of JSON and then raw little-endian data: coordinates in the file's unit (``<f8``, three a node), nodes
+of the hexahedra in the order of VTK (``<i8``, eight each), the contact nodes and the held nodes (``<i8``, ascending),
+and, with materials, the number of the one that every hexahedron has (``<i8``). The line of JSON has
 their numbers, or under ``error`` what is wrong with the file: ``key`` (of the study, without its section), ``value``,
 ``expected`` and ``remedy``.
 
@@ -27,7 +28,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FORMAT = 1
+FORMAT = 2
 """Version of the output."""
 HEXAHEDRON = "hexahedron"
 """meshio's name of the hexahedron with eight nodes."""
@@ -236,8 +237,9 @@ def of_cells(mesh: meshio.Mesh, chosen: list[Any], key: str, name: str) -> Ints:
     return np.unique(np.concatenate(nodes))
 
 
-def groups(mesh: meshio.Mesh) -> dict[str, str]:
-    """Names of all groups, and of what kind each is; where a name stands twice, the first kind counts."""
+def groups(mesh: meshio.Mesh, nodes: bool = True) -> dict[str, str]:
+    """Names of all groups, and of what kind each is; where a name stands twice, the first kind counts. ``nodes``: those
+    of nodes too."""
     found: dict[str, str] = {}
 
     def add(names: Any, kind: str) -> None:
@@ -245,10 +247,10 @@ def groups(mesh: meshio.Mesh) -> dict[str, str]:
             if not str(name).startswith("gmsh:"):
                 found.setdefault(str(name), kind)
 
-    add(mesh.point_sets, "node set")
+    add(mesh.point_sets if nodes else (), "node set")
     add(mesh.field_data if GMSH_GROUP in mesh.cell_data else (), "physical group")
     add(mesh.cell_sets, "element set")
-    add((name for name, values in mesh.point_data.items() if scalar(values)), "node mask")
+    add((name for name, values in mesh.point_data.items() if nodes and scalar(values)), "node mask")
     add((name for name, blocks in mesh.cell_data.items() if all(scalar(b) for b in blocks)), "cell mask")
     return found
 
@@ -263,38 +265,48 @@ def inside(values: Any) -> Ints:
     return np.flatnonzero(np.nan_to_num(np.ravel(values), nan=0.0)).astype(np.int64)
 
 
-def group(mesh: meshio.Mesh, key: str, name: str) -> Ints:
-    """Nodes of the group ``name``, ascending."""
-    known = groups(mesh)
+def name_in_file(known: dict[str, str], key: str, name: str, remedy: str) -> str:
+    """The name as the file has it, of one of the ``known`` groups."""
     # upper and lower case are the same in Abaqus
     alike = [other for other in known if other.casefold() == name.casefold()]
     found = name if name in known else alike[0] if len(alike) == 1 else None
     if found is None:
         names = ", ".join(f'"{other}" ({kind})' for other, kind in sorted(known.items())) or "no names at all"
-        raise Refused(
-            key,
-            f'"{name}"',
-            f"a name that the mesh file has: {names}",
-            "name a Gmsh physical surface, an Abaqus node set (or element set of surface elements), or a mask of "
-            "point or cell data that is not zero on the group",
-        )
-    match known[found]:
-        case "node set":
-            nodes = np.unique(np.asarray(mesh.point_sets[found], dtype=np.int64))
+        raise Refused(key, f'"{name}"', f"a name that the mesh file has: {names}", remedy)
+    return found
+
+
+def cells_of(mesh: meshio.Mesh, kind: str, name: str) -> list[Any]:
+    """Cells of a group of cells, of every block."""
+    match kind:
         case "physical group":
-            tag, size = (int(v) for v in mesh.field_data[found])
+            tag, size = (int(v) for v in mesh.field_data[name])
             tags = mesh.cell_data[GMSH_GROUP]
-            chosen = [
+            return [
                 np.flatnonzero(np.asarray(t) == tag) if dimension(block.type) == size else None
                 for block, t in zip(mesh.cells, tags, strict=True)
             ]
-            nodes = of_cells(mesh, chosen, key, found)
         case "element set":
-            nodes = of_cells(mesh, mesh.cell_sets[found], key, found)
+            return list(mesh.cell_sets[name])
+        case _:
+            return [inside(values) for values in mesh.cell_data[name]]
+
+
+def group(mesh: meshio.Mesh, key: str, name: str) -> Ints:
+    """Nodes of the group ``name``, ascending."""
+    known = groups(mesh)
+    remedy = (
+        "name a Gmsh physical surface, an Abaqus node set (or element set of surface elements), or a mask of "
+        "point or cell data that is not zero on the group"
+    )
+    found = name_in_file(known, key, name, remedy)
+    match known[found]:
+        case "node set":
+            nodes = np.unique(np.asarray(mesh.point_sets[found], dtype=np.int64))
         case "node mask":
             nodes = inside(mesh.point_data[found])
-        case _:
-            nodes = of_cells(mesh, [inside(values) for values in mesh.cell_data[found]], key, found)
+        case kind:
+            nodes = of_cells(mesh, cells_of(mesh, kind, found), key, found)
     if len(nodes) == 0:
         raise Refused(
             key,
@@ -303,6 +315,55 @@ def group(mesh: meshio.Mesh, key: str, name: str) -> Ints:
             "check what the group encloses; a set that only names other sets is not read",
         )
     return nodes
+
+
+def materials(mesh: meshio.Mesh, points: Floats, hexes: Ints, names: list[str]) -> Ints:
+    """The number of the material of every hexahedron, among the groups of hexahedra ``names``; nothing without names."""
+    if not names:
+        return np.zeros(0, dtype=np.int64)
+    known = groups(mesh, nodes=False)
+    remedy = (
+        "name a Gmsh physical volume, an Abaqus element set of solid elements, or a mask of cells that is not zero on "
+        "the group"
+    )
+    starts = np.cumsum([0, *(len(block.data) if block.type == HEXAHEDRON else 0 for block in mesh.cells)])
+    of = np.full(len(hexes), -1, dtype=np.int64)
+
+    def place(element: int) -> str:
+        return "(" + ", ".join(f"{x:g}" for x in points[hexes[element]].mean(axis=0)) + ") in the file"
+
+    for number, name in enumerate(names):
+        key = f"materials.{name}"
+        found = name_in_file(known, key, name, remedy)
+        inside_blocks = [
+            start + np.asarray(cells, dtype=np.int64)
+            for block, start, cells in zip(mesh.cells, starts, cells_of(mesh, known[found], found), strict=False)
+            if block.type == HEXAHEDRON and cells is not None and len(cells)
+        ]
+        inside_group = np.unique(np.concatenate(inside_blocks)) if inside_blocks else np.zeros(0, dtype=np.int64)
+        if len(inside_group) == 0:
+            raise Refused(key, f'"{found}" ({known[found]}, no hexahedron)', "a group of hexahedra", remedy)
+        twice = inside_group[of[inside_group] >= 0]
+        if len(twice):
+            raise Refused(
+                key,
+                f'"{found}" ({len(twice)} of its hexahedra are in "{names[of[twice[0]]]}" too, the first around '
+                f"{place(twice[0])})",
+                "groups that have no hexahedron in common",
+                "give every hexahedron one material",
+            )
+        of[inside_group] = number
+    without = np.flatnonzero(of < 0)
+    if len(without):
+        raise Refused(
+            "materials",
+            f"{len(without)} of {len(hexes)} hexahedra in none of the groups named, the first around "
+            f"{place(without[0])}",
+            "a material for every hexahedron",
+            "add the groups that are missing; one without keys has the study's [material]. The file has "
+            + ", ".join(f'"{other}"' for other in sorted(known)),
+        )
+    return of
 
 
 def used_only(points: Floats, hexes: Ints, named: dict[str, tuple[str, Ints]]) -> tuple[Floats, Ints, list[Ints]]:
@@ -323,8 +384,8 @@ def used_only(points: Floats, hexes: Ints, named: dict[str, tuple[str, Ints]]) -
     return points[used], number[hexes], [number[nodes] for _, nodes in named.values()]
 
 
-def collect(path: Path, contact: str, held: str) -> tuple[dict[str, Any], bytes]:
-    """The line of JSON and the raw data of a file."""
+def collect(path: Path, contact: str, held: str, groups: list[str] | None = None) -> tuple[dict[str, Any], bytes]:
+    """The line of JSON and the raw data of a file; ``groups``: those of hexahedra with a material."""
     mesh = read(path)
     points = np.asarray(mesh.points, dtype=np.float64)
     hexes = hexahedra(mesh, path.name)
@@ -332,19 +393,21 @@ def collect(path: Path, contact: str, held: str) -> tuple[dict[str, Any], bytes]
         raise Refused(
             "mesh_file", f'"{path.name}"', "three finite coordinates a node", "write the mesh again in three dimensions"
         )
-    named = {
+    material = materials(mesh, points, hexes, groups or [])
+    surfaces = {
         "contact_surface": (contact, group(mesh, "contact_surface", contact)),
         "held_nodes": (held, group(mesh, "held_nodes", held)),
     }
-    points, hexes, (contact_nodes, held_nodes) = used_only(points, hexes, named)
+    points, hexes, (contact_nodes, held_nodes) = used_only(points, hexes, surfaces)
     header = {
         "format": FORMAT,
         "nodes": len(points),
         "hexes": len(hexes),
         "contact": len(contact_nodes),
         "held": len(held_nodes),
+        "groups": len(material),
     }
-    integers = [np.ascontiguousarray(part, dtype="<i8").tobytes() for part in (hexes, contact_nodes, held_nodes)]
+    integers = [np.ascontiguousarray(part, dtype="<i8").tobytes() for part in (hexes, contact_nodes, held_nodes, material)]
     return header, b"".join([np.ascontiguousarray(points, dtype="<f8").tobytes(), *integers])
 
 
@@ -354,10 +417,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("file", type=Path)
     parser.add_argument("--contact", required=True, help="name of the contact surface")
     parser.add_argument("--held", required=True, help="name of the held nodes")
+    parser.add_argument("--material", action="append", help="name of a group of hexahedra with a material")
     chosen = parser.parse_args(arguments)
     payload = b""
     try:
-        header, payload = collect(chosen.file, chosen.contact, chosen.held)
+        header, payload = collect(chosen.file, chosen.contact, chosen.held, chosen.material)
     except Refused as refused:
         header = {"error": refused.message}
     sys.stdout.buffer.write(json.dumps(header).encode() + b"\n" + payload)

@@ -149,6 +149,8 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                 min_scaled_jacobian: 0.31,
                 mean_scaled_jacobian: 0.87,
                 mass_kg: 283.4,
+                surface_young_gpa: None,
+                surface_poisson: None,
             })
             .to_vec(),
         profiles: vec![ProfileRecord {

@@ -4,16 +4,23 @@ use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile::wheels::{Flange, WHEEL_NAMES, wheel_profile_with_flange};
 use railspring_calibrate::section::{WebShape, WheelBody, wheel_section_on};
+use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::study::collect::Collector;
-use crate::study::document::{Inclination, RailKeys, WebKey, WheelKeys};
+use crate::study::document::{ElementKey, Inclination, RailKeys, WebKey, WheelKeys};
 use crate::study::fields::translate;
 use crate::study::measured::SurfaceKeys;
 use crate::study::mesh_file::MeshFileKeys;
 use crate::study::{Rail, Source, Wheel};
 
-pub(super) fn rail(keys: &RailKeys, source: &Source, collector: &mut Collector) -> Option<Rail> {
+/// `material` and `element`: those of the study.
+pub(super) fn rail(
+    keys: &RailKeys,
+    (material, element): (&Material, ElementKey),
+    source: &Source,
+    collector: &mut Collector,
+) -> Option<Rail> {
     let inclination = match &keys.inclination {
         Inclination::Slope(slope) => Ok(*slope),
         Inclination::Ratio(text) => slope_of(text).ok_or_else(|| {
@@ -52,8 +59,10 @@ pub(super) fn rail(keys: &RailKeys, source: &Source, collector: &mut Collector) 
         unit: keys.mesh_unit,
         contact: keys.contact_surface.as_deref(),
         held: keys.held_nodes.as_deref(),
-    }
-    .resolve(source.path(), collector);
+        materials: &keys.materials,
+    };
+    let (mesh, materials) =
+        (mesh.resolve(source.path(), collector), mesh.materials(material, element, collector));
     let (profile, measured) = surface?;
     Some(Rail {
         profile,
@@ -62,10 +71,17 @@ pub(super) fn rail(keys: &RailKeys, source: &Source, collector: &mut Collector) 
         inclination: inclination?,
         length: keys.length_m,
         mesh: mesh?,
+        materials: materials?,
     })
 }
 
-pub(super) fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector) -> Option<Wheel> {
+/// As [`rail`].
+pub(super) fn wheel(
+    keys: &WheelKeys,
+    (material, element): (&Material, ElementKey),
+    source: &Source,
+    collector: &mut Collector,
+) -> Option<Wheel> {
     let named = SurfaceKeys {
         section: "wheel",
         names: &WHEEL_NAMES,
@@ -108,8 +124,10 @@ pub(super) fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector
         unit: keys.mesh_unit,
         contact: keys.contact_surface.as_deref(),
         held: keys.held_nodes.as_deref(),
-    }
-    .resolve(source.path(), collector);
+        materials: &keys.materials,
+    };
+    let (mesh, materials) =
+        (mesh.resolve(source.path(), collector), mesh.materials(material, element, collector));
     let (profile, measured) = surface?;
     if keys.body != WebKey::ConicalWeb {
         for key in ["wheel.web_hub_y_mm", "wheel.web_rim_y_mm"].into_iter().filter(|key| source.gives(key)) {
@@ -148,6 +166,7 @@ pub(super) fn wheel(keys: &WheelKeys, source: &Source, collector: &mut Collector
         flange,
         body,
         mesh: mesh?,
+        materials: materials?,
     })
 }
 

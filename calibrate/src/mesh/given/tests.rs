@@ -42,6 +42,8 @@ fn given(mesh: &HexMesh) -> GivenMesh {
         hexes: mesh.hexes.clone(),
         contact: mesh.contact.nodes.iter().rev().copied().collect(),
         held: if mesh.bore.is_empty() { mesh.foot.clone() } else { mesh.bore.clone() },
+        groups: mesh.groups.clone(),
+        group_names: Vec::new(),
     }
 }
 
@@ -118,6 +120,8 @@ fn another_numbering_gives_the_same_body() {
         hexes: own.hexes.iter().rev().map(turned).collect(),
         contact: renumber(&own.contact),
         held: renumber(&own.held),
+        groups: Vec::new(),
+        group_names: Vec::new(),
     })
     .unwrap();
     assert_eq!(back.contact.nodes, renumber(&rail().1.contact.nodes));
@@ -220,6 +224,8 @@ fn a_body_out_of_its_place_is_refused() {
             hexes: hexes.iter().map(|hex| hex.map(|v| new(&v))).collect(),
             contact: m.contact.iter().map(new).collect(),
             held: m.held.iter().filter(|&v| used.contains(v)).map(new).collect(),
+            groups: Vec::new(),
+            group_names: Vec::new(),
         };
     });
     has(&half, &["wheel_mesh = no nodes over 192.", "a full wheel"]);
@@ -263,4 +269,23 @@ fn nodes_that_cannot_hold_the_body_are_refused() {
     let touching = refused(|m| m.held.extend(&rail().1.contact.nodes[..4]));
     has(&touching, &["rail_held_nodes = 4 nodes that belong to the contact surface too"]);
     has(&refused_wheel(|m| m.held.clear()), &["wheel_held_nodes = 0 nodes on a line"]);
+}
+
+/// Goal: groups come back with their mesh; two of them at the contact surface are refused with their names and the place, and groups that are no
+/// groups of the hexahedra, too.
+#[test]
+fn one_group_is_at_the_contact_surface() {
+    let mesh = &rail().1;
+    let names = || ["steel", "other"].map(String::from).to_vec();
+    let with = |groups: Vec<usize>| as_rail(GivenMesh { groups, group_names: names(), ..given(mesh) });
+    let below = |z: f64| -> Vec<usize> {
+        let lowest = |hex: &[usize; 8]| hex.iter().map(|&v| mesh.nodes[v].z).fold(f64::INFINITY, f64::min);
+        mesh.hexes.iter().map(|hex| usize::from(lowest(hex) > z)).collect()
+    };
+    assert_eq!(with(below(0.1)).unwrap().groups, below(0.1));
+    let both: Vec<usize> = mesh.hexes.iter().map(|hex| usize::from(mesh.nodes[hex[0]].y > 0.75)).collect();
+    let text = with(both).unwrap_err().to_string();
+    has(&text, &["rail_materials = ", "\"steel\"", "\"other\" at the contact surface, the latter around ("]);
+    has(&with(vec![0; 3]).unwrap_err().to_string(), &["rail_mesh = 3 groups of"]);
+    has(&with(vec![2; mesh.hexes.len()]).unwrap_err().to_string(), &["a group with a name"]);
 }

@@ -4,7 +4,7 @@ use super::super::full::FullBody;
 use super::*;
 use crate::linear_part::conformance::Trial;
 use crate::mesh::{BlockOptions, HexMesh, mesh_block};
-use crate::solid::{Formulation, Supports, System};
+use crate::solid::{Formulation, Material, Supports, System};
 use crate::superelement::Superelement;
 use nalgebra::Point3;
 
@@ -39,9 +39,8 @@ fn a_reduced_body_is_a_linear_part() {
     for (hub, count) in [(HUBS[0], 12), (HUBS[1], 12), (HUBS[2], 12), (HUBS[1], 0)] {
         let condensed = condensed(&mesh, !hub.is_empty(), count);
         for (damping, dissipation) in [(0.0, 0.0), (1e-6, 0.0), (0.0, 0.05)] {
-            let material = Material { damping, ..Material::STEEL };
             let scheme = Newmark::new(2e-6, dissipation);
-            let body = ReducedBody::new(&condensed, count, &material, &scheme, hub, 0.0).unwrap();
+            let body = ReducedBody::new(&condensed, count, damping, &scheme, hub, 0.0).unwrap();
             assert_eq!(body.modes(), count);
             let load = |y, z, gravity| BodyLoad { hub: [y, z], gravity };
             let trial = Trial {
@@ -106,7 +105,7 @@ fn modes_bring_a_body_to_full_order() {
         let load = BodyLoad { hub: [50.0, -300.0], gravity: 1e3 };
         let errors = [0, 8, 24, 500].map(|count| {
             let condensed = condensed(&mesh, !hub.is_empty(), count);
-            let reduced = ReducedBody::new(&condensed, count, &material, &scheme, hub, 1e7).unwrap();
+            let reduced = ReducedBody::new(&condensed, count, material.damping, &scheme, hub, 1e7).unwrap();
             let start = (Vector2::new(0.1, -0.2), Vector2::new(3.0, 50.0));
             let start = if hub.is_empty() { Default::default() } else { start };
             let (mut a, mut b) = (full.in_motion(&start.0, &start.1), reduced.in_motion(&start.0, &start.1));
@@ -131,6 +130,6 @@ fn modes_bring_a_body_to_full_order() {
 fn a_body_without_modes_is_refused() {
     let body = CondensedBody { modes: None, ..condensed(&block(), false, 1) };
     let scheme = Newmark::new(1e-6, 0.0);
-    let refused = ReducedBody::new(&body, 8, &Material::STEEL, &scheme, &[], 0.0).map(|_| ()).unwrap_err();
+    let refused = ReducedBody::new(&body, 8, 0.0, &scheme, &[], 0.0).map(|_| ()).unwrap_err();
     assert!(refused.to_string().contains("no modes"), "{refused}");
 }

@@ -51,7 +51,7 @@ impl Blocks {
         of_order(Order::Full, [rail, wheel], steel(0.0), &mut |bodies| {
             run(&TransientModel {
                 bodies,
-                material: steel(0.0),
+                materials: [steel(0.0); 2],
                 placed_rail: &placed_rail,
                 rail_surface: Surface::extruded(&self.curves[0], &rail.contact),
                 wheel_surface: Surface::revolved(&self.curves[1], &wheel.contact, ROLLING, origin),

@@ -190,7 +190,7 @@ impl Sprung {
         let placed_rail = PlacedRail { curve: self.curves[0].clone(), angle: 0.0, origin: Point2::origin() };
         let model = TransientModel {
             bodies: SolidBodies::Reduced { rail, wheel, modes: ModeCount::Given(16) },
-            material: Material::STEEL,
+            materials: [Material::STEEL; 2],
             placed_rail: &placed_rail,
             rail_surface: Surface::extruded(&self.curves[0], &self.meshes[0].contact),
             wheel_surface: Surface::revolved(&self.curves[1], &self.meshes[1].contact, ROLLING, touching),
@@ -252,7 +252,8 @@ fn bodies_on_springs_touch_where_the_springs_take_them() {
         let of = |sign, steps| blocks.pressed_aside(field, 0.0, sign, steps);
         let found = of(1.0, 5);
         let hertz =
-            point_contact(found.vertical, ROLLING, radius, Material::STEEL.contact_modulus()).unwrap();
+            point_contact(found.vertical, ROLLING, radius, Material::STEEL.contact_modulus(&Material::STEEL))
+                .unwrap();
         let exact = rigid_touch(found.vertical, found.hub, hertz.approach);
         let off = largest(found.beyond(&exact, 1.0).into_iter().map(f64::abs));
         assert!(off < DISCRETISATION + MODEL, "{field:?}: {found:?} {exact:?}");

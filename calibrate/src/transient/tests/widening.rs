@@ -38,7 +38,7 @@ fn struck(ahead: &[f64]) -> f64 {
     of_order(Order::Reduced(16), [&rail, &wheel], Material::STEEL, &mut |bodies| {
         let model = TransientModel {
             bodies,
-            material: Material::STEEL,
+            materials: [Material::STEEL; 2],
             placed_rail: &placed_rail,
             rail_surface: Surface::extruded(&curves[0], &rail.contact),
             wheel_surface: Surface::revolved(&curves[1], &wheel.contact, RADIUS, Vector2::zeros()),
