@@ -115,7 +115,7 @@ impl Head {
                 let share = Matrix3::new(of_y, of_both, 0.0, of_both, of_z, 0.0, 0.0, 0.0, of_turn);
                 HeadAt {
                     share,
-                    flexibility: symmetric([yy, yz, yr, zz, zr, rr]),
+                    flexibility: storing(symmetric([yy, yz, yr, zz, zr, rr])),
                     twist: Vector3::new(y, z, turned),
                 }
             }
@@ -130,6 +130,16 @@ fn of_end(end: &HeldEnd) -> Curve<9> {
         (*distance, [yy, yz, yr, zz, zr, rr, twist.x, twist.y, twist.z])
     };
     Curve::new(std::iter::once((0.0, [0.0; 9])).chain(end.places.iter().map(values)).collect())
+}
+
+/// A flexibility that stores no negative energy: the nearest one of one that would, by the misfit of what it is made from or between two places.
+fn storing(flexibility: Matrix3<f64>) -> Matrix3<f64> {
+    let f = &flexibility;
+    let pair = |i: usize, k: usize| f[(i, i)] * f[(k, k)] - f[(i, k)] * f[(k, i)];
+    let alone = (0..3).all(|i| f[(i, i)] >= 0.0);
+    let stores =
+        alone && pair(0, 1) >= 0.0 && pair(0, 2) >= 0.0 && pair(1, 2) >= 0.0 && f.determinant() >= 0.0;
+    if stores { flexibility } else { positive(flexibility) }
 }
 
 fn entries(m: &Matrix3<f64>) -> [f64; 6] {
