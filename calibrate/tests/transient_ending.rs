@@ -56,6 +56,7 @@ fn run_in_zone(scenarios: &[Scenario], field_y: f64) -> (Vec<History>, f64) {
         wheel_surface: Surface::revolved(&wheel.running, &wheel_mesh.contact, wheel.radius, tape),
         enforcement: Enforcement::Exact,
         field: ContactField::Elements,
+        path: None,
     };
     let runs: Vec<_> = scenarios.iter().map(|scenario| model.run(scenario, &Silent).unwrap()).collect();
     let mass = runs[0].wheel_mass;

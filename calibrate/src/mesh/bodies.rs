@@ -105,12 +105,43 @@ pub fn mesh_even_rail(
     layers: usize,
     options: &MeshOptions,
 ) -> Result<HexMesh> {
+    even_rail(section, placed, length, layers, options, |element| 0.5 * element)
+}
+
+/// The same with all lines of the running surface but those of both ends in the contact grid.
+///
+/// # Errors
+/// As [`mesh_rail`].
+pub fn mesh_rail_path(
+    section: &RailSection,
+    placed: &PlacedRail,
+    length: f64,
+    layers: usize,
+    options: &MeshOptions,
+) -> Result<HexMesh> {
+    even_rail(section, placed, length, layers, options, |element| 0.5 * (length - element))
+}
+
+/// A rail of equal elements with the contact grid that reaches as far to either side as `half_length` says of their length, m.
+fn even_rail(
+    section: &RailSection,
+    placed: &PlacedRail,
+    length: f64,
+    layers: usize,
+    options: &MeshOptions,
+    half_length: impl Fn(f64) -> f64,
+) -> Result<HexMesh> {
     let mut mesh = rail_section_mesh(section, length, options)?;
     let foot = on_line(&mesh.boundary, &mesh.nodes, section.height);
     mesh.nodes.iter_mut().for_each(|p| *p = placed.to_world(p));
     let half = layers.div_ceil(2).max(1) as isize;
     let x: Vec<f64> = (-half..=half).map(|i| 0.5 * length * i as f64 / half as f64).collect();
-    Ok(extrude(&mesh, &x, 0.25 * length / half as f64, &foot))
+    Ok(extrude(&mesh, &x, half_length(0.5 * length / half as f64), &foot))
+}
+
+/// Half the length of the contact grid of a rail of a `length`, m, with the contact in its middle ([`mesh_rail`]).
+pub fn rail_grid_half_length(length: f64, options: &MeshOptions) -> f64 {
+    grid_half_length(&rail_layers([0.5 * length; 2], options), 1.0, options)
 }
 
 fn rail_section_mesh(section: &RailSection, length: f64, options: &MeshOptions) -> Result<SectionMesh> {

@@ -39,8 +39,8 @@ mod vtu;
 
 pub use block::{BlockOptions, mesh_block};
 pub use bodies::{
-    MeshSize, mesh_even_rail, mesh_rail, mesh_rail_between, mesh_wheel, rail_outline, rail_size,
-    wheel_outline, wheel_size,
+    MeshSize, mesh_even_rail, mesh_rail, mesh_rail_between, mesh_rail_path, mesh_wheel,
+    rail_grid_half_length, rail_outline, rail_size, wheel_outline, wheel_size,
 };
 pub use given::{GivenMesh, given_rail, given_wheel};
 pub(crate) use quality::CORNERS;

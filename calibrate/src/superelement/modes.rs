@@ -154,8 +154,30 @@ impl Superelement<'_> {
         self.modes_under(&contact_loads(self.system.mesh, symmetry), symmetry, count)
     }
 
+    /// At most `count` modes of a rail on whose whole running surface loads travel, a load on a section of it among them, and the work of that load (forces on all nodes,
+    /// `3·node + direction`) on each mode.
+    ///
+    /// # Errors
+    /// As [`Self::modes`].
+    pub(crate) fn modes_along(&self, on_section: &[f64], count: usize) -> Result<(Modes, Vec<f64>)> {
+        let mesh = self.system.mesh;
+        let travelling = Symmetry::BOTH.into_iter().flat_map(|symmetry| contact_loads(mesh, symmetry));
+        let loads: Vec<Vec<f64>> = travelling.chain([on_section.to_vec()]).collect();
+        self.modes_and_works(&loads, Symmetry::Symmetric, count, on_section)
+    }
+
     /// The same from forces of a symmetry on all nodes (`3·node + direction`) on.
     pub(super) fn modes_under(&self, loads: &[Vec<f64>], symmetry: Symmetry, count: usize) -> Result<Modes> {
+        self.modes_and_works(loads, symmetry, count, &[]).map(|(modes, _)| modes)
+    }
+
+    fn modes_and_works(
+        &self,
+        loads: &[Vec<f64>],
+        symmetry: Symmetry,
+        count: usize,
+        on_section: &[f64],
+    ) -> Result<(Modes, Vec<f64>)> {
         let System { mesh, numbering, .. } = &self.system;
         let Numbering { interior, contact, equations, .. } = *numbering;
         if equations > interior + contact {
@@ -183,10 +205,17 @@ impl Superelement<'_> {
         let shapes = vectors.subrows(interior, contact).to_owned();
         let coupling =
             DMatrix::from_fn(6, kept, |motion, mode| dot(&inertia[motion], vectors.col_as_slice(mode)));
+        let works = match on_section {
+            [] => Vec::new(),
+            forces => {
+                let forces = numbering.gather(mesh, forces);
+                (0..kept).map(|mode| dot(&forces, vectors.col_as_slice(mode))).collect()
+            }
+        };
         let roots = self.roots(vectors);
         let mut stiffness = Mat::zeros(kept, kept);
         matmul(stiffness.as_mut(), Accum::Replace, roots.transpose(), roots.as_ref(), 1.0, Par::Seq);
-        Ok(Modes {
+        let modes = Modes {
             contact: shapes,
             stiffness: DMatrix::from_fn(kept, kept, |i, j| stiffness[(i.min(j), i.max(j))]),
             coupling,
@@ -194,7 +223,8 @@ impl Superelement<'_> {
                 0.5 * (dot(&impulses[i], &moved[k]) + dot(&impulses[k], &moved[i]))
             }),
             master,
-        })
+        };
+        Ok((modes, works))
     }
 
     /// The products of [`Factor::root_times`], which take the place of the vectors.

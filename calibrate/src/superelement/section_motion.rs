@@ -107,6 +107,14 @@ impl SectionMotion {
         &self.moved[k]
     }
 
+    /// Displacements of the contact nodes (`3·node + axis`) under unit motions of the section, m.
+    pub(crate) fn arms(&self) -> [Vec<f64>; 3] {
+        [0, 1, 2].map(|motion| {
+            let of_node = |node| [0.0, self.arm(node)[(0, motion)], self.arm(node)[(1, motion)]];
+            (0..self.nodes.len()).flat_map(of_node).collect()
+        })
+    }
+
     fn arm(&self, node: usize) -> Matrix2x3<f64> {
         carried(&(self.nodes[node] - self.shear_centre))
     }

@@ -1,11 +1,13 @@
 //! An elastic body in time, a linear part with its contact nodes and its hub as interface: what the run and its contact see
 //! of it, whatever its order.
 
+use super::at_place::AtPlace;
 use crate::contact::NodalCompliance;
 use crate::energy::PartEnergy;
 use crate::linear_part::LinearPart;
 use faer::Mat;
 use nalgebra::Vector2;
+use std::sync::Arc;
 
 /// What acts on a body besides its contact forces.
 #[derive(Debug, Clone, Copy, Default)]
@@ -14,6 +16,10 @@ pub(super) struct BodyLoad {
     pub(super) hub: [f64; 2],
     /// Acceleration of the whole body downwards, m/s².
     pub(super) gravity: f64,
+    /// Where the wheel is along a rail at the end of the step, m from its middle.
+    pub(super) place: f64,
+    /// Torsion at the middle of a rail, N·m.
+    pub(super) torsion: f64,
 }
 
 /// Displacements of an interface at the end of a step per unit force, m/N. A contact on a fine grid needs them now and then, one between
@@ -24,6 +30,16 @@ pub(super) trait Flexible: NodalCompliance {
 
     /// Displacements of some coordinates, the `rows`, under forces, (coordinate, N).
     fn under(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64>;
+
+    /// Where along its rail a body has this flexibility; none of one that has no such places.
+    fn place(&self) -> Option<&Arc<AtPlace>> {
+        None
+    }
+
+    /// What forces (coordinate, N) move all coordinates by here beyond what they do at another place of the same rail, m.
+    fn beyond(&self, _other: &Arc<AtPlace>, _forces: &[(usize, f64)]) -> Vec<f64> {
+        vec![0.0; self.coordinates()]
+    }
 }
 
 impl Flexible for Mat<f64> {

@@ -7,6 +7,7 @@
 //! displacements of the bodies' own nodes, so that pairing anew makes no slip.
 
 use super::TransientModel;
+use super::at_place::AtPlace;
 use super::body::Interface;
 use super::last_contact::{BeyondNodes, Fine, LastContact, Settled};
 use crate::calibration::{
@@ -43,6 +44,8 @@ const WIDER: f64 = 2.0;
 /// The wheel slides past the rail by as much before its far field is made again, m: it changes by some tenths of a
 /// per cent over that.
 const FAR_SLIDE: f64 = 1e-3;
+/// The wheel moves along the rail by as much before the same, m. What the rail's flexibility has changed by since then counts at once, under the forces that the solution starts with.
+const FAR_TRAVEL: f64 = 1e-3;
 /// The places move by as much before the nodes in reach are sought again, m. The gaps without contact forces do not depend
 /// on them but for its square over a radius.
 const REGION_SLIDE: f64 = 0.1e-3;
@@ -74,8 +77,8 @@ pub(super) struct StepContact<'m> {
     half_spaces: [HalfSpace; 2],
     /// What a damped near field keeps of its displacement and of its velocity (s).
     kept: [f64; 2],
-    /// The fine grid of the last contact, and the displacement of the wheel's surface against the rail's for which its far field was made, m.
-    made: RefCell<Option<(Arc<FineContact>, Vector2<f64>)>>,
+    /// The fine grid of the last contact, and where its far field was made.
+    made: RefCell<Option<(Arc<FineContact>, MadeAt)>>,
     /// Those of the last contact on a fine grid.
     factors: RefCell<Factors>,
 }
@@ -304,10 +307,10 @@ impl<'m> StepContact<'m> {
             half_spaces: self.half_spaces,
         };
         let displaced = Displaced { rail: &placed.rest[0], wheel: &placed.rest[1], margin: CANDIDATE_MARGIN };
-        let at = placed.places.slide();
+        let at = MadeAt { slide: placed.places.slide(), place: rail.flexibility.place().cloned() };
         // a far field is that of steps of one length
         let made = self.made.borrow().clone();
-        let serving = made.filter(|(_, made_at)| (made_at - at).norm() < FAR_SLIDE);
+        let serving = made.filter(|(_, made_at)| at.is_near(made_at));
         let (points, contact) = FineContact::new(
             &solids,
             lattice,
@@ -317,10 +320,11 @@ impl<'m> StepContact<'m> {
             directions,
         );
         let made_at = match &serving {
-            Some((known, made_at)) if known.shares_far_field(&contact) => *made_at,
+            Some((known, made_at)) if known.shares_far_field(&contact) => made_at.clone(),
             _ => at,
         };
         let contact = Arc::new(contact);
+        let elsewhere = self.moved_elsewhere(rail, &made_at, (&contact, directions * points.len()), start);
         *self.made.borrow_mut() = Some((contact.clone(), made_at));
         let n = points.len();
         // in the directions of the points, which turn with the rail: what is pressed in turns with it
@@ -344,8 +348,8 @@ impl<'m> StepContact<'m> {
             .motion_of_nodes(&difference(rail.free, rail.before), &difference(wheel.free, wheel.before));
         let free: Vec<f64> = (0..directions * n)
             .map(|row| match points.get(row) {
-                Some(point) => point.gap + beyond_places[row] + kept[row],
-                None => since_last[row] + kept[row] - beyond_before[row],
+                Some(point) => point.gap + beyond_places[row] + kept[row] + elsewhere[row],
+                None => since_last[row] + kept[row] - beyond_before[row] + elsewhere[row],
             })
             .collect();
         let overlapping = free[..n].iter().filter(|gap| **gap < 0.0).count();
@@ -365,10 +369,30 @@ impl<'m> StepContact<'m> {
             &mut self.factors.borrow_mut(),
         )?;
         let displacement = (0..directions * n)
-            .map(|row| of_nodes[row] + kept[row] + solution.separation[row] - free[row])
+            .map(|row| of_nodes[row] + kept[row] + elsewhere[row] + solution.separation[row] - free[row])
             .collect();
         let fine = Some(Fine { contact, step: self.time_step, displacement, beyond_before });
         Ok(Some(LastContact { points, solution, fine, ..LastContact::default() }))
+    }
+
+    /// What the points open by because the rail is not where the far field was made, under the forces of `start`, m.
+    fn moved_elsewhere(
+        &self,
+        rail: &Interface,
+        made_at: &MadeAt,
+        (contact, rows): (&FineContact, usize),
+        start: &LastContact,
+    ) -> Vec<f64> {
+        let (Some(here), Some(there)) = (rail.flexibility.place(), &made_at.place) else {
+            return vec![0.0; rows];
+        };
+        if Arc::ptr_eq(here, there) {
+            return vec![0.0; rows];
+        }
+        let forces = start.nodal_forces(Side::Base, rail.free.len()).into_iter().enumerate();
+        let forces: Vec<(usize, f64)> = forces.filter(|(_, force)| *force != 0.0).collect();
+        let moved = rail.flexibility.beyond(there, &forces);
+        contact.motion_of_nodes(&moved, &vec![0.0; 3 * self.nodes[1].len()])
     }
 
     /// The nodes of the rail's grid near which the surfaces may touch in this step.
@@ -442,6 +466,26 @@ impl<'m> StepContact<'m> {
 
     fn lattice(&self, cell: Vector2<f64>) -> Lattice {
         Lattice::over(self.model.rail_surface.grid, cell)
+    }
+}
+
+/// Where a far field was made.
+#[derive(Clone)]
+struct MadeAt {
+    /// Displacement of the wheel's surface against the rail's, m.
+    slide: Vector2<f64>,
+    /// Of a rail that has places.
+    place: Option<Arc<AtPlace>>,
+}
+
+impl MadeAt {
+    /// Whether a far field made at the other serves here.
+    fn is_near(&self, other: &Self) -> bool {
+        let travelled = match (&self.place, &other.place) {
+            (Some(here), Some(there)) => (here.x - there.x).abs(),
+            _ => 0.0,
+        };
+        (self.slide - other.slide).norm() < FAR_SLIDE && travelled < FAR_TRAVEL
     }
 }
 

@@ -353,7 +353,7 @@ mod tests {
                 let body = FullBody::new(system.with_massless_contact(), &scheme, None).unwrap();
                 let Numbering { interior, contact, equations, .. } = body.element.system.numbering;
                 assert_eq!(equations - interior - contact, hub_motions);
-                let load = |y, z, gravity| BodyLoad { hub: [y, z], gravity };
+                let load = |y, z, gravity| BodyLoad { hub: [y, z], gravity, ..BodyLoad::default() };
                 let trial = Trial {
                     part: &body,
                     rest: body.in_motion(&Vector2::zeros(), &Vector2::zeros()),

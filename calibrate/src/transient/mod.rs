@@ -1,5 +1,7 @@
 //! The transient solid model: Newmark average acceleration on both bodies, contact solved at every step.
 //!
+//! A wheel of reduced bodies may move along its rail ([`RailPath`]), or stand anywhere on it.
+//!
 //! The bodies are reduced or at full order ([`SolidBodies`]). A reduced body has the static compliance of its contact nodes and a few
 //! modes, whose number an estimate chooses ([`Reduction`]). At full order the effective matrix `K + 4/Δt²·M` of each body is
 //! factored once; a step eliminates the interior, solves the contact on the retained equations, and substitutes back.
@@ -7,6 +9,10 @@
 //! The contact nodes have no mass ([`System::with_massless_contact`]): a node with mass collides with every step, its
 //! force alternates between zero and a multiple of the true one, and the work of these forces adds energy.
 
+mod along;
+mod path;
+mod loads;
+mod at_place;
 mod body;
 mod full;
 mod reduced;
@@ -18,6 +24,7 @@ mod reduction;
 #[cfg(test)]
 mod tests;
 
+pub use path::RailPath;
 pub use reduction::{ModeCount, Reduction, START_MODES};
 
 use crate::calibration::{ContactField, Enforcement};
@@ -58,6 +65,8 @@ pub struct TransientModel<'a> {
     pub enforcement: Enforcement,
     /// Where the contact lives.
     pub field: ContactField,
+    /// The rail at all places of the wheel; none: the wheel stays in its middle. Of reduced bodies alone.
+    pub path: Option<&'a RailPath>,
 }
 
 /// Rail and wheel of a transient model: the rail in the world frame with its ends held, the wheel in its body frame with its bore
@@ -130,7 +139,13 @@ impl<'a> TransientModel<'a> {
             wheel_surface: pair.wheel_surface(wheel),
             enforcement,
             field,
+            path: None,
         }
+    }
+
+    /// The same with a wheel that moves along its rail, or stands anywhere on it, and a torsion of that ([`RailPath::is_wanted`]).
+    pub fn along(self, path: &'a RailPath) -> Self {
+        Self { path: Some(path), ..self }
     }
 }
 
@@ -208,7 +223,10 @@ impl TransientModel<'_> {
         monitor: &dyn Monitor,
     ) -> Result<TransientRun> {
         for scenario in [Some(scenario), other].into_iter().flatten() {
-            refuse_moving(scenario)?;
+            match (self.path, self.bodies) {
+                (Some(path), SolidBodies::Reduced { .. }) => path.holds(scenario)?,
+                _ => refuse_moving(scenario)?,
+            }
             scenario.check()?;
         }
         self.field.check(self.enforcement)?;
@@ -303,7 +321,8 @@ impl TransientModel<'_> {
     /// The number of modes that the body with more of them has.
     fn most_modes(&self) -> usize {
         let SolidBodies::Reduced { rail, wheel, .. } = self.bodies else { return 0 };
-        [rail, wheel].into_iter().flat_map(|body| &body.modes).map(Modes::count).max().unwrap_or(0)
+        let of_rail = self.path.map(RailPath::modes).or(rail.modes.as_ref());
+        [of_rail, wheel.modes.as_ref()].into_iter().flatten().map(Modes::count).max().unwrap_or(0)
     }
 
     /// The reduced bodies with the first `count` of their modes, for steps of `scheme`.
@@ -318,8 +337,8 @@ impl TransientModel<'_> {
         };
         let stiffness = Suspension::new(scenario, scheme).stiffness();
         Ok([
-            ReducedBody::new(rail, count, self.damping(), scheme, &[], 0.0)?,
-            ReducedBody::new(wheel, count, self.damping(), scheme, hub_motions(scenario), stiffness)?,
+            ReducedBody::new(rail, count, self.damping(), scheme, (&[], 0.0), self.path)?,
+            ReducedBody::new(wheel, count, self.damping(), scheme, (hub_motions(scenario), stiffness), None)?,
         ])
     }
 }
@@ -333,9 +352,13 @@ fn longest(scenario: &Scenario) -> Newmark {
     Newmark::new(longest, 0.0)
 }
 
-/// Free motions of the hub (1 to 5: translations y, z, rotations).
+/// Free motions of the hub (1 to 5: translations y, z, rotations). A wheel that moves along the rail rolls: it turns about its axle as the rail has it.
 fn hub_motions(scenario: &Scenario) -> &'static [usize] {
-    if scenario.rotations_held { &[1, 2] } else { &[1, 2, 3, 4, 5] }
+    match scenario.rotations_held {
+        true if scenario.speed != 0.0 => &[1, 2, 4],
+        true => &[1, 2],
+        false => &[1, 2, 3, 4, 5],
+    }
 }
 
 /// At full order every length of step would need another factor.
@@ -354,8 +377,8 @@ fn refuse_moving(scenario: &Scenario) -> Result<()> {
         Err(InputError::new(
             field,
             value,
-            "0 for the solid model",
-            "run this scenario with the moving solver alone",
+            "0 for a solid model without the path of its rail",
+            "give it the path (`TransientModel::along`), or run this scenario with the moving solver alone",
         )
         .into())
     };

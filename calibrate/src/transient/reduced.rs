@@ -3,22 +3,30 @@
 //! Its coordinates are the free motions of the hub, with the mass of the whole body, and the modes of the body held there. The contact
 //! nodes have no mass: beyond hub and modes they follow the contact forces by the residual of the static compliance, damped as
 //! the material is.
+//!
+//! Along a rail the contact nodes go with the wheel ([`RailPath`]): modes move them as they are where the wheel is at the end of a step, and so is the residual. What moves the wheel does work on the rail besides
+//! the contact forces, which its energy counts. A torsion at the middle of the rail acts on the modes, and at once on what these leave.
 
+mod flexibility;
+mod driven;
 #[cfg(test)]
 mod tests;
 
+use super::at_place::AtPlace;
 use super::body::{BodyLoad, ElasticBody, Flexible, Interface};
-use crate::contact::{NodalCompliance, Terms};
+use super::loads::{add_product, in_runs};
+use super::path::RailPath;
 use crate::energy::PartEnergy;
 use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
-use crate::superelement::{CondensedBody, Modes, add_times, times};
+use crate::superelement::{CondensedBody, Modes, add_times};
+use driven::{Driven, Ends};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, Mat, MatRef, Par};
+use flexibility::StepFlexibility;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
-use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::Arc;
 
 /// Motions of a hub: translations y and z.
 const TRANSLATIONS: [usize; 2] = [1, 2];
@@ -28,8 +36,10 @@ pub(super) struct ReducedBody<'a> {
     body: &'a CondensedBody,
     /// Free motions of the hub (0 to 5: translations, rotations).
     hub: Vec<usize>,
-    /// Motions of the interface under unit coordinates; the hub's first, then the modes.
-    shapes: Mat<f64>,
+    /// The rail's places, of one along which the wheel moves.
+    path: Option<&'a RailPath>,
+    /// Its interface at its only place, or in the middle.
+    at: Arc<AtPlace>,
     /// Mass between the coordinates.
     mass: DMatrix<f64>,
     /// Stiffness between the modes.
@@ -42,10 +52,8 @@ pub(super) struct ReducedBody<'a> {
     static_inverse: DMatrix<f64>,
     /// From the modes to forces in the norm of energy, N: [`ElasticBody::elastic`].
     elastic: DMatrix<f64>,
-    /// What hub and modes add to the flexibility of the interface in a step beyond the static compliance is this times the shapes.
-    half: Mat<f64>,
-    /// Flexibility of the interface in a step, m/N, if it was wanted for every step.
-    flexibility: OnceLock<Mat<f64>>,
+    /// What hub and modes add to the flexibility in a step beyond the statics, between them.
+    between: DMatrix<f64>,
     /// Damping proportional to stiffness, s.
     damping: f64,
     scheme: Newmark,
@@ -56,15 +64,19 @@ pub(super) struct ReducedBody<'a> {
 pub(super) struct ReducedState {
     /// Motions of the hub, then those of the modes.
     coordinates: Vec<Motion>,
-    /// Motions of the contact nodes beyond hub and modes.
+    /// Motions of the contact nodes beyond hub and modes; of a rail with a path, last, the rotation of its middle section.
     residual: Vec<Motion>,
-    /// Displacements of the contact nodes, m.
+    /// Displacements of the same, m (rad).
     contact: Vec<f64>,
-    /// What they moved by in the last step, m, and its length, s.
+    /// What they moved by in the last step but for what they are elsewhere, m, and its length, s.
     contact_step: Vec<f64>,
     step: f64,
-    /// Contact forces on them, N.
+    /// Contact forces on them, N, and the torsion of the rail, N·m.
     forces: Vec<f64>,
+    /// Where the contact is.
+    at: Option<Arc<AtPlace>>,
+    /// Work of what moved the wheel along the rail in the last step.
+    driven: Driven,
 }
 
 /// A step of a reduced body.
@@ -72,6 +84,9 @@ pub(super) struct ReducedStep<'s, 'a> {
     body: &'s ReducedBody<'a>,
     state: &'s ReducedState,
     next: &'s mut ReducedState,
+    flexibility: StepFlexibility<'a>,
+    /// Torsion at the middle of the rail, N·m.
+    torsion: f64,
     /// Right-hand side of the coordinates without contact forces.
     right: DVector<f64>,
     /// What the damping of the residual carries over, m.
@@ -82,7 +97,7 @@ pub(super) struct ReducedStep<'s, 'a> {
 
 impl<'a> ReducedBody<'a> {
     /// A body with its first `count` modes, or all it has, damped by `damping` times its stiffness (s). `hub` are the free motions of its hub, none of a body that is held;
-    /// `hub_stiffness` is added to the hub's vertical motion.
+    /// `hub_stiffness` is added to the hub's vertical motion. A rail along a `path` has the modes of that.
     ///
     /// # Errors
     /// [`InputError`] for a body without modes, [`NumericsError`] for modes whose matrices are not positive definite.
@@ -91,10 +106,10 @@ impl<'a> ReducedBody<'a> {
         count: usize,
         damping: f64,
         scheme: &Newmark,
-        hub: &[usize],
-        hub_stiffness: f64,
+        (hub, hub_stiffness): (&[usize], f64),
+        path: Option<&'a RailPath>,
     ) -> Result<Self> {
-        let modes = body.modes.as_ref().ok_or_else(|| {
+        let modes = path.map(RailPath::modes).or(body.modes.as_ref()).ok_or_else(|| {
             InputError::new(
                 "condensed body",
                 "no modes",
@@ -123,30 +138,46 @@ impl<'a> ReducedBody<'a> {
         }
         let effective_inverse = inverse(effective)?;
         let static_inverse = inverse(stiffness.clone())?;
-        let shapes = shapes(body, modes, hub, count);
+        let in_middle = path.map(|path| path.at(0.0, count));
+        let shapes = match &in_middle {
+            Some(at) => at.shapes.clone(),
+            None => shapes(body, modes, hub, count),
+        };
         let elastic = energy_norm(&stiffness, &static_inverse, &shapes, body.nodes.len() / 2, held)?;
         let mut between = effective_inverse.clone();
         between
             .view_mut((held, held), (count, count))
             .zip_apply(&static_inverse, |e, k| *e -= k / stiffening);
-        let between = Mat::from_fn(size, size, |i, j| between[(i, j)]);
-        let mut half = Mat::zeros(shapes.nrows(), size);
-        matmul(half.as_mut(), Accum::Replace, shapes.as_ref(), between.as_ref(), 1.0, Par::Seq);
+        let at = match in_middle {
+            Some(at) => AtPlace::along(0.0, at, path, &between, stiffening),
+            None => AtPlace::only(shapes, &between),
+        };
         Ok(Self {
             body,
             hub: hub.to_vec(),
-            shapes,
+            path,
+            at: Arc::new(at),
             mass,
             stiffness,
             weight,
             effective_inverse,
             static_inverse,
             elastic,
-            half,
-            flexibility: OnceLock::new(),
+            between,
             damping,
             scheme: *scheme,
         })
+    }
+
+    /// Its interface where the wheel is at `x` along the rail, m from the middle.
+    fn at(&self, x: f64) -> Arc<AtPlace> {
+        match self.path {
+            Some(path) if x != self.at.x => {
+                let at = path.at(x, self.modes());
+                Arc::new(AtPlace::along(x, at, Some(path), &self.between, self.stiffening()))
+            }
+            _ => self.at.clone(),
+        }
     }
 
     /// How many modes it has.
@@ -162,54 +193,21 @@ impl<'a> ReducedBody<'a> {
         1.0 + self.damping * self.scheme.velocity
     }
 
-    /// Displacements of the interface under `coordinates`.
-    fn at_interface(&self, coordinates: &DVector<f64>) -> Vec<f64> {
-        times(&self.shapes, coordinates.as_slice())
-    }
-
-    /// Forces on the coordinates of forces at the interface.
-    fn on_coordinates(&self, loads: &[Load]) -> DVector<f64> {
-        let mut sum = DVector::zeros(self.shapes.ncols());
-        for Load { rows, forces } in loads {
-            let shapes = self.shapes.subrows(rows.start, rows.len());
-            add_product(shapes.transpose(), forces, 1.0, sum.as_mut_slice());
-        }
-        sum
+    /// What the modes have of a torsion at the middle of the rail, as forces on the coordinates.
+    fn of_torsion(&self, torsion: f64) -> DVector<f64> {
+        let held = self.hub.len();
+        DVector::from_fn(held + self.modes(), |i, _| match (self.path, i.checked_sub(held)) {
+            (Some(path), Some(mode)) => path.twist[mode] * torsion,
+            _ => 0.0,
+        })
     }
 }
 
-/// Forces on neighbouring rows of the interface, N.
-struct Load {
-    rows: Range<usize>,
-    forces: Vec<f64>,
-}
-
-/// The nodes with forces lie in lines along the track, so that the rows come in runs: their part of a product is that of a matrix. Forces
-/// are (row, N), ascending.
-fn in_runs(forces: impl IntoIterator<Item = (usize, f64)>) -> Vec<Load> {
-    let mut runs: Vec<Load> = Vec::new();
-    for (row, force) in forces {
-        match runs.last_mut() {
-            Some(run) if row >= run.rows.end && row <= run.rows.end + GAP => {
-                run.forces.resize(row - run.rows.start, 0.0);
-                run.forces.push(force);
-                run.rows.end = row + 1;
-            }
-            _ => runs.push(Load { rows: row..row + 1, forces: vec![force] }),
-        }
-    }
-    runs
-}
-
-/// Rows without forces that a run may have between others: those of a node.
-const GAP: usize = 3;
-
-/// Adds `factor` times matrix times vector to a `sum`; on one thread, so that their number changes nothing.
-fn add_product(matrix: MatRef<'_, f64>, vector: &[f64], factor: f64, sum: &mut [f64]) {
-    let (rows, columns) = (matrix.nrows(), matrix.ncols());
-    let vector = MatRef::from_column_major_slice(vector, columns, 1);
-    let sum = MatMut::from_column_major_slice_mut(sum, rows, 1);
-    matmul(sum, Accum::Add, matrix, vector, factor, Par::Seq);
+/// Displacements of the interface under `coordinates`.
+fn at_interface(at: &AtPlace, coordinates: &DVector<f64>) -> Vec<f64> {
+    let mut moved = vec![0.0; at.shapes.nrows()];
+    add_product(at.of_body(), coordinates.as_slice(), 1.0, &mut moved);
+    moved
 }
 
 /// Motions of the interface under unit motions of the hub and unit modes.
@@ -264,59 +262,6 @@ fn part(motions: &[Motion], of: impl Fn(&Motion) -> f64) -> DVector<f64> {
     DVector::from_iterator(motions.len(), motions.iter().map(of))
 }
 
-impl NodalCompliance for ReducedBody<'_> {
-    fn coordinates(&self) -> usize {
-        self.shapes.nrows()
-    }
-
-    fn terms(&self) -> Terms<'_> {
-        let (matrix, factor) = (&self.body.compliance, 1.0 / self.stiffening());
-        Terms { matrix, factor, product: Some([&self.half, &self.shapes]) }
-    }
-}
-
-impl Flexible for ReducedBody<'_> {
-    fn kept(&self) -> &Mat<f64> {
-        self.flexibility.get_or_init(|| {
-            let (contact, stiffening) = (self.contact_rows(), self.stiffening());
-            let size = self.coordinates();
-            let mut all = Mat::from_fn(size, size, |row, column| {
-                if row < contact && column < contact {
-                    self.body.compliance[(row, column)] / stiffening
-                } else {
-                    0.0
-                }
-            });
-            let (half, shapes) = (self.half.as_ref(), self.shapes.transpose());
-            matmul(all.as_mut(), Accum::Add, half, shapes, 1.0, Par::Seq);
-            all
-        })
-    }
-
-    fn under(&self, rows: &[usize], forces: &[(usize, f64)]) -> Vec<f64> {
-        let (contact, stiffening) = (self.contact_rows(), self.stiffening());
-        let loads = in_runs(forces.iter().copied());
-        let on_coordinates = self.on_coordinates(&loads);
-        let on_nodes = in_runs(forces.iter().copied().filter(|(row, _)| *row < contact));
-        let mut moved = Vec::with_capacity(rows.len());
-        // rows of neighbouring nodes at once, with those between them
-        for run in in_runs(rows.iter().map(|&row| (row, 0.0))) {
-            let Range { start, end } = run.rows;
-            let mut all = run.forces;
-            add_product(self.half.subrows(start, end - start), on_coordinates.as_slice(), 1.0, &mut all);
-            let of_nodes = start..end.min(contact);
-            for Load { rows, forces } in on_nodes.iter().filter(|_| !of_nodes.is_empty()) {
-                let part = self.body.compliance.submatrix(start, rows.start, of_nodes.len(), rows.len());
-                add_product(part, forces, 1.0 / stiffening, &mut all[..of_nodes.len()]);
-            }
-            let wanted = rows[moved.len()..].iter().take_while(|row| run.rows.contains(row));
-            let wanted: Vec<f64> = wanted.map(|row| all[row - start]).collect();
-            moved.extend(wanted);
-        }
-        moved
-    }
-}
-
 impl<'a> LinearPart for ReducedBody<'a> {
     type State = ReducedState;
     type Load = BodyLoad;
@@ -340,11 +285,33 @@ impl<'a> LinearPart for ReducedBody<'a> {
             let axis = TRANSLATIONS.iter().position(|translation| translation == motion);
             right[place] += axis.map_or(0.0, |axis| load.hub[axis]);
         }
-        let mut free = self.at_interface(&(&self.effective_inverse * &right));
+        let of_torsion = self.of_torsion(load.torsion);
+        right += &of_torsion;
+        let at = self.at(load.place);
+        let mut free = at_interface(&at, &(&self.effective_inverse * &right));
         let keeps = self.damping / self.stiffening();
         let carried: Vec<f64> = state.residual.iter().map(|m| keeps * scheme.damping(m)).collect();
         free.iter_mut().zip(&carried).for_each(|(u, c)| *u += c);
-        ReducedStep { body: self, state, next, right, carried, free }
+        if load.torsion != 0.0 {
+            // what the modes leave of it
+            let mut of_modes = DVector::zeros(held + count);
+            of_modes.rows_mut(held, count).gemv(
+                1.0,
+                &self.static_inverse,
+                &of_torsion.rows(held, count),
+                0.0,
+            );
+            let beyond = at.twist.iter().zip(at_interface(&at, &of_modes));
+            let beyond = beyond.map(|(all, modes)| (all * load.torsion - modes) / self.stiffening());
+            free.iter_mut().zip(beyond).for_each(|(u, beyond)| *u += beyond);
+        }
+        let flexibility = StepFlexibility {
+            compliance: &self.body.compliance,
+            contact: self.contact_rows(),
+            stiffening: self.stiffening(),
+            at,
+        };
+        ReducedStep { body: self, state, next, flexibility, torsion: load.torsion, right, carried, free }
     }
 }
 
@@ -354,41 +321,75 @@ impl LinearStep for ReducedStep<'_, '_> {
     }
 
     fn flexibility(&self) -> MatRef<'_, f64> {
-        self.body.kept().as_ref()
+        self.flexibility.kept().as_ref()
     }
 
     fn finish(self, forces: &[f64]) {
-        let Self { body, state, next, mut right, carried, .. } = self;
-        let (scheme, contact) = (&body.scheme, body.contact_rows());
+        let Self { body, state, next, flexibility, torsion, mut right, carried, .. } = self;
+        let (scheme, contact, at) = (&body.scheme, body.contact_rows(), flexibility.at);
         // most nodes carry none
         let loaded = forces.iter().copied().enumerate().filter(|(_, force)| *force != 0.0);
-        let on_coordinates = body.on_coordinates(&in_runs(loaded));
+        let loads = in_runs(loaded);
+        let on_all = at.on_all(&loads);
+        let on_coordinates = on_all.rows(0, at.coordinates).into_owned();
         let mut statics = vec![0.0; contact];
         let compliance = body.body.compliance.submatrix(0, 0, contact, contact);
         add_times(compliance, &forces[..contact], &mut statics);
+        let mut all_forces = forces[..contact].to_vec();
+        if let Some(path) = body.path {
+            let differs = &at.difference * on_all.rows(at.coordinates, at.difference.nrows());
+            add_product(at.of_window(), differs.as_slice(), 1.0, &mut statics);
+            statics.iter_mut().zip(&at.twist).for_each(|(all, twist)| *all += twist * torsion);
+            let turned: f64 = loads
+                .iter()
+                .flat_map(|load| load.rows.clone().zip(&load.forces))
+                .map(|(row, force)| at.twist[row] * force)
+                .sum();
+            statics.push(turned + path.twisted * torsion);
+            all_forces.push(torsion);
+        }
         let (held, stiffening) = (body.hub.len(), body.stiffening());
         right += &on_coordinates;
         let ends = &body.effective_inverse * right;
         let advanced = ends.iter().zip(&state.coordinates);
         let coordinates: Vec<Motion> = advanced.map(|(u, m)| scheme.advance(m, *u)).collect();
-        // displacements and velocities of the interface with hub and modes, and what of the statics is that of the modes
-        let of_modes = &body.static_inverse * on_coordinates.rows(held, body.modes());
-        let shares = Mat::from_fn(ends.len(), 3, |k, of| match of {
+        // displacements and velocities of the interface with hub and modes, what of the statics is that of the modes, and what it has moved to another place
+        let loaded = on_coordinates + body.of_torsion(torsion);
+        let of_modes = &body.static_inverse * loaded.rows(held, body.modes());
+        let mean: Vec<f64> = ends.iter().zip(&state.coordinates).map(|(u, m)| 0.5 * (u + m.u)).collect();
+        let shares = Mat::from_fn(ends.len(), 4, |k, of| match of {
             0 => ends[k],
             1 => coordinates[k].v,
-            _ if k < held => 0.0,
-            _ => of_modes[k - held],
+            2 if k < held => 0.0,
+            2 => of_modes[k - held],
+            _ => mean[k],
         });
-        let mut motions = Mat::zeros(contact, 3);
-        let shapes = body.shapes.subrows(0, contact);
-        matmul(motions.as_mut(), Accum::Replace, shapes, shares.as_ref(), 1.0, Par::Seq);
-        let [with, theirs, of_modes] = [0, 1, 2].map(|of| motions.col_as_slice(of));
+        let mut motions = Mat::zeros(statics.len(), 4);
+        let nodes = at.of_body().subrows(0, contact);
+        matmul(motions.subrows_mut(0, contact), Accum::Replace, nodes, shares.as_ref(), 1.0, Par::Seq);
+        if let Some(path) = body.path {
+            (0..4).for_each(|of| {
+                let works = path.twist.iter().zip(shares.col_as_slice(of));
+                motions[(contact, of)] = works.map(|(twist, share)| twist * share).sum();
+            });
+        }
+        if let Some(before) = state.at.as_ref().filter(|before| !Arc::ptr_eq(before, &at)) {
+            let nodes = before.of_body().subrows(0, contact);
+            add_product(nodes, &mean, -1.0, &mut motions.col_as_slice_mut(3)[..contact]);
+        } else {
+            motions.col_as_slice_mut(3).fill(0.0);
+        }
+        if body.path.is_some() {
+            motions[(contact, 3)] = 0.0;
+        }
+        let [with, theirs, of_modes, elsewhere] = [0, 1, 2, 3].map(|of| motions.col_as_slice(of));
         let beyond_modes = statics.iter().zip(of_modes).map(|(all, modes)| all - modes);
         let residual: Vec<f64> =
             beyond_modes.zip(&carried).map(|(u, carried)| u / stiffening + carried).collect();
         let moved: Vec<f64> = with.iter().zip(&residual).map(|(u, r)| u + r).collect();
+        let ways = moved.iter().zip(&state.contact).zip(elsewhere);
         let contact_step: Vec<f64> =
-            moved.iter().zip(&state.contact).map(|(now, before)| now - before).collect();
+            ways.map(|((now, before), elsewhere)| now - before - elsewhere).collect();
         // nothing carries the velocity of a node without mass on: it is that of its last two steps, of second order whatever their
         // lengths; what hub and modes have of it is theirs
         let step = scheme.step();
@@ -400,13 +401,27 @@ impl LinearStep for ReducedStep<'_, '_> {
         let advanced = residual.iter().zip(&state.residual).enumerate();
         let residual =
             advanced.map(|(i, (u, m))| Motion { v: velocity(i), ..scheme.advance(m, *u) }).collect();
+        let driven = match &state.at {
+            Some(before) if !Arc::ptr_eq(before, &at) => {
+                let coordinates_before = part(&state.coordinates, |m| m.u);
+                let forces_before = &state.forces;
+                let ends = [
+                    Ends { at: before, forces: forces_before, coordinates: &coordinates_before },
+                    Ends { at: &at, forces: &all_forces, coordinates: &ends },
+                ];
+                body.driven(ends)
+            }
+            _ => Driven::default(),
+        };
         *next = ReducedState {
             coordinates,
             residual,
             contact: moved,
             contact_step,
             step,
-            forces: forces[..contact].to_vec(),
+            forces: all_forces,
+            at: Some(at),
+            driven,
         };
     }
 }
@@ -422,19 +437,24 @@ impl ElasticBody for ReducedBody<'_> {
             v: of(velocity, motion),
             a: of(acceleration, motion),
         });
-        let contact = self.contact_rows();
+        let (contact, with_torsion) =
+            (self.contact_rows(), self.contact_rows() + usize::from(self.path.is_some()));
         let dt = self.scheme.step();
         let before = velocity * dt - acceleration * (0.5 * dt * dt);
         let uniform = self.hub.iter().map(|&motion| of(&before, motion)).chain(vec![0.0; self.modes()]);
-        let mut contact_step = self.at_interface(&DVector::from_iterator(self.shapes.ncols(), uniform));
+        let uniform = DVector::from_iterator(self.at.coordinates, uniform);
+        let mut contact_step = at_interface(&self.at, &uniform);
         contact_step.truncate(contact);
+        contact_step.resize(with_torsion, 0.0);
         ReducedState {
             coordinates: hub.chain((0..self.modes()).map(|_| Motion::default())).collect(),
-            residual: vec![Motion::default(); contact],
-            contact: vec![0.0; contact],
+            residual: vec![Motion::default(); with_torsion],
+            contact: vec![0.0; with_torsion],
             contact_step,
             step: dt,
-            forces: vec![0.0; contact],
+            forces: vec![0.0; with_torsion],
+            at: None,
+            driven: Driven::default(),
         }
     }
 
@@ -460,7 +480,7 @@ impl ElasticBody for ReducedBody<'_> {
         };
         Interface {
             free: &step.free,
-            flexibility: body,
+            flexibility: &step.flexibility,
             before: &step.state.contact,
             hub: TRANSLATIONS.map(row),
         }
@@ -505,11 +525,17 @@ impl ElasticBody for ReducedBody<'_> {
         let done: f64 = forces.zip(ways).map(|((f0, f1), (m0, m1))| 0.5 * (f0 + f1) * (m1.u - m0.u)).sum();
         let (residual, gained) = (of_residual(after), of_residual(after) - of_residual(before));
         let damped = self.damping * of_modes.dot(&(&self.stiffness * &of_modes)) / after.step;
+        // the torsion is the last of the forces
+        let contact = self.contact_rows();
+        let turned = |state: &ReducedState| state.contact.get(contact).copied().unwrap_or_default();
+        let torsion = |state: &ReducedState| state.forces.get(contact).copied().unwrap_or_default();
+        let twisted = 0.5 * (torsion(before) + torsion(after)) * (turned(after) - turned(before));
+        let Driven { of_modes: on_modes, of_residual: on_residual } = after.driven;
         Some(PartEnergy {
             kinetic: 0.5 * velocity.dot(&(&self.mass * &velocity)),
             elastic: 0.5 * modes.dot(&(&self.stiffness * &modes)) + residual,
-            work: gravity * self.weight.dot(&moved),
-            damped: damped + done - gained,
+            work: gravity * self.weight.dot(&moved) + twisted + on_modes + on_residual,
+            damped: damped + done + on_residual - gained,
             friction: 0.0,
         })
     }

@@ -267,10 +267,11 @@ impl<'m, B: ElasticBody> Run<'m, B> {
         let StepLength { scheme, suspension, contact, .. } = &self.lengths[level];
         let bodies = self.lengths[level].bodies();
         let (hub, suspended) = self.hub.forces(scenario, time, suspension);
-        let wheel_load = BodyLoad { hub, gravity: scenario.gravity };
+        let wheel_load = BodyLoad { hub, gravity: scenario.gravity, ..BodyLoad::default() };
         let [rail_state, wheel_state] = &self.states;
         let mut states = [B::State::default(), B::State::default()];
-        let loads = [&BodyLoad::default(), &wheel_load];
+        let rail_load = self.model.on_rail(scenario, time);
+        let loads = [&rail_load, &wheel_load];
         let steps = B::predict_both(bodies, [rail_state, wheel_state], loads, states.each_mut());
         let interfaces = [B::interface(&steps[0]), B::interface(&steps[1])];
         let [rail_step, wheel_step] = &interfaces;
@@ -320,6 +321,13 @@ impl<'m, B: ElasticBody> Run<'m, B> {
 }
 
 impl TransientModel<'_> {
+    /// What acts on the rail at time `t`, s, besides the contact, and where that is.
+    fn on_rail(&self, scenario: &Scenario, t: f64) -> BodyLoad {
+        let place = self.path.map_or(0.0, |path| path.place(scenario, t));
+        let torsion = scenario.rail_torsion.map_or(0.0, |torsion| torsion.at(t));
+        BodyLoad { place, torsion, ..BodyLoad::default() }
+    }
+
     /// Lateral positions of the ends of the wheel's running surface at t = 0, m.
     fn wheel_extent(&self) -> [f64; 2] {
         let surface = &self.wheel_surface;

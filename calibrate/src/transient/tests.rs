@@ -169,6 +169,7 @@ fn collide(
             wheel_surface: wheel_surface.clone(),
             enforcement: Enforcement::Exact,
             field: ContactField::Elements,
+            path: None,
         };
         let mut ledger = Ledger::default();
         let mut enter = |step: &Step| {

@@ -40,9 +40,9 @@ fn a_reduced_body_is_a_linear_part() {
         let condensed = condensed(&mesh, !hub.is_empty(), count);
         for (damping, dissipation) in [(0.0, 0.0), (1e-6, 0.0), (0.0, 0.05)] {
             let scheme = Newmark::new(2e-6, dissipation);
-            let body = ReducedBody::new(&condensed, count, damping, &scheme, hub, 0.0).unwrap();
+            let body = ReducedBody::new(&condensed, count, damping, &scheme, (hub, 0.0), None).unwrap();
             assert_eq!(body.modes(), count);
-            let load = |y, z, gravity| BodyLoad { hub: [y, z], gravity };
+            let load = |y, z, gravity| BodyLoad { hub: [y, z], gravity, ..BodyLoad::default() };
             let trial = Trial {
                 part: &body,
                 rest: body.in_motion(&Vector2::zeros(), &Vector2::zeros()),
@@ -102,10 +102,10 @@ fn modes_bring_a_body_to_full_order() {
         let forces: Vec<f64> = (0..contact + hub.len())
             .map(|i| if i < contact { [0.0, -40.0, 100.0][i % 3] } else { 0.0 })
             .collect();
-        let load = BodyLoad { hub: [50.0, -300.0], gravity: 1e3 };
+        let load = BodyLoad { hub: [50.0, -300.0], gravity: 1e3, ..BodyLoad::default() };
         let errors = [0, 8, 24, 500].map(|count| {
             let condensed = condensed(&mesh, !hub.is_empty(), count);
-            let reduced = ReducedBody::new(&condensed, count, material.damping, &scheme, hub, 1e7).unwrap();
+            let reduced = ReducedBody::new(&condensed, count, material.damping, &scheme, (hub, 1e7), None).unwrap();
             let start = (Vector2::new(0.1, -0.2), Vector2::new(3.0, 50.0));
             let start = if hub.is_empty() { Default::default() } else { start };
             let (mut a, mut b) = (full.in_motion(&start.0, &start.1), reduced.in_motion(&start.0, &start.1));
@@ -130,6 +130,6 @@ fn modes_bring_a_body_to_full_order() {
 fn a_body_without_modes_is_refused() {
     let body = CondensedBody { modes: None, ..condensed(&block(), false, 1) };
     let scheme = Newmark::new(1e-6, 0.0);
-    let refused = ReducedBody::new(&body, 8, 0.0, &scheme, &[], 0.0).map(|_| ()).unwrap_err();
+    let refused = ReducedBody::new(&body, 8, 0.0, &scheme, (&[], 0.0), None).map(|_| ()).unwrap_err();
     assert!(refused.to_string().contains("no modes"), "{refused}");
 }

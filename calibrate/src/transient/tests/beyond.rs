@@ -57,6 +57,7 @@ impl Blocks {
                 wheel_surface: Surface::revolved(&self.curves[1], &wheel.contact, ROLLING, origin),
                 enforcement: Enforcement::Exact,
                 field: ContactField::Hybrid,
+                path: None,
             });
         });
     }

@@ -96,6 +96,7 @@ impl Crowned {
                 wheel_surface: wheel_surface.clone(),
                 enforcement: Enforcement::Exact,
                 field: self.field,
+                path: None,
             };
             let mut all = |step: &Step| {
                 see(step);

@@ -196,6 +196,7 @@ impl Sprung {
             wheel_surface: Surface::revolved(&self.curves[1], &self.meshes[1].contact, ROLLING, touching),
             enforcement: Enforcement::Exact,
             field,
+            path: None,
         };
         let velocity = Vector2::new(sign * VELOCITY[0], VELOCITY[1]);
         let scenario = Scenario::new(steps, DURATION / steps as f64, friction);

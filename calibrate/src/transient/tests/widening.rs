@@ -44,6 +44,7 @@ fn struck(ahead: &[f64]) -> f64 {
             wheel_surface: Surface::revolved(&curves[1], &wheel.contact, RADIUS, Vector2::zeros()),
             enforcement: Enforcement::Exact,
             field: ContactField::Hybrid,
+            path: None,
         };
         let velocity = Vector2::new(0.0, STROKE / STEP);
         let run = model.run_from(&velocity, &quiet(1, STEP), &Silent, &mut |_| Ok(None)).unwrap();
