@@ -24,6 +24,7 @@ mod profile_placement;
 mod profile_slices;
 mod profiles;
 mod rigid_contact;
+mod rolling;
 mod section_analysis;
 mod section_motion;
 mod sections;

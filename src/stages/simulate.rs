@@ -12,7 +12,7 @@ use railspring_calibrate::pair::CondensedPair;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::CondensedBody;
-use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel, TransientRun};
+use railspring_calibrate::transient::{ModeCount, RailPath, START_MODES, TransientModel, TransientRun};
 
 use super::{Geometry, Meshes, contact_field, enforcement, formulation};
 use crate::study::{SlidingMatrixKey, Study, StudyScenario, TransientKey};
@@ -234,7 +234,12 @@ pub fn simulate_solid(
     let larger = disturbed(&scenario);
     let with = |modes, count| {
         let bodies = bodies(modes)?;
+        let path = path_of(study, geometry, meshes, (bodies.both()[0], &scenario, modes))?;
         let model = TransientModel::reduced(pair, bodies.both(), count, study.material.damping, contact);
+        let model = match &path {
+            Some(path) => model.along(path),
+            None => model,
+        };
         match &larger {
             Some((larger, _)) => model.run_beside(&scenario, larger, monitor),
             None => model.run(&scenario, monitor),
@@ -256,6 +261,21 @@ pub fn simulate_solid(
     };
     let tried = tried(&scenario, &run, larger.as_ref().map_or("", |(_, more_of)| more_of));
     Ok((run, tried))
+}
+
+/// The rail at all places of a wheel that moves along it, or stands elsewhere than in its middle, with as many modes as the bodies.
+fn path_of(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    (rail, scenario, modes): (&CondensedBody, &Scenario, usize),
+) -> Result<Option<RailPath>> {
+    let length = study.rail.length;
+    let wanted = RailPath::is_wanted(scenario, length);
+    let of = (length, modes);
+    let path =
+        || RailPath::new(&geometry.pair, rail, meshes.options(), &study.material, formulation(study), of);
+    wanted.then(path).transpose()
 }
 
 /// What a run of the solid model is worth: what the longer steps and the larger input of the runs beside it change.

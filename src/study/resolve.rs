@@ -11,6 +11,7 @@ use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::InnerSteps;
+use railspring_calibrate::transient::RailPath;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
@@ -18,7 +19,7 @@ use super::check::{Finding, nearest};
 use super::collect::Collector;
 use super::document::{
     CalibrationKeys, ContactElementKey, ContactKeys, EnforcementKey, FieldKey, ForceKeys, LawKey, MeshKeys,
-    ReferenceKey, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys,
+    ReferenceKey, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys, TransientKey,
 };
 use super::fields::translate;
 use super::keys::Keys;
@@ -60,7 +61,7 @@ pub(super) fn resolve(
     let mut scenarios = BTreeMap::new();
     for (name, keys) in &document.scenario {
         let here = format!("scenario.{name}.*");
-        for mistake in scenario_mistakes(name, keys, document.rail.length_m) {
+        for mistake in scenario_mistakes(name, keys, &document) {
             collector.add(&[&here, "rail.length_m"], mistake);
         }
         let resolved = scenario(keys, friction);
@@ -78,8 +79,12 @@ pub(super) fn resolve(
     else {
         return Err(mistakes);
     };
-    let resolved = resolved_keys(&document, &source);
     let mesh = mesh_options(&document.mesh);
+    let beyond_the_solid = off_the_path(&document, &source, &scenarios, &mesh);
+    if !beyond_the_solid.is_empty() {
+        return Err(beyond_the_solid);
+    }
+    let resolved = resolved_keys(&document, &source);
     let window_given = source.gives("mesh.window_half_length_mm");
     let keys = Keys::new(&document, &rail, &wheel, &mesh, window_given);
     Ok(Study {
@@ -124,6 +129,30 @@ pub(super) fn resolve(
         resolved,
         source,
     })
+}
+
+/// Load cases whose wheel leaves the part of the rail that the solids know; values by themselves are right by then.
+fn off_the_path(
+    document: &StudyDocument,
+    source: &Source,
+    scenarios: &BTreeMap<String, StudyScenario>,
+    mesh: &MeshOptions,
+) -> Vec<LocatedError> {
+    let mut collector = Collector::new(source, &[], Vec::new());
+    let length = document.rail.length_m;
+    // a fine grid reaches beyond a window that is not given
+    let beyond = document.contact.field == FieldKey::Hybrid && !source.gives("mesh.window_half_length_mm");
+    let contact_half_length = mesh.window_half_length * if beyond { 2.0 } else { 1.0 };
+    let options = MeshOptions { contact_half_length, ..mesh.clone() };
+    for (name, case) in scenarios {
+        if case.solid && RailPath::is_wanted(&case.scenario, length) {
+            let here = format!("scenario.{name}.*");
+            let checked = RailPath::check(&case.scenario, length, RailPath::reach(length, &options));
+            let checked = checked.map_err(|error| translate(error, source, Some(name)));
+            collector.take(&[&here, "rail.length_m"], checked);
+        }
+    }
+    collector.into_mistakes()
 }
 
 /// The published law is compared with that against the held foot.
@@ -229,7 +258,8 @@ fn spaced(low: f64, high: f64, count: usize, spacing: SpacingKey) -> Vec<f64> {
 }
 
 /// What is wrong with a load case.
-fn scenario_mistakes(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Vec<InputError> {
+fn scenario_mistakes(name: &str, keys: &ScenarioKeys, document: &StudyDocument) -> Vec<InputError> {
+    let rail_length = document.rail.length_m;
     let mut mistakes = Vec::new();
     let key = |leaf: &str| format!("scenario.{name}.{leaf}");
     if name.is_empty() || !name.chars().all(|c| c.is_alphanumeric() || "-_".contains(c)) {
@@ -240,21 +270,13 @@ fn scenario_mistakes(name: &str, keys: &ScenarioKeys, rail_length: f64) -> Vec<I
             "the name becomes part of file names; take a plain one",
         ));
     }
-    if keys.solid && (keys.speed_m_per_s != 0.0 || keys.rail_torsion.is_some()) {
-        let cause = if keys.speed_m_per_s != 0.0 { "moves along the rail" } else { "has a rail torsion" };
+    let moving = keys.solid && RailPath::is_wanted(&scenario(keys, 0.0).scenario, rail_length);
+    if moving && document.solid.transient == TransientKey::Full {
         mistakes.push(InputError::new(
             key("solid"),
             "true",
-            format!("false, because the scenario {cause}, which only the simple model can do"),
-            "set solid = false",
-        ));
-    }
-    if keys.solid && keys.start_x_m.is_some_and(|x| x != 0.5 * rail_length) {
-        mistakes.push(InputError::new(
-            key("start_x_m"),
-            keys.start_x_m.unwrap_or_default(),
-            "midspan, because the solid model's contact zone is there",
-            "leave the key out, or set solid = false",
+            "false, because bodies at full order (`solid.transient = \"full\"`) have a contact in the middle of an untwisted rail alone",
+            "set solid = false, or take reduced bodies",
         ));
     }
     let start = keys.start_x_m.unwrap_or(0.5 * rail_length);

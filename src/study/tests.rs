@@ -236,7 +236,15 @@ fn values_that_contradict_each_other_are_refused() {
     assert!(name.starts_with("x.toml:1: name = \"a/b\""), "{name}");
     let forces = "lateral_force = {}\nvertical_force = {}\n";
     let moving = message(&format!("[scenario.s]\n{forces}speed_m_per_s = 1\n"));
-    assert!(moving.contains("scenario.s.solid = true (default): expected false"), "{moving}");
+    let beyond = "scenario.s.speed_m_per_s = 1 m/s, which brings the wheel from 0.2775 to 0.5525 m: expected 0.0396 to 0.5154 m";
+    assert!(moving.contains(beyond), "{moving}");
+    let full =
+        message(&format!("[solid]\ntransient = \"full\"\n[scenario.s]\n{forces}speed_m_per_s = 0.1\n"));
+    assert!(
+        full.contains("scenario.s.solid = true (default): expected false, because bodies at full order"),
+        "{full}"
+    );
+    assert!(parse(&format!("{SHORT}[scenario.s]\n{forces}speed_m_per_s = 0.1\n")).is_ok());
     let off = message(&format!("[scenario.s]\n{forces}solid = false\nstart_x_m = 1\n"));
     assert!(off.contains("start_x_m = 1: expected a place on the rail"), "{off}");
     let fast = "lateral_force = { amplitude_kn = 1, frequency_hz = 1000 }\nvertical_force = {}\n";
@@ -373,10 +381,11 @@ fn all_mistakes_are_reported_together_in_the_order_of_the_file() {
     // Several of one load case, and nothing that only follows from a wrong value: with the length the places are wrong.
     let of = |rail: &str| {
         let forces = "lateral_force = {}\nvertical_force = {}\n";
-        let text = format!("{SHORT}[scenario.s]\n{forces}speed_m_per_s = 1\nstart_x_m = 5\n");
+        let full = "[solid]\ntransient = \"full\"\n";
+        let text = format!("{SHORT}{full}[scenario.s]\n{forces}speed_m_per_s = 1\nstart_x_m = 5\n");
         parse(&text.replace("\"60E1\"", &format!("\"60E1\"\n{rail}"))).unwrap_err().all().len()
     };
-    assert_eq!(of(""), 3, "a solid that moves, not in the middle, and not on the rail");
+    assert_eq!(of(""), 2, "a solid at full order that moves, and not on the rail");
     assert_eq!(of("length_m = 900"), 1);
 }
 

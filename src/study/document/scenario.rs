@@ -45,21 +45,21 @@ pub struct ScenarioKeys {
     pub vertical_force: ForceKeys,
     /// Lateral force, positive towards the field side: it pushes the flange towards the rail.
     pub lateral_force: ForceKeys,
-    /// Torsion about x at the middle of the rail; simple model only.
+    /// Torsion about x at the middle of the rail.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rail_torsion: Option<TorsionKeys>,
     /// Position of the wheel at t = 0 from the rail's first end, m; left out, midspan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 20.0))]
     pub start_x_m: Option<f64>,
-    /// Speed of the wheel along the rail, m/s; other than 0 in the simple model only. A run ends where the rail does.
+    /// Speed of the wheel along the rail, m/s. A run of the simple model ends where the rail does.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 200.0))]
     pub speed_m_per_s: f64,
     /// Whether the rotations of the wheel's master node are held.
     #[serde(default = "default_true")]
     pub rotations_held: bool,
-    /// Whether the solid model runs too; it cannot when the wheel moves along or the rail is twisted.
+    /// Whether the solid model runs too. A wheel that moves must then stay on the part of the rail that the solids know: as far from both ends as the contact grid is long on either side, and an element more.
     #[serde(default = "default_true")]
     pub solid: bool,
     /// Times at which the report draws the contact positions on the two profiles, s.
