@@ -281,6 +281,13 @@ fn wrong_keys_are_refused_before_anything_is_read() {
     std::fs::write(place.path("a.msh"), "a mesh that is not looked into").unwrap();
     let unit = refused(&(keys("a.msh", "top", "foot") + "mesh_unit = \"cm\"\n"));
     has(&unit, &["study.toml:7: rail.mesh_unit = \"cm\": expected one of \"mm\", \"m\""]);
+    // the solids know a rail along its length from its section
+    let case = "[scenario.roll]\nsteps = 3\nspeed_m_per_s = 0.1\nvertical_force = {}\nlateral_force = {}\n";
+    let study = |solid: &str| format!("{RAIL}{}{WHEEL}{case}{solid}", keys("a.msh", "top", "foot"));
+    let moving = place.refused("mesh", &study(""));
+    has(&moving, &["scenario.roll.solid = true (default): expected false", "leave `rail.mesh_file` out"]);
+    let alone = place.refused("mesh", &study("solid = false\n"));
+    assert!(!alone.contains("scenario.roll"), "{alone}");
 }
 
 #[test]

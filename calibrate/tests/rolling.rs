@@ -10,7 +10,7 @@ use railspring_calibrate::pair::{Orders, Pair, PairBody, PairSolids};
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::section::{rail_section, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, RailPath, TransientModel};
 
@@ -33,7 +33,8 @@ fn condensed(pair: &Pair, material: Material, x: f64, body: PairBody) -> Condens
     let rail = mesh_rail_between(&pair.rail, &pair.placed, [x, LENGTH - x], &options()).unwrap();
     let wheel = mesh_wheel(&pair.wheel, &options()).unwrap();
     let orders = &Orders::default();
-    let solids = PairSolids { pair, rail: &rail, wheel: &wheel, material, element: ELEMENT, orders };
+    let materials = [&Materials::from(material); 2];
+    let solids = PairSolids { pair, rail: &rail, wheel: &wheel, materials, element: ELEMENT, orders };
     solids.condense_in_time(body, String::new(), MODES).unwrap()
 }
 
@@ -69,8 +70,9 @@ fn a_wheel_along_the_rail_is_one_on_the_solids_there() {
     let wheel = condensed(&pair, steel, 0.5 * LENGTH, PairBody::Wheel);
     let [middle, there] = [0.5 * LENGTH, PLACE].map(|x| condensed(&pair, steel, x, PairBody::RailOnEnds));
     let path = RailPath::new(&pair, &middle, &options(), &steel, ELEMENT, (LENGTH, MODES)).unwrap();
-    let model = |rail, material| {
-        TransientModel::reduced(&pair, [rail, &wheel], ModeCount::Given(MODES), material, CONTACT)
+    let model = |rail, material: Material| {
+        let modes = ModeCount::Given(MODES);
+        TransientModel::reduced(&pair, [rail, &wheel], modes, material.damping, CONTACT)
     };
     let moving = |material| model(&middle, material).along(&path);
     let run = |model: &TransientModel, scenario: &Scenario| model.run(scenario, &Silent).unwrap().history;

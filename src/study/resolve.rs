@@ -80,7 +80,7 @@ pub(super) fn resolve(
         return Err(mistakes);
     };
     let mesh = mesh_options(&document.mesh);
-    let beyond_the_solid = off_the_path(&document, &source, &scenarios, &mesh);
+    let beyond_the_solid = off_the_path(&document, &source, &scenarios, &mesh, rail.mesh.is_some());
     if !beyond_the_solid.is_empty() {
         return Err(beyond_the_solid);
     }
@@ -137,6 +137,7 @@ fn off_the_path(
     source: &Source,
     scenarios: &BTreeMap<String, StudyScenario>,
     mesh: &MeshOptions,
+    rail_from_file: bool,
 ) -> Vec<LocatedError> {
     let mut collector = Collector::new(source, &[], Vec::new());
     let length = document.rail.length_m;
@@ -147,6 +148,18 @@ fn off_the_path(
     for (name, case) in scenarios {
         if case.solid && RailPath::is_wanted(&case.scenario, length) {
             let here = format!("scenario.{name}.*");
+            if rail_from_file {
+                let key = format!("scenario.{name}.solid");
+                let expected = "false, because the solids know a rail along its length from its section, and a mesh from a file in its middle alone";
+                let mistake = InputError::new(
+                    key,
+                    "true",
+                    expected,
+                    "set solid = false, or leave `rail.mesh_file` out",
+                );
+                collector.add(&[&here, "rail.mesh_file"], mistake);
+                continue;
+            }
             let checked = RailPath::check(&case.scenario, length, RailPath::reach(length, &options));
             let checked = checked.map_err(|error| translate(error, source, Some(name)));
             collector.take(&[&here, "rail.length_m"], checked);

@@ -105,7 +105,8 @@ fn modes_bring_a_body_to_full_order() {
         let load = BodyLoad { hub: [50.0, -300.0], gravity: 1e3, ..BodyLoad::default() };
         let errors = [0, 8, 24, 500].map(|count| {
             let condensed = condensed(&mesh, !hub.is_empty(), count);
-            let reduced = ReducedBody::new(&condensed, count, material.damping, &scheme, (hub, 1e7), None).unwrap();
+            let reduced =
+                ReducedBody::new(&condensed, count, material.damping, &scheme, (hub, 1e7), None).unwrap();
             let start = (Vector2::new(0.1, -0.2), Vector2::new(3.0, 50.0));
             let start = if hub.is_empty() { Default::default() } else { start };
             let (mut a, mut b) = (full.in_motion(&start.0, &start.1), reduced.in_motion(&start.0, &start.1));
