@@ -23,8 +23,9 @@ const RETRY_ITERATIONS: usize = 10;
 /// Iterations with the symmetric matrix of equation (4), which converges linearly.
 const SYMMETRIC_ITERATIONS: usize = 30;
 
-/// Updates of the friction limits, and damped iterations with each, when Newton alone does not settle.
-const LIMIT_UPDATES: usize = 20;
+/// Updates of the friction limits, and damped iterations with each, when Newton alone does not settle. The limits settle slowly where a flange slides up the
+/// gauge corner: of 150 load cases that pull a wheel off, 3 do not end with 20, 2 not with 40.
+const LIMIT_UPDATES: usize = 60;
 const DESCENT_ITERATIONS: usize = 40;
 const LINE_SEARCH: usize = 20;
 
