@@ -33,7 +33,8 @@ fn condensed(pair: &Pair, material: Material, x: f64, body: PairBody) -> Condens
     let rail = mesh_rail_between(&pair.rail, &pair.placed, [x, LENGTH - x], &options()).unwrap();
     let wheel = mesh_wheel(&pair.wheel, &options()).unwrap();
     let orders = &Orders::default();
-    let materials = [&Materials::from(material); 2];
+    let materials = Materials::from(material);
+    let materials = [&materials; 2];
     let solids = PairSolids { pair, rail: &rail, wheel: &wheel, materials, element: ELEMENT, orders };
     solids.condense_in_time(body, String::new(), MODES).unwrap()
 }

@@ -110,7 +110,7 @@ fn a_load_that_moves_keeps_the_balance_of_energy() {
     let middle = condensed(&pair, LENGTH, 0.5 * LENGTH);
     let path = path(&pair, &middle, LENGTH, 24);
     let scheme = Newmark::new(1e-4, 0.0);
-    let body = ReducedBody::new(&middle, 24, &STEEL, &scheme, (&[], 0.0), Some(&path)).unwrap();
+    let body = ReducedBody::new(&middle, 24, STEEL.damping, &scheme, (&[], 0.0), Some(&path)).unwrap();
     let rest = Vector2::zeros();
     let mut state = body.in_motion(&rest, &rest);
     let nodes = 3 * middle.nodes.len();
