@@ -193,7 +193,7 @@ fn steps_are_drawn_where_they_are() {
             drawing.clone(),
             true,
             "a gap of 2.0000",
-            "here, open, at (-58.000, 0.000) mm in the axes of the file",
+            "here, open, at (−58.000, 0.000) mm in the axes of the file",
         ),
         (
             "head.dxf",
