@@ -285,7 +285,7 @@ impl Fit<'_> {
                     let strips = self.table();
                     let contacts = place.contacts(&mut profiles, &self.sections, load, &strips);
                     // the strips miss the load by a few per cent, and the contact grows with its third root
-                    let carried = total(&contacts, |contact| contact.normal_force);
+                    let carried = total(&contacts, |contact| -contact.force.xy().dot(&place.along));
                     let whole = total(&contacts, |contact| contact.tangential_stiffness);
                     whole * (load.force / carried).cbrt() * flexibility
                 };
