@@ -38,38 +38,26 @@ fn meshes() -> PathBuf {
 
 /// A folder with studies and meshes.
 struct Place {
-    root: tempfile::TempDir,
+    folder: railspring_testing::Place,
 }
 
 impl Place {
     fn new() -> Self {
         python();
-        Self { root: tempfile::tempdir().unwrap() }
+        Self { folder: railspring_testing::Place::new(env!("CARGO_BIN_EXE_railspring"), cache()) }
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.root.path().join(name)
+        self.folder.path(name)
     }
 
     /// Runs a command on a study of this text.
     fn try_run(&self, arguments: &[&str], study: &str) -> Output {
-        std::fs::write(self.path("study.toml"), study).unwrap();
-        assert_cmd::Command::cargo_bin("railspring")
-            .unwrap()
-            .current_dir(self.root.path())
-            .args(arguments)
-            .args(["study.toml", "--quiet", "--cache"])
-            .arg(self.path("store"))
-            .env("RAILSPRING_CACHE", cache())
-            .output()
-            .unwrap()
+        self.folder.run_study(arguments, study)
     }
 
     fn run(&self, arguments: &[&str], study: &str) {
-        let output = self.try_run(arguments, study);
-        let text = String::from_utf8_lossy(&output.stderr);
-        // 1: a coarse study does not keep all limits
-        assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}: {text}");
+        self.folder.finish_study(arguments, study);
     }
 
     /// The message with which a study is refused, in one line.
@@ -363,12 +351,12 @@ fn python_of_the_working_folder_stays_out() {
     for more in [vec![], vec!["--python", interpreter.to_str().unwrap()]] {
         let output = assert_cmd::Command::cargo_bin("railspring")
             .unwrap()
-            .current_dir(place.root.path())
+            .current_dir(place.folder.root())
             .args(["mesh", "study.toml", "-o", "out", "--quiet"])
             .args(&more)
             .env("RAILSPRING_CACHE", "cache")
-            .env("PYTHONPATH", place.root.path())
-            .env("PYTHONHOME", place.root.path())
+            .env("PYTHONPATH", place.folder.root())
+            .env("PYTHONHOME", place.folder.root())
             .env("PYTHONSTARTUP", place.path("numpy.py"))
             .output()
             .unwrap();

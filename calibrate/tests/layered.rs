@@ -55,7 +55,7 @@ impl Tube {
         Self { mesh, inner: on(0), outer: on(rings - 1), length }
     }
 
-    /// Stiffness per length of the inner circle in a motion of its own (0 to 5: translations, rotations), the outer one held; nothing moves along
+    /// Stiffness per length of the inner circle in one of its rigid motions (0 to 5: translations, rotations), the outer one held; nothing moves along
     /// the axis.
     fn stiffness(&self, materials: &[Material], element: Formulation, motion: usize) -> f64 {
         let mut master_free = [false; 6];

@@ -5,7 +5,7 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-/// A folder of its own for a test, removed at the end, and the program that runs in it.
+/// An empty folder for one test, removed at the end, and the program that runs in it.
 pub struct Place {
     folder: TempDir,
     program: PathBuf,
@@ -62,6 +62,26 @@ impl Place {
     /// If the program cannot be started.
     pub fn run(&self, arguments: &[&str]) -> Output {
         self.command(arguments).output().expect("the program of this project")
+    }
+
+    /// What becomes of a command on a study of this text, `study.toml`, with a store in the folder.
+    ///
+    /// # Panics
+    /// As [`Self::write`] and [`Self::run`].
+    pub fn run_study(&self, arguments: &[&str], study: &str) -> Output {
+        self.write("study.toml", study);
+        self.run(&[arguments, &["study.toml", "--quiet", "--cache", "store"]].concat())
+    }
+
+    /// The same of a command that gives results, whether all limits hold or not.
+    ///
+    /// # Panics
+    /// As [`Self::run_study`], and if it ends otherwise.
+    pub fn finish_study(&self, arguments: &[&str], study: &str) {
+        let output = self.run_study(arguments, study);
+        let text = String::from_utf8_lossy(&output.stderr);
+        // 1: a coarse study does not keep all limits
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}: {text}");
     }
 }
 

@@ -35,6 +35,8 @@ const SMALL: f64 = 1e-4;
 /// from knot to knot. It decides where the laws do not.
 const HARDENING_WORTH: f64 = 1.0;
 const CHANGE_WORTH: f64 = 0.07;
+/// What a change costs.
+const CHANGE_COST: f64 = 1e-2 / CHANGE_WORTH;
 
 /// Least and largest hardening.
 const HARDENING: [f64; 2] = [-0.8, 4.0];
@@ -97,8 +99,7 @@ pub fn fit_strips(
     let mut pressed = Vec::new();
     for law in laws {
         let place = pair.with_wheel_at(law.tape_y)?;
-        let along = -place.placed.curve.upward_normal(place.touch.rail_s);
-        let mut place = Pressed { pair: place, along, loads: Vec::new(), sticking: Vec::new() };
+        let mut place = Pressed { pair: place, along: law.along, loads: Vec::new(), sticking: Vec::new() };
         let stays = |load: &PlaceLoad| place.stays(&mut place.profiles(&hertz), sections, load, &hertz);
         let every = law.loads.len().div_ceil(LOADS).max(1);
         let loads = law.loads.iter().rev().step_by(every).filter(|load| stays(load)).copied().collect();
@@ -201,8 +202,7 @@ impl Fit<'_> {
     /// What it costs that knots differ from their neighbours, and that they have a hardening.
     fn costs(&self) -> (Vec<f64>, Vec<f64>) {
         let change = |pair: &[Knot]| {
-            let worth = 1e-2 / CHANGE_WORTH;
-            [worth * (pair[1].ratio - pair[0].ratio), worth * (pair[1].hardening - pair[0].hardening)]
+            [pair[1].ratio - pair[0].ratio, pair[1].hardening - pair[0].hardening].map(|by| CHANGE_COST * by)
         };
         let own = |knot: &Knot| 1e-2 / HARDENING_WORTH * knot.hardening;
         (self.knots.windows(2).flat_map(change).collect(), self.knots.iter().map(own).collect())
@@ -267,7 +267,14 @@ impl Fit<'_> {
     /// something to change from knot to knot.
     fn tangential(&mut self, pressed: &[Pressed]) {
         let count = self.knots.len();
-        // the stiffness of a contact is linear in what the knots have
+        // the stiffness of a contact is linear in what the knots have: tables of one knot each
+        let mut of_knot = |n: usize| {
+            for (i, knot) in self.knots.iter_mut().enumerate() {
+                knot.tangential = if i == n { 1.0 } else { 0.0 };
+            }
+            self.table()
+        };
+        let tables: Vec<StripStiffness> = (0..count).map(&mut of_knot).collect();
         let mut parts = Vec::new();
         for place in pressed {
             let mut profiles = place.profiles(&self.hertz);
@@ -278,18 +285,14 @@ impl Fit<'_> {
                 if !PLAUSIBLE.contains(&(load.approach / flexibility / load.force / 1.5)) {
                     continue;
                 }
-                let mut of_knot = |n: usize| {
-                    for (i, knot) in self.knots.iter_mut().enumerate() {
-                        knot.tangential = if i == n { 1.0 } else { 0.0 };
-                    }
-                    let strips = self.table();
-                    let contacts = place.contacts(&mut profiles, &self.sections, load, &strips);
+                let of_table = |strips: &StripStiffness| {
+                    let contacts = place.contacts(&mut profiles, &self.sections, load, strips);
                     // the strips miss the load by a few per cent, and the contact grows with its third root
                     let carried = total(&contacts, |contact| -contact.force.xy().dot(&place.along));
                     let whole = total(&contacts, |contact| contact.tangential_stiffness);
                     whole * (load.force / carried).cbrt() * flexibility
                 };
-                let part = DVector::from_iterator(count, (0..count).map(&mut of_knot));
+                let part = DVector::from_iterator(count, tables.iter().map(of_table));
                 if part.sum() > 0.0 {
                     parts.push(part);
                 }
@@ -308,11 +311,10 @@ impl Fit<'_> {
                 // logarithm of the flexibility over the wanted one
                 add(&(stiffness / -sum), -sum.ln());
             }
-            let worth = 1e-2 / CHANGE_WORTH;
             for n in 1..count {
                 let mut slope = DVector::zeros(count);
-                (slope[n], slope[n - 1]) = (worth, -worth);
-                add(&slope, worth * (ratios[n] - ratios[n - 1]));
+                (slope[n], slope[n - 1]) = (CHANGE_COST, -CHANGE_COST);
+                add(&slope, CHANGE_COST * (ratios[n] - ratios[n - 1]));
             }
             let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else { break };
             ratios += &step;

@@ -1,5 +1,6 @@
 //! What the solids say of the contact, place by place.
 
+use crate::calibration::LoadPoint;
 use crate::pair::ShiftLaw;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
@@ -40,13 +41,12 @@ impl PlaceApproaches {
     /// Of a law by contact angle; none where there is no law.
     pub fn of(law: &ShiftLaw) -> Option<Self> {
         let (angle, along) = (law.law.as_ref().ok()?, *law.touch.as_ref()?.along);
-        let points = angle.laws.local.points.iter();
-        let loads =
-            points.map(|point| PlaceLoad { force: point.force, approach: point.displacement }).collect();
-        let sticking = angle.fixed.iter().map(|at| {
-            let point = &at.points.local;
-            let load = PlaceLoad { force: point.force, approach: point.displacement };
-            StickingHub { load, flexibility: at.flexibility, across: 1.0 / at.tangential_stiffness }
+        let load = |point: &LoadPoint| PlaceLoad { force: point.force, approach: point.displacement };
+        let loads = angle.laws.local.points.iter().map(load).collect();
+        let sticking = angle.fixed.iter().map(|at| StickingHub {
+            load: load(&at.points.local),
+            flexibility: at.flexibility,
+            across: 1.0 / at.tangential_stiffness,
         });
         Some(Self { tape_y: law.tape_y, along, loads, sticking: sticking.collect() })
     }

@@ -105,7 +105,7 @@ impl HexMesh {
         self.groups.get(element).copied().unwrap_or(0)
     }
 
-    /// The mesh with nodes of its own for every group, and the node of this mesh that each of them is: what jumps from group to group,
+    /// The mesh whose groups share no node, and the node of this mesh that each of them is: what jumps from group to group,
     /// stresses for instance, has a value for each of them there.
     #[must_use]
     pub fn with_groups_apart(&self) -> (Self, Vec<usize>) {

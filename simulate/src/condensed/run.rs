@@ -29,7 +29,7 @@ const MOST_HALVINGS: usize = 8;
 const FORCE: f64 = 10.0;
 
 /// A contact slides, as one of the solid does, where more than half of its normal force is on surfaces that slide: under Hertz's pressures
-/// those are around an ellipse that sticks, which carries `(1 - T/µN)^(1/3)` of the semi-axes (R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16, 1949), so that it is from this part
+/// those are around an ellipse that sticks, which has `(1 - T/µN)^(1/3)` of the semi-axes (R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16, 1949), so that it is from this part
 /// of the limit on, 1 - (1 - 2^(-2/3))^(3/2).
 const SLIDING: f64 = 0.7749;
 
