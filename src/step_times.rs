@@ -25,8 +25,8 @@ use crate::study::{ContactElementKey, Study};
 
 /// Names of the cases.
 pub const LOAD_CASE: &str = "load case 4.1";
-/// The same with the steps of the integration that a study has unless it gives them.
-pub const IN_SIXTEENTHS: &str = "4.1 in sixteenths";
+/// The same with the steps of the integration that a study has.
+pub const AS_IN_STUDIES: &str = "4.1 as in a study";
 /// The span that other programs were timed on.
 pub const BRIDGE: &str = "bridge of 25 m";
 /// Rails of elements of a decimetre.
@@ -50,10 +50,10 @@ enum Model {
 }
 
 impl Model {
-    fn name(&self) -> &'static str {
+    fn element(&self) -> ContactElementKey {
         match self {
-            Self::Published(_) => ContactElementKey::Published.name(),
-            Self::Condensed(_) => ContactElementKey::Condensed.name(),
+            Self::Published(_) => ContactElementKey::Published,
+            Self::Condensed(_) => ContactElementKey::Condensed,
         }
     }
 
@@ -134,7 +134,7 @@ pub fn step_times(
             let run = case.model.run(&case.scenario)?;
             let computed = thread_seconds().zip(computed).map(|(after, before)| after - before);
             let of_run = computed.unwrap_or_else(|| begun.elapsed().as_secs_f64());
-            seconds[n].push(of_run * 1e6 / steps(&case.scenario) as f64);
+            seconds[n].push(of_run * 1e6 / case.scenario.steps as f64);
             if repeat + 1 == repeats {
                 record.times.push(time(case, &run, &mut seconds[n]));
             }
@@ -149,11 +149,12 @@ fn time(case: &Case, run: &MovingRun, microseconds: &mut [f64]) -> StepTime {
     microseconds.sort_by(f64::total_cmp);
     StepTime {
         case: case.name.into(),
-        element: case.model.name().into(),
+        element: case.model.element().name().into(),
         elements: case.elements,
+        steps: case.scenario.steps,
         degrees_of_freedom: run.history.degrees_of_freedom,
-        steps: steps(&case.scenario),
-        iterations: run.statistics.iterations as f64 / steps(&case.scenario) as f64,
+        inner_steps: run.statistics.steps as f64 / case.scenario.steps as f64,
+        iterations: run.statistics.iterations as f64 / run.statistics.steps as f64,
         microseconds: microseconds[0],
         median_microseconds: microseconds[microseconds.len() / 2],
         longest_microseconds: microseconds[microseconds.len() - 1],
@@ -172,11 +173,6 @@ fn peers() -> Vec<PeerTime> {
     PEERS.iter().map(of).collect()
 }
 
-/// Steps of the integration of a run.
-fn steps(scenario: &Scenario) -> usize {
-    scenario.steps * scenario.inner_steps.most()
-}
-
 fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Vec<Case>> {
     let geometry = stages::geometry(study)?;
     let Some(constant) = study.scenarios.get(CONSTANT) else {
@@ -190,14 +186,16 @@ fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Ve
         .into());
     };
     let beam = geometry.beam.clone();
-    let in_steps = |inner_steps| {
-        let inner_steps = InnerSteps::Equal(inner_steps);
-        Scenario { inner_steps, wheel_mass: Some(WHEEL_MASS), ..constant.scenario.clone() }
-    };
     let mut cases = Vec::new();
-    for (name, inner_steps) in [(LOAD_CASE, 1), (IN_SIXTEENTHS, study.simulation.inner_steps)] {
+    for name in [LOAD_CASE, AS_IN_STUDIES] {
         for model in models(study, &geometry, &beam, element) {
-            cases.push(Case { name, elements: beam.elements(), model, scenario: in_steps(inner_steps) });
+            let inner_steps = match name {
+                AS_IN_STUDIES => study.simulation.steps(model.element()),
+                _ => InnerSteps::Equal(1),
+            };
+            let scenario =
+                Scenario { inner_steps, wheel_mass: Some(WHEEL_MASS), ..constant.scenario.clone() };
+            cases.push(Case { name, elements: beam.elements(), model, scenario });
         }
     }
     let mut add = |name, elements, beam: &RailBeam, scenario: Scenario| -> Result<()> {

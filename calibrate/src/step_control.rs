@@ -105,6 +105,8 @@ pub struct StepSequence {
     /// Contact force and elastic state (N) at the end of the last step, and their change a tick over it.
     values: Vec<f64>,
     rates: Vec<f64>,
+    /// The same at the end of the step at hand.
+    reached: Vec<f64>,
     /// The largest so far, N.
     largest: f64,
 }
@@ -112,7 +114,14 @@ pub struct StepSequence {
 impl StepSequence {
     /// From the start on; `largest` is the largest force that is expected, N.
     pub fn new(steps: InnerSteps, largest: f64) -> Self {
-        Self { steps, level: 0, ticks: 0, values: Vec::new(), rates: Vec::new(), largest }
+        let [values, rates, reached] = [const { Vec::new() }; 3];
+        Self { steps, level: 0, ticks: 0, values, rates, reached, largest }
+    }
+
+    /// Begins with a contact force and a state `elastic` (N) that are not zero.
+    pub fn begin(&mut self, force: &[f64], elastic: &[f64]) {
+        self.values.extend(force.iter().chain(elastic));
+        self.largest = self.largest.max(size(force.iter().copied()));
     }
 
     /// Most halvings of a time step; steps of equal length have none.
@@ -152,39 +161,47 @@ impl StepSequence {
         can
     }
 
-    /// Whether a step that ends with the contact force `force` and the state `elastic` of the bodies (N) is short enough. If it is, the
-    /// next one begins at its end; if not, it is to be taken again with the new length.
-    pub fn accept(&mut self, force: &[f64], elastic: &[f64]) -> bool {
+    /// Whether a step that ends with the contact force `force` and the state `elastic` of the bodies (N) is short enough, where something else is `share` of what it
+    /// may be and falls with the square of the length. If it is, the next one begins at its end; if not, it is to be taken again with the new length.
+    pub fn accept(&mut self, force: &[f64], elastic: &[f64], share: f64) -> bool {
         let InnerSteps::Adaptive(control) = self.steps else {
             self.ticks += 1;
             return true;
         };
-        let ticks = self.length() as f64;
-        let values = [force, elastic].concat();
-        self.values.resize(values.len(), 0.0);
-        self.rates.resize(values.len(), 0.0);
-        let off = (0..values.len()).map(|i| values[i] - self.values[i] - ticks * self.rates[i]);
-        let off = off.map(|off| off * off).sum::<f64>().sqrt();
-        let largest = self.largest.max(force.iter().map(|force| force * force).sum::<f64>().sqrt());
-        let share = if off == 0.0 { 0.0 } else { off / (control.tolerance * largest) };
-        let finest = Self::levels(self.steps);
-        if share > 1.0 && self.level < finest {
+        let (length, finest) = (self.length(), Self::levels(self.steps));
+        let ticks = length as f64;
+        let Self { values, rates, reached, largest, level, .. } = self;
+        reached.clear();
+        reached.extend(force.iter().chain(elastic));
+        values.resize(reached.len(), 0.0);
+        rates.resize(reached.len(), 0.0);
+        let line = values.iter().zip(&*rates).map(|(value, rate)| value + ticks * rate);
+        let off = size(reached.iter().zip(line).map(|(reached, line)| reached - line));
+        let most = largest.max(size(force.iter().copied()));
+        let share = if off == 0.0 { share } else { share.max(off / (control.tolerance * most)) };
+        if share > 1.0 && *level < finest {
             // the share falls with the square of the length
-            let halvings = (0.5 * share.log2()).ceil().max(1.0) as u32;
-            self.level = (self.level + halvings).min(finest);
+            let halvings = (0.5 * share.log2()).ceil().clamp(1.0, f64::from(finest - *level));
+            *level += halvings as u32;
             return false;
         }
-        self.rates = values.iter().zip(&self.values).map(|(now, before)| (now - before) / ticks).collect();
-        self.values = values;
-        self.largest = largest;
-        self.ticks += self.length();
+        for ((rate, before), now) in rates.iter_mut().zip(&*values).zip(&*reached) {
+            *rate = (now - before) / ticks;
+        }
+        std::mem::swap(values, reached);
+        *largest = most;
+        self.ticks += length;
         // twice the length has four times the share, and the force does not swing evenly
-        let twice = 2 * self.length();
+        let twice = 2 * length;
         if self.level > 0 && 4.0 * MARGIN * share < 1.0 && self.ticks.is_multiple_of(twice) {
             self.level -= 1;
         }
         true
     }
+}
+
+fn size(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(|value| value * value).sum::<f64>().sqrt()
 }
 
 /// A step is made longer only if its share stays below the tolerance by as much.
@@ -208,7 +225,7 @@ mod tests {
             let u = if free > 0.0 { scheme.inertia(&m) / (scheme.acceleration + stiffness) } else { free };
             let force = stiffness * u.max(0.0);
             tried += 1;
-            if sequence.accept(&[force], &[]) {
+            if sequence.accept(&[force], &[], 0.0) {
                 m = scheme.advance(&m, u);
                 peak = peak.max(force);
                 taken += 1;
@@ -265,7 +282,7 @@ mod tests {
         while sequence.ticks() < 64 {
             let (begin, end) = (sequence.ticks(), sequence.end());
             assert!(begin.is_multiple_of(end - begin));
-            if sequence.accept(&[if end > 19 { 1.0 } else { 0.0 }], &[0.0]) {
+            if sequence.accept(&[if end > 19 { 1.0 } else { 0.0 }], &[0.0], 0.0) {
                 lengths.push(end - begin);
             }
         }
@@ -274,7 +291,7 @@ mod tests {
         assert_eq!(lengths.iter().sum::<usize>(), 64);
         let mut equal = StepSequence::new(InnerSteps::Equal(3), 1.0);
         for tick in 1..=9 {
-            assert!(equal.accept(&[if tick == 5 { 1e9 } else { 0.0 }], &[]) && !equal.shorten());
+            assert!(equal.accept(&[if tick == 5 { 1e9 } else { 0.0 }], &[], 0.0) && !equal.shorten());
             assert_eq!(equal.ticks(), tick);
         }
     }

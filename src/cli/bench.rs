@@ -149,7 +149,8 @@ fn table(record: &StepTimesRecord) -> Vec<String> {
     )];
     for time in &record.times {
         let (case, elements) = (time.case.as_str(), time.elements);
-        let own = format!("{} element, {:.1} iterations", time.element, time.iterations);
+        let (steps, iterations) = (time.inner_steps, time.iterations);
+        let own = format!("{} element, {steps:.1} steps of {iterations:.1} iterations", time.element);
         lines.push(format!("{case:<18}{elements:>9}  {own:<48}{:>16.1}", time.microseconds));
         for peer in record.peers_of(case, elements) {
             let range = |[least, most]: [f64; 2], digits: usize| match least == most {

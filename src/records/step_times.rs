@@ -32,9 +32,11 @@ pub struct StepTime {
     pub elements: usize,
     /// Degrees of freedom.
     pub degrees_of_freedom: usize,
-    /// Steps of a run.
+    /// Time steps of the history of a run.
     pub steps: usize,
-    /// Newton iterations a step.
+    /// Steps of the integration in each of them, on the average.
+    pub inner_steps: f64,
+    /// Iterations of a step of the integration.
     pub iterations: f64,
     /// Time of the shortest run over its steps, preparation included, µs.
     pub microseconds: f64,
@@ -67,6 +69,7 @@ struct Row<'a> {
     elements: usize,
     least_us_a_step: f64,
     most_us_a_step: f64,
+    integration_steps_a_step: Option<f64>,
     iterations_a_step: Option<f64>,
     measured_here: bool,
 }
@@ -85,7 +88,8 @@ impl StepTimesRecord {
             elements: time.elements,
             least_us_a_step: time.microseconds,
             most_us_a_step: time.longest_microseconds,
-            iterations_a_step: Some(time.iterations),
+            integration_steps_a_step: Some(time.inner_steps),
+            iterations_a_step: Some(time.inner_steps * time.iterations),
             measured_here: true,
         });
         let others = self.peers.iter().map(|peer| Row {
@@ -94,6 +98,7 @@ impl StepTimesRecord {
             elements: peer.elements,
             least_us_a_step: peer.least_microseconds,
             most_us_a_step: peer.most_microseconds,
+            integration_steps_a_step: None,
             iterations_a_step: None,
             measured_here: false,
         });

@@ -15,7 +15,7 @@ use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, RailPath, START_MODES, TransientModel, TransientRun};
 
 use super::{Geometry, Meshes, contact_field, enforcement, formulation};
-use crate::study::{SlidingMatrixKey, Study, StudyScenario, TransientKey};
+use crate::study::{ContactElementKey, SlidingMatrixKey, Study, StudyScenario, TransientKey};
 use crate::verify::{Spread, StepChange, Worth, disturbed};
 use railspring_calibrate::beam::BeamCorrection;
 use railspring_simulate::condensed::CondensedModel;
@@ -63,6 +63,13 @@ impl SimpleModel {
             SlidingMatrixKey::Symmetric => SlidingMatrix::Symmetric,
         };
         Ok(Self::Published(Box::new(model)))
+    }
+
+    fn element(&self) -> ContactElementKey {
+        match self {
+            Self::Published(_) => ContactElementKey::Published,
+            Self::Condensed(_) => ContactElementKey::Condensed,
+        }
     }
 
     fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
@@ -163,7 +170,7 @@ pub fn simulate(
     let model = SimpleModel::new(study, geometry, springs)?;
     let progress = Shared { monitor, done: AtomicUsize::new(0) };
     let run = |scenario: &Scenario| model.run(scenario, &progress.share());
-    let steps = InnerSteps::Equal(study.simulation.inner_steps);
+    let steps = study.simulation.steps(model.element());
     let scenario = Scenario { inner_steps: steps, ..scenario.scenario.clone() };
     // steps of twice the length; where the history has no longer ones, of half the length
     let inner_steps = if steps.doubled() == steps { InnerSteps::Equal(2) } else { steps.doubled() };

@@ -380,9 +380,10 @@ pub struct SimulationKeys {
     pub rail_node_spacing_mm: f64,
     /// Matrix of a sliding contact.
     pub sliding_matrix: SlidingMatrixKey,
-    /// Steps of the integration within each time step of a scenario; 1 is the published element with the published step. What half as many change, or twice one, is stated with the run.
+    /// Number of steps of the integration within each time step of a scenario, all of the same length; 1 is the published element with the published step. Left out, the published element has 16, and the condensed one as many as the contact force and the vibrations of the bodies ask for, up to 64. What half as many change, or twice one, is stated with the run.
     #[schemars(range(min = 1, max = 1000))]
-    pub inner_steps: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inner_steps: Option<usize>,
     /// In which respects the law may be another's and is used all the same; the terminal and the report say so. Without this, a law of another pair is refused, and one that was not measured against the beam model of the rail.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub law_accepted: Vec<LawAcceptedKey>,
@@ -401,7 +402,7 @@ impl Default for SimulationKeys {
             contact_penalty_kn_per_m: 2e9,
             rail_node_spacing_mm: 0.25,
             sliding_matrix: SlidingMatrixKey::Unsymmetric,
-            inner_steps: 16,
+            inner_steps: None,
             law_accepted: Vec::new(),
             scenario: None,
         }

@@ -26,8 +26,11 @@ use railspring_calibrate::profile_file::Finding;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::{Material, Materials};
+use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::transient::START_MODES;
 use railspring_calibrate::units::MILLIMETRE;
+use railspring_simulate::condensed::CondensedModel;
+use railspring_simulate::moving::MovingModel;
 use serde::de::DeserializeOwned;
 use toml::de::DeTable;
 
@@ -248,10 +251,21 @@ pub struct SimulationSettings {
     pub rail_node_spacing: f64,
     /// Matrix of a sliding contact.
     pub sliding_matrix: SlidingMatrixKey,
-    /// Steps of the integration within each time step of a scenario.
-    pub inner_steps: usize,
+    /// Steps of the integration within each time step of a scenario, where their number is given: [`SimulationSettings::steps`].
+    pub inner_steps: Option<usize>,
     /// In which respects a law may be another's.
     pub law_accepted: Vec<LawAcceptedKey>,
+}
+
+impl SimulationSettings {
+    /// Steps of the integration with a contact element.
+    pub fn steps(&self, element: ContactElementKey) -> InnerSteps {
+        match (self.inner_steps, element) {
+            (Some(count), _) => InnerSteps::Equal(count),
+            (None, ContactElementKey::Published) => MovingModel::STEPS,
+            (None, ContactElementKey::Condensed) => CondensedModel::STEPS,
+        }
+    }
 }
 
 /// One load case of the study.

@@ -21,6 +21,9 @@ const WAVE: f64 = 200.0;
 /// Least cosine of the angle between both profiles where they can touch.
 const LEAST_COSINE: f64 = 0.3;
 
+/// Stations nearer to an overlap than this are looked at whenever the bodies are, m; the farther ones when the bodies have moved by what they were away.
+const NEAR: f64 = 20e-6;
+
 /// Stations farther than this from an overlap are looked at together, once the bodies have moved so far, m.
 const FAR: f64 = 200e-6;
 
@@ -53,6 +56,8 @@ struct Station {
     /// Penetration and its slope where the station was looked at last, m.
     depth: f64,
     slope: f64,
+    /// Whether these are those of the last look.
+    seen: bool,
     /// No penetration is larger than this and what the bodies have moved since they set out together, m.
     bound: f64,
 }
@@ -186,6 +191,7 @@ impl<'a> Profiles<'a> {
                 wheel_s: 0.0,
                 depth: 0.0,
                 slope: 0.0,
+                seen: false,
                 bound: f64::INFINITY,
             })
             .collect();
@@ -331,10 +337,13 @@ impl<'a> Profiles<'a> {
                     (found.wheel_s, found.penetration, found.slope);
                 // along the rail's normal the wheel is farther than where it is nearest
                 let distance = found.penetration.min(0.0) * found.cosine * found.cosine;
-                station.bound = found.penetration.max(distance) - travel;
+                (station.seen, station.bound) = (true, found.penetration.max(distance) - travel);
             }
             // until it faces the wheel it does not count
-            None => (station.depth, station.bound) = (f64::NEG_INFINITY, -apart - travel),
+            None => {
+                (station.depth, station.seen) = (f64::NEG_INFINITY, false);
+                station.bound = -apart - travel;
+            }
         }
     }
 
@@ -355,10 +364,10 @@ impl<'a> Profiles<'a> {
         let [first, end] = if whole { [0, last] } else { self.window };
         for i in first..=end {
             let bound = self.stations[i].bound + travel;
-            if bound > if whole { -FAR } else { -self.between } {
+            if bound > if whole { -FAR } else { -self.between - NEAR } {
                 self.look_at(place, i);
             } else {
-                self.stations[i].depth = bound;
+                (self.stations[i].depth, self.stations[i].seen) = (bound, false);
             }
         }
         if whole {
@@ -414,10 +423,11 @@ impl<'a> Profiles<'a> {
             }
             // a contact may be narrower than the distance of two stations
             let peak = i > first && i < end && depth(i) >= depth(i - 1) && depth(i) > depth(i + 1);
-            if peak && depth(i) > -self.between && depth(i - 1) <= 0.0 && depth(i + 1) <= 0.0 {
+            let above = self.above(i);
+            if peak && depth(i) > -above && depth(i - 1) <= 0.0 && depth(i + 1) <= 0.0 {
                 self.spans.push(self.span(i - 1, i + 1));
             } else if depth(i) >= depth(i.max(first + 1) - 1) && depth(i) >= depth((i + 1).min(end)) {
-                self.gap = self.gap.min(-self.between - depth(i));
+                self.gap = self.gap.min(-above - depth(i));
             }
             i += 1;
         }
@@ -485,19 +495,6 @@ impl<'a> Profiles<'a> {
         let i = ((s / step) as usize).clamp(low, high - 1);
         let (a, b) = (&self.stations[i], &self.stations[i + 1]);
         a.wheel_s + (s - a.s) / (b.s - a.s) * (b.wheel_s - a.wheel_s)
-    }
-}
-
-impl Station {
-    /// The place between this station, which is inside a contact, and the next one where the parabola ends that has the penetrations of both
-    /// and the slope of this.
-    fn end_towards(&self, next: &Self) -> f64 {
-        let way = next.s - self.s;
-        let (slope, fall) = (self.slope * way, next.depth - self.depth - self.slope * way);
-        // 0 = depth + slope·t + fall·t²
-        let root = (slope * slope - 4.0 * self.depth * fall).max(0.0).sqrt();
-        let t = 2.0 * self.depth / (root - slope);
-        self.s + way * if t > 0.0 && t < 1.0 { t } else { 0.5 }
     }
 }
 

@@ -199,7 +199,7 @@ impl<'m, B: ElasticBody> Run<'m, B> {
             let force = [end.row.vertical_force, end.row.lateral_force];
             let [rail, wheel] = self.lengths[level].bodies();
             let elastic = [rail.elastic(&end.states[0]), wheel.elastic(&end.states[1])].concat();
-            if !self.sequence.accept(&force, &elastic) {
+            if !self.sequence.accept(&force, &elastic, 0.0) {
                 continue;
             }
             let model = self.model;

@@ -5,8 +5,9 @@
 //! ([`railspring_calibrate::element`]): the normal forces have a potential, contacts may be many, and none is in tension. Nothing
 //! is fitted to runs in time.
 //!
-//! A step is average acceleration of the rail and Newmark's with a smaller `β` of the wheel, with the forces of the contacts at its ends. What that makes of the potential in an impact does not add up over a run:
-//! a wheel that bounces for 10,000 steps of 0.5 ms with sixteen in each has the same energy to 0.1 %.
+//! A step is average acceleration of the rail and of the wheel's rigid motions, and Newmark's with a smaller `β` of its modes, with the forces of the contacts at its ends. Steps are as long as the forces
+//! allow ([`railspring_calibrate::step_control`]), and cut where contacts begin and end. What a step makes of the energy of the normal forces, whose work it takes for that of a straight line, is given back
+//! in the next ones by a share of them: a wheel that bounces for 10,000 steps of 0.5 ms has the same energy to 0.1 %.
 
 mod wheel;
 mod contact;
@@ -16,6 +17,7 @@ mod step;
 mod statics;
 mod fitted;
 mod run;
+mod advance;
 
 pub use fitted::fitted_element;
 pub use model::CondensedModel;

@@ -1,15 +1,14 @@
-//! The time loop of the condensed model.
+//! The state of a run of the condensed model, and its steps.
+
+use std::ops::ControlFlow;
 
 use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
 
-use railspring_calibrate::element::{Contact, ContactStrips, Pose, Profiles};
+use railspring_calibrate::element::{Contact, ContactStrips, Pose};
 use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
-use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
-use railspring_calibrate::history::{
-    ContactMode, ContactState, Departure, Ending, History, HistoryRow, SurfaceEnd,
-};
+use railspring_calibrate::error::{NumericsError, Result, StopReason};
+use railspring_calibrate::history::{ContactMode, ContactState, Departure, Ending, HistoryRow, SurfaceEnd};
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::newmark::Newmark;
 use railspring_calibrate::placement::{departure, lateral_extent};
 use railspring_calibrate::scenario::Scenario;
@@ -18,15 +17,14 @@ use super::head::{Head, HeadAt};
 use super::model::CondensedModel;
 use super::step::{Meeting, Side, Step, arm, transport};
 use super::wheel::{self, Free, Wheel, WheelState};
-use crate::moving::{
-    MovingRun, Rail, RailDynamics, RailLoad, RailState, RailSupport, RunStatistics, SectionMotion,
-};
-
-/// A step that does not converge is halved at most so many times.
-const MOST_HALVINGS: usize = 8;
+use crate::moving::{Rail, RailDynamics, RailLoad, RailState, RailSupport, SectionMotion};
 
 /// What a force may be off at the end of a step, N: a ten-thousandth of a usual load.
 const FORCE: f64 = 10.0;
+
+/// The largest share of the normal forces with which energy that steps have made is given back, and the work in a step, of their energy, in which half of it is.
+const MOST_GIVEN_BACK: f64 = 0.01;
+const LEAST_WORK: f64 = 0.03;
 
 /// A contact slides, as one of the solid does, where more than half of its normal force is on surfaces that slide: under Hertz's pressures
 /// those are around an ellipse that sticks, which has `(1 - T/µN)^(1/3)` of the semi-axes (R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16, 1949), so that it is from this part
@@ -35,13 +33,17 @@ const SLIDING: f64 = 0.7749;
 
 /// State between two steps.
 #[derive(Clone)]
-struct State {
+pub(super) struct State {
     at: Meeting,
     /// The head where the wheel is.
     head: HeadAt,
     wheel: WheelState,
     rail: Option<RailState>,
-    ledger: EnergyLedger,
+    pub ledger: EnergyLedger,
+    /// Energy that the steps have made of the normal forces and that is to be given back, J.
+    pub made: f64,
+    /// Velocity of the wheel against the rail in the step to here.
+    velocity: Vector3<f64>,
 }
 
 /// Points of a running surface from its reference point, m.
@@ -74,23 +76,43 @@ impl Outline {
 }
 
 /// Everything that stays the same during a run.
-struct Run<'a> {
+pub(super) struct Run<'a> {
     model: &'a CondensedModel,
-    scenario: &'a Scenario,
+    pub scenario: &'a Scenario,
     wheel: Wheel<'a>,
     rail: Option<RailDynamics<'a>>,
     ends: Option<[f64; 2]>,
     start_x: f64,
-    references: [Vector2<f64>; 2],
+    pub references: [Vector2<f64>; 2],
     head: Head,
+    /// Static stiffness of the middle of the rail with its head (y, z), N/m.
+    rail_stiffness: [f64; 2],
     /// Points of both running surfaces from their reference points, m.
     outlines: [Outline; 2],
 }
 
 /// Steps of one length prepared.
-struct Prepared<'r> {
+pub(super) struct Prepared<'r> {
     wheel: wheel::Prepared,
     rail: Option<Rail<'r>>,
+}
+
+impl State {
+    /// Force of the contacts on the wheel (y, z), N.
+    pub fn force(&self) -> [f64; 2] {
+        self.at.contacts.all.force.xy().into()
+    }
+
+    /// Motion of the rail's section at the wheel.
+    pub fn section(&self) -> SectionMotion {
+        let rail = self.at.pose.rail;
+        SectionMotion { displacement: [rail.x, rail.y], rotation: rail.z }
+    }
+
+    /// Energy of the normal forces, J.
+    pub fn normal_energy(&self) -> f64 {
+        self.at.contacts.elastic()[0]
+    }
 }
 
 /// Between directions 1, 2 and rotation 3 and the world: its own inverse.
@@ -98,63 +120,8 @@ fn to_world() -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0))
 }
 
-impl CondensedModel {
-    /// Runs a scenario.
-    ///
-    /// # Errors
-    /// [`railspring_calibrate::error::InputError`] for values out of range or a wheel that starts beyond the rail's ends;
-    /// [`NumericsError`] when a step does not converge.
-    pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
-        self.check(scenario)?;
-        run(self, scenario, monitor)
-    }
-}
-
-/// Runs a checked scenario.
-fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
-    let run = Run::new(model, scenario)?;
-    let profiles =
-        Profiles::new(&model.rail.curve, &model.wheel, model.tape, Point2::from(run.references[1]));
-    let mut strips = ContactStrips::new(profiles, &model.element.strips);
-    let mut statistics = RunStatistics::default();
-    let inner = scenario.shortest_step();
-    let prepared = run.prepare(inner)?;
-    let mut state = run.start(&mut strips, &prepared)?;
-    let mut spare = state.clone();
-    let mut rows = Vec::with_capacity(scenario.steps + 1);
-    let mut rail = Vec::with_capacity(scenario.steps + 1);
-    rows.push(run.row(0.0, &state));
-    rail.push(section(&state));
-    let mut ending = Ending::Completed;
-    let inner_steps = scenario.inner_steps.most();
-    for number in 0..scenario.steps * inner_steps {
-        let step = number / inner_steps;
-        if number % inner_steps == 0 {
-            monitor.progress("simulate", step, scenario.steps)?;
-        }
-        let times = [number as f64 * inner, (number + 1) as f64 * inner];
-        let states = [&mut state, &mut spare];
-        let ended = run
-            .advance(&mut strips, states, &prepared, times, 0, &mut statistics)
-            .map_err(|error| error.at_step(step + 1))?;
-        if let Some(reason) = ended {
-            ending = reason;
-            break;
-        }
-        if (number + 1) % inner_steps == 0 {
-            let time = (step + 1) as f64 * scenario.time_step;
-            state.ledger = state.ledger.stored(&run.stored(&state, &prepared, time));
-            rows.push(run.row(time, &state));
-            rail.push(section(&state));
-        }
-    }
-    monitor.progress("simulate", scenario.steps, scenario.steps)?;
-    let history = History { rows, degrees_of_freedom: run.degrees_of_freedom(), ending };
-    Ok(MovingRun { history, rail, statistics })
-}
-
 impl<'a> Run<'a> {
-    fn new(model: &'a CondensedModel, scenario: &'a Scenario) -> Result<Self> {
+    pub fn new(model: &'a CondensedModel, scenario: &'a Scenario) -> Result<Self> {
         let (rail, ends) = match &model.support {
             RailSupport::Rigid => (None, None),
             RailSupport::Beam { beam, damping, .. } => {
@@ -166,11 +133,18 @@ impl<'a> Run<'a> {
             Outline::new(model.wheel.knot_points().collect()),
             Outline::new(model.rail.curve.knot_points().map(|p| p - references[1]).collect()),
         ];
+        let head = model.head();
+        let rail_stiffness = ends.zip(rail.as_ref()).map_or([0.0; 2], |([_, length], rail)| {
+            let middle = 0.5 * length;
+            let flexibility = rail.beam().section_flexibility(middle) + head.at(middle).flexibility;
+            [0, 1].map(|i| 1.0 / flexibility[(i, i)])
+        });
         Ok(Self {
             model,
             scenario,
+            rail_stiffness,
             wheel: Wheel::new(&model.element.wheel, scenario, model.axle, model.damping)?,
-            head: model.head(),
+            head,
             rail,
             start_x: scenario.start_x.unwrap_or(ends.map_or(0.0, |[from, to]| 0.5 * (from + to))),
             ends,
@@ -188,7 +162,7 @@ impl<'a> Run<'a> {
     }
 
     /// State at t = 0: hub and rail where the initial motion puts them, rim and head as statics have them between them.
-    fn start(&self, strips: &mut ContactStrips, prepared: &Prepared) -> Result<State> {
+    pub fn start(&self, strips: &mut ContactStrips) -> Result<State> {
         let mut wheel = self.wheel.start(&self.model.initial);
         let rim = self.wheel.rim(&wheel);
         let load = self.rail_load(0.0);
@@ -198,6 +172,7 @@ impl<'a> Run<'a> {
             rail: Side { free: head.moved(&Vector3::zeros(), load.torsion), flexibility: head.flexibility },
             law: &self.model.element.strips,
             friction: 0.0,
+            beside: Vector3::zeros(),
             tolerance: FORCE,
             references: self.references,
         };
@@ -209,68 +184,43 @@ impl<'a> Run<'a> {
         self.wheel.accelerate(&mut wheel, &at.contacts.all.force);
         let on_beam = to_world() * head.share * self.on_rail(&at);
         let rail = self.rail.as_ref().map(|rail| rail.start(&load, on_beam)).transpose()?;
-        let mut state = State { at, head, wheel, rail, ledger: EnergyLedger::default() };
-        state.ledger = EnergyLedger::new(self.stored(&state, prepared, 0.0));
+        let (ledger, velocity) = (EnergyLedger::default(), Vector3::zeros());
+        let mut state = State { at, head, wheel, rail, ledger, made: 0.0, velocity };
+        state.ledger = EnergyLedger::new(self.stored(&state, 0.0));
         Ok(state)
     }
 
     /// Force on the rail's section with its moment about the reference point, world.
     fn on_rail(&self, at: &Meeting) -> Vector3<f64> {
-        -transport(&arm(&self.references, &at.pose)).tr_mul(&at.contacts.all.force)
+        -transport(&arm(&self.references, &at.pose)).tr_mul(&at.force())
     }
 
     /// Energy of contacts and of the parts that follow their forces at a `time` (s), J.
     fn elastic(&self, State { at, head, .. }: &State, time: f64) -> f64 {
-        let force = at.contacts.all.force;
+        let force = at.force();
         let of_head = head.stored(&self.on_rail(at), self.rail_load(time).torsion);
         at.contacts.elastic().iter().sum::<f64>() + 0.5 * force.dot(&(self.wheel.rest * force)) + of_head
     }
 
-    /// Advances between two times, with `spare` as room for the next state; a step that does not converge is done in two halves.
-    fn advance(
+    /// Tries a step to a state; how often it looked at the contacts, or how the run ends in it.
+    pub fn attempt(
         &self,
         strips: &mut ContactStrips,
-        [state, spare]: [&mut State; 2],
+        [now, next]: [&mut State; 2],
         prepared: &Prepared<'_>,
         times: [f64; 2],
-        halvings: usize,
-        statistics: &mut RunStatistics,
-    ) -> Result<Option<Ending>> {
-        let [from, to] = times;
+    ) -> Result<ControlFlow<Ending, usize>> {
         // A step's worth of rounding at the far end does not lead off the rail.
-        let x = self.wheel_x(to);
+        let (x, to) = (self.wheel_x(times[1]), times[1]);
         if self.ends.is_some_and(|[first, last]| x < first - 1e-9 || x > last + 1e-9) {
-            return Ok(Some(Ending::Departed { time: to, departure: Departure::RailEnd }));
+            return Ok(ControlFlow::Break(Ending::Departed { time: to, departure: Departure::RailEnd }));
         }
-        match self.step(strips, state, spare, prepared, times) {
-            Ok(iterations) => {
-                statistics.iterations += iterations;
-                statistics.evaluations += iterations;
-                statistics.most_iterations = statistics.most_iterations.max(iterations);
-                let ending = self.ending(spare, to);
-                if ending.is_none() {
-                    std::mem::swap(state, spare);
-                }
-                Ok(ending)
-            }
-            Err(Error::Numerics(_)) if halvings < MOST_HALVINGS => {
-                statistics.halved_steps += 1;
-                let middle = 0.5 * (from + to);
-                let half = self.prepare(0.5 * (to - from))?;
-                for times in [[from, middle], [middle, to]] {
-                    let states = [&mut *state, &mut *spare];
-                    let ending = self.advance(strips, states, &half, times, halvings + 1, statistics)?;
-                    if ending.is_some() {
-                        return Ok(ending);
-                    }
-                }
-                Ok(None)
-            }
-            Err(error) => Err(error),
-        }
+        let looks = self.step(strips, now, next, prepared, times)?;
+        Ok(self.ending(next, to).map_or(ControlFlow::Continue(looks), ControlFlow::Break))
     }
 
-    fn prepare(&self, step: f64) -> Result<Prepared<'_>> {
+    /// Prepares steps of one length, s.
+    pub fn prepare(&self, step: f64) -> Result<Prepared<'_>> {
         let rail = self.rail.as_ref().map(|rail| rail.over(&Newmark::new(step, 0.0))).transpose()?;
         Ok(Prepared { wheel: self.wheel.prepare(step), rail })
     }
@@ -307,19 +257,20 @@ impl<'a> Run<'a> {
             rail: on_head,
             law: &self.model.element.strips,
             friction: self.scenario.friction,
+            beside: give_back(state, times[1] - times[0]),
             tolerance: FORCE,
             references: self.references,
         };
         let looks = step.solve(strips, &state.at, &mut next.at)?;
-        if looks > 0 {
-            strips.commit(step.friction);
-        }
-        self.wheel.finish(wheel, &state.wheel, &free, &next.at.contacts.all.force, &mut next.wheel);
+        self.wheel.finish(wheel, &state.wheel, &free, &next.at.force(), &mut next.wheel);
         if let Some(step) = rail_step {
             step.finish((to_world() * next.head.share * self.on_rail(&next.at)).as_slice());
         }
         let works = self.worked(state, next, times, &free);
         next.ledger = state.ledger.worked(&works);
+        let moved = self.moved(&state.at, &next.at);
+        next.made = state.made + made(&state.at, &next.at, &moved);
+        next.velocity = moved / (times[1] - times[0]);
         if next.wheel.is_finite() && (works.work + works.damped + works.friction).is_finite() {
             return Ok(looks);
         }
@@ -329,10 +280,16 @@ impl<'a> Run<'a> {
     }
 
     /// Energies of a state at a `time` (s), J.
-    fn stored(&self, state: &State, prepared: &Prepared, time: f64) -> PartEnergy {
+    pub fn stored(&self, state: &State, time: f64) -> PartEnergy {
         let of_rail = self.rail.as_ref().zip(state.rail.as_ref()).map(|(rail, state)| rail.stored(state));
         let of_contact = PartEnergy { elastic: self.elastic(state, time), ..PartEnergy::default() };
-        self.wheel.stored(&state.wheel, &prepared.wheel) + of_rail.unwrap_or_default() + of_contact
+        self.wheel.stored(&state.wheel) + of_rail.unwrap_or_default() + of_contact
+    }
+
+    /// Motion of the wheel against the rail in a step.
+    fn moved(&self, before: &Meeting, after: &Meeting) -> Vector3<f64> {
+        let to_wheel = transport(&arm(&self.references, &after.pose));
+        after.pose.wheel - before.pose.wheel - to_wheel * (after.pose.rail - before.pose.rail)
     }
 
     /// Works in a step, J.
@@ -356,8 +313,7 @@ impl<'a> Run<'a> {
             }
             _ => PartEnergy::default(),
         };
-        let to_wheel = transport(&arm(&self.references, &after.pose));
-        let moved = after.pose.wheel - before.pose.wheel - to_wheel * (after.pose.rail - before.pose.rail);
+        let moved = self.moved(before, after);
         let work = 0.5 * (before.contacts.friction() + after.contacts.friction()).dot(&moved);
         // what friction took and the springs along the contacts do not have
         let friction = before.contacts.elastic()[1] - after.contacts.elastic()[1] - work;
@@ -365,7 +321,15 @@ impl<'a> Run<'a> {
         self.wheel.worked(&state.wheel, &next.wheel, free) + of_rail + of_contact
     }
 
-    fn degrees_of_freedom(&self) -> usize {
+    /// Elastic state of the bodies as forces, N: those that would displace rim and rail as much in rest.
+    pub fn elastic_state(&self, state: &State, forces: &mut Vec<f64>) {
+        forces.clear();
+        self.wheel.elastic_state(&state.wheel, forces);
+        let rail = state.at.pose.rail;
+        forces.extend([0, 1].map(|i| self.rail_stiffness[i] * rail[i]));
+    }
+
+    pub fn degrees_of_freedom(&self) -> usize {
         let beam = match &self.model.support {
             RailSupport::Rigid => 0,
             RailSupport::Beam { beam, .. } => beam.unknowns(),
@@ -407,7 +371,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    fn row(&self, time: f64, state: &State) -> HistoryRow {
+    pub fn row(&self, time: f64, state: &State) -> HistoryRow {
         let [y, z] = self.wheel.hub(&state.wheel);
         let start = self.model.initial.displacement;
         let Meeting { contacts, .. } = &state.at;
@@ -437,7 +401,19 @@ impl<'a> Run<'a> {
     }
 }
 
-fn section(state: &State) -> SectionMotion {
-    let rail = state.at.pose.rail;
-    SectionMotion { displacement: [rail.x, rail.y], rotation: rail.z }
+/// What a step in which the wheel has `moved` against the rail makes of the energy of the normal forces, J: what they store more, less what has been done against them.
+fn made(before: &Meeting, after: &Meeting, moved: &Vector3<f64>) -> f64 {
+    let done = |at: &Meeting| (at.force() - at.contacts.friction()).dot(moved);
+    let stored = |at: &Meeting| at.contacts.elastic()[0];
+    stored(after) - stored(before) + 0.5 * (done(before) + done(after))
+}
+
+/// A share of the normal forces that gives back over a step of a length (s) what the steps before have made of their energy.
+fn give_back(state: &State, step: f64) -> Vector3<f64> {
+    let normal = state.at.contacts.all.force - state.at.contacts.friction();
+    let work = normal.dot(&state.velocity) * step;
+    // where the wheel hardly moves, a force does no work
+    let least = LEAST_WORK * state.normal_energy();
+    let share = -state.made * work / (work * work + least * least);
+    if share.is_finite() { normal * share.clamp(-MOST_GIVEN_BACK, MOST_GIVEN_BACK) } else { Vector3::zeros() }
 }

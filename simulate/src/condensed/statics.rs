@@ -70,6 +70,7 @@ impl CondensedModel {
                 rail: Side { free: Vector3::zeros(), flexibility: head },
                 law,
                 friction,
+                beside: Vector3::zeros(),
                 tolerance: FORCE,
                 references,
             };

@@ -29,6 +29,15 @@ pub(super) struct Side {
 pub(super) struct Meeting {
     pub pose: Pose,
     pub contacts: Contacts,
+    /// Force on the wheel beside that of the contacts.
+    pub beside: Vector3<f64>,
+}
+
+impl Meeting {
+    /// Force on the wheel with its moment about the wheel's reference point.
+    pub fn force(&self) -> Vector3<f64> {
+        self.contacts.all.force + self.beside
+    }
 }
 
 /// What a step is done with.
@@ -37,6 +46,8 @@ pub(super) struct Step<'a> {
     pub rail: Side,
     pub law: &'a StripStiffness,
     pub friction: f64,
+    /// Force on the wheel beside that of the contacts, at the end.
+    pub beside: Vector3<f64>,
     /// What a force may be off at its end, N.
     pub tolerance: f64,
     /// World positions of the reference points of wheel and rail at rest, m.
@@ -62,7 +73,7 @@ impl Step<'_> {
     /// # Errors
     /// [`NumericsError`] if the iteration does not settle.
     pub fn solve(&self, strips: &mut ContactStrips, start: &Meeting, next: &mut Meeting) -> Result<usize> {
-        next.pose = start.pose;
+        (next.pose, next.beside) = (start.pose, self.beside);
         next.contacts.copy_from(&start.contacts);
         let (mut last, mut length, mut longest) = (f64::INFINITY, 1.0_f64, 1.0_f64);
         for looks in 0..=ITERATIONS {
@@ -112,7 +123,7 @@ impl Step<'_> {
 
     /// What the sections are off from where the forces of the contacts have them.
     fn off(&self, at: &Meeting) -> Off {
-        let (pose, force) = (&at.pose, &at.contacts.all.force);
+        let (pose, force) = (&at.pose, &at.force());
         let to_wheel = transport(&arm(&self.references, pose));
         Off {
             wheel: pose.wheel - self.wheel.free - self.wheel.flexibility * force,

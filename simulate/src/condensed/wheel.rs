@@ -1,10 +1,13 @@
 //! The elastic wheel with its suspended mass over time steps.
 //!
 //! Hub and modes together are turned into the natural modes of a wheel whose hub is free, so that a step of each is a division.
-//! A step is Newmark's, with `γ = 1/2` and a `β` from 1/12 on: `u' = u + h·v + h²·((1/2 - β)·a + β·a')`, `v' = v + h/2·(a + a')`. With 1/12, the
+//! A step is Newmark's, with `γ = 1/2`; of rigid motions `β` is 1/4, and of the others it is from 1/12 on: `u' = u + h·v + h²·((1/2 - β)·a + β·a')`, `v' = v + h/2·(a + a')`. With 1/12, the
 //! method of L. Fox and E.T. Goodwin, periods are right to the fourth order of the step, where average acceleration (1/4) has the second; it is stable as long
 //! as no frequency of wheel and contact together is above `√6/h` (T.J.R. Hughes, "The Finite Element Method" (1987), chapter 9).
-//! Whatever `β`, a linear wheel keeps `½v² + ½(β - 1/4)·h²·a²` and its elastic energy together to rounding.
+//! Whatever `β`, a linear wheel keeps `½v² + ½κ·a²` with `κ = (β - 1/4)·h²` and its elastic energy together to rounding.
+//!
+//! So the velocities of a step differ from those of the motion: by `-½κ·ä` to the second order. A step of another `κ` takes them over with the difference, or it would change the energy of a vibration with its
+//! phase, and steps that change with the phase would drive it.
 
 use nalgebra::{Cholesky, DMatrix, Matrix3, SymmetricEigen, Vector3};
 
@@ -28,6 +31,8 @@ struct Mode {
     rim: Vector3<f64>,
     /// Force of the wheel's weight under an acceleration of 1 m/s² downwards.
     weight: f64,
+    /// Vertical force on the rim that has the elastic energy of a unit displacement, N.
+    as_force: f64,
 }
 
 /// The wheel under a scenario.
@@ -52,24 +57,37 @@ const STABLE: f64 = 0.7;
 pub(super) struct WheelState {
     modes: Vec<[f64; 3]>,
     suspended: [f64; 2],
+    /// The force on the rim, and its change over the step to here, N and N/s.
+    force: Vector3<f64>,
+    rate: Vector3<f64>,
+    /// `κ` of each mode in the step to here, s².
+    kept: Vec<f64>,
 }
 
 /// A step length prepared.
 #[derive(Debug, Clone)]
 pub(super) struct Prepared {
     step: f64,
-    /// Newmark's `β`.
-    beta: f64,
-    /// Acceleration of each mode per force at the end of the step.
-    response: Vec<f64>,
-    /// Displacement of the hub at the end of the step for its acceleration there with spring and damper of the suspension, N/(m/s²).
-    coupling: f64,
+    /// Of each mode.
+    modes: Vec<PreparedMode>,
     /// Share of the suspension's force that is left beside the compliance of both its ends.
     share: f64,
-    /// Acceleration of the rim per force of the suspension on the hub at the end.
+    /// Displacement of the rim at the end of the step per force of the suspension on the hub there.
     from_hub: Vector3<f64>,
+    /// Force of the suspension that a force on the rim takes off where its other end stands.
+    coupling: Vector3<f64>,
     /// Displacement of the rim per force there at the end.
     pub flexibility: Matrix3<f64>,
+}
+
+/// A mode over steps of one length.
+#[derive(Debug, Clone, Copy)]
+struct PreparedMode {
+    /// Newmark's `β·h²`, and `κ`, s².
+    of_end: f64,
+    kept: f64,
+    /// Acceleration per force at the end of the step.
+    response: f64,
 }
 
 /// A step of the wheel without contact forces at its end.
@@ -141,9 +159,15 @@ impl<'a> Wheel<'a> {
                 hub: [shape[0], shape[1]],
                 rim,
                 weight: (0..size).map(|i| shape[i] * mass[(i, 1)]).sum(),
+                as_force: square.sqrt(),
             }
         };
-        let modes = order.into_iter().map(mode).collect();
+        let mut modes: Vec<Mode> = order.into_iter().map(mode).collect();
+        let elastic = modes.iter().filter(|mode| mode.square > 0.0);
+        let of_modes: f64 = elastic.map(|mode| mode.rim.y * mode.rim.y / mode.square).sum();
+        let flexibility = wheel.rest[(1, 1)] + of_modes;
+        let stiffness = if flexibility > 0.0 { 1.0 / flexibility } else { 0.0 };
+        modes.iter_mut().for_each(|mode| mode.as_force *= stiffness.sqrt());
         Ok(Self { scenario, modes, mass: rigid[(1, 1)], rest: wheel.rest })
     }
 
@@ -156,7 +180,13 @@ impl<'a> Wheel<'a> {
     pub fn start(&self, initial: &InitialMotion) -> WheelState {
         let InitialMotion { displacement, velocity, carried } = *initial;
         let suspended = [displacement[1] + initial.stroke(self.scenario, self.mass), velocity[1]];
-        let mut state = WheelState { modes: vec![[0.0; 3]; self.modes.len()], suspended };
+        let mut state = WheelState {
+            modes: vec![[0.0; 3]; self.modes.len()],
+            suspended,
+            force: Vector3::zeros(),
+            rate: Vector3::zeros(),
+            kept: vec![0.0; self.modes.len()],
+        };
         // the rail carries the rim, and weight and suspension hold it down
         let on_hub = carried - self.mass * self.scenario.gravity;
         for (mode, at) in self.modes.iter().zip(&mut state.modes).filter(|(mode, _)| mode.square > 0.0) {
@@ -182,6 +212,7 @@ impl<'a> Wheel<'a> {
     /// Accelerates a state at t = 0 by its loads and a `force` on the rim.
     pub fn accelerate(&self, state: &mut WheelState, force: &Vector3<f64>) {
         let (loads, suspension) = (self.loads(0.0), self.suspension(state));
+        state.force = *force;
         for (mode, [u, v, a]) in self.modes.iter().zip(&mut state.modes) {
             *a = self.load(mode, &loads, suspension) + mode.rim.dot(force)
                 - mode.square * *u
@@ -223,6 +254,11 @@ impl<'a> Wheel<'a> {
         self.modes.iter().zip(&state.modes).map(|(mode, [u, ..])| mode.rim * *u).sum()
     }
 
+    /// Adds the elastic state of the modes as forces, N: vertical ones on the rim that have the same energy.
+    pub fn elastic_state(&self, state: &WheelState, forces: &mut Vec<f64>) {
+        forces.extend(self.modes.iter().zip(&state.modes).map(|(mode, [u, ..])| mode.as_force * u));
+    }
+
     /// Prepares steps of one length, s.
     pub fn prepare(&self, step: f64) -> Prepared {
         // the square of the highest frequency of modes that a spring joins is no larger than their own and the spring's together
@@ -232,26 +268,30 @@ impl<'a> Wheel<'a> {
             contact += STIFFEST_CONTACT * mode.rim.xy().norm_squared();
         }
         let beta = (0.25 - STABLE / (step * step * (highest + contact))).max(1.0 / 12.0);
-        let of_end = beta * step * step;
-        let response: Vec<f64> =
-            self.modes.iter().map(|m| 1.0 / (1.0 + 0.5 * step * m.damping + of_end * m.square)).collect();
-        let (mut own, mut from_hub, mut hub) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
-        for (mode, response) in self.modes.iter().zip(&response) {
-            own += mode.rim * mode.rim.transpose() * *response;
-            from_hub += mode.rim * (mode.hub[1] * response);
-            hub += mode.hub[1] * mode.hub[1] * response;
-        }
-        let (spring, mass) = (self.scenario.vertical_suspension, self.scenario.suspended_mass);
-        let (coupling, of_mass) = match mass > 0.0 {
-            true => (
-                spring.stiffness * of_end + spring.damping * 0.5 * step,
-                (spring.stiffness * 0.25 * step + spring.damping * 0.5) * step / mass,
-            ),
-            false => (0.0, 0.0),
+        let of_mode = |mode: &Mode| {
+            let beta = if mode.square > 0.0 { beta } else { 0.25 };
+            let of_end = beta * step * step;
+            let response = 1.0 / (1.0 + 0.5 * step * mode.damping + of_end * mode.square);
+            PreparedMode { of_end, kept: of_end - 0.25 * step * step, response }
         };
-        let share = 1.0 / (1.0 + of_mass + coupling * hub);
-        let flexibility = (own - from_hub * from_hub.transpose() * (coupling * share)) * of_end;
-        Prepared { step, beta, response, coupling, share, from_hub, flexibility }
+        let modes: Vec<PreparedMode> = self.modes.iter().map(of_mode).collect();
+        let (spring, mass) = (self.scenario.vertical_suspension, self.scenario.suspended_mass);
+        let spring = if mass > 0.0 { [spring.stiffness, spring.damping] } else { [0.0; 2] };
+        let (mut own, mut from_hub) = (Matrix3::zeros(), Vector3::zeros());
+        let (mut coupling, mut of_hub) = (Vector3::zeros(), 0.0);
+        for (mode, prepared) in self.modes.iter().zip(&modes) {
+            let moved = prepared.of_end * prepared.response;
+            let force = mode.hub[1] * (spring[0] * moved + spring[1] * 0.5 * step * prepared.response);
+            own += mode.rim * mode.rim.transpose() * moved;
+            from_hub += mode.rim * (mode.hub[1] * moved);
+            coupling += mode.rim * force;
+            of_hub += mode.hub[1] * force;
+        }
+        let of_mass =
+            if mass > 0.0 { (spring[0] * 0.25 * step + spring[1] * 0.5) * step / mass } else { 0.0 };
+        let share = 1.0 / (1.0 + of_mass + of_hub);
+        let flexibility = own - from_hub * coupling.transpose() * share;
+        Prepared { step, modes, share, from_hub, coupling, flexibility }
     }
 
     /// Loads on hub (y, z) and suspended mass (z) at a time, N, without the weight of the wheel.
@@ -266,14 +306,14 @@ impl<'a> Wheel<'a> {
 
     /// The step from `state` between two `times` (s) without contact forces at its end.
     pub fn free(&self, prepared: &Prepared, state: &WheelState, times: [f64; 2]) -> Free {
-        let Prepared { step, beta, .. } = *prepared;
+        let step = prepared.step;
         let [before, loads] = times.map(|time| self.loads(time));
         let mean_loads = [0, 1, 2].map(|i| 0.5 * (before[i] + loads[i]));
         let (mut rim, mut hub, mut hub_velocity) = (Vector3::zeros(), 0.0, 0.0);
-        for ((mode, at), response) in self.modes.iter().zip(&state.modes).zip(&prepared.response) {
-            let (u, v) = predicted(at, step, beta);
-            let a = response * (self.load(mode, &loads, 0.0) - mode.square * u - mode.damping * v);
-            let end = u + beta * step * step * a;
+        for (i, (mode, of_mode)) in self.modes.iter().zip(&prepared.modes).enumerate() {
+            let (u, v) = self.predicted(i, prepared, state);
+            let a = of_mode.response * (self.load(mode, &loads, 0.0) - mode.square * u - mode.damping * v);
+            let end = u + of_mode.of_end * a;
             rim += mode.rim * end;
             hub += mode.hub[1] * end;
             hub_velocity += mode.hub[1] * (v + 0.5 * step * a);
@@ -288,8 +328,17 @@ impl<'a> Wheel<'a> {
         } else {
             0.0
         };
-        let rim = rim + prepared.from_hub * (beta * step * step * end);
+        let rim = rim + prepared.from_hub * end;
         Free { rim, suspension: [start, end], loads, mean_loads }
+    }
+
+    /// Displacement and velocity of a mode at the end of a step from a state without the acceleration there.
+    fn predicted(&self, i: usize, prepared: &Prepared, state: &WheelState) -> (f64, f64) {
+        let (mode, [u, v, a], step) = (&self.modes[i], state.modes[i], prepared.step);
+        let change = prepared.modes[i].kept - state.kept[i];
+        let jerk = || mode.rim.dot(&state.rate) - mode.square * v - mode.damping * a;
+        let v = if change == 0.0 { v } else { v - 0.5 * change * jerk() };
+        (u + step * v + (0.5 * step * step - prepared.modes[i].of_end) * a, v + 0.5 * step * a)
     }
 
     /// The state after a step under the `force` on the rim at its end.
@@ -301,19 +350,20 @@ impl<'a> Wheel<'a> {
         force: &Vector3<f64>,
         next: &mut WheelState,
     ) {
-        let Prepared { step, beta, .. } = *prepared;
+        let step = prepared.step;
         let [start, end] = free.suspension;
-        let suspension = end - prepared.share * prepared.coupling * prepared.from_hub.dot(force);
-        let modes = self.modes.iter().zip(&state.modes).zip(&prepared.response).zip(&mut next.modes);
+        let suspension = end - prepared.share * prepared.coupling.dot(force);
         let mut hub = [0.0; 2];
-        for (((mode, at), response), after) in modes {
-            let (u, v) = predicted(at, step, beta);
+        for (i, (mode, of_mode)) in self.modes.iter().zip(&prepared.modes).enumerate() {
+            let (u, v) = self.predicted(i, prepared, state);
             let load = self.load(mode, &free.loads, suspension) + mode.rim.dot(force);
-            let a = response * (load - mode.square * u - mode.damping * v);
-            *after = [u + beta * step * step * a, v + 0.5 * step * a, a];
+            let a = of_mode.response * (load - mode.square * u - mode.damping * v);
+            let after = [u + of_mode.of_end * a, v + 0.5 * step * a, a];
+            (next.modes[i], next.kept[i]) = (after, of_mode.kept);
             hub[0] += mode.hub[1] * after[0];
             hub[1] += mode.hub[1] * after[1];
         }
+        (next.force, next.rate) = (*force, (force - state.force) / step);
         let [w, velocity] = state.suspended;
         next.suspended = if self.scenario.suspended_mass > 0.0 {
             let pushed =
@@ -324,11 +374,10 @@ impl<'a> Wheel<'a> {
         };
     }
 
-    /// Energies of a state, J, that was reached with steps of a length.
-    pub fn stored(&self, state: &WheelState, Prepared { step, beta, .. }: &Prepared) -> PartEnergy {
-        let kept = (beta - 0.25) * step * step;
+    /// Energies of a state, J.
+    pub fn stored(&self, state: &WheelState) -> PartEnergy {
         let mut energy = PartEnergy::default();
-        for (mode, [u, v, a]) in self.modes.iter().zip(&state.modes) {
+        for ((mode, [u, v, a]), kept) in self.modes.iter().zip(&state.modes).zip(&state.kept) {
             energy.kinetic += 0.5 * (v * v + kept * a * a);
             energy.elastic += 0.5 * mode.square * u * u;
         }
@@ -358,11 +407,6 @@ impl<'a> Wheel<'a> {
         }
         works
     }
-}
-
-/// Displacement and velocity of a mode at the end of a step without the acceleration there.
-fn predicted([u, v, a]: &[f64; 3], step: f64, beta: f64) -> (f64, f64) {
-    (u + step * (v + (0.5 - beta) * step * a), v + 0.5 * step * a)
 }
 
 impl WheelState {

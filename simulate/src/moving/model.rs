@@ -43,15 +43,7 @@ impl InitialMotion {
         if let Some(value) = motion.iter().find(|v| !v.is_finite()) {
             return Err(InputError::new("initial motion", value, "finite values", "correct the value").into());
         }
-        scenario.check()?;
-        if let InnerSteps::Adaptive(_) = scenario.inner_steps {
-            let remedy = "give their number: a step costs little";
-            let expected = "equal steps for the moving solver";
-            return Err(
-                InputError::new(InputField::InnerSteps, "steps of adapted length", expected, remedy).into()
-            );
-        }
-        Ok(())
+        Ok(scenario.check()?)
     }
 }
 
@@ -101,7 +93,9 @@ pub struct MovingModel {
 /// Counts and errors of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RunStatistics {
-    /// Newton iterations of all steps.
+    /// Steps of the integration that were taken.
+    pub steps: usize,
+    /// Newton iterations of all of them.
     pub iterations: usize,
     /// Most iterations of one step.
     pub most_iterations: usize,
@@ -139,6 +133,9 @@ pub struct MovingRun {
 }
 
 impl MovingModel {
+    /// Steps of a run unless its scenario has others. In the published load case 4.1, P is then off by four thousandths of its peak (RMS).
+    pub const STEPS: InnerSteps = InnerSteps::Equal(16);
+
     /// Default penalty, N/m: with the published law and scenarios the penetration stays below the published 1/1000.
     pub const DEFAULT_PENALTY: f64 = 1e12;
     /// Default distance of the rail nodes, m.
@@ -197,6 +194,13 @@ impl MovingModel {
 
     /// Whether the model can run a scenario.
     pub(super) fn check(&self, scenario: &Scenario) -> Result<()> {
+        if let InnerSteps::Adaptive(_) = scenario.inner_steps {
+            let remedy = "give their number: a step costs little";
+            let expected = "equal steps for the published element";
+            return Err(
+                InputError::new(InputField::InnerSteps, "steps of adapted length", expected, remedy).into()
+            );
+        }
         let mass = scenario.wheel_mass.unwrap_or(self.wheel_mass);
         let positive = [
             (InputField::Penalty, self.penalty),

@@ -276,6 +276,7 @@ impl<'a> Run<'a> {
                 surface.commit(&solution.pose, &solution.active);
                 let last = std::mem::replace(state, next);
                 self.spare_rail.set(last.rail.unwrap_or_default());
+                statistics.steps += 1;
                 statistics.iterations += solution.iterations;
                 let turned_to_consistent = self.law.sliding == SlidingMatrix::Symmetric
                     && solution.sliding == SlidingMatrix::Consistent;

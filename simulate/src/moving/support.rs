@@ -131,6 +131,10 @@ impl<'a> RailDynamics<'a> {
         Self { beam, damping, middle, factors: RefCell::default() }
     }
 
+    pub fn beam(&self) -> &RailBeam {
+        self.beam
+    }
+
     /// The section at `x` with rows of its motion in directions 1, 2 and rotation 3: y, −z and −(rotation about x).
     fn section(&self, x: f64) -> SectionRows {
         let SectionRows { element, rows: [y, z, rx] } = self.beam.section_rows(x);

@@ -23,6 +23,22 @@ const LARGEST_JUMP: f64 = 1.0;
 const BESIDE: f64 = 1e-6;
 
 impl Profiles<'_> {
+    /// By how much a penetration beside a station, the highest around, can be larger than there, m: where its neighbours were seen, no more than along the tangents there if it bends
+    /// at most once the other way.
+    pub(super) fn above(&self, i: usize) -> f64 {
+        let seen = |i: usize| self.stations.get(i).filter(|station| station.seen);
+        let (Some(before), Some(here), Some(behind)) = (seen(i.wrapping_sub(1)), seen(i), seen(i + 1)) else {
+            return self.between;
+        };
+        let way = here.s - before.s;
+        let tangents = [
+            here.slope.abs() * way,
+            before.depth - here.depth + before.slope * way,
+            behind.depth - here.depth - behind.slope * way,
+        ];
+        tangents.into_iter().fold(0.0, f64::max).min(self.between)
+    }
+
     /// Where between a station and the next one the penetration goes down and up again: the arc length and the least penetration, m.
     pub(super) fn dip(&self, place: &Turned, station: usize) -> Option<(f64, f64)> {
         let (a, b) = (&self.stations[station], &self.stations[station + 1]);
@@ -150,6 +166,19 @@ impl Profiles<'_> {
         self.panels.extend(self.inside[..dips].iter().map(|dip| dip.s));
         self.panels.push(to);
         self.panels.sort_unstable_by(f64::total_cmp);
+    }
+}
+
+impl Station {
+    /// The place between this station, which is inside a contact, and the next one where the parabola ends that has the penetrations of both
+    /// and the slope of this.
+    fn end_towards(&self, next: &Self) -> f64 {
+        let way = next.s - self.s;
+        let (slope, fall) = (self.slope * way, next.depth - self.depth - self.slope * way);
+        // 0 = depth + slope·t + fall·t²
+        let root = (slope * slope - 4.0 * self.depth * fall).max(0.0).sqrt();
+        let t = 2.0 * self.depth / (root - slope);
+        self.s + way * if t > 0.0 && t < 1.0 { t } else { 0.5 }
     }
 }
 

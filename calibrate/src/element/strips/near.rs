@@ -16,7 +16,7 @@ const REACH: f64 = 5e-6;
 
 /// They serve until a contact has changed at an end by this share of its depth, and its strips there may be off by so much, N.
 const GROWN: f64 = 0.1;
-const OFF_BY: f64 = 1.0;
+const OFF_BY: f64 = 3.0;
 
 /// A motion takes so much of the way that is left before there may be another contact: what the loads take off the penetrations changes as well.
 const OF_GAP: f64 = 0.5;

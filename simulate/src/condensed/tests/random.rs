@@ -41,6 +41,10 @@ impl SplitMix {
     }
 }
 
+/// Steps of a run: those of a study, and equal ones.
+const KINDS: [InnerSteps; 4] =
+    [CondensedModel::STEPS, InnerSteps::Equal(1), InnerSteps::Equal(4), InnerSteps::Equal(16)];
+
 /// A random load case on one of the models.
 fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Scenario) {
     let mut model = models[(random.next() % models.len() as u64) as usize].clone();
@@ -84,7 +88,7 @@ fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Sc
         vertical_suspension: Kelvin { stiffness: 1.2e6, damping: random.one_of(&[0.0, 4e4]) },
         vertical_force: force(random, -120e3, 120e3),
         lateral_force: force(random, -60e3, 60e3),
-        inner_steps: InnerSteps::Equal(random.one_of(&[1, 4, 16])),
+        inner_steps: if random.within(0.0, 1.0) < 0.5 { KINDS[0] } else { random.one_of(&KINDS) },
         speed: random.one_of(&[0.0, 1.0, 5.0]),
         rotations_held: random.one_of(&[true, false]),
         ..published()
@@ -93,12 +97,12 @@ fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Sc
 }
 
 /// Goal: 10,000 random runs (loads, friction up to 0.8, initial motions, stiffnesses, profiles) each end in a result: complete, or off the rail or the profile; no
-/// error, nothing that is not finite, and no energy (J) that comes of nothing, beyond the limit of the verdict, 5 % of the largest that is stored, where the steps
-/// are sixteenths of 0.5 ms.
+/// error, nothing that is not finite, and no energy (J) that comes of nothing: beyond a hundredth of the largest that is stored with the steps of a study, and beyond the limit of the verdict, 5 %, with
+/// sixteenths of 0.5 ms. Accuracy: DISCRETISATION, an impact has `(ωh)²/12` of its energy of it, which the tolerance of the steps keeps below 0.03/12.
 #[test]
 #[ignore = "45 seconds of the processor's time: cargo random-runs"]
 fn random_runs_end_in_a_result() {
-    const DRIFT: f64 = 0.05;
+    const DRIFT: [f64; 4] = [0.01, f64::INFINITY, f64::INFINITY, 0.05];
     const RUNS: usize = 10_000;
     const CHUNK: usize = 250;
     let mut random = SplitMix(41);
@@ -121,14 +125,14 @@ fn random_runs_end_in_a_result() {
         .into();
     let mut classes: BTreeMap<String, usize> = BTreeMap::new();
     let mut wrong = Vec::new();
-    let (mut halved, mut worst) = (0, [0.0_f64; 3]);
+    let (mut halved, mut worst) = (0, [0.0_f64; 4]);
     for chunk in 0..RUNS / CHUNK {
         // drawn one after the other, run on all threads, and counted in their order
         let cases: Vec<_> = (0..CHUNK).map(|_| case(&mut random, &models)).collect();
         let runs: Vec<_> = cases.par_iter().map(|(model, scenario)| model.run(scenario, &Silent)).collect();
         for (n, (run, (_, scenario))) in runs.into_iter().zip(&cases).enumerate() {
             let number = chunk * CHUNK + n;
-            let inner = scenario.inner_steps.most();
+            let kind = KINDS.iter().position(|steps| *steps == scenario.inner_steps).unwrap();
             let class = match run {
                 Ok(run) => {
                     halved += usize::from(run.statistics.halved_steps > 0);
@@ -141,11 +145,10 @@ fn random_runs_end_in_a_result() {
                             .iter()
                             .all(|v| v.is_finite())
                     });
-                    let of_inner = &mut worst[[1, 4, 16].iter().position(|n| *n == inner).unwrap()];
-                    *of_inner = of_inner.max(gained);
+                    worst[kind] = worst[kind].max(gained);
                     match run.history.ending {
                         _ if !finite => "not finite".to_owned(),
-                        _ if inner == 16 && gained > DRIFT => {
+                        _ if gained > DRIFT[kind] => {
                             wrong.push(format!("run {number} gains {gained}"));
                             "energy".to_owned()
                         }

@@ -82,26 +82,65 @@ fn periods_are_right_to_the_fourth_order() {
     wheel.accelerate(&mut state, &Vector3::zeros());
     let apart = |state: &WheelState| wheel.rim(state).y - wheel.hub(state)[1];
     let energy = |state: &WheelState| {
-        let stored = wheel.stored(state, &prepared);
+        let stored = wheel.stored(state);
         stored.kinetic + stored.elastic
     };
-    let (first, whole) = (apart(&state), energy(&state));
+    let first = apart(&state);
     // the rail has pushed the rim up, against the hub that is carried
     assert!(relative(first, -10e3 / (RIM * square())) < 1e-9, "{first}");
     let mut next = state.clone();
-    let mut off = 0.0_f64;
+    let (mut off, mut whole) = (0.0_f64, None);
     for number in 1..=314 {
         let times = [f64::from(number - 1) * step, f64::from(number) * step];
         let free = wheel.free(&prepared, &state, times);
         wheel.finish(&prepared, &state, &free, &Vector3::zeros(), &mut next);
         std::mem::swap(&mut state, &mut next);
         off = off.max((apart(&state) / first - (omega * times[1]).cos()).abs());
-        assert!(relative(energy(&state), whole) < ROUNDOFF, "{number}");
+        let now = energy(&state);
+        assert!(relative(now, *whole.get_or_insert(now)) < ROUNDOFF, "{number}");
     }
     println!("{off:e}");
     assert!(off < PHASE, "{off}");
-    let beta = |step: f64| wheel.prepare(step).beta;
+    let beta = |step: f64| {
+        wheel.prepare(step).modes.iter().map(|mode| mode.of_end / (step * step)).fold(1.0, f64::min)
+    };
     assert!(beta(1e-5) == 1.0 / 12.0 && beta(1e-3) > 0.2 && beta(1e-3) < 0.25, "{}", beta(1e-3));
+}
+
+/// Source: a free vibration keeps its energy, whatever the length of the steps. Goal: a wheel whose rim is let go swings for 2000 steps of 1/5 or of 1/10 of a radian, the shorter ones where it moves fast, which
+/// drives or damps a vibration whose velocities are taken over as they are; where the steps are long again it has the energy (J) that it had. Accuracy: what a change of length leaves, the fourth power of (ωh)
+/// over 72, a few hundred times, at random phases of either sign; without the difference of the velocities the energy doubles.
+#[test]
+fn steps_of_other_lengths_drive_no_vibration() {
+    const LEFT: f64 = 1e-2;
+    let scenario = Scenario::new(1, 1e-4, 0.3);
+    let wheel = Wheel::new(&two_masses(), &scenario, 0.0, 0.0).unwrap();
+    let omega = (square() * (HUB + RIM) / HUB).sqrt();
+    let lengths = [0.2, 0.1].map(|part| wheel.prepare(part / omega));
+    let mut state = wheel.start(&InitialMotion { carried: 10e3, ..InitialMotion::default() });
+    wheel.accelerate(&mut state, &Vector3::zeros());
+    let mut next = state.clone();
+    let mut energies = [f64::INFINITY, 0.0];
+    let (mut time, mut changes, mut last) = (0.0, 0, 0);
+    for _ in 0..2000 {
+        let elastic = wheel.stored(&state).elastic;
+        let short = usize::from(wheel.stored(&state).kinetic > elastic);
+        changes += usize::from(short != last);
+        last = short;
+        let prepared = &lengths[short];
+        let times = [time, time + prepared.step];
+        let free = wheel.free(prepared, &state, times);
+        wheel.finish(prepared, &state, &free, &Vector3::zeros(), &mut next);
+        std::mem::swap(&mut state, &mut next);
+        time = times[1];
+        if short == 0 {
+            let stored = wheel.stored(&state);
+            let whole = stored.kinetic + stored.elastic;
+            energies = [energies[0].min(whole), energies[1].max(whole)];
+        }
+    }
+    println!("{energies:?} {changes}");
+    assert!(changes > 100 && relative(energies[1], energies[0]) < LEFT, "{energies:?} {changes}");
 }
 
 /// Source: statics. Goal: with a hub too heavy to move, and time for the swing to die, the rim is where its flexibility has it (m/N): that of the mode, exactly;

@@ -12,7 +12,7 @@ use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
 use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::Material;
-use railspring_calibrate::step_control::InnerSteps;
+use railspring_calibrate::step_control::{InnerSteps, StepControl};
 
 /// A profile 80 mm wide through z(y), with a kink in the middle or without.
 pub(crate) fn profile(shape: impl Fn(f64) -> f64, kinks: &[usize]) -> ProfileCurve {
@@ -511,4 +511,7 @@ fn unusable_values_are_named() {
             .contains("law")
     );
     assert!(message(&|m| m.node_spacing = 1e-9).contains("node_spacing"));
+    let adapted = Scenario { inner_steps: InnerSteps::Adaptive(StepControl::DEFAULT), ..scenario };
+    let refused = flat(StiffnessLaw::published(), 283.0).run(&adapted, &Silent).unwrap_err().to_string();
+    assert!(refused.contains("equal steps for the published element"), "{refused}");
 }
