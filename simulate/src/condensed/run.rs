@@ -266,9 +266,9 @@ impl<'a> Run<'a> {
         if let Some(step) = rail_step {
             step.finish((to_world() * next.head.share * self.on_rail(&next.at)).as_slice());
         }
-        let works = self.worked(state, next, times, &free);
-        next.ledger = state.ledger.worked(&works);
         let moved = self.moved(&state.at, &next.at);
+        let works = self.worked(state, next, times, &free, &moved);
+        next.ledger = state.ledger.worked(&works);
         next.made = state.made + made(&state.at, &next.at, &moved);
         next.velocity = moved / (times[1] - times[0]);
         if next.wheel.is_finite() && (works.work + works.damped + works.friction).is_finite() {
@@ -292,8 +292,15 @@ impl<'a> Run<'a> {
         after.pose.wheel - before.pose.wheel - to_wheel * (after.pose.rail - before.pose.rail)
     }
 
-    /// Works in a step, J.
-    fn worked(&self, state: &State, next: &State, times: [f64; 2], free: &Free) -> PartEnergy {
+    /// Works in a step in which the wheel has `moved` against the rail, J.
+    fn worked(
+        &self,
+        state: &State,
+        next: &State,
+        times: [f64; 2],
+        free: &Free,
+        moved: &Vector3<f64>,
+    ) -> PartEnergy {
         let [before, after] = [&state.at, &next.at];
         let of_rail = match (&self.rail, &state.rail, &next.rail) {
             (Some(dynamics), Some(before), Some(after)) => {
@@ -313,8 +320,7 @@ impl<'a> Run<'a> {
             }
             _ => PartEnergy::default(),
         };
-        let moved = self.moved(before, after);
-        let work = 0.5 * (before.contacts.friction() + after.contacts.friction()).dot(&moved);
+        let work = 0.5 * (before.contacts.friction() + after.contacts.friction()).dot(moved);
         // what friction took and the springs along the contacts do not have
         let friction = before.contacts.elastic()[1] - after.contacts.elastic()[1] - work;
         let of_contact = PartEnergy { friction, ..PartEnergy::default() };

@@ -16,69 +16,50 @@ use railspring_calibrate::step_control::InnerSteps;
 
 use railspring_calibrate::element::{Influence, StripModulus, StripPlace, StripStiffness};
 
+use railspring_testing::Random;
+
 use super::{elastic, published};
 use crate::condensed::CondensedModel;
 use crate::moving::{InitialMotion, RailSupport};
-
-/// G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number generators" (2014).
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn one_of<T: Copy>(&mut self, of: &[T]) -> T {
-        of[(self.next() % of.len() as u64) as usize]
-    }
-}
 
 /// Steps of a run: those of a study, and equal ones.
 const KINDS: [InnerSteps; 4] =
     [CondensedModel::STEPS, InnerSteps::Equal(1), InnerSteps::Equal(4), InnerSteps::Equal(16)];
 
 /// A random load case on one of the models.
-fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Scenario) {
-    let mut model = models[(random.next() % models.len() as u64) as usize].clone();
+fn case(random: &mut Random, models: &[CondensedModel]) -> (CondensedModel, Scenario) {
+    let mut model = models[(random.bits() % models.len() as u64) as usize].clone();
     // strips alone, or stiffer ones that harden and relieve each other
     let relieving = random.one_of(&[false, true]);
-    let normal = 10_f64.powf(if relieving { random.within(11.0, 12.0) } else { random.within(9.5, 11.0) });
+    let normal = 10_f64.powf(if relieving { random.between(11.0, 12.0) } else { random.between(9.5, 11.0) });
     let modulus = StripModulus {
         normal,
-        hardening: if relieving { random.within(-0.5, 2.0) } else { 0.0 },
-        tangential: normal * random.within(0.2, 1.5),
-        relief: random.within(0.6, 1.3),
+        hardening: if relieving { random.between(-0.5, 2.0) } else { 0.0 },
+        tangential: normal * random.between(0.2, 1.5),
+        relief: random.between(0.6, 1.3),
     };
     let influence = Influence { flexibility: if relieving { 2.8e-12 } else { 0.0 } };
     model.element.strips = StripStiffness::new(vec![StripPlace { rail_s: 0.0, modulus }], influence, 0.0);
-    let softer = 10_f64.powf(random.within(-2.0, 0.5));
+    let softer = 10_f64.powf(random.between(-2.0, 0.5));
     model.element.wheel.rest *= softer;
     model.element.head *= random.one_of(&[0.0, 1.0, softer]);
-    if random.within(0.0, 1.0) < 0.3 {
+    if random.between(0.0, 1.0) < 0.3 {
         model.element.wheel.modes.clear();
     }
-    if random.within(0.0, 1.0) < 0.3 {
+    if random.between(0.0, 1.0) < 0.3 {
         model.support = RailSupport::Rigid;
     }
-    model.axle = 10_f64.powf(random.within(4.0, 7.0));
+    model.axle = 10_f64.powf(random.between(4.0, 7.0));
     model.initial = InitialMotion {
-        displacement: [random.within(-0.012, 0.006), random.one_of(&[0.0, -1e-4, -5e-3])],
-        velocity: [random.within(-0.5, 0.5), random.within(-0.2, 0.5)],
+        displacement: [random.between(-0.012, 0.006), random.one_of(&[0.0, -1e-4, -5e-3])],
+        velocity: [random.between(-0.5, 0.5), random.between(-0.2, 0.5)],
         carried: 0.0,
     };
-    let force = |random: &mut SplitMix, low: f64, high: f64| HarmonicForce {
-        constant: random.within(low, high),
-        amplitude: random.one_of(&[0.0, 1.0]) * random.within(0.0, high),
-        frequency: random.within(1.0, 40.0),
-        phase: random.within(0.0, 6.3),
+    let force = |random: &mut Random, low: f64, high: f64| HarmonicForce {
+        constant: random.between(low, high),
+        amplitude: random.one_of(&[0.0, 1.0]) * random.between(0.0, high),
+        frequency: random.between(1.0, 40.0),
+        phase: random.between(0.0, 6.3),
     };
     let scenario = Scenario {
         steps: 60,
@@ -88,7 +69,7 @@ fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Sc
         vertical_suspension: Kelvin { stiffness: 1.2e6, damping: random.one_of(&[0.0, 4e4]) },
         vertical_force: force(random, -120e3, 120e3),
         lateral_force: force(random, -60e3, 60e3),
-        inner_steps: if random.within(0.0, 1.0) < 0.5 { KINDS[0] } else { random.one_of(&KINDS) },
+        inner_steps: if random.between(0.0, 1.0) < 0.5 { KINDS[0] } else { random.one_of(&KINDS) },
         speed: random.one_of(&[0.0, 1.0, 5.0]),
         rotations_held: random.one_of(&[true, false]),
         ..published()
@@ -100,12 +81,12 @@ fn case(random: &mut SplitMix, models: &[CondensedModel]) -> (CondensedModel, Sc
 /// error, nothing that is not finite, and no energy (J) that comes of nothing: beyond a hundredth of the largest that is stored with the steps of a study, and beyond the limit of the verdict, 5 %, with
 /// sixteenths of 0.5 ms. Accuracy: DISCRETISATION, an impact has `(ωh)²/12` of its energy of it, which the tolerance of the steps keeps below 0.03/12.
 #[test]
-#[ignore = "45 seconds of the processor's time: cargo random-runs"]
+#[ignore = "half a minute of the processor's time: cargo random-runs"]
 fn random_runs_end_in_a_result() {
     const DRIFT: [f64; 4] = [0.01, f64::INFINITY, f64::INFINITY, 0.05];
     const RUNS: usize = 10_000;
     const CHUNK: usize = 250;
-    let mut random = SplitMix(41);
+    let mut random = Random::new(41);
     let models: Vec<CondensedModel> = [("60E1", "S1002"), ("54E1", "S1002")]
         .map(|(rail, wheel)| {
             let pair = Pair::new(
