@@ -164,11 +164,13 @@ impl BeamElement<'_> {
     }
 
     fn to_world(self, local: &Matrix12) -> Matrix12 {
-        let mut turn = Matrix12::zeros();
-        for block in 0..4 {
-            turn.fixed_view_mut::<3, 3>(3 * block, 3 * block).copy_from(&self.turn());
+        let turn = self.turn();
+        let mut world = *local;
+        for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (3 * i, 3 * j))) {
+            let block = turn * local.fixed_view::<3, 3>(i, j) * turn.transpose();
+            world.fixed_view_mut::<3, 3>(i, j).copy_from(&block);
         }
-        turn * local * turn.transpose()
+        world
     }
 }
 

@@ -192,13 +192,9 @@ impl Meeting {
         [first, *second]
     }
 
-    /// Product of two right-hand sides at the nodes, both as [`Self::eliminated`], over the matrix: of forces and of rows of a
-    /// displacement, the displacement under the forces.
-    pub fn over(&self, rows: &[Node; 2], forces: &[Node; 2]) -> f64 {
-        let of = |node: usize| -> f64 {
-            product(&self.inverses[node], &forces[node]).iter().zip(&rows[node]).map(|(u, r)| u * r).sum()
-        };
-        of(0) + of(1)
+    /// Forces at the nodes, as [`Self::eliminated`], over the matrix: times the rows of a displacement, eliminated as well, it is that under the forces.
+    pub fn over(&self, forces: &[Node; 2]) -> [Node; 2] {
+        [0, 1].map(|node| product(&self.inverses[node], &forces[node]))
     }
 
     /// The values of both nodes, from right-hand sides as [`Self::eliminated`].
@@ -346,7 +342,10 @@ mod tests {
                 let moved: f64 = (0..2)
                     .map(|n| SVector::from(rows[n]).dot(&solution.fixed_rows::<NODE>(NODE * (towards + n))))
                     .sum();
-                let found = meeting.over(&meeting.eliminated(&rows), &meeting.eliminated(&forces));
+                let over = meeting.over(&meeting.eliminated(&forces));
+                let rows = meeting.eliminated(&rows);
+                let found: f64 =
+                    rows.as_flattened().iter().zip(over.as_flattened()).map(|(a, b)| a * b).sum();
                 assert!((found - moved).abs() < ROUNDOFF * solution.amax(), "{found} {moved}");
             }
         }

@@ -58,7 +58,7 @@ pub struct RailBeam {
 }
 
 /// The section at a place: its element, and rows that give a displacement from the two nodes of the element.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct SectionRows {
     /// Number of the element.
     pub element: usize,

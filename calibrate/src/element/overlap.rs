@@ -36,6 +36,9 @@ const MOST_STEPS: usize = 40;
 const LONGEST_STEP: f64 = 5e-3;
 const SETTLED: f64 = 1e-7;
 
+/// The last such step to what is opposite on the wheel, m: the parabola along it is off by less than a picometre where the curvature changes by 1000/m in a millimetre.
+const FOOT: f64 = 1e-6;
+
 /// Where both bodies are: displacements y and z (m) of their reference points and rotations about x (rad).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {
@@ -292,7 +295,7 @@ impl<'a> Profiles<'a> {
                 return None;
             }
             let step = along.dot(&(point - foot)) / advance;
-            if step.abs() < SETTLED {
+            if step.abs() < FOOT {
                 // the parabola there is the curve to the cube of the step
                 let step = step - 0.5 * along.dot(&bend) * step * step / advance;
                 let (foot, tangent) = (foot + step * (tangent + 0.5 * step * bend), tangent + step * bend);

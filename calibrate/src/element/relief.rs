@@ -52,7 +52,7 @@ fn root_from(near: f64, load: f64) -> f64 {
     let cube = load.max(0.0) + LEAST_ROOT * LEAST_ROOT * LEAST_ROOT;
     let mut root = near;
     for _ in 0..NEWTONS {
-        let step = (root - cube / (root * root)) / 3.0;
+        let step = (root - cube / (root * root)) * (1.0 / 3.0);
         root -= step;
         if step.abs() < NEAR * root {
             return root;

@@ -54,8 +54,6 @@ pub struct Contact {
     pub friction: Vector3<f64>,
     /// Minus their derivative by the motion of the wheel.
     pub friction_stiffness: Matrix3<f64>,
-    /// Stiffness of strips and their friction with everything sticking on surfaces that do not turn.
-    pub sticking: Matrix3<f64>,
     /// Stiffness of all strips along their tangents, N/m, and of those that slide.
     pub tangential_stiffness: f64,
     /// See `tangential_stiffness`.
@@ -79,8 +77,6 @@ pub struct Relieved {
     pub force: Vector3<f64>,
     /// Minus their derivative by the motion of the wheel.
     pub stiffness: Matrix3<f64>,
-    /// The same with everything sticking on surfaces that do not turn.
-    pub sticking: Matrix3<f64>,
     /// What that relief differs by from the one with which the forces were summed, m.
     pub off: f64,
     /// Potential of the relief, J.
@@ -99,8 +95,13 @@ struct Strip {
     width: f64,
     /// Cosine of the angle between the profiles.
     cosine: f64,
-    /// Penetration, m.
+    /// Tangential displacement under a tangential force per length equal to the normal one, over that along the penetration, m²/N.
+    give: f64,
+    /// Penetration, m, the normal force per length along it there, N/m, its derivative by that, Pa, and the potential per length, N.
     depth: f64,
+    normal: f64,
+    stiffness: f64,
+    energy: f64,
     /// Where it is, m.
     point: Vector2<f64>,
     /// Changes of the penetration, of the arc length on the wheel opposite (with a minus: the way that the wheel slides) and of the tangential displacement with the motion of the wheel.
@@ -175,13 +176,19 @@ impl Strip {
     fn new(profiles: &Profiles, here: &Facing, [s, width]: [f64; 2], law: &impl StripLaw) -> Self {
         let arm = here.point.coords;
         let with = |d: Vector2<f64>| Vector3::new(d.x, d.y, arm.perp(&d));
+        let modulus = law.modulus(s);
+        let (normal, stiffness) = modulus.force(here.penetration);
         Self {
-            modulus: law.modulus(s),
+            modulus,
             rail_s: s,
             wheel_s: here.wheel_s,
             width,
             cosine: here.cosine,
+            give: 1.0 / (here.cosine * modulus.tangential),
             depth: here.penetration,
+            normal,
+            stiffness,
+            energy: modulus.energy(here.penetration),
             point: arm,
             deeper: with(here.outward / here.cosine),
             slide: with(-here.along / here.cosine),
@@ -207,7 +214,15 @@ impl Strip {
 
     /// The largest tangential displacement that friction can take up, m, under a normal force per length.
     fn limit(&self, coefficient: f64, normal: f64) -> f64 {
-        if coefficient > 0.0 { coefficient * normal / (self.cosine * self.modulus.tangential) } else { 0.0 }
+        if coefficient > 0.0 { coefficient * normal * self.give } else { 0.0 }
+    }
+
+    /// Potential per length, N: the work from where it was found by the trapezoid of the force, corrected by its derivatives.
+    fn energy(&self, pressed: &Pressed) -> f64 {
+        let deeper = pressed.depth - self.depth;
+        let mean =
+            0.5 * (self.normal + pressed.normal) - deeper / 12.0 * (pressed.stiffness - self.stiffness);
+        self.energy + deeper * mean
     }
 }
 

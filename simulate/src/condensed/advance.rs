@@ -23,13 +23,13 @@ const ENERGY: f64 = 3e-4;
 
 /// A state, and room for the next one.
 struct States {
-    now: State,
-    next: State,
+    now: Box<State>,
+    next: Box<State>,
 }
 
 impl States {
     fn both(&mut self) -> [&mut State; 2] {
-        [&mut self.now, &mut self.next]
+        [&mut *self.now, &mut *self.next]
     }
 }
 
@@ -53,7 +53,7 @@ fn run(model: &CondensedModel, scenario: &Scenario, monitor: &dyn Monitor) -> Re
     let mut strips = ContactStrips::new(profiles, &model.element.strips);
     let now = run.start(&mut strips)?;
     let mut steps = Steps::new(&run, &now);
-    let mut states = States { next: now.clone(), now };
+    let mut states = States { next: Box::new(now.clone()), now: Box::new(now) };
     let mut rows = Vec::with_capacity(scenario.steps + 1);
     let mut rail = Vec::with_capacity(scenario.steps + 1);
     rows.push(run.row(0.0, &states.now));

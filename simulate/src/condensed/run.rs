@@ -309,9 +309,8 @@ impl<'a> Run<'a> {
                 let (heads, forces) =
                     ([&state.head, &next.head], [&state.at, &next.at].map(|at| self.on_rail(at)));
                 let shares = heads.map(|head| to_world() * head.share * to_world());
-                let places = times.map(|time| self.wheel_x(time));
                 let of_beam =
-                    dynamics.driven([before, after], places, shares, forces.map(|force| to_world() * force));
+                    dynamics.driven([before, after], shares, forces.map(|force| to_world() * force));
                 let of_head = heads[0].driven(heads[1], [&forces[0], &forces[1]], torsions);
                 let turned = heads[1].turned(&forces[1]) - heads[0].turned(&forces[0]);
                 let work = of_beam + of_head + torsion * turned;

@@ -106,7 +106,7 @@ impl CondensedModel {
         at.contacts.look(&mut strips, law, &at.pose, friction);
         let to_wheel = transport(&arm(&references, &at.pose));
         let both = rim + to_wheel * head * to_wheel.transpose();
-        let sticking = at.contacts.all.sticking;
+        let sticking = strips.sticking();
         let stiffness = (Matrix3::identity() + sticking * both).lu().solve(&sticking);
         let hub = stiffness.map(|stiffness| stiffness.fixed_view::<2, 2>(0, 0).into_owned());
         let flexibility = hub.and_then(|hub| hub.try_inverse());

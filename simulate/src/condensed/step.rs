@@ -142,10 +142,10 @@ impl Step<'_> {
         }
         let both = wheel + to_wheel * rail * to_wheel.transpose();
         let system = Matrix3::identity() + both * contacts.all.stiffness;
-        let Some(relative) = system.lu().solve(&(to_wheel * off.rail - off.wheel)) else {
+        let Some(inverse) = system.try_inverse() else {
             return false;
         };
-        let force = contacts.all.stiffness * relative;
+        let force = contacts.all.stiffness * (inverse * (to_wheel * off.rail - off.wheel));
         pose.wheel -= (off.wheel + wheel * force) * length;
         pose.rail -= (off.rail - rail * to_wheel.tr_mul(&force)) * length;
         true

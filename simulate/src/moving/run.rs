@@ -348,9 +348,8 @@ impl<'a> Run<'a> {
         let of_rail = match (&self.rail, &state.rail, &moved_rail) {
             (Some(dynamics), Some(before), Some(after)) => {
                 let times = [time - step, time];
-                let x = times.map(|time| self.rail_load(time).x);
                 let driven =
-                    dynamics.driven([before, after], x, [Matrix3::identity(); 2], [state.on_rail, on_rail]);
+                    dynamics.driven([before, after], [Matrix3::identity(); 2], [state.on_rail, on_rail]);
                 let driven = PartEnergy { work: driven, ..PartEnergy::default() };
                 dynamics.energy(before, after, 0.5 * (torsion(times[0]) + torsion(times[1])), step) + driven
             }

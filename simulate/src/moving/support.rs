@@ -64,12 +64,21 @@ impl RailSupport {
     }
 }
 
-/// Motion of the nodes of the rail.
+/// Motion of the nodes of the rail, and the section under the wheel.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RailState {
     displacements: Vec<Node>,
     velocities: Vec<Node>,
     accelerations: Vec<Node>,
+    under: WheelSection,
+}
+
+/// The section under the wheel with rows of its motion in directions 1, 2 and rotation 3: y, −z and −(rotation about x).
+#[derive(Debug, Clone, Copy, Default)]
+struct WheelSection {
+    /// Where it is, m from the first end.
+    x: f64,
+    section: SectionRows,
 }
 
 impl RailState {
@@ -90,8 +99,17 @@ pub(crate) struct RailDynamics<'a> {
     damping: f64,
     /// The middle, where a torsion acts.
     middle: SectionRows,
-    /// Factors for the steps that were asked for.
-    factors: RefCell<Vec<(Newmark, Rc<ChainFactor>)>>,
+    /// What was prepared for the steps that were asked for.
+    prepared: RefCell<Vec<Rc<Prepared>>>,
+}
+
+/// What steps of one length need.
+struct Prepared {
+    scheme: Newmark,
+    /// The equations of the accelerations at the end of a step.
+    factor: ChainFactor,
+    /// The place of the last step.
+    place: RefCell<Rc<Place>>,
 }
 
 /// What acts on the rail besides the contact, and where the contact is.
@@ -106,9 +124,18 @@ pub(crate) struct RailLoad {
 /// The rail over steps of one length. Its interface is the section at the wheel in directions 1, 2 and rotation 3.
 pub(crate) struct Rail<'a> {
     dynamics: &'a RailDynamics<'a>,
-    scheme: Newmark,
-    /// The equations of the accelerations at the end of a step.
-    factor: Rc<ChainFactor>,
+    prepared: Rc<Prepared>,
+}
+
+/// A place of the wheel, with what a step there needs of the rail.
+#[derive(Debug, Clone)]
+struct Place {
+    under: WheelSection,
+    meeting: Meeting,
+    /// Rows of the section at the wheel, eliminated.
+    rows: [[Node; 2]; 3],
+    /// By columns.
+    flexibility: [f64; 9],
 }
 
 /// A step of the rail.
@@ -117,29 +144,25 @@ pub(crate) struct RailStep<'s> {
     /// Displacements and velocities without acceleration at the end of the step; its accelerations are the right-hand side without
     /// contact, eliminated towards the wheel.
     next: &'s mut RailState,
-    meeting: Meeting,
-    /// Rows of the section at the wheel, eliminated.
-    rows: [[Node; 2]; 3],
+    place: Rc<Place>,
     free: [f64; 3],
-    /// By columns.
-    flexibility: [f64; 9],
 }
 
 impl<'a> RailDynamics<'a> {
     pub fn new(beam: &'a RailBeam, damping: f64) -> Self {
         let middle = beam.section_rows(0.5 * beam.length());
-        Self { beam, damping, middle, factors: RefCell::default() }
+        Self { beam, damping, middle, prepared: RefCell::default() }
     }
 
     pub fn beam(&self) -> &RailBeam {
         self.beam
     }
 
-    /// The section at `x` with rows of its motion in directions 1, 2 and rotation 3: y, −z and −(rotation about x).
-    fn section(&self, x: f64) -> SectionRows {
+    /// The section under a wheel at `x`, m from the first end.
+    fn section(&self, x: f64) -> WheelSection {
         let SectionRows { element, rows: [y, z, rx] } = self.beam.section_rows(x);
         let negative = |row: [Node; 2]| row.map(|node| node.map(|value| -value));
-        SectionRows { element, rows: [y, negative(z), negative(rx)] }
+        WheelSection { x, section: SectionRows { element, rows: [y, negative(z), negative(rx)] } }
     }
 
     /// Adds the torsion (N·m) at the middle.
@@ -157,7 +180,8 @@ impl<'a> RailDynamics<'a> {
     pub fn start(&self, load: &RailLoad, contact: Vector3<f64>) -> Result<RailState> {
         let mut state = RailState::default();
         state.resize(self.beam.elements() + 1);
-        let SectionRows { element, rows } = self.section(load.x);
+        state.under = self.section(load.x);
+        let SectionRows { element, rows } = state.under.section;
         self.add_torsion(load.torsion, &mut state.accelerations);
         for (row, force) in rows.iter().zip(&contact) {
             (0..2).for_each(|node| add(&mut state.accelerations[element + node], *force, &row[node]));
@@ -198,22 +222,21 @@ impl<'a> RailDynamics<'a> {
         PartEnergy { work: torsion * turned, damped, ..PartEnergy::default() }
     }
 
-    /// Work of what moves the contact along the rail in a step from `before` to `after`, J: what its forces (directions 1, 2 and moment 3; at both ends of the step,
-    /// where the wheel is at `x`, m) do to the nodes, less what they do to the surface under the wheel, which comes down as the wheel rolls down a slope. The surface has `shares` of the
+    /// Work of what moves the contact along the rail in a step from `before` to `after`, J: what its forces (directions 1, 2 and moment 3; at both ends of the step)
+    /// do to the nodes, less what they do to the surface under the wheel, which comes down as the wheel rolls down a slope. The surface has `shares` of the
     /// motion of its section.
     pub fn driven(
         &self,
         [before, after]: [&RailState; 2],
-        x: [f64; 2],
         shares: [Matrix3<f64>; 2],
         forces: [Vector3<f64>; 2],
     ) -> f64 {
-        if x[0] == x[1] {
+        let under = [&before.under, &after.under];
+        if under[0].x == under[1].x {
             return 0.0;
         }
-        let sections = x.map(|x| self.section(x));
         let moved = |side: usize, state: &RailState| {
-            let SectionRows { element, rows } = &sections[side];
+            let SectionRows { element, rows } = &under[side].section;
             let of_section = Vector3::from_fn(|i, _| {
                 (0..2).map(|node| dot(&rows[i][node], &state.displacements[element + node])).sum::<f64>()
             });
@@ -232,18 +255,48 @@ impl<'a> RailDynamics<'a> {
     /// # Errors
     /// A beam whose equations have no solution.
     pub fn over(&self, scheme: &Newmark) -> Result<Rail<'_>> {
-        let mut factors = self.factors.borrow_mut();
-        let known = factors.iter().find(|(known, _)| known == scheme).map(|(_, factor)| factor.clone());
-        let factor = match known {
-            Some(factor) => factor,
+        let mut all = self.prepared.borrow_mut();
+        let known = all.iter().find(|known| known.scheme == *scheme).cloned();
+        let prepared = match known {
+            Some(prepared) => prepared,
             None => {
                 let stiffness = (1.0 + self.damping * scheme.velocity) / scheme.acceleration;
-                let factor = Rc::new(self.beam.factor(1.0, stiffness)?);
-                factors.push((*scheme, factor.clone()));
-                factor
+                let factor = self.beam.factor(1.0, stiffness)?;
+                let place = RefCell::new(Rc::new(Place::new(self.section(0.0), &factor, scheme)));
+                let prepared = Rc::new(Prepared { scheme: *scheme, factor, place });
+                all.push(prepared.clone());
+                prepared
             }
         };
-        Ok(Rail { dynamics: self, scheme: *scheme, factor })
+        Ok(Rail { dynamics: self, prepared })
+    }
+}
+
+impl Place {
+    fn new(under: WheelSection, factor: &ChainFactor, scheme: &Newmark) -> Self {
+        let SectionRows { element, rows } = &under.section;
+        let meeting = factor.meeting(*element);
+        let rows = rows.map(|row| meeting.eliminated(&row));
+        let over = rows.map(|row| meeting.over(&row));
+        let gain = 1.0 / scheme.acceleration;
+        let flexibility = std::array::from_fn(|k| gain * dot_both(&rows[k % 3], &over[k / 3]));
+        Self { under, meeting, rows, flexibility }
+    }
+}
+
+impl Rail<'_> {
+    /// The rail with the wheel at `x`, m from the first end.
+    fn place(&self, x: f64) -> Rc<Place> {
+        let Prepared { scheme, factor, place } = &*self.prepared;
+        let mut last = place.borrow_mut();
+        if last.under.x != x {
+            let place = Place::new(self.dynamics.section(x), factor, scheme);
+            match Rc::get_mut(&mut last) {
+                Some(last) => *last = place,
+                None => *last = Rc::new(place),
+            }
+        }
+        last.clone()
     }
 }
 
@@ -256,7 +309,7 @@ impl LinearPart for Rail<'_> {
         Self: 's;
 
     fn predict<'s>(&'s self, state: &'s RailState, load: &RailLoad, next: &'s mut RailState) -> RailStep<'s> {
-        let (dynamics, scheme) = (self.dynamics, &self.scheme);
+        let (dynamics, Prepared { scheme, factor, .. }) = (self.dynamics, &*self.prepared);
         let nodes = state.displacements.len();
         next.resize(nodes);
         for node in 0..nodes {
@@ -265,7 +318,7 @@ impl LinearPart for Rail<'_> {
                 (next.displacements[node][i], next.velocities[node][i]) = (u, v);
             }
         }
-        let RailState { displacements, velocities, accelerations } = &mut *next;
+        let RailState { displacements, velocities, accelerations, .. } = &mut *next;
         accelerations.fill([0.0; NODE]);
         let strained = |node: usize| {
             let (u, v) = (&displacements[node], &velocities[node]);
@@ -274,20 +327,19 @@ impl LinearPart for Rail<'_> {
         dynamics.beam.add_elastic_forces(strained, accelerations);
         dynamics.add_torsion(load.torsion, accelerations);
 
-        let SectionRows { element, rows } = dynamics.section(load.x);
-        let meeting = self.factor.meeting(element);
-        self.factor.forward(&meeting, accelerations);
-        let eliminated = rows.map(|row| meeting.eliminated(&row));
-        let right = [accelerations[element], accelerations[element + 1]];
+        let place = self.place(load.x);
+        let Place { under, meeting, rows, .. } = &*place;
+        let SectionRows { element, rows: of_nodes } = &under.section;
+        factor.forward(meeting, accelerations);
+        let right = [accelerations[*element], accelerations[element + 1]];
+        let over = meeting.over(&right);
         let gain = 1.0 / scheme.acceleration;
         let free = [0, 1, 2].map(|i| {
-            let [first, second] = &rows[i];
-            let predicted = dot(first, &displacements[element]) + dot(second, &displacements[element + 1]);
-            predicted + gain * meeting.over(&eliminated[i], &right)
+            let predicted = dot_both(&of_nodes[i], &[displacements[*element], displacements[element + 1]]);
+            predicted + gain * dot_both(&rows[i], &over)
         });
-        let flexibility =
-            std::array::from_fn(|k| gain * meeting.over(&eliminated[k % 3], &eliminated[k / 3]));
-        RailStep { rail: self, next, meeting, rows: eliminated, free, flexibility }
+        next.under = *under;
+        RailStep { rail: self, next, place, free }
     }
 }
 
@@ -297,17 +349,18 @@ impl LinearStep for RailStep<'_> {
     }
 
     fn flexibility(&self) -> MatRef<'_, f64> {
-        MatRef::from_column_major_slice(&self.flexibility, 3, 3)
+        MatRef::from_column_major_slice(&self.place.flexibility, 3, 3)
     }
 
     fn finish(self, forces: &[f64]) {
-        let (scheme, factor) = (&self.rail.scheme, &self.rail.factor);
-        let RailState { displacements, velocities, accelerations } = self.next;
-        let element = self.meeting.element();
-        for (row, &force) in self.rows.iter().zip(forces) {
+        let Prepared { scheme, factor, .. } = &*self.rail.prepared;
+        let RailState { displacements, velocities, accelerations, .. } = self.next;
+        let Place { meeting, rows, .. } = &*self.place;
+        let element = meeting.element();
+        for (row, &force) in rows.iter().zip(forces) {
             (0..2).for_each(|node| add(&mut accelerations[element + node], force, &row[node]));
         }
-        factor.backward(&self.meeting, accelerations);
+        factor.backward(meeting, accelerations);
         let (of_u, of_v) = (1.0 / scheme.acceleration, scheme.velocity / scheme.acceleration);
         let motions = displacements.as_flattened_mut().iter_mut().zip(velocities.as_flattened_mut());
         for ((u, v), a) in motions.zip(accelerations.as_flattened()) {
@@ -319,6 +372,10 @@ impl LinearStep for RailStep<'_> {
 
 fn dot(a: &Node, b: &Node) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn dot_both(a: &[Node; 2], b: &[Node; 2]) -> f64 {
+    dot(&a[0], &b[0]) + dot(&a[1], &b[1])
 }
 
 fn add(to: &mut Node, factor: f64, row: &Node) {

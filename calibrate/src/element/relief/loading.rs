@@ -82,8 +82,9 @@ struct Softening {
     derivative: Vec<f64>,
     transposed: Vec<f64>,
     product: Vec<f64>,
-    /// `G`.
+    /// `G` with the reciprocals of its diagonal, and its transpose.
     system: Vec<f64>,
+    system_transposed: Vec<f64>,
 }
 
 impl Loading {
@@ -164,7 +165,10 @@ impl Loading {
         }
         // (I + D·S)⁻¹ = I - H·S
         for (a, &i) in active.iter().enumerate() {
-            step[a] = places.own(roots[a]).0 + dot(row(beside, n, a), now) - before[i];
+            step[a] = places.own(roots[a]).0 - before[i];
+        }
+        for a in 0..n {
+            add(step, now[a], row(beside, n, a));
         }
         off.fill(0.0);
         for a in 0..n {
@@ -328,10 +332,10 @@ impl Loading {
 impl Softening {
     /// From `M`, `S` and the derivative of the relief that each load makes at its place.
     fn factor(&mut self, beside: &[f64], lost: &[f64], near: impl Fn(usize) -> f64, n: usize) {
-        let Self { derivative, transposed, product, system } = self;
+        let Self { derivative, transposed, product, system, system_transposed } = self;
         derivative.clear();
         derivative.extend_from_slice(beside);
-        for matrix in [&mut *transposed, &mut *product, &mut *system] {
+        for matrix in [&mut *transposed, &mut *product, &mut *system, &mut *system_transposed] {
             matrix.clear();
             matrix.resize(n * n, 0.0);
         }
@@ -356,6 +360,12 @@ impl Softening {
             }
         }
         cholesky(system, n);
+        for a in 0..n {
+            system[a * n + a] = 1.0 / system[a * n + a];
+            for k in a..n {
+                system_transposed[k * n + a] = system[a * n + k];
+            }
+        }
     }
 
     /// `H` times `loads`.
@@ -367,11 +377,14 @@ impl Softening {
     /// `Xᵀ` times what [`Softening::half`] has made.
     fn other_half(&self, relief: &mut [f64], n: usize) {
         for a in (0..n).rev() {
-            let known: f64 = dot(&self.system[a * n + a + 1..(a + 1) * n], &relief[a + 1..]);
-            relief[a] = (relief[a] - known) / self.system[a * n + a];
+            let (rest, known) = relief.split_at_mut(a);
+            known[0] *= self.system[a * n + a];
+            add(rest, -known[0], row(&self.system_transposed, n, a));
         }
-        for a in (0..n).rev() {
-            relief[a] = dot(&self.transposed[a * n..=a * n + a], &relief[..=a]);
+        for k in (0..n).rev() {
+            let [own, others @ ..] = &mut relief[k..] else { return };
+            add(others, *own, &self.derivative[k * n + k + 1..]);
+            *own *= self.derivative[k * n + k];
         }
     }
 
@@ -382,7 +395,7 @@ impl Softening {
             add(&mut result[..=k], *load, &self.transposed[k * n..=k * n + k]);
         }
         for a in 0..n {
-            result[a] /= self.system[a * n + a];
+            result[a] *= self.system[a * n + a];
             let (known, rest) = result.split_at_mut(a + 1);
             add(rest, -known[a], &self.system[a * n + a + 1..(a + 1) * n]);
         }

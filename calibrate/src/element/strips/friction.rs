@@ -2,6 +2,7 @@
 
 use super::{ContactStrips, Strip};
 use crate::element::overlap::Pose;
+use std::ops::Range;
 
 /// Distance of the places of the rail at which it is kept, m: an eighth of a narrow contact's half-width. A contact that rolls takes in new places, which have taken up
 /// nothing yet; at 0.25 mm the forces of the published load case 4.1 are half a per cent of their largest off, at this a thirtieth of that.
@@ -16,6 +17,8 @@ pub(super) struct TakenUp {
     /// At places that are equally far apart, m; the second list is room for the next one.
     values: Vec<f64>,
     next: Vec<f64>,
+    /// Beyond these of `values` and of `next` nothing is taken up.
+    filled: [Range<usize>; 2],
     /// The strips of a contact: arc length, m, the most that they can take up, and the way that the wheel has slid over them, m.
     places: Vec<[f64; 3]>,
     /// Places per metre.
@@ -35,6 +38,7 @@ impl TakenUp {
         let values = vec![0.0; count as usize + 1];
         Self {
             next: values.clone(),
+            filled: [0..0, 0..0],
             places: Vec::new(),
             values,
             density: count / length,
@@ -89,9 +93,10 @@ impl ContactStrips<'_> {
         }
         let [then, now] = [self.taken_up.kept, self.taken_up.committed].map(|pose| self.motion_to(&pose));
         let Self { profiles, strips, ends, patches, loading, made, motion, taken_up, .. } = self;
-        let TakenUp { values, next, density, places, .. } = taken_up;
+        let TakenUp { values, next, filled, density, places, .. } = taken_up;
         loading.guess(made, profiles.relief(), &(now - *motion));
-        next.fill(0.0);
+        next[filled[1].clone()].fill(0.0);
+        filled[1] = next.len()..0;
         for patch in patches.iter() {
             let place = |strip: &Strip| {
                 let pressed = strip.pressed(&now, loading.shift(&strip.bells));
@@ -112,6 +117,7 @@ impl ContactStrips<'_> {
                 let [[from, limit, way], [to, other_limit, other_way]] = [pair[0], pair[1]];
                 let [first, last] =
                     [from, to].map(|s| ((s.max(0.0) * *density).ceil() as usize).min(next.len()));
+                filled[1] = filled[1].start.min(first)..filled[1].end.max(last);
                 for i in first..last {
                     let [before, behind] = [i as f64 / *density - from, to - i as f64 / *density];
                     let share = before / (to - from);
@@ -121,7 +127,9 @@ impl ContactStrips<'_> {
                 }
             }
         }
+        filled[1].start = filled[1].start.min(filled[1].end);
         std::mem::swap(values, next);
+        filled.swap(0, 1);
         (taken_up.kept, taken_up.way, taken_up.stepped) = (taken_up.committed, 0.0, false);
     }
 }

@@ -145,6 +145,28 @@ impl ContactStrips<'_> {
         }
     }
 
+    /// Stiffness of all contacts where they were looked at last against motions of the wheel, world, with everything sticking on surfaces that do not turn.
+    pub fn sticking(&self) -> Matrix3<f64> {
+        let of = |strip: &Strip| {
+            let Pressed { deeper, stiffness, .. } =
+                strip.pressed(&self.motion, self.loading.shift(&strip.bells));
+            let across = strip.aside * strip.modulus.tangential * strip.aside.transpose();
+            (deeper * stiffness * deeper.transpose() + across) * strip.width
+        };
+        let mut sum: Matrix3<f64> = self.strips.iter().map(of).sum();
+        if self.profiles.places.is_some() {
+            sum -= self.loading.softness()[0];
+        }
+        let (_, whole) = self.to_world();
+        whole * sum * whole.transpose()
+    }
+
+    /// From the wheel's frame, where the contacts were looked at last, into the world: of places, and of motions or forces.
+    fn to_world(&self) -> (Rotation2<f64>, Matrix3<f64>) {
+        let turn = Rotation2::new(self.looked.wheel.z);
+        (turn, turn.matrix().fixed_resize::<3, 3>(0.0) + Matrix3::from_diagonal(&Vector3::z()))
+    }
+
     /// Takes forces along with the last change of the relief, adds up all contacts and turns them into the world.
     fn total(&self, contacts: &mut [Contact], all: &mut Relieved) {
         for (patch, contact) in self.patches.iter().zip(contacts.iter_mut()) {
@@ -153,21 +175,18 @@ impl ContactStrips<'_> {
                 contact.friction += gradient.friction * more;
             }
         }
-        let turn = Rotation2::new(self.looked.wheel.z);
-        let whole = turn.matrix().fixed_resize::<3, 3>(0.0) + Matrix3::from_diagonal(&Vector3::z());
+        let (turn, whole) = self.to_world();
         let turned = |matrix: &Matrix3<f64>| whole * matrix * whole.transpose();
         if self.profiles.places.is_some() {
             let [normal, friction] = self.loading.softness();
             all.off = self.loading.off();
             all.stiffness -= turned(&(normal + friction));
-            all.sticking -= turned(normal);
         }
         for contact in contacts {
             for force in [&mut contact.force, &mut contact.friction] {
                 *force = whole * *force;
             }
-            for stiffness in [&mut contact.stiffness, &mut contact.friction_stiffness, &mut contact.sticking]
-            {
+            for stiffness in [&mut contact.stiffness, &mut contact.friction_stiffness] {
                 *stiffness = turned(stiffness);
             }
             contact.normal_force = contact.force.xy().norm();
@@ -178,7 +197,6 @@ impl ContactStrips<'_> {
                 self.profiles.wheel_origin() + self.looked.wheel.xy() + turn * contact.point.coords;
             all.force += contact.force + contact.friction;
             all.stiffness += contact.stiffness + contact.friction_stiffness;
-            all.sticking += contact.sticking;
         }
     }
 }
@@ -205,13 +223,10 @@ impl Contact {
         let (q, k) = (pressed.normal * strip.width, pressed.stiffness * strip.width);
         self.force -= pressed.deeper * q;
         let deeper = pressed.deeper * k;
-        let of_depth = deeper * pressed.deeper.transpose();
-        self.stiffness += of_depth + strip.turn * q * strip.slide.transpose();
-        self.energy += strip.modulus.energy(pressed.depth) * strip.width;
+        self.stiffness += deeper * pressed.deeper.transpose() + strip.turn * q * strip.slide.transpose();
+        self.energy += strip.energy(pressed) * strip.width;
         let spring = strip.modulus.tangential * strip.width;
         let aside = strip.aside * spring;
-        let across = aside * strip.aside.transpose();
-        self.sticking += of_depth + across;
         self.tangential_stiffness += spring;
         if !rubs {
             return Vector3::zeros();
@@ -219,7 +234,7 @@ impl Contact {
         self.friction -= aside * strip.now;
         self.stored += 0.5 * spring * strip.now * strip.now;
         if !strip.slides {
-            self.friction_stiffness += across;
+            self.friction_stiffness += aside * strip.aside.transpose();
             self.sticks = true;
             return Vector3::zeros();
         }

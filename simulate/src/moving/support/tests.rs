@@ -33,7 +33,7 @@ fn at_rest(beam: &RailBeam) -> RailState {
 }
 
 fn displacement(dynamics: &RailDynamics, x: f64, state: &RailState) -> Vec<f64> {
-    let SectionRows { element, rows } = dynamics.section(x);
+    let SectionRows { element, rows } = dynamics.section(x).section;
     let of = |row: &[Node; 2]| -> f64 {
         (0..2).map(|node| dot(&row[node], &state.displacements[element + node])).sum()
     };
