@@ -18,6 +18,7 @@ mod line;
 mod limits;
 mod signals;
 mod change;
+mod contact;
 mod step_change;
 mod spread;
 mod model_run;
@@ -33,6 +34,7 @@ use serde::{Deserialize, Serialize};
 
 pub use band::Band;
 pub use change::{Change, least_contact};
+pub use contact::ContactDifference;
 pub use limits::Limits;
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};
 pub use model_run::{ModelRun, Worth};

@@ -20,6 +20,7 @@ mod field_files;
 mod horizontal;
 mod interrupted_tables;
 mod killed_runs;
+mod leave_one_out;
 mod manchester;
 mod module_order;
 mod mutation;

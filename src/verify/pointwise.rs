@@ -6,12 +6,11 @@
 use railspring_calibrate::history::{Ending, History};
 
 use super::change::{FORCES, least_contact, over, peaks, scales};
+use super::contact::ContactDifference;
 use super::limits::Limits;
 use super::line::Criterion;
 use super::model_run::ModelRun;
-use super::signals::{
-    Carrying, ModeFractions, Separation, averaged_ratio, fractions_of, pair_separations, separations,
-};
+use super::signals::{Carrying, averaged_ratio};
 use super::{Check, column, peak, rms, rows_before};
 
 /// What is compared, and over what.
@@ -33,12 +32,8 @@ struct Differences {
     ratio: [Option<f64>; 2],
     /// At how many time steps both have it.
     ratio_steps: usize,
-    /// Largest ones of the times at which separations begin and end, s.
-    separation_times: [Option<f64>; 2],
-    /// Separations that only one has.
-    unmatched: usize,
-    /// Fractions of the time sticking, sliding and separated.
-    modes: [Option<f64>; 3],
+    /// Of separations and contact modes.
+    contact: Option<ContactDifference>,
     /// Time at which the wheel leaves the profile, s.
     departure: Option<f64>,
 }
@@ -56,7 +51,6 @@ impl<'a> Scope<'a> {
     fn differences(&self, [a, b]: [&History; 2], carrying: [&Carrying; 2]) -> Differences {
         let limits = self.limits;
         let rows = self.rows(a).min(self.rows(b));
-        let until = rows.checked_sub(1).map_or(f64::NEG_INFINITY, |last| b.rows[last].time);
         // a comparison needs a step after the initial state
         let known = |value: f64| (rows > 1).then_some(value);
         let forces = [0, 1].map(|k| {
@@ -69,19 +63,6 @@ impl<'a> Scope<'a> {
         let ratio: Vec<f64> = (0..rows).filter_map(|n| Some(of_a[n]? - of_b[n]?)).collect();
         let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));
 
-        let separations = [a, b].map(|run| separations(run, 0.0, self.least));
-        let (pairs, alone) = pair_separations(
-            separations.each_ref().map(Vec::as_slice),
-            limits.separation_shortest_s,
-            limits.ratio_window_s,
-        );
-        let times = [|s: &Separation| s.begin_s, |s: &Separation| s.end_s].map(|time| {
-            let both = pairs.iter().map(|pair| pair.each_ref().map(time));
-            let before = both.filter(|pair| pair.iter().all(|time| *time <= until));
-            before.map(|[a, b]| (a - b).abs()).max_by(f64::total_cmp)
-        });
-        let modes = [a, b].map(|run| fractions_of(run.rows.get(1..rows).unwrap_or_default(), self.least));
-        let fraction = |of: fn(&ModeFractions) -> f64| known((of(&modes[0]) - of(&modes[1])).abs());
         let departure = match (a.ending, b.ending) {
             (Ending::Departed { time: a, departure: to }, Ending::Departed { time: b, departure: other }) => {
                 (to == other).then_some((a - b).abs())
@@ -92,23 +73,18 @@ impl<'a> Scope<'a> {
             forces,
             ratio: [of_ratio(rms), of_ratio(peak)],
             ratio_steps: ratio.len(),
-            separation_times: times,
-            unmatched: alone.iter().filter(|s| s.begin_s <= until).count(),
-            modes: [fraction(|m| m.stick), fraction(|m| m.slip), fraction(|m| m.separated)],
+            contact: (rows > 1).then(|| ContactDifference::between([a, b], rows, self.least, limits)),
             departure,
         }
     }
 
-    /// What a run differs by from itself: with an input that is 0.1 % larger and, in its forces, with other steps, both together as
-    /// the root of their squares.
+    /// What a run differs by from itself: with an input that is 0.1 % larger and with other steps, both together as the root of their squares.
     fn worth(&self, run: &ModelRun, carrying: &Carrying) -> Differences {
         let nothing = Differences {
             forces: [[None; 2]; 2],
             ratio: [None; 2],
             ratio_steps: 0,
-            separation_times: [None; 2],
-            unmatched: 0,
-            modes: [None; 3],
+            contact: None,
             departure: None,
         };
         let mut worth =
@@ -125,6 +101,7 @@ impl<'a> Scope<'a> {
         for (worth, steps) in worth.ratio.iter_mut().zip([steps.change.ratio_rms, steps.change.ratio_max]) {
             *worth = steps.map_or(*worth, |steps| both(*worth, steps));
         }
+        worth.contact = Some(worth.contact.map_or(steps.contact, |contact| contact.with(&steps.contact)));
         worth
     }
 
@@ -153,10 +130,11 @@ impl<'a> Scope<'a> {
             checks.push(Ok(if all { line } else { line.noted(carried(&found, &carrying, rows)) }));
         }
         let times = [limits.separation_begin_s(), limits.separation_end_s()];
+        let contact = found.contact.unwrap_or_default();
         for (n, criterion) in times.into_iter().enumerate() {
-            checks.push(match found.separation_times[n] {
-                Some(_) => Ok(line(criterion, &|d| d.separation_times[n])),
-                None => Err(criterion.not_applicable(match (found.unmatched, found.separation_times[0]) {
+            checks.push(match contact.times()[n] {
+                Some(_) => Ok(line(criterion, &|d| d.contact.and_then(|contact| contact.times()[n]))),
+                None => Err(criterion.not_applicable(match (contact.unmatched, contact.begin_s) {
                     (_, Some(_)) => "none ends while the motion is determined",
                     (0, None) => "neither model separates",
                     (_, None) => {
@@ -165,13 +143,8 @@ impl<'a> Scope<'a> {
                 })),
             });
         }
-        // a model without a disturbed run has no worth
-        let known = [simple, solid].map(|run| run.disturbed.is_some());
-        let unmatched = [0, 1].map(|k| known[k].then_some(worth[k].unmatched as f64));
-        let criterion = limits.separations_unmatched();
-        checks.push(Ok(criterion
-            .line_beside(Some(found.unmatched as f64), unmatched)
-            .taken_over([0.0, until])));
+        let unmatched = |d: &Differences| d.contact.map(|contact| contact.unmatched as f64);
+        checks.push(Ok(line(limits.separations_unmatched(), &unmatched)));
         let meanings = [
             "Time sticking, difference of the fractions",
             "Time sliding, difference of the fractions",
@@ -179,7 +152,7 @@ impl<'a> Scope<'a> {
         ];
         for (n, meaning) in meanings.into_iter().enumerate() {
             let criterion = Criterion { meaning, ..limits.mode_fraction() };
-            checks.push(Ok(line(criterion, &|d| d.modes[n])));
+            checks.push(Ok(line(criterion, &|d| d.contact.map(|contact| contact.modes[n]))));
         }
         checks
     }

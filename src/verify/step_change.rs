@@ -5,7 +5,9 @@ use railspring_calibrate::step_control::InnerSteps;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::change::Change;
+use super::change::{Change, least_contact};
+use super::contact::ContactDifference;
+use super::limits::Limits;
 use super::line::milliseconds;
 use super::rows_before;
 
@@ -21,6 +23,9 @@ pub struct StepChange {
     /// The change.
     #[serde(flatten)]
     pub change: Change,
+    /// That of separations and contact modes.
+    #[serde(default)]
+    pub contact: ContactDifference,
 }
 
 impl StepChange {
@@ -45,6 +50,12 @@ impl StepChange {
             other_steps_s: steps[1].lengths(time_step),
             until_s: run.rows[compared.max(1) - 1].time,
             change: Change::between(run, other, 0..compared)?,
+            contact: ContactDifference::between(
+                [other, run],
+                compared,
+                least_contact(run),
+                &Limits::default(),
+            ),
         })
     }
 }

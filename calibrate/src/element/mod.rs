@@ -56,7 +56,7 @@ pub struct ElementBodies<'a> {
 }
 
 impl<'a> ElementBodies<'a> {
-    /// Of a condensed pair, whose wheel has modes, for a rail of a `length` (m): the wheel moves in those up to [`PairElement::HIGHEST`].
+    /// Of a condensed pair, whose wheel has modes, for a rail of a `length` (m).
     ///
     /// # Errors
     /// [`InputError`] for a wheel without modes and for a grid of contact nodes with too few lines.
@@ -87,7 +87,7 @@ impl<'a> ElementBodies<'a> {
         on_wheel.check("wheel")?;
         on_rail.check("rail")?;
         let (rim, head) = (on_wheel.section(origin), on_rail.section(pair.node_line()));
-        let wheel = ElasticWheel::new(&on_wheel, modes, &rim, origin, PairElement::HIGHEST)?;
+        let wheel = ElasticWheel::new(&on_wheel, modes, &rim, origin)?;
         let held_end = HeldEnd::new(pair, bodies, &head, length)?;
         let modulus = rail.surface.contact_modulus(&bodies.wheel.surface);
         Ok(Self { pair, modulus, wheel, rim, head, held_end })
@@ -116,9 +116,6 @@ impl<'a> ElementBodies<'a> {
 }
 
 impl PairElement {
-    /// Frequency up to which the wheel moves in modes, Hz.
-    pub const HIGHEST: f64 = 2000.0;
-
     /// Flexibility of the head on its rail far from its ends, as [`Self::head`]. A solid rail's section under a contact does not move quite as a beam's, so that it is another one than against the
     /// section.
     pub fn head_on_rail(&self) -> Matrix3<f64> {

@@ -60,8 +60,10 @@ pub struct Contact {
     pub sliding_stiffness: f64,
     /// Elastic energy of friction, J.
     pub stored: f64,
-    /// Whether a strip sticks.
+    /// Whether a strip sticks, and the share of the normal force on strips that slide.
     pub sticks: bool,
+    /// See `sticks`.
+    pub sliding_share: f64,
     /// Where the normal force acts: world (y, z), m.
     pub point: Point2<f64>,
     /// Arc length of that on the rail, m, and on the wheel.

@@ -26,10 +26,10 @@ const FORCE: f64 = 10.0;
 const MOST_GIVEN_BACK: f64 = 0.01;
 const LEAST_WORK: f64 = 0.03;
 
-/// A contact slides, as one of the solid does, where more than half of its normal force is on surfaces that slide: under Hertz's pressures
-/// those are around an ellipse that sticks, which has `(1 - T/µN)^(1/3)` of the semi-axes (R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16, 1949), so that it is from this part
-/// of the limit on, 1 - (1 - 2^(-2/3))^(3/2).
-const SLIDING: f64 = 0.7749;
+/// A contact slides, as one of the solid does, where more than half of its normal force is on surfaces that slide. Under Hertz's pressures those are around an ellipse that sticks
+/// (R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech. 16, 1949), of `c = √(1 - 2^(-2/3))` of the semi-axes where it carries half; of strips, those beyond `c` of the
+/// half-width have this share of the force, `1 - (3c - c³)/2`.
+const SLIDING: f64 = 0.2001;
 
 /// State between two steps.
 #[derive(Clone)]
@@ -394,8 +394,7 @@ impl<'a> Run<'a> {
     }
 
     fn contact(&self, contact: &Contact) -> ContactState {
-        let limit = self.scenario.friction * contact.normal_force;
-        let slides = contact.tangential_force().abs() >= SLIDING * limit;
+        let slides = contact.sliding_share > SLIDING;
         ContactState {
             mode: if slides { ContactMode::Slip } else { ContactMode::Stick },
             rail: self.model.rail.to_profile(&self.model.rail.curve.point(contact.rail_s)),

@@ -120,6 +120,7 @@ impl ContactStrips<'_> {
                     loading.add_load(&strip.bells, q * strip.weight);
                 }
                 sum += q;
+                contact.sliding_share += if strip.slides { q.max(0.0) } else { 0.0 };
                 contact.rail_s += q * strip.rail_s;
                 contact.wheel_s += q * strip.wheel_s;
                 middle += strip.point * q;
@@ -138,6 +139,7 @@ impl ContactStrips<'_> {
                 }
             }
             let over = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+            contact.sliding_share *= over;
             contact.rail_s *= over;
             contact.wheel_s *= over;
             contact.point = (middle * over).into();

@@ -1,0 +1,160 @@
+//! What each part of the condensed element does, by leaving it out: `cargo leave-one-out` prints the table of docs/condensed-element.md.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use nalgebra::Matrix3;
+use railspring::estimate::Resources;
+use railspring::output::OutputFolder;
+use railspring::pipeline::Pipeline;
+use railspring::records::{RunRecord, history_csv};
+use railspring::stages::{self, Geometry, Springs};
+use railspring::study::Study;
+use railspring::verify::{Limits, ModelRun, compare};
+use railspring::{results, springs};
+use railspring_calibrate::element::{PairElement, StripModulus, StripPlace, StripStiffness};
+use railspring_calibrate::history::{Ending, History};
+use railspring_calibrate::monitor::Silent;
+use serde_json::Value;
+
+/// A change of the element; none leaves that of the publication.
+type Change = fn(&mut PairElement);
+
+/// The rows of the table.
+const CHANGES: [(&str, Option<Change>); 12] = [
+    ("all of it", Some(|_| ())),
+    ("law at the hub, as published", None),
+    ("modes of the wheel up to 300 Hz, the others as statics", Some(|element| fewer_modes(element, 300.0))),
+    ("one mode of the wheel, the others as statics", Some(|element| fewer_modes(element, 188.7))),
+    ("no mode of the wheel, all as statics", Some(|element| fewer_modes(element, 0.0))),
+    ("without the flexibility of the head", Some(without_head)),
+    ("without the rotation of the head", Some(without_rotation)),
+    ("tangential stiffness 0.8 times", Some(|element| scale(element, |m| m.tangential *= 0.8))),
+    ("tangential stiffness 1.2 times", Some(|element| scale(element, |m| m.tangential *= 1.2))),
+    ("strips 0.95 times", Some(|element| scale(element, |m| m.normal *= 0.95))),
+    ("strips 1.05 times", Some(|element| scale(element, |m| m.normal *= 1.05))),
+    ("strips without hardening", Some(|element| scale(element, |m| m.hardening = 0.0))),
+];
+
+/// The modes above a frequency (Hz) follow the forces at once.
+fn fewer_modes(element: &mut PairElement, highest: f64) {
+    let wheel = &mut element.wheel;
+    for mode in wheel.modes.extract_if(.., |mode| mode.square.sqrt() > TAU * highest) {
+        wheel.rest += mode.rim * mode.rim.transpose() / mode.square;
+    }
+}
+
+/// The head is the section of the beam, everywhere.
+fn without_head(element: &mut PairElement) {
+    (element.head, element.held_end) = (Matrix3::zeros(), None);
+}
+
+/// The head does not turn against the section of the beam.
+fn without_rotation(element: &mut PairElement) {
+    let without = |flexibility: &mut Matrix3<f64>| {
+        flexibility.row_mut(2).fill(0.0);
+        flexibility.column_mut(2).fill(0.0);
+    };
+    without(&mut element.head);
+    element
+        .held_end
+        .iter_mut()
+        .flat_map(|end| &mut end.places)
+        .for_each(|place| without(&mut place.flexibility));
+}
+
+fn scale(element: &mut PairElement, change: impl Fn(&mut StripModulus)) {
+    let strips = &element.strips;
+    let changed = |place: &StripPlace| {
+        let mut place = *place;
+        change(&mut place.modulus);
+        place
+    };
+    let places = strips.places().iter().map(changed).collect();
+    element.strips = StripStiffness::new(places, strips.influence, strips.misfit);
+}
+
+/// RMS differences of P and Q over the solid's peak up to a time, s.
+fn forces([simple, solid]: [&History; 2], until: f64) -> [f64; 2] {
+    [|row: &_| force(row, 0), |row: &_| force(row, 1)].map(|force: fn(&_) -> f64| {
+        let peak = solid.rows.iter().map(|row| force(row).abs()).fold(0.0, f64::max);
+        let rows = solid.rows.iter().take_while(|row| row.time <= until);
+        let squares: Vec<f64> =
+            simple.rows.iter().zip(rows).map(|(a, b)| ((force(a) - force(b)) / peak).powi(2)).collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    })
+}
+
+fn force(row: &railspring_calibrate::history::HistoryRow, k: usize) -> f64 {
+    [row.vertical_force, row.lateral_force][k]
+}
+
+/// Source: the solid model of the default study, section 4.1 of the publication. Goal: P and Q (RMS over the solid's peak, to 60 and to 275 ms) and the averaged Q/P (RMS and largest, where P carries it) of the
+/// element and of the element without one of its parts or with another one. Accuracy: MODEL, what the element is off by (3 %, that of the project); without the flexibility of the head, without modes and as published it
+/// is twice as far off at least.
+#[test]
+#[ignore = "half a minute: cargo leave-one-out"]
+fn each_part_of_the_element_is_needed() {
+    const MODEL: f64 = 0.03;
+    let study = include_str!("../data/studies/uic60-s1002.toml");
+    let study = Study::parse(Path::new("uic60-s1002.toml"), study).unwrap();
+    let place = tempfile::tempdir().unwrap();
+    let folder = OutputFolder::create(place.path()).unwrap();
+    Pipeline::new(&study, &folder, Resources::of_the_machine(&Silent))
+        .run()
+        .unwrap_or_else(|e| panic!("{e}"));
+    let text = |name: &str| std::fs::read_to_string(place.path().join(name)).unwrap();
+    let [solid, disturbed] = ["solid_history.csv", "solid_history_disturbed.csv"]
+        .map(|name| history_csv::read(Path::new(name), &text(name), 1, Ending::Completed).unwrap());
+    let results: Value = serde_json::from_str(&text(results::RESULTS)).unwrap();
+    let run = results["files"]["solid_history.csv"]["run"].clone();
+    let run: RunRecord = serde_json::from_value(run).unwrap();
+    let solid_run = ModelRun {
+        history: &solid,
+        steps: run.step_change.as_ref(),
+        disturbed: run.spread.as_ref().map(|spread| (&disturbed, spread)),
+    };
+    let geometry: Geometry = stages::geometry(&study).unwrap();
+    let record = springs::from_file(&study, &geometry, &place.path().join("stiffness.json")).unwrap();
+    let whole: Springs = springs::springs(&record).unwrap();
+    let element = whole.element.clone().expect("the default study has an element");
+    let case = &study.scenarios["constant"];
+    println!(
+        "| | P to 60 ms | Q to 60 ms | P to 275 ms | Q to 275 ms | averaged Q/P: RMS, largest |\n|---|---|---|---|---|---|"
+    );
+    let mut off = Vec::new();
+    for (name, change) in CHANGES {
+        let element = change.map(|change| {
+            let mut element = element.clone();
+            change(&mut element);
+            element
+        });
+        let springs = Springs { element, ..whole.clone() };
+        let (simple, tried) = stages::simulate(&study, &geometry, &springs, case, &Silent).unwrap();
+        let [first, all] = [0.06, f64::INFINITY].map(|until| forces([&simple, &solid], until));
+        let simple_run = ModelRun {
+            history: &simple,
+            steps: tried.worth.steps.as_ref().ok(),
+            disturbed: tried.disturbed.as_ref().zip(tried.worth.spread.as_ref().ok()),
+        };
+        let lines = compare(&simple_run, &solid_run, &Limits::default()).unwrap().lines;
+        let value =
+            |quantity: &str| lines.iter().find(|line| line.quantity == quantity).and_then(|l| l.value);
+        let ratio = ["ratio_rms", "ratio_max"].map(|quantity| value(quantity).unwrap_or(f64::NAN));
+        let percent = |share: f64| format!("{:.1} %", 1e2 * share);
+        println!(
+            "| {name} | {} | {} | {} | {} | {:.3}, {:.2} |",
+            percent(first[0]),
+            percent(first[1]),
+            percent(all[0]),
+            percent(all[1]),
+            ratio[0],
+            ratio[1]
+        );
+        off.push(all);
+    }
+    assert!(off[0].iter().all(|share| *share < MODEL), "{:?}", off[0]);
+    for left_out in [1, 4, 5] {
+        assert!(off[left_out][0] > 2.0 * off[0][0], "{}: {:?}", CHANGES[left_out].0, off[left_out]);
+    }
+}
