@@ -13,7 +13,7 @@ use railspring::study::Study;
 use railspring::verify::{Limits, ModelRun, compare};
 use railspring::{results, springs};
 use railspring_calibrate::element::{PairElement, StripModulus, StripPlace, StripStiffness};
-use railspring_calibrate::history::{Ending, History};
+use railspring_calibrate::history::{Ending, History, HistoryRow};
 use railspring_calibrate::monitor::Silent;
 use serde_json::Value;
 
@@ -76,17 +76,13 @@ fn scale(element: &mut PairElement, change: impl Fn(&mut StripModulus)) {
 
 /// RMS differences of P and Q over the solid's peak up to a time, s.
 fn forces([simple, solid]: [&History; 2], until: f64) -> [f64; 2] {
-    [|row: &_| force(row, 0), |row: &_| force(row, 1)].map(|force: fn(&_) -> f64| {
+    [|row: &HistoryRow| row.vertical_force, |row: &HistoryRow| row.lateral_force].map(|force| {
         let peak = solid.rows.iter().map(|row| force(row).abs()).fold(0.0, f64::max);
         let rows = solid.rows.iter().take_while(|row| row.time <= until);
         let squares: Vec<f64> =
             simple.rows.iter().zip(rows).map(|(a, b)| ((force(a) - force(b)) / peak).powi(2)).collect();
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     })
-}
-
-fn force(row: &railspring_calibrate::history::HistoryRow, k: usize) -> f64 {
-    [row.vertical_force, row.lateral_force][k]
 }
 
 /// Source: the solid model of the default study, section 4.1 of the publication. Goal: P and Q (RMS over the solid's peak, to 60 and to 275 ms) and the averaged Q/P (RMS and largest, where P carries it) of the

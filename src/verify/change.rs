@@ -112,6 +112,14 @@ pub(super) fn over(change: f64, peak: f64) -> f64 {
     if change == 0.0 { 0.0 } else { change / peak }
 }
 
+/// What two causes that have nothing to do with each other change together, as far as either is known: the root of their squares.
+pub(super) fn together(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.hypot(b)),
+        (one, other) => one.or(other),
+    }
+}
+
 impl std::fmt::Display for Change {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         write!(

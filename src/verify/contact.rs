@@ -1,11 +1,10 @@
 //! Differences of two runs in when and how the wheel touches the rail.
 
-use std::ops::Range;
-
 use railspring_calibrate::history::History;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::change::together;
 use super::limits::Limits;
 use super::signals::{ModeFractions, Separation, fractions_of, separations};
 
@@ -40,8 +39,7 @@ impl ContactDifference {
             before.map(|[a, b]| (a - b).abs()).max_by(f64::total_cmp)
         });
         // the initial state does not count
-        let steps: Range<usize> = 1..rows;
-        let modes = [a, b].map(|run| fractions_of(run.rows.get(steps.clone()).unwrap_or_default(), least));
+        let modes = [a, b].map(|run| fractions_of(run.rows.get(1..rows).unwrap_or_default(), least));
         let fraction = |of: fn(&ModeFractions) -> f64| (of(&modes[0]) - of(&modes[1])).abs();
         Self {
             begin_s,
@@ -58,13 +56,9 @@ impl ContactDifference {
 
     /// Two causes that have nothing to do with each other, both together: differences add as the root of their squares, separations are counted.
     pub(super) fn with(&self, other: &Self) -> Self {
-        let both = |a: Option<f64>, b: Option<f64>| match (a, b) {
-            (Some(a), Some(b)) => Some(a.hypot(b)),
-            (one, other) => one.or(other),
-        };
         Self {
-            begin_s: both(self.begin_s, other.begin_s),
-            end_s: both(self.end_s, other.end_s),
+            begin_s: together(self.begin_s, other.begin_s),
+            end_s: together(self.end_s, other.end_s),
             unmatched: self.unmatched + other.unmatched,
             modes: [0, 1, 2].map(|n| self.modes[n].hypot(other.modes[n])),
         }

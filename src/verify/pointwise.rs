@@ -5,7 +5,7 @@
 
 use railspring_calibrate::history::{Ending, History};
 
-use super::change::{FORCES, least_contact, over, peaks, scales};
+use super::change::{FORCES, least_contact, over, peaks, scales, together};
 use super::contact::ContactDifference;
 use super::limits::Limits;
 use super::line::Criterion;
@@ -91,15 +91,14 @@ impl<'a> Scope<'a> {
             run.disturbed.map_or(nothing, |(other, _)| self.differences([other, run.history], [carrying; 2]));
         let Some(steps) = run.steps else { return worth };
         let by_steps = steps.change.forces(scales(run.history));
-        let both = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| a.hypot(b)));
         for k in [0, 1] {
             for measure in [0, 1] {
                 let by_steps = over(by_steps[k][measure], self.peaks[k]);
-                worth.forces[k][measure] = both(worth.forces[k][measure], by_steps);
+                worth.forces[k][measure] = together(worth.forces[k][measure], Some(by_steps));
             }
         }
         for (worth, steps) in worth.ratio.iter_mut().zip([steps.change.ratio_rms, steps.change.ratio_max]) {
-            *worth = steps.map_or(*worth, |steps| both(*worth, steps));
+            *worth = together(*worth, steps);
         }
         worth.contact = Some(worth.contact.map_or(steps.contact, |contact| contact.with(&steps.contact)));
         worth

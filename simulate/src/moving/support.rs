@@ -81,6 +81,14 @@ struct WheelSection {
     section: SectionRows,
 }
 
+impl WheelSection {
+    /// Its motion with the displacements of the nodes.
+    fn moved(&self, displacements: &[Node]) -> [f64; 3] {
+        let SectionRows { element, rows } = &self.section;
+        rows.map(|row| dot_both(&row, &[displacements[*element], displacements[element + 1]]))
+    }
+}
+
 impl RailState {
     fn resize(&mut self, nodes: usize) {
         for values in [&mut self.displacements, &mut self.velocities, &mut self.accelerations] {
@@ -236,11 +244,7 @@ impl<'a> RailDynamics<'a> {
             return 0.0;
         }
         let moved = |side: usize, state: &RailState| {
-            let SectionRows { element, rows } = &under[side].section;
-            let of_section = Vector3::from_fn(|i, _| {
-                (0..2).map(|node| dot(&rows[i][node], &state.displacements[element + node])).sum::<f64>()
-            });
-            shares[side] * of_section
+            shares[side] * Vector3::from(under[side].moved(&state.displacements))
         };
         let (was, is) = (moved(0, before), moved(1, after));
         let work = |side: usize| {
@@ -329,15 +333,11 @@ impl LinearPart for Rail<'_> {
 
         let place = self.place(load.x);
         let Place { under, meeting, rows, .. } = &*place;
-        let SectionRows { element, rows: of_nodes } = &under.section;
         factor.forward(meeting, accelerations);
-        let right = [accelerations[*element], accelerations[element + 1]];
-        let over = meeting.over(&right);
-        let gain = 1.0 / scheme.acceleration;
-        let free = [0, 1, 2].map(|i| {
-            let predicted = dot_both(&of_nodes[i], &[displacements[*element], displacements[element + 1]]);
-            predicted + gain * dot_both(&rows[i], &over)
-        });
+        let element = meeting.element();
+        let over = meeting.over(&[accelerations[element], accelerations[element + 1]]);
+        let (predicted, gain) = (under.moved(displacements), 1.0 / scheme.acceleration);
+        let free = [0, 1, 2].map(|i| predicted[i] + gain * dot_both(&rows[i], &over));
         next.under = *under;
         RailStep { rail: self, next, place, free }
     }
