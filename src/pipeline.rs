@@ -32,13 +32,13 @@ use crate::measure::{Stopwatch, begin};
 use crate::output::{OutputFolder, to_json};
 pub use crate::records::BY_ANGLE;
 use crate::records::{
-    INPUTS, InputsRecord, LoadCurveRow, Measured, RunRecord, StiffnessByAngleRecord, StiffnessRecord,
+    INPUTS, InputsRecord, LoadCurveRow, Measured, Reach, RunRecord, StiffnessByAngleRecord, StiffnessRecord,
     VerificationRecord,
 };
 use crate::results::{NewFile, Results, hash};
 use crate::springs;
 use crate::stages::{self, Calibration, Geometry, Meshes, MovingBodies};
-use crate::store::{Artefact, Store};
+use crate::store::{Address, Artefact, Kind, Store};
 use crate::study::{LawKey, Study};
 use crate::version;
 
@@ -48,7 +48,6 @@ use calibration::{Calibrate, FoundOn};
 use pages::Report;
 use runs::{Other, Run, Simulate};
 use solid_runs::{Begun, SimulateSolid, SolidRuns};
-use stage::Reach;
 use stored::Stored;
 use verdict::{Runs, Verify};
 
@@ -208,7 +207,7 @@ impl<'a> Pipeline<'a> {
             study: self.study.name.clone(),
             description: self.study.description.clone(),
             keys: self.study.resolved.clone(),
-            calibration: self.study.keys.calibration.clone(),
+            calibration: stages::calibration_address(self.study).key().into(),
             version: env!("CARGO_PKG_VERSION").into(),
             commit: version::COMMIT.into(),
         };
@@ -293,13 +292,13 @@ impl<'a> Pipeline<'a> {
         budget.check_sizes(self.study, &geometry, &Work::default())?;
         let options = stages::mesh_options(self.study, &geometry);
         let meshes = stages::meshes(self.study, &geometry, options, interpreter, monitor)?;
-        let key = hash(format!("mesh {}", self.study.keys.calibration).as_bytes());
+        let address = Address::of(Kind::Meshes, &self.study.keys.springs);
         let [of_rail, of_wheel] = [&self.study.rail.mesh, &self.study.wheel.mesh]
             .map(|file| file.as_ref().map_or(&[][..], |file| &file.groups));
         let files = [(&meshes.rail, of_rail, "rail.vtu"), (&meshes.wheel, of_wheel, "wheel.vtu")]
             .into_iter()
             .map(|(mesh, groups, name)| {
-                Ok(NewFile::new(name, stages::mesh_vtu(mesh, groups)?.into_bytes(), &key))
+                Ok(NewFile::new(name, stages::mesh_vtu(mesh, groups)?.into_bytes(), address.key()))
             })
             .collect::<Result<_>>()?;
         self.results.write(files, &[])?;
@@ -372,7 +371,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// As [`Pipeline::report`], and a cross-check that is not there.
-    pub fn crosscheck_pages(self) -> Result<bool> {
+    pub fn crosscheck_pages(mut self) -> Result<bool> {
         if self.stored_results().is_ok() {
             self.report().map(|_| true)
         } else {

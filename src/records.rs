@@ -12,6 +12,7 @@ mod law;
 mod inputs;
 mod touch;
 mod measured;
+mod reach;
 mod run;
 mod verdict;
 mod element;
@@ -19,6 +20,7 @@ mod by_angle;
 mod error_band;
 mod patches;
 mod scaling;
+mod seal;
 mod step_times;
 
 pub use by_angle::{
@@ -34,11 +36,13 @@ pub use error_band::{
 pub use inputs::{INPUTS, InputsRecord};
 pub use law::LawConstants;
 pub use measured::{MachineRecord, Measured, StageMeasure};
+pub use reach::Reach;
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use scaling::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
 };
+pub use seal::Sealed;
 pub use step_times::{PeerTime, StepTime, StepTimesRecord};
 pub use touch::{HertzRecord, TouchRecord};
 pub use verdict::{ElementDifferences, ElementVerdict, ScenarioVerdict, VerificationRecord, with_unit};
@@ -102,10 +106,22 @@ pub struct StiffnessRecord {
     pub touch: TouchRecord,
     /// The pair.
     pub pair: PairRecord,
-    /// Hash of what the calibration depends on.
+    /// Hash of what the calibration depends on, the program included.
     pub input_hash: String,
     /// Version of the program that made this.
     pub version: String,
+    /// The commit that this program was built from.
+    #[serde(default)]
+    pub commit: String,
+    /// Hash of all that stands above.
+    #[serde(default)]
+    pub content_blake3: String,
+}
+
+impl Sealed for StiffnessRecord {
+    fn seal(&mut self) -> &mut String {
+        &mut self.content_blake3
+    }
 }
 
 /// Why laws, or the horizontal stiffness, end before the largest load that a study wants.

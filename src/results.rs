@@ -2,8 +2,9 @@
 //!
 //! Every file is complete or absent, but a folder can hold files of several
 //! studies, of a run that was killed half way, or files that were edited. So
-//! each result is listed with the hash of its own inputs (its key) and of its
-//! content, and a reader takes a file only if both are what it expects.
+//! each result is listed with the key of its address, which the store keeps it
+//! under too, and with the hash of its content. A reader takes a file only if
+//! both are what it expects.
 //!
 //! The list is written after the files it lists. Whoever is stopped between
 //! the two leaves files whose content is not the listed one; they are refused.
@@ -14,7 +15,8 @@ use railspring_calibrate::error::{InputError, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::output::OutputFolder;
-use crate::records::RunRecord;
+use crate::records::{Reach, RunRecord};
+use crate::version;
 
 /// Name of the list.
 pub const RESULTS: &str = "results.json";
@@ -23,16 +25,29 @@ pub const RESULTS: &str = "results.json";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// Hash of everything that the file was made from.
+    /// Key of its address ([`crate::store::Address`]): the hash of everything that the file was made from, the program included.
     pub key: String,
     /// BLAKE3 hash of the content; none for a page that shows times of day, which no command reads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blake3: Option<String>,
     /// Version of the program that made it.
     pub version: String,
+    /// The commit that this program was built from.
+    #[serde(default)]
+    pub commit: String,
     /// The run, if the file is a history.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<RunRecord>,
+    /// The contact zones that its stage has ended with, where later stages go on with them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reach: Option<Reach>,
+}
+
+impl Entry {
+    /// The program that made the file.
+    pub fn program(&self) -> String {
+        format!("railspring {} ({})", self.version, self.commit)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -48,10 +63,12 @@ pub struct NewFile {
     pub name: String,
     /// Content.
     pub content: Vec<u8>,
-    /// Hash of everything that it was made from.
+    /// Key of its address.
     pub key: String,
     /// The run, if the file is a history.
     pub run: Option<RunRecord>,
+    /// The contact zones that later stages go on with.
+    pub reach: Option<Reach>,
     /// Whether the content follows from the key alone and is listed with its hash.
     pub reproducible: bool,
 }
@@ -59,7 +76,7 @@ pub struct NewFile {
 impl NewFile {
     /// A file whose content follows from its key.
     pub fn new(name: impl Into<String>, content: Vec<u8>, key: &str) -> Self {
-        Self { name: name.into(), content, key: key.into(), run: None, reproducible: true }
+        Self { name: name.into(), content, key: key.into(), run: None, reach: None, reproducible: true }
     }
 }
 
@@ -100,7 +117,9 @@ impl<'a> Results<'a> {
                     key: file.key,
                     blake3: file.reproducible.then(|| hash(&file.content)),
                     version: env!("CARGO_PKG_VERSION").into(),
+                    commit: version::COMMIT.into(),
                     run: file.run,
+                    reach: file.reach,
                 };
                 (file.name, entry, file.content)
             })
@@ -153,10 +172,9 @@ impl<'a> Results<'a> {
             error.remedy = format!("the study or the program has changed since; {}", error.remedy);
             Err(error.into())
         };
-        let version = env!("CARGO_PKG_VERSION");
-        if entry.version != version {
-            let found = format!("made by railspring {}", entry.version);
-            return changed(found, format!("a result of railspring {version}"));
+        let program = format!("railspring {}", version::FULL);
+        if entry.program() != program {
+            return changed(format!("made by {}", entry.program()), format!("a result of {program}"));
         }
         if entry.key != key {
             let found = format!("made from input {}", short(&entry.key));

@@ -20,11 +20,11 @@ use serde::de::DeserializeOwned;
 
 use crate::output::{read_text, to_json};
 use crate::records::{
-    BY_ANGLE, BeamFactors, ElementRecord, LawConstants, PairRecord, SpringsRecord, SpringsSource,
+    BY_ANGLE, BeamFactors, ElementRecord, LawConstants, PairRecord, Sealed, SpringsRecord, SpringsSource,
     StiffnessByAngleRecord, StiffnessRecord, with_unit,
 };
 use crate::results::hash;
-use crate::stages::{Geometry, Springs};
+use crate::stages::{self, Geometry, Springs};
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, ReferenceKey, Study};
 
 /// Key that accepts what is refused otherwise.
@@ -239,13 +239,19 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
         Some(Ok(laws)) => (Some(laws), None),
         None => (None, None),
     };
+    let calibration = serde_json::from_str::<StiffnessRecord>(&text).ok();
+    let edited = |laws: &StiffnessByAngleRecord| {
+        (!laws.is_as_written()).then(|| edited(&path.with_file_name(BY_ANGLE).display().to_string()))
+    };
+    let without_laws: Vec<String> =
+        without_laws.into_iter().chain(laws.as_ref().and_then(edited)).collect();
     // The study's own calibration under another name is no other law.
-    if let Ok(stiffness) = serde_json::from_str::<StiffnessRecord>(&text)
-        && stiffness.input_hash == study.keys.calibration
-    {
+    let own_address = stages::calibration_address(study);
+    let is_own = |it: &&StiffnessRecord| it.input_hash == own_address.key() && it.is_as_written();
+    if let Some(stiffness) = calibration.as_ref().filter(is_own) {
         let springs = match &laws {
-            Some(laws) => own(study, &stiffness, Some(laws))?,
-            None => own_springs(study, &stiffness)?,
+            Some(laws) => own(study, stiffness, Some(laws))?,
+            None => own_springs(study, stiffness)?,
         };
         return Ok(SpringsRecord {
             notes: springs.notes.into_iter().chain(without_laws).collect(),
@@ -267,9 +273,13 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     if law.range_kn.is_none() {
         notes.push(format!("{name} says no range_kn: whether the run leaves the law's range is unknown"));
     }
-    notes.push(format!(
-        "{name}: the rail beam is not corrected to the solid rail, as `calibrate` does for its own law"
-    ));
+    let of_pair = calibration.filter(|_| pair.as_ref().is_some_and(|pair| pair.hash == study.keys.pair));
+    notes.extend(match &of_pair {
+        Some(calibration) => of_other_calibration(study, &name, calibration),
+        None => vec![format!(
+            "{name}: the rail beam is not corrected to the solid rail, as `calibrate` does for its own law"
+        )],
+    });
     notes.extend(without_laws);
     let record = SpringsRecord {
         source: SpringsSource::File { name: name.clone(), blake3: hash(text.as_bytes()) },
@@ -284,10 +294,13 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
             Some(horizontal) => horizontal / KILONEWTON_PER_METRE,
             None => given(&name, "horizontal_kn_per_m", law.horizontal_kn_per_m)?,
         },
-        wheel_mass_kg: wheel_mass(study, geometry, &name, law.wheel_mass_kg)?,
+        wheel_mass_kg: match &of_pair {
+            Some(calibration) => calibration.wheel_mass(),
+            None => wheel_mass(study, geometry, &name, law.wheel_mass_kg)?,
+        },
         reference: law.reference,
         range_kn: law.range_kn,
-        beam: BeamFactors::default(),
+        beam: of_pair.map_or_else(BeamFactors::default, |calibration| calibration.beam.factors),
         element_blake3: None,
         element_displacement: None,
         element: None,
@@ -298,6 +311,30 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
         Some(element) => with_element(record, element),
         None => record,
     })
+}
+
+/// What has to be known about the springs of another calibration of the study's pair, which come with the wheel and the beam that they were made with.
+fn of_other_calibration(study: &Study, name: &str, calibration: &StiffnessRecord) -> Vec<String> {
+    let StiffnessRecord { version, commit, beam, .. } = calibration;
+    let mut notes = vec![match calibration.is_as_written() {
+        true => format!(
+            "{name} is a calibration with other settings or of another program (railspring {version}, {commit}): its law, its wheel \
+             mass and its factors of the rail beam are used"
+        ),
+        false => edited(name),
+    }];
+    if (beam.length_m - study.rail.length).abs() > 1e-9 {
+        notes.push(format!(
+            "{name}: the factors of the rail beam are those of a rail of {} m, not of {} m",
+            beam.length_m, study.rail.length
+        ));
+    }
+    notes
+}
+
+/// That a file is not as the program wrote it.
+fn edited(name: &str) -> String {
+    format!("{name} was edited after it was written: its numbers are not those of a calibration")
 }
 
 /// The laws by contact angle beside a law file, of the study's own pair, for its condensed element.

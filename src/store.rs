@@ -8,7 +8,7 @@
 //!
 //! A key is the hash of an artefact's inputs and of the program itself: a
 //! program that was built anew may compute something else under the same
-//! version.
+//! version. The output folder lists its files by the same key.
 
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -49,10 +49,16 @@ pub enum Kind {
     Crosscheck,
     /// A place of a table: a pair at one shift.
     Place,
+    /// Meshes alone; made sooner than read, so that no store has them, as what follows.
+    Meshes,
+    /// A verdict.
+    Verdict,
+    /// A report.
+    Report,
 }
 
 impl Kind {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 10] = [
         Self::Body,
         Self::Calibration,
         Self::ByAngle,
@@ -60,6 +66,9 @@ impl Kind {
         Self::SolidRun,
         Self::Crosscheck,
         Self::Place,
+        Self::Meshes,
+        Self::Verdict,
+        Self::Report,
     ];
 
     /// The name in file names and lists.
@@ -72,11 +81,14 @@ impl Kind {
             Self::SolidRun => "solid-run",
             Self::Crosscheck => "crosscheck",
             Self::Place => "place",
+            Self::Meshes => "meshes",
+            Self::Verdict => "verdict",
+            Self::Report => "report",
         }
     }
 }
 
-/// Where an artefact stands: its kind and the hash of what it is made from.
+/// Address of an artefact: its kind, and the hash of all that it is made from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Address {
     kind: Kind,
@@ -84,10 +96,20 @@ pub struct Address {
 }
 
 impl Address {
-    /// The address of what this program makes from `inputs`.
-    fn new(kind: Kind, inputs: &impl Serialize, program: &str) -> Self {
+    /// The address of what this program makes from `inputs`, which is all that it depends on.
+    pub fn of(kind: Kind, inputs: &impl Serialize) -> Self {
+        // a program whose own file cannot be read is told from others by its commit
+        Self::by(kind, inputs, program().unwrap_or(crate::version::FULL))
+    }
+
+    fn by(kind: Kind, inputs: &impl Serialize, program: &str) -> Self {
         let inputs = serde_json::to_value((kind.name(), inputs, program)).expect("inputs are plain data");
         Self { kind, key: hash(inputs.to_string().as_bytes()) }
+    }
+
+    /// The hash: of what the artefact is made from, its kind and the program.
+    pub fn key(&self) -> &str {
+        &self.key
     }
 
     /// Name of the entry's file in a store's folder; whoever copies the file takes the artefact to another store.
@@ -229,11 +251,6 @@ impl Store {
     /// Hash of the program, which is a part of every key: what another program makes is never taken.
     pub fn program(&self) -> &'static str {
         self.program
-    }
-
-    /// Where an artefact of this program stands; `inputs` is all that it depends on.
-    pub fn address(&self, kind: Kind, inputs: &impl Serialize) -> Address {
-        Address::new(kind, inputs, self.program)
     }
 
     /// Whether there is an entry, complete or not.

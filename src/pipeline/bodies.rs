@@ -60,13 +60,13 @@ impl<'a> BodySource<'a> {
     }
 }
 
-/// Where a store has a body with a key ([`PairSolids::key`]) and no modes.
-pub(crate) fn body_address(store: &Store, key: &str) -> Address {
-    address(store, key, 0)
+/// Address of a body with a key ([`PairSolids::key`]) and no modes.
+pub(crate) fn body_address(key: &str) -> Address {
+    address(key, 0)
 }
 
-fn address(store: &Store, key: &str, modes: usize) -> Address {
-    store.address(Kind::Body, &(key, modes))
+fn address(key: &str, modes: usize) -> Address {
+    Address::of(Kind::Body, &(key, modes))
 }
 
 fn modes_of(body: PairBody, modes: usize) -> usize {
@@ -132,7 +132,7 @@ impl BodySource<'_> {
         let Some(store) = self.store else { return Ok(None) };
         let trouble = |text: String| self.trouble.unwrap_or(self.monitor).notice(&text);
         let of = |(body, key): &(PairBody, String)| {
-            let condensed = store.take_as(&body_address(store, key), read, &trouble)?;
+            let condensed = store.take_as(&body_address(key), read, &trouble)?;
             Some((*body, condensed))
         };
         let bodies: Option<Vec<_>> = keys.iter().map(of).collect();
@@ -183,7 +183,7 @@ impl BodySource<'_> {
         let Some(store) = self.store else {
             return condense(key);
         };
-        let address = address(store, &key, modes);
+        let address = address(&key, modes);
         let trouble = |text: String| match self.trouble {
             Some(monitor) => monitor.notice(&format!("{}: {text}", body.name())),
             None => say(text),

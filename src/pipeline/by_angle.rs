@@ -7,7 +7,7 @@ use railspring_calibrate::error::Result;
 use super::stage::{Made, Stage};
 use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
 use crate::output::to_json;
-use crate::records::{StiffnessByAngleRecord, StiffnessRecord, to_csv};
+use crate::records::{Sealed, StiffnessByAngleRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
 use crate::stages;
 use crate::store::{Address, Artefact, Kind};
@@ -18,6 +18,15 @@ pub(super) struct ByAngle<'a> {
     pub stiffness: &'a StiffnessRecord,
 }
 
+/// Address of the laws of the study's shifts, on bodies with zones that reach as far as those of its calibration.
+pub(super) fn by_angle_address(at: &mut Pipeline<'_>) -> Result<Address> {
+    let reach = at.reach()?;
+    // the condensed element has the wheel's modes
+    let modes = at.study.wants_condensed().then(|| at.study.modes());
+    let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach, modes);
+    Ok(Address::of(Kind::ByAngle, &inputs))
+}
+
 impl Stage for ByAngle<'_> {
     type Value = StiffnessByAngleRecord;
 
@@ -25,16 +34,8 @@ impl Stage for ByAngle<'_> {
         "law by contact angle".into()
     }
 
-    fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.by_angle.clone()
-    }
-
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        let reach = at.reach()?;
-        // the condensed element has the wheel's modes
-        let modes = at.study.wants_condensed().then(|| at.study.modes());
-        let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach, modes);
-        Ok(at.store.map(|store| store.address(Kind::ByAngle, &inputs)))
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
+        by_angle_address(at)
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
@@ -65,18 +66,29 @@ impl Stage for ByAngle<'_> {
         Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }
 
-    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<StiffnessByAngleRecord> {
+    fn value(
+        &self,
+        artefact: &Artefact,
+        key: &str,
+        at: &mut Pipeline<'_>,
+    ) -> Result<StiffnessByAngleRecord> {
         let mut laws: StiffnessByAngleRecord = part_json(artefact, BY_ANGLE)?;
         laws.study.clone_from(&at.study.name);
-        laws.input_hash = self.key(at);
+        laws.input_hash = key.into();
         laws.pair = at.study.pair();
-        Ok(laws)
+        Ok(laws.sealed())
     }
 
-    fn files(&self, artefact: &Artefact, value: &StiffnessByAngleRecord, at: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(
+        &self,
+        artefact: &Artefact,
+        value: &StiffnessByAngleRecord,
+        key: &str,
+        _: &Pipeline<'_>,
+    ) -> Vec<NewFile> {
         let rows = artefact.part(BY_ANGLE_ROWS).unwrap_or_default().to_vec();
         let files = [(BY_ANGLE, to_json(value)), (BY_ANGLE_ROWS, rows)];
-        files.map(|(name, content)| NewFile::new(name, content, &self.key(at))).into()
+        files.map(|(name, content)| NewFile::new(name, content, key)).into()
     }
 
     fn outdates(&self) -> &'static [&'static str] {

@@ -15,10 +15,12 @@ use super::{
 use crate::estimate::Work;
 use crate::measure::Stopwatch;
 use crate::output::to_json;
-use crate::records::{ErrorBandRecord, HorizontalBandRecord, PatchesRecord, StiffnessRecord, to_csv};
+use crate::records::{
+    ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Sealed, StiffnessRecord, to_csv,
+};
 use crate::results::NewFile;
 use crate::stages::{self, Calibration, CoarserBodies, Geometry, Meshes, PressedStudy, Reached, Within};
-use crate::store::{Address, Artefact, Kind};
+use crate::store::{Address, Artefact};
 use crate::study::Study;
 
 /// The springs of the study, its load curve, patches and fields.
@@ -73,12 +75,8 @@ impl Stage for Calibrate {
         "calibration".into()
     }
 
-    fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.calibration.clone()
-    }
-
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        Ok(at.store.map(|store| store.address(Kind::Calibration, &(&at.study.keys.springs, at.study.output))))
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
+        Ok(stages::calibration_address(at.study))
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
@@ -121,29 +119,34 @@ impl Stage for Calibrate {
         Ok(Made { complete, failure, ..Made::whole(artefact) })
     }
 
-    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Calibration> {
+    fn value(&self, artefact: &Artefact, key: &str, at: &mut Pipeline<'_>) -> Result<Calibration> {
         let mut stiffness: StiffnessRecord = part_json(artefact, STIFFNESS)?;
-        label(&mut stiffness, at.study, &*at.geometry()?);
+        label(&mut stiffness, key, at.study, &*at.geometry()?);
+        let stiffness = stiffness.sealed();
         let load_curve = load_curve(LOAD_CURVE, part_text(artefact, LOAD_CURVE)?)?;
         let mut patches: PatchesRecord = part_json(artefact, PATCHES)?;
         patches.study.clone_from(&at.study.name);
-        patches.input_hash = self.key(at);
+        patches.input_hash = key.into();
         at.go_on_with_reach(artefact)?;
         Ok(Calibration::kept(stiffness, load_curve, patches))
     }
 
-    fn files(&self, artefact: &Artefact, value: &Calibration, at: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, value: &Calibration, key: &str, _: &Pipeline<'_>) -> Vec<NewFile> {
         let part = |name| (name, artefact.part(name).unwrap_or_default().to_vec());
         let fields = artefact.parts().filter(|(name, _)| is_field(name));
         let fields = fields.map(|(name, content)| (name, content.to_vec()));
         let records =
             [(STIFFNESS, to_json(&value.stiffness)), part(LOAD_CURVE), (PATCHES, to_json(&value.patches))];
         let files = records.into_iter().chain(fields);
-        files.map(|(name, content)| NewFile::new(name, content, &self.key(at))).collect()
+        files.map(|(name, content)| NewFile::new(name, content, key)).collect()
     }
 
     fn outdates(&self) -> &'static [&'static str] {
         &OF_THE_CALIBRATION
+    }
+
+    fn ends_with_reach(&self) -> bool {
+        true
     }
 }
 
@@ -151,7 +154,7 @@ impl Pipeline<'_> {
     /// Whether the calibration is to be made, as far as the store says.
     pub(super) fn calibrates(&mut self) -> Result<bool> {
         let address = Calibrate.address(self)?;
-        Ok(self.fresh || !self.store.zip(address).is_some_and(|(store, address)| store.has(&address)))
+        Ok(self.fresh || !self.store.is_some_and(|store| store.has(&address)))
     }
 
     /// The springs of the study, on meshes with zones as long and elements as fine as they have to be.
@@ -219,11 +222,11 @@ impl Pipeline<'_> {
     }
 }
 
-/// Puts in what a calibration carries of the study that asks for it and does not depend on: names of the study and of
-/// files, with the hash that has the study's name in it.
-fn label(stiffness: &mut StiffnessRecord, study: &Study, geometry: &Geometry) {
+/// Puts in what a calibration carries of the study that asks for it and does not depend on, names of the study and of files, and the key of
+/// its address.
+fn label(stiffness: &mut StiffnessRecord, key: &str, study: &Study, geometry: &Geometry) {
     stiffness.study.clone_from(&study.name);
-    stiffness.input_hash.clone_from(&study.keys.calibration);
+    stiffness.input_hash = key.into();
     stiffness.pair = study.pair();
     stiffness.profiles.clone_from(&geometry.profiles);
     for (mesh, file) in stiffness.mesh.iter_mut().zip([&study.rail.mesh, &study.wheel.mesh]) {

@@ -29,14 +29,9 @@ impl Stage for Crosscheck<'_> {
         "cross-check".into()
     }
 
-    fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.crosscheck.clone()
-    }
-
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
         let cases: Vec<&str> = self.cases.iter().map(|case| case.name()).collect();
-        let inputs = (self.key(at), cases, self.solvers.versions());
-        Ok(at.store.map(|store| store.address(Kind::Crosscheck, &inputs)))
+        Ok(Address::of(Kind::Crosscheck, &(&at.study.keys.crosscheck, cases, self.solvers.versions())))
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
@@ -47,15 +42,21 @@ impl Stage for Crosscheck<'_> {
         Ok(Made::whole(artefact.with(DIFFERENCES, to_json(&differences))))
     }
 
-    fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<CrosscheckRecord> {
+    fn value(&self, artefact: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<CrosscheckRecord> {
         part_json(artefact, CROSSCHECK)
     }
 
-    fn files(&self, artefact: &Artefact, _: &CrosscheckRecord, at: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(
+        &self,
+        artefact: &Artefact,
+        _: &CrosscheckRecord,
+        key: &str,
+        _: &Pipeline<'_>,
+    ) -> Vec<NewFile> {
         let part = |name: &str| {
             let content = artefact.part(name).unwrap_or_default().to_vec();
             // seconds, date and host are in it
-            NewFile { reproducible: false, ..NewFile::new(name, content, &self.key(at)) }
+            NewFile { reproducible: false, ..NewFile::new(name, content, key) }
         };
         vec![part(CROSSCHECK), part(DIFFERENCES)]
     }

@@ -14,7 +14,7 @@ use crate::report::crosscheck::{Crosscheck, PageData, page};
 use crate::report::{self, ModelRun, ReportData, ScenarioRun};
 use crate::results::NewFile;
 use crate::stages::{self, Calibration};
-use crate::store::{Address, Artefact};
+use crate::store::{Address, Artefact, Kind};
 use crate::verify::Band;
 
 /// The report on all results.
@@ -33,12 +33,14 @@ impl<'a> Stage for Report<'a> {
         "report".into()
     }
 
-    fn key(&self, _: &Pipeline<'_>) -> String {
-        self.verdict.input_hash.clone()
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
+        let springs = [Some(&self.calibration.stiffness.input_hash), self.by_angle.map(|laws| &laws.input_hash)];
+        let inputs = (&self.verdict.input_hash, springs, &at.study.description, &at.study.resolved);
+        Ok(Address::of(Kind::Report, &inputs))
     }
 
-    fn address(&self, _: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        Ok(None)
+    fn is_kept(&self) -> bool {
+        false
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
@@ -107,14 +109,14 @@ impl<'a> Stage for Report<'a> {
         Ok(Made::whole(artefact.with(REPORT, built.html)))
     }
 
-    fn value(&self, _: &Artefact, _: &mut Pipeline<'_>) -> Result<()> {
+    fn value(&self, _: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<()> {
         Ok(())
     }
 
-    fn files(&self, artefact: &Artefact, (): &(), at: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, (): &(), key: &str, _: &Pipeline<'_>) -> Vec<NewFile> {
         let file = |(name, content): (&str, &[u8])| {
             // The page shows seconds and the host.
-            NewFile { reproducible: name != REPORT, ..NewFile::new(name, content.to_vec(), &self.key(at)) }
+            NewFile { reproducible: name != REPORT, ..NewFile::new(name, content.to_vec(), key) }
         };
         artefact.parts().map(file).collect()
     }

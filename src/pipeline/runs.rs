@@ -83,24 +83,20 @@ impl Stage for Simulate<'_> {
         format!("simple model, {}", self.name)
     }
 
-    fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.simple(self.name, self.springs)
-    }
-
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        Ok(at.store.map(|store| store.address(Kind::SimpleRun, &self.key(at))))
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
+        Ok(Address::of(Kind::SimpleRun, &at.study.keys.simple(self.name, self.springs)))
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
         at.simple_run(self.name, self.scenario, self.springs).map(Made::whole)
     }
 
-    fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<Run> {
+    fn value(&self, artefact: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<Run> {
         run(artefact)
     }
 
-    fn files(&self, artefact: &Artefact, value: &Run, at: &Pipeline<'_>) -> Vec<NewFile> {
-        files(SIMPLE.map(|stem| history_file(at.study, self.name, stem)), artefact, value, &self.key(at))
+    fn files(&self, artefact: &Artefact, value: &Run, key: &str, at: &Pipeline<'_>) -> Vec<NewFile> {
+        files(SIMPLE.map(|stem| history_file(at.study, self.name, stem)), artefact, value, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -115,13 +111,10 @@ impl Stage for SimulateOther<'_> {
         format!("simple model, {}, {} element", self.name, springs::element(self.springs).name())
     }
 
-    fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.simple(self.name, self.springs)
-    }
-
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
         // a failure is kept here, too, and that of the chosen element never
-        Ok(at.store.map(|store| store.address(Kind::SimpleRun, &("other element", self.key(at)))))
+        let run = at.study.keys.simple(self.name, self.springs);
+        Ok(Address::of(Kind::SimpleRun, &("other element", run)))
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
@@ -132,17 +125,17 @@ impl Stage for SimulateOther<'_> {
         }))
     }
 
-    fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<Self::Value> {
+    fn value(&self, artefact: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<Self::Value> {
         match artefact.part(FAILURE) {
             Some(_) => Ok(Err(part_text(artefact, FAILURE)?.into())),
             None => run(artefact).map(Ok),
         }
     }
 
-    fn files(&self, artefact: &Artefact, value: &Self::Value, at: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, value: &Self::Value, key: &str, at: &Pipeline<'_>) -> Vec<NewFile> {
         let names = of_element(springs::element(self.springs));
         let Ok(run) = value else { return Vec::new() };
-        files(names.map(|stem| history_file(at.study, self.name, &stem)), artefact, run, &self.key(at))
+        files(names.map(|stem| history_file(at.study, self.name, &stem)), artefact, run, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -165,7 +158,10 @@ impl Pipeline<'_> {
                 .map_err(|error| self.study.in_scenario(name, error))?;
         let runs_with = format!("simple model: the {} contact element", springs::element(springs).name());
         let notes = [runs_with].into_iter().chain(springs::range_note(springs, &history)).collect();
-        let record = RunRecord::new(&history, Some(springs), tried.worth, notes);
+        let record = RunRecord {
+            wheel_mass_kg: Some(scenario.scenario.wheel_mass.unwrap_or(used.mass())),
+            ..RunRecord::new(&history, Some(springs), tried.worth, notes)
+        };
         Ok(artefact(&history, &record, tried.disturbed.as_ref()))
     }
 

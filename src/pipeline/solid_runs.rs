@@ -12,12 +12,12 @@ use railspring_calibrate::transient::TransientRun;
 use super::bodies::BodySource;
 use super::calibration::FoundOn;
 use super::runs::{Run, SOLID, artefact, files, run};
-use super::stage::{Made, REACH, Reach, Stage};
+use super::stage::{Made, REACH, Stage};
 use super::{Moving, OF_THE_RUNS, Pipeline, history_file};
 use crate::estimate::{Budget, Work};
 use crate::measure::Stopwatch;
 use crate::output::to_json;
-use crate::records::RunRecord;
+use crate::records::{Reach, RunRecord};
 use crate::results::NewFile;
 use crate::stages::{self, Geometry, Meshes, MovingBodies, Reached, Tried, Within};
 use crate::store::{Address, Artefact, Kind, Store};
@@ -36,13 +36,9 @@ impl Stage for SimulateSolid<'_> {
         format!("solid model, {}", self.name)
     }
 
-    fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.solid(self.name)
-    }
-
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>> {
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
         let reach = at.reach()?;
-        Ok(at.store.map(|store| self.kept_at(at.study, store, reach)))
+        Ok(self.with_reach(at.study, reach))
     }
 
     fn begun(&self, at: &Pipeline<'_>) -> Option<Result<Made>> {
@@ -57,18 +53,22 @@ impl Stage for SimulateSolid<'_> {
         Ok(made)
     }
 
-    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Run> {
+    fn value(&self, artefact: &Artefact, _: &str, at: &mut Pipeline<'_>) -> Result<Run> {
         let run = run(artefact)?;
         at.go_on_with_reach(artefact)?;
         Ok(run)
     }
 
-    fn files(&self, artefact: &Artefact, value: &Run, at: &Pipeline<'_>) -> Vec<NewFile> {
-        files(SOLID.map(|stem| history_file(at.study, self.name, stem)), artefact, value, &self.key(at))
+    fn files(&self, artefact: &Artefact, value: &Run, key: &str, at: &Pipeline<'_>) -> Vec<NewFile> {
+        files(SOLID.map(|stem| history_file(at.study, self.name, stem)), artefact, value, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {
         &OF_THE_RUNS
+    }
+
+    fn ends_with_reach(&self) -> bool {
+        true
     }
 }
 
@@ -115,7 +115,10 @@ impl<'a> SolidRuns<'a> {
             stages::within_zones(study, geometry, meshes, monitor, accept, run, reached)
                 .map_err(|error| study.in_scenario(name, error))?;
         *bodies = moving.into_inner();
-        let record = RunRecord::of_solid(&run.history, run.reduction.as_ref(), tried.worth);
+        let record = RunRecord {
+            wheel_mass_kg: Some(run.wheel_mass),
+            ..RunRecord::of_solid(&run.history, run.reduction.as_ref(), tried.worth)
+        };
         let artefact =
             artefact(&run.history, &record, tried.disturbed.as_ref()).with(REACH, to_json(&self.reach()));
         Ok(Made { complete: !refused, ..Made::whole(artefact) })
@@ -136,7 +139,7 @@ impl<'a> SolidRuns<'a> {
         for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
             let stage = SimulateSolid { name, scenario };
             let watch = Stopwatch::start();
-            let address = store.map(|store| (store, stage.kept_at(study, store, self.reach())));
+            let address = store.map(|store| (store, stage.with_reach(study, self.reach())));
             if address.as_ref().is_some_and(|(store, address)| begun.takes && store.has(address)) {
                 return;
             }
@@ -203,9 +206,9 @@ impl Monitor for Begun<'_> {
 }
 
 impl SimulateSolid<'_> {
-    /// Where the store keeps it with zones that reach so far.
-    fn kept_at(&self, study: &Study, store: &Store, reach: Reach) -> Address {
-        store.address(Kind::SolidRun, &(study.keys.solid(self.name), reach))
+    /// Its address where it begins with zones that reach so far.
+    fn with_reach(&self, study: &Study, reach: Reach) -> Address {
+        Address::of(Kind::SolidRun, &(study.keys.solid(self.name), reach))
     }
 }
 
@@ -244,7 +247,7 @@ impl<'a> Pipeline<'a> {
             let study = self.study;
             for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
                 let address = SimulateSolid { name, scenario }.address(self)?;
-                if address.is_some_and(|address| store.has(&address)) {
+                if store.has(&address) {
                     work.solids.retain(|(other, _)| other != name);
                 }
             }

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::mesh::MeshOptions;
-use serde::{Deserialize, Serialize};
 
+use super::calibration::Calibrate;
 use super::{MEASURED, Pipeline};
 use crate::estimate::{self, Work};
 use crate::measure::Stopwatch;
+use crate::records::Reach;
 use crate::results::NewFile;
 use crate::stages::{self, FINER, Geometry, Meshes};
 use crate::store::{Address, Artefact};
@@ -24,11 +25,13 @@ pub(super) trait Stage {
     /// What the terminal and the measures call it.
     fn name(&self) -> String;
 
-    /// Hash of its inputs, which the files of the output folder are listed with.
-    fn key(&self, at: &Pipeline<'_>) -> String;
+    /// Its address: all that it is made from, the program included. The store keeps it there, and the output folder lists its files by it.
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address>;
 
-    /// Where the store keeps it; `None` for what is made from its inputs sooner than it is read.
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Option<Address>>;
+    /// Whether the store keeps it; not what is made sooner than it is read.
+    fn is_kept(&self) -> bool {
+        true
+    }
 
     /// What was made of it beside other stages.
     fn begun(&self, _: &Pipeline<'_>) -> Option<Result<Made>> {
@@ -38,14 +41,19 @@ pub(super) trait Stage {
     /// Makes it.
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made>;
 
-    /// What an artefact holds; the same whether it was taken or made.
-    fn value(&self, artefact: &Artefact, at: &mut Pipeline<'_>) -> Result<Self::Value>;
+    /// What the artefact of an address with this key holds; the same whether it was taken or made.
+    fn value(&self, artefact: &Artefact, key: &str, at: &mut Pipeline<'_>) -> Result<Self::Value>;
 
-    /// The files that it becomes in the output folder.
-    fn files(&self, artefact: &Artefact, value: &Self::Value, at: &Pipeline<'_>) -> Vec<NewFile>;
+    /// The files that it becomes in the output folder, listed by the key.
+    fn files(&self, artefact: &Artefact, value: &Self::Value, key: &str, at: &Pipeline<'_>) -> Vec<NewFile>;
 
     /// Files that are made from these, and go when one of these changes.
     fn outdates(&self) -> &'static [&'static str];
+
+    /// Whether later stages go on with the contact zones that it has ended with.
+    fn ends_with_reach(&self) -> bool {
+        false
+    }
 
     /// Whether it takes so long that time, memory and where it came from are said.
     fn is_measured(&self) -> bool {
@@ -71,44 +79,12 @@ impl Made {
     }
 }
 
-/// How fine the tool's own meshes are, and how far their contact zones reach, m. Runs make them larger where the contact goes on, and what
-/// comes later begins with the larger ones, so that this is an input of a run on the solids.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Reach {
-    /// Times that the study's sizes are refined.
-    refinements: u32,
-    window_half_length: f64,
-    contact_half_length: f64,
-    rail_face_depth: f64,
-    rail_field_y: f64,
-    wheel_face_depth: f64,
-    wheel_field_y: f64,
-}
-
-impl Reach {
-    pub fn of(options: &MeshOptions, refinements: u32) -> Self {
-        Self {
-            refinements,
-            window_half_length: options.window_half_length,
-            contact_half_length: options.contact_half_length,
-            rail_face_depth: options.rail_zone.face_depth,
-            rail_field_y: options.rail_zone.field_y,
-            wheel_face_depth: options.wheel_zone.face_depth,
-            wheel_field_y: options.wheel_zone.field_y,
-        }
+/// Mesh options that are as fine and reach as far as `reach` says.
+fn reaching(mut options: MeshOptions, reach: &Reach) -> MeshOptions {
+    for _ in 0..reach.refinements {
+        options = options.refined(FINER);
     }
-
-    fn apply(self, options: &mut MeshOptions) {
-        for _ in 0..self.refinements {
-            *options = options.refined(FINER);
-        }
-        options.window_half_length = self.window_half_length;
-        options.contact_half_length = self.contact_half_length;
-        options.rail_zone.face_depth = self.rail_face_depth;
-        options.rail_zone.field_y = self.rail_field_y;
-        options.wheel_zone.face_depth = self.wheel_face_depth;
-        options.wheel_zone.field_y = self.wheel_field_y;
-    }
+    reach.extend(options)
 }
 
 impl Pipeline<'_> {
@@ -119,28 +95,29 @@ impl Pipeline<'_> {
     pub(super) fn get<S: Stage>(&mut self, stage: &S) -> Result<S::Value> {
         self.watch = Some(Stopwatch::start());
         let address = stage.address(self)?;
+        let key = address.key();
         let begun = stage.begun(self).transpose()?;
-        let taken = match &address {
-            Some(address) if !self.fresh && begun.is_none() => self.take(stage, address),
-            _ => None,
-        };
+        let takes = stage.is_kept() && !self.fresh && begun.is_none();
+        let taken = if takes { self.take(stage, &address) } else { None };
         let is_taken = taken.is_some();
         let (artefact, value, failure) = match taken {
             Some((artefact, value)) => (artefact, value, None),
             None => {
                 let made = begun.map_or_else(|| stage.make(self), Ok)?;
                 let Made { artefact, complete, failure, elsewhere } = made;
-                if let Some(address) = address.filter(|_| complete && elsewhere.is_none()) {
+                if stage.is_kept() && complete && elsewhere.is_none() {
                     self.keep(&address, &stage.name(), &artefact);
                 }
                 self.watch = elsewhere.or(self.watch.take());
-                let value = stage.value(&artefact, self)?;
+                let value = stage.value(&artefact, key, self)?;
                 (artefact, value, failure)
             }
         };
-        self.results.write(stage.files(&artefact, &value, self), stage.outdates())?;
+        let reach = stage.ends_with_reach().then(|| self.reach).flatten();
+        let files = stage.files(&artefact, &value, key, self).into_iter();
+        self.results.write(files.map(|file| NewFile { reach, ..file }).collect(), stage.outdates())?;
         if stage.is_measured() {
-            self.note(&stage.name(), &stage.key(self), is_taken)?;
+            self.note(&stage.name(), key, is_taken)?;
             let whence = if is_taken { "taken from the store" } else { "made" };
             self.resources.monitor.notice(&format!("{}: {whence}", stage.name()));
         }
@@ -150,7 +127,7 @@ impl Pipeline<'_> {
     /// What the store has for a stage; an entry that cannot be used is said and removed.
     fn take<S: Stage>(&mut self, stage: &S, address: &Address) -> Option<(Artefact, S::Value)> {
         let (store, monitor, name) = (self.store?, self.resources.monitor, stage.name());
-        let read = |artefact: Artefact| stage.value(&artefact, self).map(|value| (artefact, value));
+        let read = |artefact: Artefact| stage.value(&artefact, address.key(), self).map(|value| (artefact, value));
         store.take_as(address, read, &|text| monitor.notice(&format!("{name}: {text}")))
     }
 
@@ -190,12 +167,16 @@ impl Pipeline<'_> {
 
     /// Goes on with the zones that an artefact has ended with.
     pub(super) fn go_on_with_reach(&mut self, artefact: &Artefact) -> Result<()> {
-        let reach: Reach = super::part_json(artefact, REACH)?;
+        self.go_on_from(super::part_json(artefact, REACH)?);
+        Ok(())
+    }
+
+    /// Goes on with zones that reach so far.
+    pub(super) fn go_on_from(&mut self, reach: Reach) {
         if self.reach != Some(reach) {
             self.reach = Some(reach);
             self.meshes = None;
         }
-        Ok(())
     }
 
     /// The meshes with zones that reach as far as they have to by now; made for `work`, which must be within the budget.
@@ -207,12 +188,12 @@ impl Pipeline<'_> {
         let watch = Stopwatch::start();
         let (study, geometry, reach) = (self.study, self.geometry()?, self.reach()?);
         let work = work(self)?;
-        let mut options = stages::mesh_options(study, &geometry);
-        reach.apply(&mut options);
+        let options = reaching(stages::mesh_options(study, &geometry), &reach);
         let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
         self.room = room;
         // Kept until there is a result: a study that is refused later leaves no file behind.
-        self.measured.note(watch.stop("meshes", &study.keys.calibration, false));
+        let of_calibration = Calibrate.address(self)?;
+        self.measured.note(watch.stop("meshes", of_calibration.key(), false));
         // The stage that needs them is measured without them.
         self.watch = Some(Stopwatch::start());
         Ok(meshes)

@@ -3,8 +3,12 @@
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::history::{Ending, History};
 
-use super::runs::{Other, Run, SIMPLE, SOLID, of_element};
-use super::verdict::{Runs, inputs};
+use super::by_angle::by_angle_address;
+use super::calibration::Calibrate;
+use super::runs::{Other, Run, SIMPLE, SOLID, Simulate, SimulateOther, of_element};
+use super::solid_runs::SimulateSolid;
+use super::stage::Stage;
+use super::verdict::{Runs, verdict_address};
 use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
 use crate::records::{
@@ -13,7 +17,7 @@ use crate::records::{
 };
 use crate::results::Entry;
 use crate::springs;
-use crate::stages::Calibration;
+use crate::stages::{self, Calibration};
 use crate::study::{Study, StudyScenario};
 
 /// A time further from that of the study than this share of a step belongs to another run. Twelve digits are written,
@@ -36,49 +40,53 @@ pub(super) struct Stored {
 
 impl Pipeline<'_> {
     /// The folder's springs, if they were calibrated from this study's inputs.
-    pub(super) fn stored_stiffness(&self) -> Result<StiffnessRecord> {
+    pub(super) fn stored_stiffness(&mut self) -> Result<StiffnessRecord> {
         let text = self.results.text(STIFFNESS, "calibrate")?;
         let stiffness = parse_json(&self.folder.file(STIFFNESS), &text, "calibrate")?;
-        self.results.check(STIFFNESS, &text, &self.study.keys.calibration, "calibrate")?;
+        let address = Calibrate.address(self)?;
+        let entry = self.results.check(STIFFNESS, &text, address.key(), "calibrate")?;
+        entry.reach.into_iter().for_each(|reach| self.go_on_from(reach));
         Ok(stiffness)
     }
 
     /// The folder's springs as the simple model runs with them.
-    pub(super) fn stored_springs(&self) -> Result<SpringsAndLaws> {
-        self.springs_of(&self.stored_stiffness()?)
+    pub(super) fn stored_springs(&mut self) -> Result<SpringsAndLaws> {
+        let stiffness = self.stored_stiffness()?;
+        self.springs_of(&stiffness)
     }
 
-    fn springs_of(&self, stiffness: &StiffnessRecord) -> Result<SpringsAndLaws> {
+    fn springs_of(&mut self, stiffness: &StiffnessRecord) -> Result<SpringsAndLaws> {
         let laws = self.stored_by_angle()?;
         Ok((springs::own(self.study, stiffness, laws.as_ref())?, laws))
     }
 
     /// The folder's laws by contact angle, if the study wants them.
-    fn stored_by_angle(&self) -> Result<Option<StiffnessByAngleRecord>> {
+    fn stored_by_angle(&mut self) -> Result<Option<StiffnessByAngleRecord>> {
         if !self.study.wants_by_angle() {
             return Ok(None);
         }
         let text = self.results.text(BY_ANGLE, "calibrate")?;
         let laws = parse_json(&self.folder.file(BY_ANGLE), &text, "calibrate")?;
-        self.results.check(BY_ANGLE, &text, &self.study.keys.by_angle, "calibrate")?;
+        let address = by_angle_address(self)?;
+        self.results.check(BY_ANGLE, &text, address.key(), "calibrate")?;
         Ok(Some(laws))
     }
 
-    fn stored_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
+    fn stored_load_curve(&mut self) -> Result<Vec<LoadCurveRow>> {
         let text = self.results.text(LOAD_CURVE, "calibrate")?;
-        self.results.check(LOAD_CURVE, &text, &self.study.keys.calibration, "calibrate")?;
+        self.results.check(LOAD_CURVE, &text, stages::calibration_address(self.study).key(), "calibrate")?;
         load_curve(&self.folder.file(LOAD_CURVE).display().to_string(), &text)
     }
 
     fn stored_patches(&self) -> Result<PatchesRecord> {
         let text = self.results.text(PATCHES, "calibrate")?;
         let patches = parse_json(&self.folder.file(PATCHES), &text, "calibrate")?;
-        self.results.check(PATCHES, &text, &self.study.keys.calibration, "calibrate")?;
+        self.results.check(PATCHES, &text, stages::calibration_address(self.study).key(), "calibrate")?;
         Ok(patches)
     }
 
     /// The runs of the simple model with their springs, and the study's springs if one of them ran with them.
-    pub(super) fn stored_simple_runs(&self) -> Result<(Option<StiffnessRecord>, Vec<SimpleRun>)> {
+    pub(super) fn stored_simple_runs(&mut self) -> Result<(Option<StiffnessRecord>, Vec<SimpleRun>)> {
         let all_from_files = !self.study.scenarios.is_empty()
             && self.study.scenarios.keys().all(|name| {
                 let run = self
@@ -100,7 +108,7 @@ impl Pipeline<'_> {
     /// A run of the simple model with the springs that it should have: those of a law file, as `simulate --law` has
     /// noted them, or else the study's own.
     fn stored_simple_run(
-        &self,
+        &mut self,
         stiffness: Option<&StiffnessRecord>,
         name: &str,
         scenario: &StudyScenario,
@@ -112,13 +120,13 @@ impl Pipeline<'_> {
             (None, Some(stiffness)) => self.springs_of(stiffness)?,
             (None, None) => self.stored_springs()?,
         };
-        let key = self.study.keys.simple(name, &springs.0);
-        Ok((self.stored_run(&files, scenario, &key, "simulate")?, springs))
+        let address = Simulate { name, scenario, springs: &springs.0 }.address(self)?;
+        Ok((self.stored_run(&files, scenario, address.key(), "simulate")?, springs))
     }
 
     /// The run in the contact element that the study has not chosen, or why the verdict has none.
     fn stored_other(
-        &self,
+        &mut self,
         name: &str,
         scenario: &StudyScenario,
         (springs, laws): &SpringsAndLaws,
@@ -136,14 +144,18 @@ impl Pipeline<'_> {
             return Ok(of(reason));
         }
         let files = of_element(element).map(|stem| history_file(self.study, name, &stem));
-        let key = self.study.keys.simple(name, &springs);
-        Ok(Other { element, run: Ok(self.stored_run(&files, scenario, &key, "simulate")?) })
+        let address = SimulateOther { name, scenario, springs: &springs }.address(self)?;
+        Ok(Other { element, run: Ok(self.stored_run(&files, scenario, address.key(), "simulate")?) })
     }
 
     /// A run of the solid model.
-    pub(super) fn stored_solid_run(&self, name: &str, scenario: &StudyScenario) -> Result<Run> {
+    pub(super) fn stored_solid_run(&mut self, name: &str, scenario: &StudyScenario) -> Result<Run> {
         let files = SOLID.map(|stem| history_file(self.study, name, stem));
-        self.stored_run(&files, scenario, &self.study.keys.solid(name), "verify")
+        let address = SimulateSolid { name, scenario }.address(self)?;
+        let run = self.stored_run(&files, scenario, address.key(), "verify")?;
+        let entry = self.results.entry(&files[0]);
+        entry.and_then(|entry| entry.reach).into_iter().for_each(|reach| self.go_on_from(reach));
+        Ok(run)
     }
 
     /// A run with the disturbed one, if it has one.
@@ -191,8 +203,8 @@ impl Pipeline<'_> {
     fn stored_verdict(&self, with_stiffness: bool) -> Result<VerificationRecord> {
         let text = self.results.text(VERIFICATION, "verify")?;
         let verdict = parse_json(&self.folder.file(VERIFICATION), &text, "verify")?;
-        let key = self.study.keys.verdict(&inputs(self.study, &self.results, with_stiffness));
-        self.results.check(VERIFICATION, &text, &key, "verify")?;
+        let address = verdict_address(self, with_stiffness);
+        self.results.check(VERIFICATION, &text, address.key(), "verify")?;
         Ok(verdict)
     }
 
@@ -200,7 +212,7 @@ impl Pipeline<'_> {
     ///
     /// # Errors
     /// [`InputError`] that names every missing or stale file, and the commands that make them.
-    pub(super) fn stored_results(&self) -> Result<Stored> {
+    pub(super) fn stored_results(&mut self) -> Result<Stored> {
         let mut faults = Faults::default();
         let stiffness = faults.note("calibrate", self.stored_stiffness());
         let load_curve = faults.note("calibrate", self.stored_load_curve());

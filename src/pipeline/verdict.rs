@@ -14,8 +14,8 @@ use crate::records::{
     ElementDifferences, ElementVerdict, HubDeviationRecord, ScenarioVerdict, StiffnessRecord,
     VerificationRecord,
 };
-use crate::results::{NewFile, Results};
-use crate::store::{Address, Artefact};
+use crate::results::{Entry, NewFile, Results};
+use crate::store::{Address, Artefact, Kind};
 use crate::study::{ContactElementKey, Study};
 use crate::verify::{self, Line};
 
@@ -39,12 +39,12 @@ impl Stage for Verify<'_> {
         "verdict".into()
     }
 
-    fn key(&self, at: &Pipeline<'_>) -> String {
-        at.study.keys.verdict(&inputs(at.study, &at.results, self.stiffness.is_some()))
+    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
+        Ok(verdict_address(at, self.stiffness.is_some()))
     }
 
-    fn address(&self, _: &mut Pipeline<'_>) -> Result<Option<Address>> {
-        Ok(None)
+    fn is_kept(&self) -> bool {
+        false
     }
 
     fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
@@ -97,8 +97,8 @@ impl Stage for Verify<'_> {
                 .stiffness
                 .map_or_else(Vec::new, |record| calibration_lines(study, record, self.runs)),
             scenarios,
-            input_hash: self.key(at),
-            inputs: inputs(study, &at.results, self.stiffness.is_some()),
+            input_hash: String::new(),
+            inputs: contents(inputs(study, &at.results, self.stiffness.is_some())),
             version: env!("CARGO_PKG_VERSION").into(),
         };
         let holds = verdict.lines().all(|(_, line)| line.holds);
@@ -106,13 +106,13 @@ impl Stage for Verify<'_> {
         Ok(Made::whole(Artefact::default().with(VERIFICATION, to_json(&verdict))))
     }
 
-    fn value(&self, artefact: &Artefact, _: &mut Pipeline<'_>) -> Result<VerificationRecord> {
-        part_json(artefact, VERIFICATION)
+    fn value(&self, artefact: &Artefact, key: &str, _: &mut Pipeline<'_>) -> Result<VerificationRecord> {
+        let verdict: VerificationRecord = part_json(artefact, VERIFICATION)?;
+        Ok(VerificationRecord { input_hash: key.into(), ..verdict })
     }
 
-    fn files(&self, artefact: &Artefact, value: &VerificationRecord, _: &Pipeline<'_>) -> Vec<NewFile> {
-        let content = artefact.part(VERIFICATION).unwrap_or_default().to_vec();
-        vec![NewFile::new(VERIFICATION, content, &value.input_hash)]
+    fn files(&self, _: &Artefact, value: &VerificationRecord, key: &str, _: &Pipeline<'_>) -> Vec<NewFile> {
+        vec![NewFile::new(VERIFICATION, to_json(value), key)]
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -124,8 +124,23 @@ impl Stage for Verify<'_> {
     }
 }
 
-/// The files that a verdict is made from, with the hashes of their contents.
-pub(super) fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMap<String, String> {
+/// Address of the verdict on the files of the folder; with the springs if one of the load cases ran with those of the study.
+pub(super) fn verdict_address(at: &Pipeline<'_>, with_stiffness: bool) -> Address {
+    let Pipeline { study, results, .. } = at;
+    let files: BTreeMap<String, [String; 2]> = inputs(study, results, with_stiffness)
+        .into_iter()
+        .map(|(name, entry)| (name, [entry.key, entry.blake3.unwrap_or_default()]))
+        .collect();
+    Address::of(Kind::Verdict, &(&study.name, &study.limits, files))
+}
+
+/// The hashes of the contents of files.
+fn contents(files: BTreeMap<String, Entry>) -> BTreeMap<String, String> {
+    files.into_iter().filter_map(|(name, entry)| Some((name, entry.blake3?))).collect()
+}
+
+/// What is listed about the files that a verdict is made from.
+fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMap<String, Entry> {
     let histories = study.scenarios.iter().flat_map(|(name, scenario)| {
         let files = |stems: [&str; 2]| -> Vec<String> {
             let [file, disturbed] = stems.map(|stem| history_file(study, name, stem));
@@ -143,7 +158,7 @@ pub(super) fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool)
     stiffness
         .into_iter()
         .chain(histories)
-        .filter_map(|name| results.entry(&name)?.blake3.map(|hash| (name, hash)))
+        .filter_map(|name| results.entry(&name).map(|entry| (name, entry)))
         .collect()
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{BandPointRecord, DisplacementRecord, ElementRecord, ErrorBandRecord, LawRecord, PairRecord};
+use super::{Sealed, BandPointRecord, DisplacementRecord, ElementRecord, ErrorBandRecord, LawRecord, PairRecord};
 
 /// Name of the file with the laws by contact angle.
 pub const BY_ANGLE: &str = "stiffness_by_angle.json";
@@ -26,10 +26,22 @@ pub struct StiffnessByAngleRecord {
     pub element_missing: Option<String>,
     /// The pair.
     pub pair: PairRecord,
-    /// Hash of what the laws depend on.
+    /// Hash of what the laws depend on, the program included.
     pub input_hash: String,
     /// Version of the program that made this.
     pub version: String,
+    /// The commit that this program was built from.
+    #[serde(default)]
+    pub commit: String,
+    /// Hash of all that stands above.
+    #[serde(default)]
+    pub content_blake3: String,
+}
+
+impl Sealed for StiffnessByAngleRecord {
+    fn seal(&mut self) -> &mut String {
+        &mut self.content_blake3
+    }
 }
 
 /// The wheel at one shift.

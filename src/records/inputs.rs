@@ -17,7 +17,7 @@ pub struct InputsRecord {
     pub description: String,
     /// Its keys, those that are not given as well.
     pub keys: Vec<ResolvedKey>,
-    /// Hash of what the calibration depends on, as in `stiffness.json`.
+    /// Hash of what the calibration depends on, the program included, as in `stiffness.json`.
     pub calibration: String,
     /// Version of the program that made the results.
     pub version: String,

@@ -16,7 +16,7 @@ pub struct PatchesRecord {
     pub friction: f64,
     /// The patches: those of the smallest, a middle and the largest load.
     pub patches: Vec<PatchRecord>,
-    /// Hash of what the calibration depends on.
+    /// Hash of what the calibration depends on, the program included.
     pub input_hash: String,
     /// Version of the program that made this.
     pub version: String,

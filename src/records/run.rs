@@ -25,6 +25,9 @@ pub struct RunRecord {
     /// Where the contact reached the end of the surfaces, if it did: y and z in the rail's profile frame, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ended_at_rail_mm: Option<[f64; 2]>,
+    /// Mass of the wheel that ran, kg: that of the load case if it has one, else that of the springs, of the condensed element or of the solid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheel_mass_kg: Option<f64>,
     /// The springs of the simple model; none in a run of the solid model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub springs: Option<SpringsRecord>,
@@ -77,6 +80,7 @@ impl RunRecord {
             ending: history.ending.name().into(),
             ended_at_s: history.ending.time(),
             ended_at_rail_mm: history.ending.rail().map(|place| [place.x, place.y].map(|at| at / MILLIMETRE)),
+            wheel_mass_kg: None,
             springs: None,
             reduction: None,
             step_change: None,

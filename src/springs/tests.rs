@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, HistoryRow};
 
 use super::*;
-use crate::records::{ElasticWheelRecord, StripRecord};
+use crate::records::{BeamRecord, ElasticWheelRecord, StripRecord};
 use crate::report::samples;
 use crate::stages;
 
@@ -220,11 +220,24 @@ fn another_reference_and_another_pair_need_the_studys_word() {
     assert!(text.contains("pair = 60E1 and S1002") && text.contains("[\"another-pair\"]"), "{text}");
     assert!(read(&accepting, &json(&record)).unwrap().notes[0].contains("another pair"));
     record.pair = plain.pair();
-    let own_pair = read(&plain, &json(&record)).unwrap().notes;
-    assert!(own_pair.len() == 1 && own_pair[0].contains("beam is not corrected"), "{own_pair:?}");
-    // The study's own calibration under another name is no other law.
-    record.input_hash = plain.keys.calibration.clone();
-    assert_eq!(read(&plain, &json(&record)).unwrap(), own(&plain, &record, None).unwrap());
+    // one of the same pair with other settings comes with its wheel and its beam
+    record.beam.length_m = plain.rail.length;
+    let sealed = record.clone().sealed();
+    let own_pair = read(&plain, &json(&sealed)).unwrap();
+    assert!(own_pair.notes.len() == 1 && own_pair.notes[0].contains("with other settings"), "{own_pair:?}");
+    assert_eq!((own_pair.wheel_mass_kg, own_pair.beam), (record.wheel_mass(), record.beam.factors));
+    let longer = StiffnessRecord { beam: BeamRecord { length_m: 2.0, ..record.beam }, ..record.clone() };
+    let longer = read(&plain, &json(&longer.sealed())).unwrap().notes;
+    assert!(longer[1].contains("of a rail of 2 m"), "{longer:?}");
+    // The study's own calibration under another name is no other law, unless it was edited.
+    record.input_hash = stages::calibration_address(&plain).key().into();
+    let sealed = record.clone().sealed();
+    assert_eq!(read(&plain, &json(&sealed)).unwrap(), own(&plain, &sealed, None).unwrap());
+    let mut edited = sealed;
+    edited.law.constants.b_kn_per_m *= 1.001;
+    let found = read(&plain, &json(&edited)).unwrap();
+    assert!(found.notes.len() == 1 && found.notes[0].contains("was edited"), "{found:?}");
+    assert!(matches!(found.source, SpringsSource::File { .. }), "{found:?}");
     let published = study("[simulation]\nlaw = \"published\"\n");
     assert!(refusal(&published, LAW).starts_with("simulation.law = "));
 }

@@ -28,7 +28,9 @@ use crate::records::{
     PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord,
     TouchRecord,
 };
+use crate::store::{Address, Kind};
 use crate::study::{EnforcementKey, MeshFile, Study};
+use crate::version;
 
 /// One m/N in µm/kN.
 pub(super) const MICROMETRE_PER_KILONEWTON: f64 = 1e-9;
@@ -215,8 +217,10 @@ pub fn calibrate(
         profiles: geometry.profiles.clone(),
         touch: touch_record(geometry, bodies),
         pair: study.pair(),
-        input_hash: study.keys.calibration.clone(),
+        input_hash: calibration_address(study).key().into(),
         version: env!("CARGO_PKG_VERSION").into(),
+        commit: version::COMMIT.into(),
+        content_blake3: String::new(),
     };
     let row = |(point, below): (_, &Option<_>)| load_curve_row(reference, point, &in_use.fit, below.as_ref());
     let load_curve = in_use.points.iter().zip(&below).map(row).collect();
@@ -231,11 +235,16 @@ pub fn calibrate(
         field: study.contact.field.name().into(),
         friction: study.contact.friction,
         patches: chosen(states.len()).into_iter().map(patch).collect(),
-        input_hash: study.keys.calibration.clone(),
+        input_hash: calibration_address(study).key().into(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
     let horizontal_failure = horizontal_failure.clone();
     Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure }, fields))
+}
+
+/// Address of the calibration of a study, with its fields for other programs.
+pub fn calibration_address(study: &Study) -> Address {
+    Address::of(Kind::Calibration, &(&study.keys.springs, study.output))
 }
 
 /// The end of ascending `loads` (N) after the first `carried` ones.

@@ -20,7 +20,8 @@ mod simulate;
 pub use bodies::solids;
 pub use by_angle::{PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y};
 pub use calibrate::{
-    Calibration, FoundSprings, PressedStudy, calibrate, check_friction, contact_conditions, press,
+    Calibration, FoundSprings, PressedStudy, calibrate, calibration_address, check_friction,
+    contact_conditions, press,
 };
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use error_band::{

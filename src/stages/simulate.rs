@@ -28,12 +28,19 @@ pub struct Springs {
     pub normal: NormalLaw,
     /// Horizontal stiffness, N/m.
     pub horizontal: f64,
-    /// Mass of the solid wheel, kg, which scenarios without a mass of their own take.
+    /// Mass of the solid wheel, kg; the condensed element has its own.
     pub wheel_mass: f64,
     /// What makes the rail beam as flexible as the solid that the law was calibrated on.
     pub beam: BeamCorrection,
     /// The condensed contact element; without one the springs run in the published one.
     pub element: Option<PairElement>,
+}
+
+impl Springs {
+    /// Mass of the wheel of load cases without a mass of their own, kg.
+    pub fn mass(&self) -> f64 {
+        self.element.as_ref().map_or(self.wheel_mass, |element| element.wheel.mass[(1, 1)])
+    }
 }
 
 /// The simple model with one of its contact elements.

@@ -13,7 +13,7 @@ fn artefact() -> Artefact {
 }
 
 fn put(store: &Store, inputs: &str) -> Address {
-    let address = store.address(Kind::SimpleRun, &inputs);
+    let address = Address::of(Kind::SimpleRun, &inputs);
     store.put(&address, "simple model, one", "coarse", &artefact()).unwrap();
     address
 }
@@ -32,10 +32,10 @@ fn what_was_put_is_taken() {
     let address = put(&store, "x");
     assert_eq!(taken(&store, &address), Some(artefact()));
     assert_eq!(artefact().part("b.vtu"), Some(&[0, 10, 255, 10][..]));
-    for other in [store.address(Kind::SimpleRun, &"y"), store.address(Kind::SolidRun, &"x")] {
+    for other in [Address::of(Kind::SimpleRun, &"y"), Address::of(Kind::SolidRun, &"x")] {
         assert!(matches!(store.take(&other), Found::Nothing));
     }
-    let other_program = Address::new(Kind::SimpleRun, &"x", "another program");
+    let other_program = Address::by(Kind::SimpleRun, &"x", "another program");
     assert!(matches!(store.take(&other_program), Found::Nothing));
 }
 
@@ -69,7 +69,7 @@ fn a_damaged_entry_is_removed() {
 #[test]
 fn writers_and_readers_do_not_meet() {
     let (root, store) = store();
-    let address = store.address(Kind::Calibration, &1);
+    let address = Address::of(Kind::Calibration, &1);
     let large = Artefact::default().with("a", vec![7; 300_000]);
     let large = &large;
     store.put(&address, "x", "y", large).unwrap();

@@ -21,12 +21,9 @@ pub struct Keys {
     /// The whole study without its descriptions and limits, without the bodies in time, and without the field of its contact: that of a cross-check is the
     /// elements.
     pub crosscheck: String,
-    /// What the load curve, the laws, the horizontal stiffness and the fields depend on.
-    pub calibration: String,
-    /// The same without the study's name, which its files only carry, without the damping and the files for other programs.
+    /// What the load curve, the laws and the horizontal stiffness depend on. The shifts of the laws by contact angle are no part of it, nor are
+    /// the damping, the files for other programs and the study's name, which result files only carry.
     pub springs: String,
-    /// What the laws by contact angle depend on: the calibration's inputs, and their shifts, which nothing else depends on.
-    pub by_angle: String,
     /// The pair that a law belongs to: profiles, bodies, their places and the elastic material; not the rail's length.
     pub pair: String,
     /// The wheel, the rail, and all else that springs depend on, each by itself: what a table names as the cause of a change.
@@ -35,8 +32,6 @@ pub struct Keys {
     simple: BTreeMap<String, String>,
     /// What a run of the solid model depends on, by scenario.
     solid: BTreeMap<String, String>,
-    /// The limits of the verdict.
-    limits: String,
 }
 
 impl Keys {
@@ -67,12 +62,11 @@ impl Keys {
         numeric.mesh.layers = Some(layers).filter(|layers| *layers != usual.0);
         numeric.mesh.first_layer_mm =
             Some(first_layer).filter(|first| *first != usual.1).map(|first| first / MILLIMETRE);
-        let shifts = numeric.calibration.shifts_mm.take();
+        numeric.calibration.shifts_mm = None;
         for keys in numeric.scenario.values_mut() {
             keys.description.clear();
             keys.snapshots_s.clear();
         }
-        let limits = hash(&numeric.verification);
         numeric.verification = Default::default();
         // No number depends on the fields for other programs.
         let mut whole = without(&serde_json::to_value(&numeric).expect("a study is plain data"), &["output"]);
@@ -84,8 +78,7 @@ impl Keys {
 
         // The deflection of the beam is part of the calibration, and the beam is that of the simulation.
         let calibrated = |sections: &Value| hash(&(sections, numeric.simulation.rail_elements, window_given));
-        let calibration = without(&whole, &["scenario", "simulation", "solid", "verification"]);
-        let mut springs = without(&calibration, &["name"]);
+        let mut springs = without(&whole, &["name", "scenario", "simulation", "solid", "verification"]);
         for key in ["damping_ratio", "damping_frequency_hz"] {
             remove(&mut springs, "material", key);
         }
@@ -103,7 +96,7 @@ impl Keys {
         crosscheck["verification"]["ratio_floor"] = 0.05.into();
         let settings = without(&springs, &["wheel", "rail"]);
         let parts = [hash(&springs["wheel"]), hash(&springs["rail"]), hash(&settings)];
-        let (calibration, springs) = (calibrated(&calibration), calibrated(&springs));
+        let springs = calibrated(&springs);
         let mut pair = without(
             &whole,
             &[
@@ -152,18 +145,11 @@ impl Keys {
         };
         Self {
             crosscheck: hash(&crosscheck),
-            by_angle: hash(&("stiffness by angle", &calibration, shifts)),
-            // with the springs come the fields
-            calibration: match document.output == Default::default() {
-                true => calibration,
-                false => hash(&(&calibration, document.output)),
-            },
             springs,
             pair: hash(&pair),
             parts,
             simple: each(&simple),
             solid: each(&solid),
-            limits,
         }
     }
 
@@ -175,11 +161,6 @@ impl Keys {
     /// Key of a run of the solid model.
     pub fn solid(&self, scenario: &str) -> String {
         hash(&("solid", self.solid.get(scenario)))
-    }
-
-    /// Key of the verdict on some files, given by their names and the hashes of their contents.
-    pub fn verdict(&self, inputs: &BTreeMap<String, String>) -> String {
-        hash(&("verdict", &self.limits, inputs))
     }
 }
 

@@ -99,40 +99,31 @@ fn every_result_has_a_key_of_its_own_inputs() {
         let text = format!("{SHORT}{rest}\n[scenario.one]\n{LOADS}{one}\n[scenario.two]\n{LOADS}");
         parse(&text).unwrap().keys
     };
-    let names = ["calibration", "pair", "simple one", "solid one", "simple two", "verdict"];
+    let names = ["springs", "pair", "simple one", "solid one", "simple two"];
     let all = |more: &str| {
         let k = keys(more);
-        let verdict = k.verdict(&Default::default());
-        [
-            k.calibration.clone(),
-            k.pair.clone(),
-            k.simple("one", &1),
-            k.solid("one"),
-            k.simple("two", &1),
-            verdict,
-        ]
+        [k.springs.clone(), k.pair.clone(), k.simple("one", &1), k.solid("one"), k.simple("two", &1)]
     };
     let plain = all("");
     for (more, changed) in [
         ("# a comment\n", &[][..]),
         ("description = \"other\"\nsnapshots_s = [0.1]\nsolid = false\n|", &[]),
         ("[simulation]\nscenario = \"two\"\n", &[]),
-        ("[verification]\nvertical_rms = 0.5\n", &["verdict"]),
+        ("[verification]\nvertical_rms = 0.5\n", &[]),
         ("steps = 20\n|", &["simple one", "solid one"]),
-        ("[calibration]\nload_max_kn = 140\n", &["calibration"]),
-        ("[calibration]\nfoot_held = true\n", &["calibration"]),
-        ("[simulation]\nrail_elements = 10\n", &["calibration", "simple one", "simple two"]),
+        ("[calibration]\nload_max_kn = 140\n", &["springs"]),
+        ("[calibration]\nfoot_held = true\n", &["springs"]),
+        ("[simulation]\nrail_elements = 10\n", &["springs", "simple one", "simple two"]),
         ("[simulation]\nlaw = \"published\"\n", &["simple one", "simple two"]),
         ("[solid]\ntransient = \"full\"\n", &["solid one"]),
         ("[solid]\nmodes = 40\n", &["solid one"]),
-        ("[output]\nvertical = \"up\"\n", &["calibration"]),
-        ("[output]\nvertical = \"down\"\n", &[]),
-        ("[mesh]\ngrowth = 1.5\n", &["calibration", "solid one"]),
-        ("[contact]\nfield = \"elements\"\n", &["calibration", "simple one", "solid one", "simple two"]),
-        ("[material]\ndamping_ratio = 0\n", &["calibration", "simple one", "solid one", "simple two"]),
+        ("[output]\nvertical = \"up\"\n", &[]),
+        ("[mesh]\ngrowth = 1.5\n", &["springs", "solid one"]),
+        ("[contact]\nfield = \"elements\"\n", &["springs", "simple one", "solid one", "simple two"]),
+        ("[material]\ndamping_ratio = 0\n", &["simple one", "solid one", "simple two"]),
         (
             "[track]\nlateral_shift_mm = 1\n",
-            &["calibration", "pair", "simple one", "solid one", "simple two"],
+            &["springs", "pair", "simple one", "solid one", "simple two"],
         ),
     ] {
         let found: Vec<&str> = names

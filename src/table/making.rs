@@ -80,9 +80,9 @@ impl<'a> Settings<'a> {
         Self { name, direction: *direction, stiffness_at_kn }
     }
 
-    /// Where the store has the place of a study at a shift towards the rail (mm).
-    pub fn address(&self, store: &Store, study: &Study, towards: f64) -> Address {
-        store.address(Kind::Place, &(&study.keys.springs, self.direction, self.stiffness_at_kn, towards))
+    /// Address of the place of a study at a shift towards the rail (mm).
+    pub fn address(&self, study: &Study, towards: f64) -> Address {
+        Address::of(Kind::Place, &(&study.keys.springs, self.direction, self.stiffness_at_kn, towards))
     }
 }
 
@@ -212,7 +212,7 @@ impl CaseWork<'_> {
 
     /// Whether the store has the place at a shift towards the rail (mm), complete.
     pub fn has_place(&self, shift_mm: f64) -> bool {
-        let address = self.settings.address(self.store, self.study, shift_mm);
+        let address = self.settings.address(self.study, shift_mm);
         self.store
             .take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| self.said.notice(&text))
             .is_some()
@@ -238,7 +238,7 @@ impl CaseWork<'_> {
             at,
         };
         let artefact = Artefact::default().with(PLACE, to_json(&record));
-        let address = settings.address(store, study, shift_mm);
+        let address = settings.address(study, shift_mm);
         store.keep(&address, "place of a table", settings.name, &artefact, &|text| self.said.notice(&text));
         Ok(record)
     }

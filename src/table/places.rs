@@ -101,7 +101,7 @@ impl<'a> Places<'a> {
         let take = |place: &Place| {
             let study = &table.cases[place.case].study;
             let towards = place.side.towards(place.shift_mm);
-            let address = Settings::of(document).address(store, study, towards);
+            let address = Settings::of(document).address(study, towards);
             store.take_as(&address, |artefact| PlaceRecord::read(&artefact), &|text| {
                 resources.monitor.notice(&text)
             })

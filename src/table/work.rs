@@ -187,7 +187,7 @@ impl Work {
     }
 
     fn pressed(&self, case: &CaseWork<'_>, shifts: &[f64], prepared: &Prepared) -> Result<Answer> {
-        let address = |shift: &f64| case.settings.address(case.store, case.study, *shift);
+        let address = |shift: &f64| case.settings.address(case.study, *shift);
         let missing: Vec<f64> =
             shifts.iter().copied().filter(|shift| self.fresh || !case.has_place(*shift)).collect();
         if !missing.is_empty() {
@@ -210,7 +210,7 @@ fn prepared(case: &CaseWork<'_>) -> Result<Answer> {
         let of_coarser = if body.coarser { " of coarser elements" } else { "" };
         NeededBody {
             name: format!("{}{of_coarser}", body.body.name()),
-            entry: body_address(case.store, &key).file(),
+            entry: body_address(&key).file(),
         }
     });
     Ok(Answer { bodies: needed.collect(), prepared: Some(prepared), ..Answer::default() })
@@ -218,7 +218,7 @@ fn prepared(case: &CaseWork<'_>) -> Result<Answer> {
 
 fn condensed(case: &CaseWork<'_>, entry: &str) -> Result<Answer> {
     let meshed = case.meshed()?;
-    let is_wanted = |(_, key): &(BodyOfCase, String)| body_address(case.store, key).file() == entry;
+    let is_wanted = |(_, key): &(BodyOfCase, String)| body_address(key).file() == entry;
     let Some((body, _)) = case.bodies(&case.prepared(&meshed)).into_iter().find(is_wanted) else {
         let expected = "the file of one of the bodies of the case";
         return Err(InputError::new("entry", entry, expected, "run the same program on all machines").into());

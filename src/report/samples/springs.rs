@@ -189,6 +189,8 @@ pub(crate) fn stiffness() -> StiffnessRecord {
         pair: PairRecord { name: "60E1 and S1002".into(), hash: "89abcdef".repeat(8) },
         input_hash: "0123456789abcdef".repeat(4),
         version: "0.1.0".into(),
+        commit: "commit 0123456789ab".into(),
+        content_blake3: String::new(),
     }
 }
 
@@ -292,5 +294,7 @@ pub(crate) fn by_angle() -> StiffnessByAngleRecord {
         pair: sample.pair.clone(),
         input_hash: "ef".repeat(32),
         version: "0.1.0".into(),
+        commit: "commit 0123456789ab".into(),
+        content_blake3: String::new(),
     }
 }
