@@ -13,6 +13,7 @@ mod by_angle;
 mod crosscheck;
 mod runs;
 mod solid_runs;
+mod judged;
 mod verdict;
 mod pages;
 mod stored;
@@ -49,6 +50,7 @@ use pages::Report;
 use runs::{Other, Run, Simulate};
 use solid_runs::{Begun, SimulateSolid, SolidRuns};
 use stored::Stored;
+pub use verdict::statics_lines;
 use verdict::{Runs, Verify};
 
 /// The laws and the horizontal stiffness.
@@ -190,7 +192,11 @@ impl<'a> Pipeline<'a> {
             let solid = scenario.solid.then(|| self.get(&SimulateSolid { name, scenario })).transpose()?;
             runs.push((name.clone(), Runs { simple, other, solid }));
         }
-        let verdict = self.get(&Verify { stiffness: Some(&calibration.stiffness), runs: &runs })?;
+        let verdict = self.get(&Verify {
+            stiffness: Some(&calibration.stiffness),
+            by_angle: by_angle.as_ref(),
+            runs: &runs,
+        })?;
         self.report_stage(&Report {
             calibration: &calibration,
             by_angle: by_angle.as_ref(),
@@ -346,7 +352,9 @@ impl<'a> Pipeline<'a> {
             };
             runs.push((name.clone(), Runs { simple, other, solid }));
         }
-        let verdict = self.get(&Verify { stiffness: stiffness.as_ref(), runs: &runs })?;
+        let by_angle = if stiffness.is_some() { self.stored_by_angle()? } else { None };
+        let verdict =
+            self.get(&Verify { stiffness: stiffness.as_ref(), by_angle: by_angle.as_ref(), runs: &runs })?;
         self.note_inputs()?;
         Ok(Found { stiffness, runs: Vec::new(), verdict: Some(verdict) })
     }

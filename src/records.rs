@@ -36,8 +36,8 @@ pub use error_band::{
 pub use inputs::{INPUTS, InputsRecord};
 pub use law::LawConstants;
 pub use measured::{MachineRecord, Measured, StageMeasure};
-pub use reach::Reach;
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
+pub use reach::Reach;
 pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use scaling::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
@@ -45,7 +45,9 @@ pub use scaling::{
 pub use seal::Sealed;
 pub use step_times::{PeerTime, StepTime, StepTimesRecord};
 pub use touch::{HertzRecord, TouchRecord};
-pub use verdict::{ElementDifferences, ElementVerdict, ScenarioVerdict, VerificationRecord, with_unit};
+pub use verdict::{
+    ElementDifferences, ElementVerdict, Judged, ScenarioVerdict, VerdictOn, VerificationRecord, with_unit,
+};
 
 /// One key of a resolved study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

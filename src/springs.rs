@@ -243,8 +243,7 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     let edited = |laws: &StiffnessByAngleRecord| {
         (!laws.is_as_written()).then(|| edited(&path.with_file_name(BY_ANGLE).display().to_string()))
     };
-    let without_laws: Vec<String> =
-        without_laws.into_iter().chain(laws.as_ref().and_then(edited)).collect();
+    let without_laws: Vec<String> = without_laws.into_iter().chain(laws.as_ref().and_then(edited)).collect();
     // The study's own calibration under another name is no other law.
     let own_address = stages::calibration_address(study);
     let is_own = |it: &&StiffnessRecord| it.input_hash == own_address.key() && it.is_as_written();

@@ -19,12 +19,14 @@ mod limits;
 mod signals;
 mod change;
 mod contact;
+mod statistics;
+mod model_change;
 mod step_change;
 mod spread;
 mod model_run;
 mod band;
 mod pointwise;
-mod statistics;
+mod sampled;
 
 use railspring_calibrate::energy::EnergyBalance;
 use railspring_calibrate::error::{InputError, Result};
@@ -35,14 +37,19 @@ use serde::{Deserialize, Serialize};
 pub use band::Band;
 pub use change::{Change, least_contact};
 pub use contact::ContactDifference;
-pub use limits::Limits;
+pub use limits::{ChangedLimit, Limits};
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};
+pub use model_change::ModelChange;
 pub use model_run::{ModelRun, Worth};
-pub use signals::{Both, Carrying, ModeFractions, Separation, averaged_ratio, mode_fractions, separations};
+pub use signals::{
+    Both, Carrying, FLANGE_SIDE, ModeFractions, Separation, averaged_ratio, mode_fractions, separations,
+    touches_with_flange,
+};
 pub use spread::{Spread, disturbed};
-pub use step_change::StepChange;
+pub use step_change::{Afterwards, StepChange};
 
 use line::rounded;
+use pointwise::{PartOfRun, Scope};
 
 /// How far apart the two models are.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,13 +138,18 @@ pub fn compare(simple: &ModelRun<'_>, solid: &ModelRun<'_>, limits: &Limits) -> 
     let runs = Both { simple: simple.history, solid: solid.history };
     check_times(runs.simple, runs.solid)?;
     // what is left may be too short for statistics; it then is compared step by step, too
-    let undetermined = statistics::begin(simple.history, solid, limits);
+    let undetermined = sampled::begin(simple.history, solid, limits);
     let end = undetermined.map(|row| solid.history.rows[row].time);
 
     let mut checks: Vec<Check> = run_lines(runs.simple, Some(runs.solid)).into_iter().map(Ok).collect();
-    checks.extend(pointwise::Scope::new(runs.solid, limits, end).checks(simple, solid));
-    let of_samples = undetermined.map(|first| statistics::lines(simple, solid, limits, first));
-    checks.extend(of_samples.into_iter().flatten().map(Ok));
+    let scope = Scope::new(runs.solid, limits, end);
+    checks.extend(scope.checks(simple, solid));
+    if let Some(first) = undetermined {
+        // averages over a window follow one another longer than the forces do
+        let rows = first..runs.simple.rows.len().min(runs.solid.rows.len());
+        checks.extend(scope.ratio_lines(simple, solid, rows, PartOfRun::Undetermined).into_iter().map(Ok));
+        checks.extend(sampled::lines(simple, solid, limits, first).into_iter().map(Ok));
+    }
     checks.push(energy_check(&runs, limits));
     let (mut lines, mut not_applicable) = (Vec::new(), Vec::new());
     for check in checks {

@@ -1,21 +1,14 @@
 //! What each part of the condensed element does, by leaving it out: `cargo leave-one-out` prints the table of docs/condensed-element.md.
 
 use std::f64::consts::TAU;
-use std::path::Path;
 
 use nalgebra::Matrix3;
-use railspring::estimate::Resources;
-use railspring::output::OutputFolder;
-use railspring::pipeline::Pipeline;
-use railspring::records::{RunRecord, history_csv};
-use railspring::stages::{self, Geometry, Springs};
-use railspring::study::Study;
-use railspring::verify::{Limits, ModelRun, compare};
-use railspring::{results, springs};
+use railspring::stages::Springs;
+use railspring::verify::Limits;
 use railspring_calibrate::element::{PairElement, StripModulus, StripPlace, StripStiffness};
-use railspring_calibrate::history::{Ending, History, HistoryRow};
-use railspring_calibrate::monitor::Silent;
-use serde_json::Value;
+use railspring_calibrate::history::{History, HistoryRow};
+
+use crate::solved::Solved;
 
 /// A change of the element; none leaves that of the publication.
 type Change = fn(&mut PairElement);
@@ -92,29 +85,11 @@ fn forces([simple, solid]: [&History; 2], until: f64) -> [f64; 2] {
 #[ignore = "half a minute: cargo leave-one-out"]
 fn each_part_of_the_element_is_needed() {
     const MODEL: f64 = 0.03;
-    let study = include_str!("../data/studies/uic60-s1002.toml");
-    let study = Study::parse(Path::new("uic60-s1002.toml"), study).unwrap();
-    let place = tempfile::tempdir().unwrap();
-    let folder = OutputFolder::create(place.path()).unwrap();
-    Pipeline::new(&study, &folder, Resources::of_the_machine(&Silent))
-        .run()
-        .unwrap_or_else(|e| panic!("{e}"));
-    let text = |name: &str| std::fs::read_to_string(place.path().join(name)).unwrap();
-    let [solid, disturbed] = ["solid_history.csv", "solid_history_disturbed.csv"]
-        .map(|name| history_csv::read(Path::new(name), &text(name), 1, Ending::Completed).unwrap());
-    let results: Value = serde_json::from_str(&text(results::RESULTS)).unwrap();
-    let run = results["files"]["solid_history.csv"]["run"].clone();
-    let run: RunRecord = serde_json::from_value(run).unwrap();
-    let solid_run = ModelRun {
-        history: &solid,
-        steps: run.step_change.as_ref(),
-        disturbed: run.spread.as_ref().map(|spread| (&disturbed, spread)),
-    };
-    let geometry: Geometry = stages::geometry(&study).unwrap();
-    let record = springs::from_file(&study, &geometry, &place.path().join("stiffness.json")).unwrap();
-    let whole: Springs = springs::springs(&record).unwrap();
+    let solved = Solved::of("uic60-s1002");
+    let (name, solid) = &solved.solids[0];
+    let whole: Springs = solved.springs.clone();
     let element = whole.element.clone().expect("the default study has an element");
-    let case = &study.scenarios["constant"];
+    let case = &solved.study.scenarios[name];
     println!(
         "| | P to 60 ms | Q to 60 ms | P to 275 ms | Q to 275 ms | averaged Q/P: RMS, largest |\n|---|---|---|---|---|---|"
     );
@@ -126,14 +101,10 @@ fn each_part_of_the_element_is_needed() {
             element
         });
         let springs = Springs { element, ..whole.clone() };
-        let (simple, tried) = stages::simulate(&study, &geometry, &springs, case, &Silent).unwrap();
-        let [first, all] = [0.06, f64::INFINITY].map(|until| forces([&simple, &solid], until));
-        let simple_run = ModelRun {
-            history: &simple,
-            steps: tried.worth.steps.as_ref().ok(),
-            disturbed: tried.disturbed.as_ref().zip(tried.worth.spread.as_ref().ok()),
-        };
-        let lines = compare(&simple_run, &solid_run, &Limits::default()).unwrap().lines;
+        let (simple, comparison) =
+            solved.compared(&solved.study, &springs, case, solid, &Limits::default()).unwrap();
+        let [first, all] = [0.06, f64::INFINITY].map(|until| forces([&simple, &solid.history], until));
+        let lines = comparison.lines;
         let value =
             |quantity: &str| lines.iter().find(|line| line.quantity == quantity).and_then(|l| l.value);
         let ratio = ["ratio_rms", "ratio_max"].map(|quantity| value(quantity).unwrap_or(f64::NAN));

@@ -10,9 +10,9 @@ use super::output::{Line, Tone, say, say_line};
 use crate::estimate::Estimate;
 use crate::pipeline::Found;
 use crate::records::crosscheck::{Check, CrosscheckRecord};
-use crate::records::{LawRecord, RunRecord, StiffnessRecord, VerificationRecord, with_unit};
+use crate::records::{LawRecord, RunRecord, StiffnessRecord, VerdictOn, VerificationRecord, with_unit};
 use crate::rounding::{rounded_to, significant};
-use crate::verify::{self, NotApplicable};
+use crate::verify::{self, ChangedLimit, NotApplicable};
 
 /// Most limits that are listed of those that fail.
 const WORST: usize = 3;
@@ -91,8 +91,17 @@ struct Verdict {
     holds: bool,
     /// How many limits there are.
     limits: usize,
-    /// How many of them fail.
+    /// How many hold by themselves.
+    hold: usize,
+    /// How many hold by what the solid model is worth alone.
+    hold_by_solid: usize,
+    /// How many fail.
     fail: usize,
+    /// Both verdicts in words: the one that decides first.
+    verdicts: Vec<VerdictOn>,
+    /// Limits that are not the default ones.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    changed_limits: Vec<ChangedLimit>,
     /// The verdict in a sentence.
     headline: String,
     lines: Vec<VerdictLine>,
@@ -311,12 +320,17 @@ impl Verdict {
             .map(|(subject, line)| VerdictLine { subject: subject.into(), line: line.clone() })
             .collect();
         let failing = record.failing();
+        let [hold, hold_by_solid, fail] = record.counts(record.decides);
         let gaps = record.not_applicable();
         let notes = record.notes();
         Self {
             holds: record.holds,
             limits: lines.len(),
-            fail: failing.len(),
+            hold,
+            hold_by_solid,
+            fail,
+            verdicts: record.verdicts.clone(),
+            changed_limits: record.changed_limits.clone(),
             headline: record.headline(),
             lines,
             not_applicable: gaps
@@ -353,6 +367,17 @@ impl Verdict {
         if let more @ 1.. = self.worst.len().saturating_sub(WORST) {
             lines.push(Line::plain(format!("  and {more} more: see the report, or --json")));
         }
+        let [decides, others] =
+            [&self.verdicts[..self.verdicts.len().min(1)], self.verdicts.get(1..).unwrap_or_default()];
+        lines.extend(decides.iter().map(|of| Line::plain(format!("  {}", of.uses()))));
+        lines
+            .extend(others.iter().map(|of| heading(of.on.name(), format!("{}; {}", of.counts(), of.uses()))));
+        lines.extend(self.changed_limits.iter().map(|limit| {
+            let tone = if limit.is_looser() { Tone::Bad } else { Tone::Plain };
+            Line::of(Tone::Heading, "limit of the study:")
+                .then(Tone::Plain, " ")
+                .then(tone, limit.to_string())
+        }));
         lines
     }
 }

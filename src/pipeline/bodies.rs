@@ -102,15 +102,16 @@ impl BodySource<'_> {
         })
     }
 
-    /// The bodies of `solids` that move in runs in time, with `modes` modes.
+    /// The bodies of `solids` that move in runs in time, with `modes` modes; `which` goes with their names in messages.
     ///
     /// # Errors
     /// As [`Self::condensed`].
-    pub fn moving(&self, solids: &PairSolids<'_>, modes: usize) -> Result<MovingBodies> {
-        let [(_, wheel), (_, rail)] = self.said("", |say| {
+    pub fn moving(&self, solids: &PairSolids<'_>, which: &str, modes: usize) -> Result<MovingBodies> {
+        let [(_, wheel), (_, rail)] = self.said(which, |say| {
             let get = |body| self.body(solids, body, modes, &|text| say(body, text));
             let bodies = [PairBody::Wheel, PairBody::RailOnEnds];
-            let bodies = condense_all(("superelements", self.monitor), &bodies, self.together, get)?;
+            let said = (&*format!("superelements{which}"), self.monitor);
+            let bodies = condense_all(said, &bodies, self.together, get)?;
             Ok(<[_; 2]>::try_from(bodies).expect("two bodies"))
         })?;
         Ok(MovingBodies::Own(Box::new([rail, wheel])))

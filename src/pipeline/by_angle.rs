@@ -66,12 +66,7 @@ impl Stage for ByAngle<'_> {
         Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }
 
-    fn value(
-        &self,
-        artefact: &Artefact,
-        key: &str,
-        at: &mut Pipeline<'_>,
-    ) -> Result<StiffnessByAngleRecord> {
+    fn value(&self, artefact: &Artefact, key: &str, at: &mut Pipeline<'_>) -> Result<StiffnessByAngleRecord> {
         let mut laws: StiffnessByAngleRecord = part_json(artefact, BY_ANGLE)?;
         laws.study.clone_from(&at.study.name);
         laws.input_hash = key.into();

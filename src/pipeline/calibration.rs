@@ -15,9 +15,7 @@ use super::{
 use crate::estimate::Work;
 use crate::measure::Stopwatch;
 use crate::output::to_json;
-use crate::records::{
-    ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Sealed, StiffnessRecord, to_csv,
-};
+use crate::records::{ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Sealed, StiffnessRecord, to_csv};
 use crate::results::NewFile;
 use crate::stages::{self, Calibration, CoarserBodies, Geometry, Meshes, PressedStudy, Reached, Within};
 use crate::store::{Address, Artefact};

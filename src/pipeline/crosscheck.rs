@@ -46,13 +46,7 @@ impl Stage for Crosscheck<'_> {
         part_json(artefact, CROSSCHECK)
     }
 
-    fn files(
-        &self,
-        artefact: &Artefact,
-        _: &CrosscheckRecord,
-        key: &str,
-        _: &Pipeline<'_>,
-    ) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, _: &CrosscheckRecord, key: &str, _: &Pipeline<'_>) -> Vec<NewFile> {
         let part = |name: &str| {
             let content = artefact.part(name).unwrap_or_default().to_vec();
             // seconds, date and host are in it

@@ -12,7 +12,7 @@ use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifferenc
 use crate::records::{StiffnessByAngleRecord, VerificationRecord};
 use crate::report::crosscheck::{Crosscheck, PageData, page};
 use crate::report::{self, ModelRun, ReportData, ScenarioRun};
-use crate::results::NewFile;
+use crate::results::{Entry, NewFile};
 use crate::stages::{self, Calibration};
 use crate::store::{Address, Artefact, Kind};
 use crate::verify::Band;
@@ -34,7 +34,8 @@ impl<'a> Stage for Report<'a> {
     }
 
     fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
-        let springs = [Some(&self.calibration.stiffness.input_hash), self.by_angle.map(|laws| &laws.input_hash)];
+        let springs =
+            [Some(&self.calibration.stiffness.input_hash), self.by_angle.map(|laws| &laws.input_hash)];
         let inputs = (&self.verdict.input_hash, springs, &at.study.description, &at.study.resolved);
         Ok(Address::of(Kind::Report, &inputs))
     }
@@ -74,9 +75,11 @@ impl<'a> Stage for Report<'a> {
         let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| at.differences(record));
         // The folder may have runs of other load cases.
         let inputs = [STIFFNESS, BY_ANGLE].into_iter().chain(self.verdict.inputs.keys().map(String::as_str));
-        let keys: Vec<String> = inputs.filter_map(|name| Some(at.results.entry(name)?.key)).collect();
+        let entries: Vec<Entry> = inputs.filter_map(|name| at.results.entry(name)).collect();
+        let keys: Vec<&String> = entries.iter().map(|entry| &entry.key).collect();
+        let programs: Vec<String> = entries.iter().map(Entry::program).collect();
         let mut measured = at.measured.clone();
-        measured.stages.retain(|stage| keys.contains(&stage.key));
+        measured.stages.retain(|stage| keys.contains(&&stage.key));
         let data = ReportData {
             name: &at.study.name,
             description: &at.study.description,
@@ -96,6 +99,7 @@ impl<'a> Stage for Report<'a> {
             scenarios,
             ratio_window: at.study.limits.ratio_window_s,
             verdict: self.verdict,
+            programs: &programs,
             measured: &measured,
             crosscheck: match &crosscheck {
                 Some(record) => Crosscheck::Fresh(record, &sections),

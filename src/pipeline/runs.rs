@@ -51,6 +51,7 @@ impl Run {
             history: &self.history,
             steps: self.record.step_change.as_ref(),
             disturbed: self.disturbed.as_ref().zip(self.record.spread.as_ref()),
+            discretisation: &self.record.discretisation,
         }
     }
 }

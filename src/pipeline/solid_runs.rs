@@ -103,12 +103,21 @@ impl<'a> SolidRuns<'a> {
                 });
                 let bodies = match known {
                     Some((_, bodies)) => bodies,
-                    None => Arc::new(source.moving(&solids, modes)?),
+                    None => Arc::new(source.moving(&solids, "", modes)?),
                 };
                 moving.replace(Some((modes, bodies.clone())));
                 Ok(bodies)
             };
-            stages::simulate_solid(study, geometry, meshes, &bodies, scenario, monitor)
+            let coarser = |modes| {
+                stages::coarser_contact(study, geometry, meshes, |coarser| {
+                    source.moving(
+                        &stages::solids(study, geometry, coarser),
+                        " of coarser contact elements",
+                        modes,
+                    )
+                })
+            };
+            stages::simulate_solid(study, geometry, meshes, &bodies, &coarser, scenario, monitor)
         };
         let reached = |(run, _): &(TransientRun, Tried)| Reached::in_time(run.history.ending);
         let Within { result: (run, tried), refused } =

@@ -127,7 +127,8 @@ impl Pipeline<'_> {
     /// What the store has for a stage; an entry that cannot be used is said and removed.
     fn take<S: Stage>(&mut self, stage: &S, address: &Address) -> Option<(Artefact, S::Value)> {
         let (store, monitor, name) = (self.store?, self.resources.monitor, stage.name());
-        let read = |artefact: Artefact| stage.value(&artefact, address.key(), self).map(|value| (artefact, value));
+        let read =
+            |artefact: Artefact| stage.value(&artefact, address.key(), self).map(|value| (artefact, value));
         store.take_as(address, read, &|text| monitor.notice(&format!("{name}: {text}")))
     }
 

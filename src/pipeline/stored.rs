@@ -61,7 +61,7 @@ impl Pipeline<'_> {
     }
 
     /// The folder's laws by contact angle, if the study wants them.
-    fn stored_by_angle(&mut self) -> Result<Option<StiffnessByAngleRecord>> {
+    pub(super) fn stored_by_angle(&mut self) -> Result<Option<StiffnessByAngleRecord>> {
         if !self.study.wants_by_angle() {
             return Ok(None);
         }
@@ -293,7 +293,9 @@ impl Faults {
         let first = order.iter().position(|command| self.commands.contains(command)).unwrap_or(0);
         let commands: Vec<String> =
             order[first..].iter().map(|command| format!("`railspring {command}`")).collect();
-        let listed: Vec<String> = self.found.iter().map(|e| format!("{} ({})", e.key, e.value)).collect();
+        let mut listed: Vec<String> = self.found.iter().map(|e| format!("{} ({})", e.key, e.value)).collect();
+        // one file may be asked for by several results
+        listed.dedup();
         InputError::new(
             format!("results of {}", study.name),
             listed.join(", "),

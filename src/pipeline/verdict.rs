@@ -6,18 +6,20 @@ use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
+use super::judged::{Judging, hub_deviations, place};
 use super::runs::{Other, Run, SIMPLE, SOLID, of_element};
 use super::stage::{Made, Stage};
 use super::{OF_THE_VERDICT, Pipeline, STIFFNESS, VERIFICATION, history_file, part_json};
 use crate::output::to_json;
 use crate::records::{
-    ElementDifferences, ElementVerdict, HubDeviationRecord, ScenarioVerdict, StiffnessRecord,
-    VerificationRecord,
+    BY_ANGLE, ElementDifferences, ElementVerdict, Judged, ScenarioVerdict, StiffnessByAngleRecord,
+    StiffnessRecord, VerificationRecord,
 };
 use crate::results::{Entry, NewFile, Results};
 use crate::store::{Address, Artefact, Kind};
 use crate::study::{ContactElementKey, Study};
-use crate::verify::{self, Line};
+use crate::verify::{self, Criterion, Line};
+use crate::version;
 
 /// The runs of a scenario: the simple model with the study's contact element, the same with the other one, and the solid model.
 pub(super) struct Runs {
@@ -29,6 +31,8 @@ pub(super) struct Runs {
 /// The comparison of both models; `stiffness` is that of the study, if one of the simple models ran with it.
 pub(super) struct Verify<'a> {
     pub stiffness: Option<&'a StiffnessRecord>,
+    /// The laws by contact angle of these springs, if the study wants them.
+    pub by_angle: Option<&'a StiffnessByAngleRecord>,
     pub runs: &'a [(String, Runs)],
 }
 
@@ -61,19 +65,25 @@ impl Stage for Verify<'_> {
                 run: None,
                 missing: None,
                 differences: comparison.as_ref().map(ElementDifferences::from),
+                lines: Vec::new(),
             };
             let other = match &other.run {
-                Ok(run) => ElementVerdict {
-                    element: other.element.name().into(),
-                    run: Some(run.record.clone()),
-                    missing: None,
-                    differences: compared(run).transpose()?.as_ref().map(ElementDifferences::from),
-                },
+                Ok(run) => {
+                    let comparison = compared(run).transpose()?;
+                    ElementVerdict {
+                        element: other.element.name().into(),
+                        run: Some(run.record.clone()),
+                        missing: None,
+                        differences: comparison.as_ref().map(ElementDifferences::from),
+                        lines: comparison.map_or_else(|| verify::run_lines(&run.history, None), |c| c.lines),
+                    }
+                }
                 Err(reason) => ElementVerdict {
                     element: other.element.name().into(),
                     run: None,
                     missing: Some(reason.clone()),
                     differences: None,
+                    lines: Vec::new(),
                 },
             };
             let (lines, not_applicable, compared) = match comparison {
@@ -90,19 +100,28 @@ impl Stage for Verify<'_> {
                 elements: vec![own, other],
             });
         }
+        let all_condensed = !self.runs.is_empty() && self.runs.iter().all(|(_, runs)| is_condensed(runs));
         let mut verdict = VerificationRecord {
             study: study.name.clone(),
             holds: false,
-            calibration: self
+            decides: if all_condensed { Judged::Element } else { Judged::Springs },
+            verdicts: Vec::new(),
+            changed_limits: study.limits.changed(),
+            calibration: self.stiffness.map_or_else(Vec::new, |record| calibration_lines(study, record)),
+            statics: self
                 .stiffness
-                .map_or_else(Vec::new, |record| calibration_lines(study, record, self.runs)),
+                .zip(self.by_angle.filter(|laws| laws.element.is_some()))
+                .map_or_else(Vec::new, |(record, laws)| statics_lines(study, record, laws)),
             scenarios,
             input_hash: String::new(),
             inputs: contents(inputs(study, &at.results, self.stiffness.is_some())),
             version: env!("CARGO_PKG_VERSION").into(),
+            commit: version::COMMIT.into(),
         };
         let holds = verdict.lines().all(|(_, line)| line.holds);
         verdict.holds = holds;
+        let judging = Judging { study, stiffness: self.stiffness, by_angle: self.by_angle, runs: self.runs };
+        verdict.verdicts = judging.verdicts(&verdict);
         Ok(Made::whole(Artefact::default().with(VERIFICATION, to_json(&verdict))))
     }
 
@@ -154,9 +173,11 @@ fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMa
         let others = others.iter().flat_map(|[file, disturbed]| files([file, disturbed]));
         files(SIMPLE).into_iter().chain(others.collect::<Vec<_>>()).chain(solid)
     });
-    let stiffness = with_stiffness.then(|| STIFFNESS.to_owned());
+    let stiffness = with_stiffness.then(|| [STIFFNESS, BY_ANGLE].map(str::to_owned));
     stiffness
         .into_iter()
+        .flatten()
+        .filter(|name| name != BY_ANGLE || study.wants_by_angle())
         .chain(histories)
         .filter_map(|name| results.entry(&name).map(|entry| (name, entry)))
         .collect()
@@ -178,14 +199,20 @@ fn published_line(study: &Study, line: Line) -> Line {
     ))
 }
 
-/// Where the condensed element of a run is farthest from the solid, as far as it is known; none of a run with the published element.
-fn condensed(runs: &Runs) -> Option<Option<HubDeviationRecord>> {
-    let springs = runs.simple.record.springs.as_ref()?;
-    springs.element_blake3.is_some().then_some(springs.element_displacement)
+/// Whether the study's simple model ran with the condensed element.
+fn is_condensed(runs: &Runs) -> bool {
+    runs.simple.record.springs.as_ref().is_some_and(|springs| springs.element_blake3.is_some())
+}
+
+/// That the springs have all loads of the study, as a line.
+fn loads_line(stiffness: &StiffnessRecord) -> Line {
+    let loads = verify::LOADS_LEFT_OUT.line(Some(stiffness.loads_left_out() as f64));
+    let left_out = stiffness.shortened();
+    if left_out.is_empty() { loads } else { loads.noted(left_out.join("; ")) }
 }
 
 /// Lines of the verdict on the springs themselves.
-fn calibration_lines(study: &Study, stiffness: &StiffnessRecord, runs: &[(String, Runs)]) -> Vec<Line> {
+fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
     /// Load at which the published law is compared, kN.
     const COMPARED_AT_KN: f64 = 85.0;
     let limits = &study.limits;
@@ -195,37 +222,45 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord, runs: &[(String
         let difference = (foot.law.constants.tangent(COMPARED_AT_KN) / published - 1.0).abs();
         published_line(study, limits.published_stiffness().line(Some(difference)))
     });
-    let of_condensed: Vec<HubDeviationRecord> =
-        runs.iter().filter_map(|run| condensed(&run.1)).flatten().collect();
-    let all_condensed = !runs.is_empty() && runs.iter().all(|run| condensed(&run.1).is_some());
     let of_law = stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp);
-    let spread = stiffness.horizontal.as_ref().map(|h| h.relative_spread);
-    let loads = verify::LOADS_LEFT_OUT.line(Some(stiffness.loads_left_out() as f64));
-    let left_out = stiffness.shortened();
-    let loads = if left_out.is_empty() { loads } else { loads.noted(left_out.join("; ")) };
-    let beam = limits.beam_missing().line(Some(stiffness.beam.missing));
-    if all_condensed {
-        // it has neither a law of this form nor a constant horizontal stiffness
-        let farthest = of_condensed.into_iter().max_by(|a, b| a.max_rel_error.total_cmp(&b.max_rel_error));
-        let line = limits.law_displacement().line(farthest.map(|at| at.max_rel_error));
-        let line = match farthest {
-            Some(at) => line.noted(format!(
-                "of the condensed element, with the wheelset {} mm aside under {} kN",
-                (at.shift_mm * 1e3).round() / 1e3,
-                at.force_kn
-            )),
-            None => line.noted("no place and load has a displacement of both"),
-        };
-        return [loads, line, beam].into_iter().chain(against_published).collect();
-    }
     let lines = [
-        loads,
+        loads_line(stiffness),
         limits.law_max().line(Some(stiffness.law.max_rel_error)),
         limits.law_displacement().line(of_law),
-        beam,
-        limits.horizontal_spread().line(spread),
+        limits.beam_missing().line(Some(stiffness.beam.missing)),
+        limits.horizontal_spread().line(stiffness.horizontal.as_ref().map(|h| h.relative_spread)),
     ];
     lines.into_iter().chain(against_published).collect()
+}
+
+/// Lines of the verdict on the condensed element under static loads: what the load cases do not see.
+pub fn statics_lines(study: &Study, stiffness: &StiffnessRecord, laws: &StiffnessByAngleRecord) -> Vec<Line> {
+    const DIRECTIONS: [&str; 3] = [
+        "Lateral flexibility of the element's hub (yy), largest difference from the solid over shifts and loads",
+        "Lateral flexibility of the element's hub under vertical forces (yz), largest difference over shifts and loads",
+        "Vertical flexibility of the element's hub (zz), largest difference from the solid over shifts and loads",
+    ];
+    let limits = &study.limits;
+    let farthest = laws.element.as_ref().and_then(|element| element.displacement);
+    let displacement = limits.law_displacement();
+    let displacement = Criterion {
+        meaning: "Displacement of the element's hub along the contact normal, largest difference over that under the largest load",
+        ..displacement
+    };
+    let displacement = displacement.line(farthest.map(|at| at.max_rel_error));
+    let displacement = match farthest {
+        Some(at) => displacement.noted(place(at.shift_mm, at.force_kn)),
+        None => displacement.noted("no place and load has a displacement of both"),
+    };
+    let hub = hub_deviations(laws).into_iter().zip(DIRECTIONS).map(|(farthest, meaning)| {
+        let line = Criterion { meaning, ..limits.hub_compliance() }.line(farthest.map(|(off, ..)| off));
+        match farthest {
+            Some((_, shift_mm, force_kn)) => line.noted(place(shift_mm, force_kn)),
+            None => line.noted("no place and load has both"),
+        }
+    });
+    let beam = limits.beam_missing().line(Some(stiffness.beam.missing));
+    [loads_line(stiffness), displacement].into_iter().chain(hub).chain([beam]).collect()
 }
 
 #[cfg(test)]

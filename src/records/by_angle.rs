@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Sealed, BandPointRecord, DisplacementRecord, ElementRecord, ErrorBandRecord, LawRecord, PairRecord};
+use super::{
+    BandPointRecord, DisplacementRecord, ElementRecord, ErrorBandRecord, LawRecord, PairRecord, Sealed,
+};
 
 /// Name of the file with the laws by contact angle.
 pub const BY_ANGLE: &str = "stiffness_by_angle.json";

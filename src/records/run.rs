@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{BeamFactors, ElementRecord, HubDeviationRecord, LawConstants};
-use crate::verify::{Spread, StepChange, Worth};
+use crate::verify::{ModelChange, Spread, StepChange, Worth};
 
 /// A run of one of the models.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -40,6 +40,9 @@ pub struct RunRecord {
     /// What an input that is 0.1 % larger changes; none where that is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spread: Option<Spread>,
+    /// What other discretisations of the model change, as far as that is known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub discretisation: Vec<ModelChange>,
     /// What has to be known about the run, for instance that it leaves the law's fitted range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -64,10 +67,15 @@ impl RunRecord {
                 format!("{model}: what an input that is 0.1 % larger changes is not known: {reason}")
             }
         });
+        notes.extend(worth.discretisation.iter().map(|of| match of {
+            Ok(change) => format!("{model}: {change}"),
+            Err(reason) => format!("{model}: {reason}"),
+        }));
         Self {
             springs: springs.cloned(),
             step_change: worth.steps.ok(),
             spread: worth.spread.ok(),
+            discretisation: worth.discretisation.into_iter().filter_map(Result::ok).collect(),
             notes,
             ..Self::bare(history)
         }
@@ -85,6 +93,7 @@ impl RunRecord {
             reduction: None,
             step_change: None,
             spread: None,
+            discretisation: Vec::new(),
             notes: Vec::new(),
         }
     }

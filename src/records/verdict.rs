@@ -6,17 +6,29 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::RunRecord;
-use crate::verify::{Compared, Comparison, Line, NotApplicable};
+use crate::verify::{ChangedLimit, Compared, Comparison, HeldBy, Line, NotApplicable};
 
 /// `verification.json`: the verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VerificationRecord {
     /// Name of the study.
     pub study: String,
-    /// Whether every line holds.
+    /// Whether every line of the verdict that decides holds; the exit code says so.
     pub holds: bool,
+    /// Which of the two verdicts that is: on what the load cases ran with, or without load cases on the springs.
+    #[serde(default)]
+    pub decides: Judged,
+    /// Both verdicts in words: the condensed element, if the study has one, and the springs.
+    #[serde(default)]
+    pub verdicts: Vec<VerdictOn>,
+    /// Limits of the study that are not the default ones.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changed_limits: Vec<ChangedLimit>,
     /// Lines on the springs themselves.
     pub calibration: Vec<Line>,
+    /// Lines on the condensed element under static loads.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub statics: Vec<Line>,
     /// The load cases.
     pub scenarios: Vec<ScenarioVerdict>,
     /// The files that were compared, each with the BLAKE3 hash of its content.
@@ -25,6 +37,83 @@ pub struct VerificationRecord {
     pub input_hash: String,
     /// Version of the program that made this.
     pub version: String,
+    /// The commit that this program was built from.
+    #[serde(default)]
+    pub commit: String,
+}
+
+/// What a verdict is on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Judged {
+    /// The condensed contact element: its statics, and the load cases with it.
+    Element,
+    /// The springs that other programs take: the law, the horizontal stiffness, and the load cases with the published element.
+    #[default]
+    Springs,
+}
+
+impl Judged {
+    /// Its name in lists.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Element => "element",
+            Self::Springs => "springs",
+        }
+    }
+
+    /// The contact element of its load cases.
+    fn contact_element(self) -> &'static str {
+        match self {
+            Self::Element => "condensed",
+            Self::Springs => "published",
+        }
+    }
+}
+
+/// A verdict in words, with its lines counted.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct VerdictOn {
+    /// What it is on.
+    pub on: Judged,
+    /// Lines within their limits.
+    pub hold: usize,
+    /// Lines beyond their limits, by no more than what the solid model itself is worth.
+    pub hold_by_solid: usize,
+    /// Lines that fail.
+    pub fail: usize,
+    /// Loads and uses for which it holds.
+    pub holds_for: Vec<String>,
+    /// Those for which it does not, each with the reason.
+    pub not_for: Vec<String>,
+}
+
+impl VerdictOn {
+    /// The lines, counted.
+    pub fn counts(&self) -> String {
+        format!(
+            "{} hold, {} hold only by the solid's own error, {} fail",
+            self.hold, self.hold_by_solid, self.fail
+        )
+    }
+
+    /// Loads and uses for which it holds and for which it does not.
+    pub fn uses(&self) -> String {
+        let listed = |what: &str, of: &[String]| match of.is_empty() {
+            true => None,
+            false => Some(format!("{what} {}", of.join(", "))),
+        };
+        let parts = [listed("for", &self.holds_for), listed("not for", &self.not_for)];
+        parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
+    }
+}
+
+impl std::fmt::Display for VerdictOn {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{}: {}", self.on.name(), self.counts())?;
+        let uses = self.uses();
+        if uses.is_empty() { Ok(()) } else { write!(f, "; {uses}") }
+    }
 }
 
 /// The verdict on one load case.
@@ -45,7 +134,7 @@ pub struct ScenarioVerdict {
     /// The quantities that were compared, if both models ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compared: Option<Compared>,
-    /// Both contact elements of the simple model, that of the study first. The lines are on that one alone.
+    /// Both contact elements of the simple model, that of the study first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub elements: Vec<ElementVerdict>,
 }
@@ -64,6 +153,9 @@ pub struct ElementVerdict {
     /// How far it is from the solid, if both ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub differences: Option<ElementDifferences>,
+    /// The lines on the element that the study has not chosen; those of the chosen one are the load case's.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<Line>,
 }
 
 /// Differences of an element from the solid model, as the lines of a verdict have them; as long as the motion of the solid is determined.
@@ -104,13 +196,40 @@ impl From<&Comparison> for ElementDifferences {
     }
 }
 
+impl ScenarioVerdict {
+    /// The lines on a contact element; none where it did not run.
+    fn lines_of(&self, element: &str) -> &[Line] {
+        match self.elements.iter().position(|of| of.element == element) {
+            Some(0) => &self.lines,
+            Some(n) => &self.elements[n].lines,
+            None if self.elements.is_empty() => &self.lines,
+            None => &[],
+        }
+    }
+}
+
 impl VerificationRecord {
-    /// All lines with their subjects: `springs`, then the scenarios.
+    /// The lines of the verdict that decides, with their subjects: `springs` or `element`, then the scenarios.
     pub fn lines(&self) -> impl Iterator<Item = (&str, &Line)> {
-        let calibration = self.calibration.iter().map(|line| ("springs", line));
-        let scenarios =
-            self.scenarios.iter().flat_map(|s| s.lines.iter().map(|line| (s.scenario.as_str(), line)));
-        calibration.chain(scenarios)
+        self.lines_on(self.decides)
+    }
+
+    /// The lines of a verdict with their subjects.
+    pub fn lines_on(&self, on: Judged) -> impl Iterator<Item = (&str, &Line)> {
+        let statics = match on {
+            Judged::Element => &self.statics,
+            Judged::Springs => &self.calibration,
+        };
+        let scenarios = self.scenarios.iter().flat_map(move |s| {
+            let lines = s.lines_of(on.contact_element());
+            lines.iter().map(|line| (s.scenario.as_str(), line))
+        });
+        statics.iter().map(move |line| (on.name(), line)).chain(scenarios)
+    }
+
+    /// The verdict that does not decide, if it has lines.
+    pub fn other(&self) -> Option<&VerdictOn> {
+        self.verdicts.iter().find(|of| of.on != self.decides)
     }
 
     /// What could not be compared, with the scenarios.
@@ -134,20 +253,31 @@ impl VerificationRecord {
         failing
     }
 
-    /// How many limits hold or fail, and over how many load cases both models were compared.
+    /// Lines of a verdict that hold within their limits, that hold by what the solid is worth, and that fail.
+    pub fn counts(&self, on: Judged) -> [usize; 3] {
+        let mut counts = [0; 3];
+        for (_, line) in self.lines_on(on) {
+            counts[match line.held_by {
+                Some(HeldBy::Limit) => 0,
+                Some(HeldBy::SolidWorth) => 1,
+                None => 2,
+            }] += 1;
+        }
+        counts
+    }
+
+    /// How many lines of the verdict that decides hold by their limits, hold by what the solid is worth, and fail; and over how many load cases both
+    /// models were compared.
     pub fn headline(&self) -> String {
-        let (total, failing) = (self.lines().count(), self.lines().filter(|(_, line)| !line.holds).count());
         let compared = self.scenarios.iter().filter(|s| s.compared.is_some()).count();
         let scope = match compared {
             0 => "; no load case was compared with the solid model".into(),
             1 => String::new(),
             n => format!("; {n} load cases compared with the solid model"),
         };
-        match failing {
-            0 => format!("all {total} limits hold{scope}"),
-            1 => format!("1 of {total} limits fails{scope}"),
-            _ => format!("{failing} of {total} limits fail{scope}"),
-        }
+        let [hold, hold_by_solid, fail] = self.counts(self.decides);
+        let name = self.decides.name();
+        format!("{name}: {hold} hold, {hold_by_solid} hold only by the solid's own error, {fail} fail{scope}")
     }
 
     /// The verdict in a sentence: how many limits fail, and which one most.

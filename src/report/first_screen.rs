@@ -5,15 +5,17 @@ use serde_json::{Value, json};
 use super::ReportData;
 use super::reasons::reason;
 use super::tables::{self, number};
-use crate::records::{LawRecord, ResolvedKey, StiffnessRecord};
+use crate::records::{Judged, LawRecord, ResolvedKey, SpringsSource, StiffnessRecord, VerdictOn};
 use crate::rounding::{rounded_to, significant};
-use crate::verify::Limits;
 
 /// The springs in use, the limits that fail, and what the springs are valid for.
 pub(super) fn first_screen(data: &ReportData<'_>) -> Value {
     json!({
         "springs": springs(data.stiffness),
-        "law_is_checked": law_is_checked(data),
+        "verdicts": verdicts(data),
+        "changed_limits": data.verdict.changed_limits.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "law_notes": law_notes(data),
+        "programs": programs(data),
         "failing": failing(data),
         "valid": valid(data),
     })
@@ -39,9 +41,32 @@ fn constants_in(law: &LawRecord, unit: &str) -> [String; 3] {
     ]
 }
 
-/// Whether the verdict has a limit on the law; it has none where the load cases use the condensed element.
-fn law_is_checked(data: &ReportData<'_>) -> bool {
-    data.verdict.lines().any(|(_, line)| line.quantity == "law_max")
+/// Both verdicts, the one that decides first: on what, the lines counted, for which loads and uses it holds and for which not.
+fn verdicts(data: &ReportData<'_>) -> Vec<Value> {
+    let row = |of: &VerdictOn| {
+        let what = match of.on {
+            Judged::Element => "condensed contact element",
+            Judged::Springs => "springs: law, horizontal stiffness, published element",
+        };
+        json!({ "on": what, "counts": of.counts(), "fails": of.fail > 0, "holds_for": of.holds_for, "not_for": of.not_for })
+    };
+    data.verdict.verdicts.iter().map(row).collect()
+}
+
+/// In which respects load cases ran with springs that are not those of this study.
+fn law_notes(data: &ReportData<'_>) -> Vec<String> {
+    let springs = data.verdict.scenarios.iter().filter_map(|judged| judged.simple.springs.as_ref());
+    let others = springs.filter(|springs| springs.source != SpringsSource::Calibrated);
+    let mut notes: Vec<String> = others.flat_map(|springs| springs.notes.clone()).collect();
+    notes.dedup();
+    notes
+}
+
+/// The programs that made the files of the result.
+fn programs(data: &ReportData<'_>) -> String {
+    let mut all = data.programs.to_vec();
+    all.dedup();
+    all.join(", ")
 }
 
 /// An error band in per cent.
@@ -138,13 +163,6 @@ fn valid(data: &ReportData<'_>) -> [Vec<String>; 2] {
         "Other profiles, or these with other wear; other loads: nothing is extrapolated.".to_string(),
         "Plastic flow, roughness, an angle of attack of the wheel, and creep forces of rolling, which are no springs.".to_string(),
     ];
-    if !law_is_checked(data) {
-        not.push(format!(
-            "The law and the horizontal stiffness alone: the load cases use the condensed contact element, so that the verdict has no limit on them. The law is off the solid's tangents by {} % at most, where the usual limit is {} %.",
-            significant(1e2 * law.max_rel_error, 3),
-            number(1e2 * Limits::default().law_max)
-        ));
-    }
     if data.scenarios.iter().all(|scenario| scenario.solid.is_none()) {
         not.push("Motion: no load case was compared with the solid model.".into());
     }

@@ -5,7 +5,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use railspring_calibrate::history::{ContactMode, History, HistoryRow};
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
-use crate::verify::{Band, averaged_ratio};
+use crate::verify::{Band, FLANGE_SIDE, averaged_ratio};
 
 use super::figures::{WIDTH, round};
 use super::legend::{Entry, draw_legend, legend_height};
@@ -14,10 +14,6 @@ use super::plot::{
     DARK, Dash, Drawn, GREY, ORANGE, PALE_BLUE, RED, Series, frame, label, nice_step, px, stroke, svg, tick,
 };
 use super::{ModelRun, ScenarioRun};
-
-/// Wheel contacts nearer to the flange than this lateral position are counted as flange contacts, m:
-/// the tread of the standard profiles ends there.
-const FLANGE_SIDE: f64 = -0.026;
 
 /// P and Q of all models over time.
 pub fn forces(run: &ScenarioRun<'_>) -> String {

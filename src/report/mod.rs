@@ -34,7 +34,6 @@ use crate::records::{
 };
 
 use crate::verify::{Band, Carrying};
-use crate::version;
 
 pub use positions::ProfilePair;
 
@@ -95,6 +94,8 @@ pub struct ReportData<'a> {
     pub ratio_window: f64,
     /// The verdict.
     pub verdict: &'a VerificationRecord,
+    /// The programs that made the files which the report is from.
+    pub programs: &'a [String],
     /// Time, memory, host.
     pub measured: &'a Measured,
     /// What independent programs say.
@@ -193,7 +194,6 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "not_applicable": data.verdict.not_applicable().collect::<Vec<_>>(),
             "notes": tables::notes(data.verdict),
             "verdict": data.verdict,
-            "commit": version::COMMIT,
             "summary": data.verdict.summary(),
             "models": tables::models(data.verdict),
             "measured": data.measured,

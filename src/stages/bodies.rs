@@ -1,6 +1,9 @@
 //! The bodies of a study.
 
-use railspring_calibrate::pair::{PairBody, PairSolids};
+use std::sync::Arc;
+
+use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids};
+use railspring_calibrate::superelement::CondensedBody;
 
 use super::{Geometry, Meshes, formulation};
 use crate::study::{ReferenceKey, Study};
@@ -18,5 +21,23 @@ pub fn rail_in_use(study: &Study) -> PairBody {
     match study.calibration.reference {
         ReferenceKey::Beam | ReferenceKey::Local => PairBody::RailOnEnds,
         ReferenceKey::Foot => PairBody::RailOnFoot,
+    }
+}
+
+/// The rail between its ends and the wheel, with modes.
+pub enum MovingBodies {
+    /// Those of a calibration.
+    OfCalibration(Arc<CondensedPair>),
+    /// By themselves.
+    Own(Box<[CondensedBody; 2]>),
+}
+
+impl MovingBodies {
+    /// Rail and wheel.
+    pub fn both(&self) -> [&CondensedBody; 2] {
+        match self {
+            Self::OfCalibration(pair) => [&pair.rail_on_ends, &pair.wheel],
+            Self::Own(bodies) => bodies.each_ref(),
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
-use railspring_calibrate::element::{ElementBodies, PlaceApproaches};
+use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches};
 use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::monitor::Monitor;
@@ -98,15 +98,13 @@ pub fn by_angle(
     for ((record, tape_y), along) in records.iter_mut().zip(&places).zip(along) {
         let Some(along) = along else { continue };
         let pair = geometry.pair.with_wheel_at(*tape_y)?;
-        let (beam, material) = (|| geometry.beam.clone(), &study.material);
-        let condensed =
-            element.as_ref().map(|element| CondensedModel::of_pair(&pair, beam(), material, element.clone()));
         let published = springs.as_ref().map(|springs| {
-            MovingModel::of_pair(&pair, beam(), material, springs.clone(), stiffness.wheel_mass())
+            let mass = stiffness.wheel_mass();
+            MovingModel::of_pair(&pair, geometry.beam.clone(), &study.material, springs.clone(), mass)
         });
-        enter_statics(record, condensed.as_ref(), published.as_ref(), along, study.contact.friction);
+        enter_published(record, published.as_ref(), along, study.contact.friction);
     }
-    let displacement = farthest(&records);
+    let displacement = enter_element(study, geometry, &mut records, element.as_ref())?;
     Ok(StiffnessByAngleRecord {
         study: study.name.clone(),
         friction: study.contact.friction,
@@ -349,22 +347,66 @@ fn hub_values(flexibility: &Matrix2<f64>) -> [f64; 3] {
     [(0, 0), (0, 1), (1, 1)].map(|at| flexibility[at] / MICROMETRE_PER_KILONEWTON)
 }
 
-/// Enters how the hubs of both contact elements stand under the fixed loads of a shift, where they carry them.
-fn enter_statics(
+/// Flexibility, µm/kN, and displacement, mm, of a hub.
+fn hub_statics(at: HubStatics) -> ([f64; 3], f64) {
+    (hub_values(&at.flexibility), at.displacement / MILLIMETRE)
+}
+
+/// Enters how the hub of the published element stands under the fixed loads of a shift, where it carries them.
+fn enter_published(
     record: &mut ShiftRecord,
-    condensed: Option<&CondensedModel>,
-    published: Option<&MovingModel>,
+    model: Option<&MovingModel>,
     along: Vector2<f64>,
     friction: f64,
 ) {
-    let values = |at: HubStatics| (hub_values(&at.flexibility), at.displacement / MILLIMETRE);
     for load in &mut record.loads {
         let force = load.force_kn * KILONEWTON;
-        let of = condensed.and_then(|model| model.pressed(along, force, friction).ok()).map(values);
-        (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = of.unzip();
-        let of = published.and_then(|model| model.pressed(along, force, friction).ok()).map(values);
+        let of = model.and_then(|model| model.pressed(along, force, friction).ok()).map(hub_statics);
         (load.published_hub_um_per_kn, load.published_displacement_mm) = of.unzip();
     }
+}
+
+/// Enters how the hub of a condensed element stands under the fixed loads of all shifts, where it carries them; where it is farthest from the
+/// solid's.
+fn enter_element(
+    study: &Study,
+    geometry: &Geometry,
+    records: &mut [ShiftRecord],
+    element: Option<&PairElement>,
+) -> Result<Option<HubDeviationRecord>> {
+    for record in &mut *records {
+        if record.touch.is_none() {
+            continue;
+        }
+        let pair = geometry.pair.with_wheel_at(tape_y(study, &geometry.pair, record.shift_mm * MILLIMETRE))?;
+        let along = *PressDirection::Normal.at(&pair);
+        let model = element.map(|element| {
+            CondensedModel::of_pair(&pair, geometry.beam.clone(), &study.material, element.clone())
+        });
+        for load in &mut record.loads {
+            let pressed = model.as_ref().and_then(|model| {
+                model.pressed(along, load.force_kn * KILONEWTON, study.contact.friction).ok()
+            });
+            (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = pressed.map(hub_statics).unzip();
+        }
+    }
+    Ok(farthest(records))
+}
+
+/// Laws with the statics of another condensed element in the place of theirs.
+///
+/// # Errors
+/// Shifts at which the wheel misses the rail.
+pub fn with_element(
+    study: &Study,
+    geometry: &Geometry,
+    laws: &StiffnessByAngleRecord,
+    element: &PairElement,
+) -> Result<StiffnessByAngleRecord> {
+    let mut laws = laws.clone();
+    let displacement = enter_element(study, geometry, &mut laws.shifts, Some(element))?;
+    laws.element = Some(ElementRecord { displacement, ..ElementRecord::from(element) });
+    Ok(laws)
 }
 
 /// The springs of the published element, if the calibration has them: the law against the rail's section and the horizontal stiffness.

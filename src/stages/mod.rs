@@ -15,10 +15,11 @@ mod mesh_files;
 mod measured;
 mod on_standard;
 mod sections;
+mod other_solids;
 mod simulate;
 
-pub use bodies::solids;
-pub use by_angle::{PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y};
+pub use bodies::{MovingBodies, solids};
+pub use by_angle::{PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y, with_element};
 pub use calibrate::{
     Calibration, FoundSprings, PressedStudy, calibrate, calibration_address, check_friction,
     contact_conditions, press,
@@ -29,8 +30,9 @@ pub use error_band::{
 };
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use on_standard::{Seams, on_standard};
+pub use other_solids::{CoarserContact, coarser_contact};
 pub use sections::repairs;
-pub use simulate::{MovingBodies, Springs, Tried, simulate, simulate_solid};
+pub use simulate::{Springs, Tried, simulate, simulate_solid};
 pub use zones::{Reached, Within, check_loads, mesh_options, within_zones};
 
 use std::path::Path;

@@ -8,16 +8,16 @@ use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::CondensedPair;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::step_control::InnerSteps;
-use railspring_calibrate::superelement::CondensedBody;
-use railspring_calibrate::transient::{ModeCount, RailPath, START_MODES, TransientModel, TransientRun};
+use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel, TransientRun};
 
+use super::bodies::MovingBodies;
+use super::other_solids::{CoarserContact, Other, OtherSolids, or_reason, path_on};
 use super::{Geometry, Meshes, contact_field, enforcement, formulation};
 use crate::study::{ContactElementKey, SlidingMatrixKey, Study, StudyScenario, TransientKey};
-use crate::verify::{Spread, StepChange, Worth, disturbed};
-use railspring_calibrate::beam::BeamCorrection;
+use crate::verify::{ModelChange, Spread, StepChange, Worth, disturbed};
+use railspring_calibrate::beam::{BeamCorrection, RailBeam};
 use railspring_simulate::condensed::CondensedModel;
 use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
 
@@ -50,9 +50,10 @@ enum SimpleModel {
 }
 
 impl SimpleModel {
-    fn new(study: &Study, geometry: &Geometry, springs: &Springs) -> Result<Self> {
+    /// The model on a rail `beam`, which is corrected to the solid rail.
+    fn new(study: &Study, geometry: &Geometry, beam: &RailBeam, springs: &Springs) -> Result<Self> {
         let (pair, material) = (&geometry.pair, &study.material);
-        let beam = geometry.beam.corrected(&springs.beam)?;
+        let beam = beam.corrected(&springs.beam)?;
         if let Some(element) = &springs.element {
             let model = CondensedModel::of_pair(pair, beam, material, element.clone());
             return Ok(Self::Condensed(Box::new(model)));
@@ -88,9 +89,6 @@ impl SimpleModel {
     }
 }
 
-/// A run that another one is compared with, or why there is none.
-type Other = std::result::Result<History, String>;
-
 /// What a run is worth, and the run with an input that is 0.1 % larger, if it could be done.
 pub struct Tried {
     /// What the run is worth.
@@ -100,29 +98,31 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// From the run of a load case to those with other steps and with a larger input, of which `more_of` says which it is.
+    /// From the run of a load case to those with other steps, with a larger input, of which `more_of` says which it is, and of other
+    /// models, each with what it has; these have the steps of the history, or of the longer ones where `models_have_longer_steps`.
     fn new(
         scenario: &Scenario,
         history: &History,
         (inner_steps, other): (InnerSteps, Other),
         (more_of, larger): (&str, Other),
+        (models_have_longer_steps, models): (bool, Vec<(String, Other)>),
     ) -> Self {
         let spread = larger.clone().and_then(|larger| Spread::between(history, &larger, more_of));
         let determined_until = spread.as_ref().ok().and_then(|spread| spread.determined_until_s);
         let lengths = [scenario.inner_steps, inner_steps];
+        let of_models = other.clone().ok().filter(|_| models_have_longer_steps);
+        let of_models = of_models.as_ref().unwrap_or(history);
         let steps = other.and_then(|other| {
             StepChange::between([history, &other], lengths, scenario.time_step, determined_until)
         });
         let disturbed = larger.ok().filter(|_| spread.is_ok());
-        Self { worth: Worth { steps, spread }, disturbed }
-    }
-}
-
-/// A run that another one is compared with; an interruption ends both.
-fn or_reason(run: Result<History>) -> Result<Other> {
-    match run {
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        run => Ok(run.map_err(|error| error.to_string())),
+        let changed = |(with, other): (String, Other)| {
+            let change =
+                other.and_then(|other| ModelChange::between([of_models, &other], &with, determined_until));
+            change.map_err(|reason| format!("what a run with {with} changes is not known: {reason}"))
+        };
+        let discretisation = models.into_iter().map(changed).collect();
+        Self { worth: Worth { steps, spread, discretisation }, disturbed }
     }
 }
 
@@ -130,7 +130,7 @@ fn or_reason(run: Result<History>) -> Result<Other> {
 const NO_LOAD: &str = "the load case has no load";
 
 /// Runs of a load case at the same time.
-const RUNS: usize = 3;
+const RUNS: usize = 4;
 
 /// Progress of runs at the same time as that of one stage.
 struct Shared<'a> {
@@ -174,17 +174,23 @@ pub fn simulate(
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<(History, Tried)> {
-    let model = SimpleModel::new(study, geometry, springs)?;
+    let model = SimpleModel::new(study, geometry, &geometry.beam, springs)?;
     let progress = Shared { monitor, done: AtomicUsize::new(0) };
     let run = |scenario: &Scenario| model.run(scenario, &progress.share());
+    let finer = || {
+        let elements = FINER_BEAM * study.simulation.rail_elements;
+        let beam = geometry.pair.beam(&study.material, study.rail.length, elements)?;
+        Ok::<_, Error>((elements, SimpleModel::new(study, geometry, &beam, springs)?))
+    };
+    let (elements, finer) = finer()?;
     let steps = study.simulation.steps(model.element());
     let scenario = Scenario { inner_steps: steps, ..scenario.scenario.clone() };
     // steps of twice the length; where the history has no longer ones, of half the length
     let inner_steps = if steps.doubled() == steps { InnerSteps::Equal(2) } else { steps.doubled() };
     let larger = disturbed(&scenario);
     // each run has a thread if there is one
-    let (history, (other, disturbed)) = rayon::join(
-        || run(&scenario),
+    let ((history, of_finer), (other, disturbed)) = rayon::join(
+        || rayon::join(|| run(&scenario), || finer.run(&scenario, &progress.share())),
         || {
             rayon::join(
                 || run(&Scenario { inner_steps, ..scenario.clone() }),
@@ -193,44 +199,32 @@ pub fn simulate(
         },
     );
     let (history, other) = (history?, or_reason(other)?);
+    let models = vec![(format!("{elements} elements of the rail beam"), or_reason(of_finer)?)];
     let (larger, more_of) = match (disturbed, &larger) {
         (Some(run), Some((_, more_of))) => (or_reason(run)?, *more_of),
         _ => (Err(NO_LOAD.into()), ""),
     };
-    let tried = Tried::new(&scenario, &history, (inner_steps, other), (more_of, larger));
+    let tried = Tried::new(&scenario, &history, (inner_steps, other), (more_of, larger), (false, models));
     Ok((history, tried))
 }
+
+/// Elements of the rail beam in the run that says what they are worth, over those of the model.
+const FINER_BEAM: usize = 2;
 
 /// Most modes that are asked for; with these a run goes on whatever the estimate of their error says.
 const MOST_MODES: usize = 4 * START_MODES;
 
-/// The rail between its ends and the wheel, with modes.
-pub enum MovingBodies {
-    /// Those of a calibration.
-    OfCalibration(Arc<CondensedPair>),
-    /// By themselves.
-    Own(Box<[CondensedBody; 2]>),
-}
-
-impl MovingBodies {
-    /// Rail and wheel.
-    pub fn both(&self) -> [&CondensedBody; 2] {
-        match self {
-            Self::OfCalibration(pair) => [&pair.rail_on_ends, &pair.wheel],
-            Self::Own(bodies) => bodies.each_ref(),
-        }
-    }
-}
-
-/// The solid model under the same load case, and what that run is worth; `bodies` gives those of the meshes with so many modes.
+/// The solid model under the same load case, and what that run is worth; `bodies` gives those of the meshes with so many modes, and `coarser` those of
+/// coarser contact elements.
 ///
 /// # Errors
-/// Contact iterations that do not converge, and those of `bodies`.
+/// Contact iterations that do not converge, and those of `bodies` and `coarser`.
 pub fn simulate_solid(
     study: &Study,
     geometry: &Geometry,
     meshes: &Meshes,
     bodies: &dyn Fn(usize) -> Result<Arc<MovingBodies>>,
+    coarser: &(dyn Fn(usize) -> Result<CoarserContact> + Sync),
     scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<(TransientRun, Tried)> {
@@ -242,13 +236,13 @@ pub fn simulate_solid(
         let materials = [&study.rail.materials, &study.wheel.materials];
         let model = TransientModel::of_pair(pair, meshes, materials, formulation(study), contact);
         let run = model.run(&scenario, monitor)?;
-        let tried = tried(&scenario, &run, "");
+        let tried = tried(&scenario, &run, "", Vec::new());
         return Ok((run, tried));
     }
     let larger = disturbed(&scenario);
     let with = |modes, count| {
         let bodies = bodies(modes)?;
-        let path = path_of(study, geometry, meshes, (bodies.both()[0], &scenario, modes))?;
+        let path = path_on(study, geometry, meshes.options(), (bodies.both()[0], &scenario, modes))?;
         let model = TransientModel::reduced(pair, bodies.both(), count, study.material.damping, contact);
         let model = match &path {
             Some(path) => model.along(path),
@@ -273,27 +267,21 @@ pub fn simulate_solid(
         Some(modes) => with(modes, ModeCount::Given(modes))?,
         None => estimated()?,
     };
-    let tried = tried(&scenario, &run, larger.as_ref().map_or("", |(_, more_of)| more_of));
+    let others = match &run.reduction {
+        Some(reduction) if study.wants_error_band() => {
+            let modes = reduction.modes[0].max(reduction.modes[1]);
+            let own = bodies(study.solid.modes.unwrap_or(modes))?;
+            let solid = OtherSolids { study, geometry, scenario: &scenario, modes, monitor };
+            solid.runs(&run, (meshes, &own), coarser)?
+        }
+        _ => Vec::new(),
+    };
+    let tried = tried(&scenario, &run, larger.as_ref().map_or("", |(_, more_of)| more_of), others);
     Ok((run, tried))
 }
 
-/// The rail at all places of a wheel that moves along it, or stands elsewhere than in its middle, with as many modes as the bodies.
-fn path_of(
-    study: &Study,
-    geometry: &Geometry,
-    meshes: &Meshes,
-    (rail, scenario, modes): (&CondensedBody, &Scenario, usize),
-) -> Result<Option<RailPath>> {
-    let length = study.rail.length;
-    let wanted = RailPath::is_wanted(scenario, length);
-    let of = (length, modes);
-    let path =
-        || RailPath::new(&geometry.pair, rail, meshes.options(), &study.material, formulation(study), of);
-    wanted.then(path).transpose()
-}
-
 /// What a run of the solid model is worth: what the longer steps and the larger input of the runs beside it change.
-fn tried(scenario: &Scenario, run: &TransientRun, more_of: &str) -> Tried {
+fn tried(scenario: &Scenario, run: &TransientRun, more_of: &str, models: Vec<(String, Other)>) -> Tried {
     let longer = run.longer.clone().unwrap_or_else(|| {
         // half the length would take twice as long as the run
         Err("`solid.inner_steps` is 1; of more, half as many are tried as well".into())
@@ -304,5 +292,11 @@ fn tried(scenario: &Scenario, run: &TransientRun, more_of: &str) -> Tried {
             None => "bodies at full order would take as long again".into(),
         })
     });
-    Tried::new(scenario, &run.history, (scenario.inner_steps.doubled(), longer), (more_of, larger))
+    Tried::new(
+        scenario,
+        &run.history,
+        (scenario.inner_steps.doubled(), longer),
+        (more_of, larger),
+        (true, models),
+    )
 }

@@ -133,7 +133,7 @@ impl Keys {
         remove(&mut simple, "simulation", "scenario");
         let solid = without(&whole, &["name", "calibration", "simulation", "scenario", "verification"]);
         // The sections that all scenarios share are hashed once.
-        let (simple, solid) = (hash(&simple), hash(&(solid, window_given)));
+        let (simple, solid) = (hash(&simple), hash(&(solid, window_given, numeric.calibration.error_band)));
         let each = |shared: &str| {
             let with = |keys: &super::document::ScenarioKeys| {
                 let mut keys = keys.clone();

@@ -121,10 +121,7 @@ fn every_result_has_a_key_of_its_own_inputs() {
         ("[mesh]\ngrowth = 1.5\n", &["springs", "solid one"]),
         ("[contact]\nfield = \"elements\"\n", &["springs", "simple one", "solid one", "simple two"]),
         ("[material]\ndamping_ratio = 0\n", &["simple one", "solid one", "simple two"]),
-        (
-            "[track]\nlateral_shift_mm = 1\n",
-            &["springs", "pair", "simple one", "solid one", "simple two"],
-        ),
+        ("[track]\nlateral_shift_mm = 1\n", &["springs", "pair", "simple one", "solid one", "simple two"]),
     ] {
         let found: Vec<&str> = names
             .iter()

@@ -208,10 +208,7 @@ fn prepared(case: &CaseWork<'_>) -> Result<Answer> {
     let prepared = case.prepared(&case.meshed()?);
     let needed = case.bodies(&prepared).into_iter().map(|(body, key)| {
         let of_coarser = if body.coarser { " of coarser elements" } else { "" };
-        NeededBody {
-            name: format!("{}{of_coarser}", body.body.name()),
-            entry: body_address(&key).file(),
-        }
+        NeededBody { name: format!("{}{of_coarser}", body.body.name()), entry: body_address(&key).file() }
     });
     Ok(Answer { bodies: needed.collect(), prepared: Some(prepared), ..Answer::default() })
 }

@@ -2,7 +2,9 @@
 
 use railspring_calibrate::history::History;
 
-use super::change::scales;
+use super::change::{Change, scales};
+use super::contact::ContactDifference;
+use super::model_change::ModelChange;
 use super::signals::Carrying;
 use super::spread::Spread;
 use super::step_change::StepChange;
@@ -17,6 +19,8 @@ pub struct Worth {
     pub steps: Result<StepChange, String>,
     /// What an input that is 0.1 % larger changes.
     pub spread: Result<Spread, String>,
+    /// What each other discretisation of the model changes.
+    pub discretisation: Vec<Result<ModelChange, String>>,
 }
 
 /// A run of a model, and what is known of its worth.
@@ -28,12 +32,14 @@ pub struct ModelRun<'a> {
     pub steps: Option<&'a StepChange>,
     /// The same load case with an input that is 0.1 % larger, and how far that is from the run.
     pub disturbed: Option<(&'a History, &'a Spread)>,
+    /// What other discretisations of the model change.
+    pub discretisation: &'a [ModelChange],
 }
 
 impl<'a> ModelRun<'a> {
     /// A run of which nothing else is known.
     pub fn alone(history: &'a History) -> Self {
-        Self { history, steps: None, disturbed: None }
+        Self { history, steps: None, disturbed: None, discretisation: &[] }
     }
 
     /// From when on the motion is not determined, s.
@@ -41,14 +47,23 @@ impl<'a> ModelRun<'a> {
         self.disturbed.and_then(|(_, spread)| spread.determined_until_s)
     }
 
-    /// Where the averaged P carries Q/P so that it is off by `limit` at most. The errors of the averaged forces are the largest changes with the steps and
-    /// with the input.
+    /// What steps and discretisations change, each by itself.
+    pub fn changes(&self) -> impl Iterator<Item = (&'a Change, &'a ContactDifference)> {
+        let steps = self.steps.map(|steps| (&steps.change, &steps.contact));
+        steps.into_iter().chain(self.discretisation.iter().map(|of| (&of.change, &of.contact)))
+    }
+
+    /// Where the averaged P carries Q/P so that it is off by `limit` at most. The errors of the averaged forces are the largest changes with the steps, the
+    /// discretisations and the input, together as the root of their squares.
     pub fn carrying(&self, limit: f64) -> Carrying {
         let scales = scales(self.history);
-        let [by_steps, by_input] =
-            [self.steps.map(|steps| steps.change), self.disturbed.map(|(_, spread)| spread.change)]
-                .map(|change| change.map_or([0.0; 2], |change| change.averaged(scales)));
-        let error = |k: usize| by_steps[k].hypot(by_input[k]).max(ROUNDOFF * scales[k]);
+        let by_input = self.disturbed.map(|(_, spread)| &spread.change);
+        let all = self.changes().map(|(change, _)| change).chain(by_input);
+        let squares = all.fold([0.0; 2], |sum, change| {
+            let averaged = change.averaged(scales);
+            [0, 1].map(|k| sum[k] + averaged[k] * averaged[k])
+        });
+        let error = |k: usize| squares[k].sqrt().max(ROUNDOFF * scales[k]);
         Carrying { errors: [error(0), error(1)], limit }
     }
 }

@@ -3,12 +3,14 @@
 //! The same differences are taken of simple and solid model, and of each model with its own disturbed run, so that what a model is worth
 //! itself stands beside what the two differ by.
 
+use std::ops::Range;
+
 use railspring_calibrate::history::{Ending, History};
 
 use super::change::{FORCES, least_contact, over, peaks, scales, together};
 use super::contact::ContactDifference;
 use super::limits::Limits;
-use super::line::Criterion;
+use super::line::{Criterion, Line};
 use super::model_run::ModelRun;
 use super::signals::{Carrying, averaged_ratio};
 use super::{Check, column, peak, rms, rows_before};
@@ -24,18 +26,32 @@ pub(super) struct Scope<'a> {
     end: Option<f64>,
 }
 
+/// Which part of a run is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PartOfRun {
+    /// As long as its motion is determined.
+    Determined,
+    /// From then on.
+    Undetermined,
+}
+
 /// Differences of two runs. None where a comparison cannot be made.
 struct Differences {
     /// RMS and largest one of P, then of Q, over the solid's peaks.
     forces: [[Option<f64>; 2]; 2],
-    /// RMS and largest one of the averaged Q/P.
-    ratio: [Option<f64>; 2],
-    /// At how many time steps both have it.
-    ratio_steps: usize,
     /// Of separations and contact modes.
     contact: Option<ContactDifference>,
     /// Time at which the wheel leaves the profile, s.
     departure: Option<f64>,
+}
+
+/// Differences of the averaged Q/P of two runs over some rows.
+#[derive(Debug, Clone, Copy)]
+struct Ratio {
+    /// RMS and largest one.
+    values: [Option<f64>; 2],
+    /// At how many time steps the second run's P carries it.
+    steps: usize,
 }
 
 impl<'a> Scope<'a> {
@@ -48,7 +64,94 @@ impl<'a> Scope<'a> {
         self.end.map_or(run.rows.len(), |end| rows_before(run, end))
     }
 
-    fn differences(&self, [a, b]: [&History; 2], carrying: [&Carrying; 2]) -> Differences {
+    /// Differences of Q/P over some rows, where P of the second run carries it; no value where the first one has none there.
+    fn ratio(&self, [a, b]: [&History; 2], carrying: &Carrying, rows: Range<usize>) -> Ratio {
+        let window = self.limits.ratio_window_s;
+        let of_a = averaged_ratio(a, window, &Carrying::EXACT);
+        let of_b = averaged_ratio(b, window, carrying);
+        let carried = rows.filter_map(|n| Some((of_a[n], of_b[n]?)));
+        let differences: Vec<Option<f64>> = carried.map(|(a, b)| Some(a? - b)).collect();
+        let steps = differences.len();
+        let differences: Option<Vec<f64>> = differences.into_iter().collect();
+        let differences = differences.filter(|all| !all.is_empty());
+        let values = [rms as fn(&[f64]) -> f64, peak].map(|of| differences.as_deref().map(of));
+        Ratio { values, steps }
+    }
+
+    /// What a run's Q/P differs by from itself over some rows, from the changes of `steps` and those of other discretisations.
+    fn ratio_worth(
+        &self,
+        run: &ModelRun,
+        carrying: &Carrying,
+        rows: Range<usize>,
+        steps: [Option<f64>; 2],
+    ) -> [Option<f64>; 2] {
+        let by_input = run.disturbed.map_or([None; 2], |(other, _)| {
+            let rows = rows.start.min(other.rows.len())..rows.end.min(other.rows.len());
+            self.ratio([other, run.history], carrying, rows).values
+        });
+        let others = run.discretisation.iter().map(|of| [of.change.ratio_rms, of.change.ratio_max]);
+        others.fold([0, 1].map(|n| together(by_input[n], steps[n])), |sum, of| {
+            [0, 1].map(|n| together(sum[n], of[n]))
+        })
+    }
+
+    /// The lines on Q/P over some rows, each with what goes before its meaning, and that on the steps at which it is not compared.
+    pub fn ratio_lines(
+        &self,
+        simple: &ModelRun,
+        solid: &ModelRun,
+        rows: Range<usize>,
+        of: PartOfRun,
+    ) -> Vec<Line> {
+        let limits = self.limits;
+        let runs = [simple, solid];
+        let carrying = runs.map(|run| run.carrying(limits.ratio_max));
+        let found = self.ratio(runs.map(|run| run.history), &carrying[1], rows.clone());
+        let worth = [0, 1].map(|k| {
+            let steps = runs[k].steps.map(|steps| match of {
+                PartOfRun::Determined => [steps.change.ratio_rms, steps.change.ratio_max],
+                PartOfRun::Undetermined => {
+                    steps.afterwards.map_or([None; 2], |after| [after.ratio_rms, after.ratio_max])
+                }
+            });
+            self.ratio_worth(runs[k], &carrying[k], rows.clone(), steps.unwrap_or([None; 2]))
+        });
+        let times = [rows.start, rows.end.max(1) - 1].map(|row| solid.history.rows[row].time);
+        let meanings = match of {
+            PartOfRun::Determined => {
+                [limits.ratio_rms(), limits.ratio_max(), limits.ratio_left_out()].map(|c| c.meaning)
+            }
+            PartOfRun::Undetermined => [
+                "Undetermined motion: averaged Q/P, RMS difference",
+                "Undetermined motion: averaged Q/P, largest difference",
+                "Undetermined motion: share of the time without averaged Q/P of the solid",
+            ],
+        };
+        let mut lines = Vec::new();
+        for (n, criterion) in [limits.ratio_rms(), limits.ratio_max()].into_iter().enumerate() {
+            let criterion = Criterion { meaning: meanings[n], ..criterion };
+            let line = criterion.line_beside(found.values[n], worth.map(|of| of[n])).taken_over(times);
+            lines.push(match found.values[n] {
+                None if found.steps > 0 => {
+                    line.noted("the simple model has no P where the solid's carries it")
+                }
+                _ => line,
+            });
+        }
+        let all = rows.len();
+        let left_out = (all > 0).then(|| 1.0 - found.steps as f64 / all as f64);
+        let criterion = Criterion { meaning: meanings[2], ..limits.ratio_left_out() };
+        let line = criterion.line(left_out).taken_over(times);
+        lines.push(if found.steps == all {
+            line
+        } else {
+            line.noted(carried(found.steps, &carrying[1], all))
+        });
+        lines
+    }
+
+    fn differences(&self, [a, b]: [&History; 2]) -> Differences {
         let limits = self.limits;
         let rows = self.rows(a).min(self.rows(b));
         // a comparison needs a step after the initial state
@@ -58,11 +161,6 @@ impl<'a> Scope<'a> {
             let differences: Vec<f64> = (0..rows).map(|n| a[n] - b[n]).collect();
             [rms(&differences), peak(&differences)].map(|value| known(over(value, self.peaks[k])))
         });
-        let [of_a, of_b] = [(a, carrying[0]), (b, carrying[1])]
-            .map(|(run, carrying)| averaged_ratio(run, limits.ratio_window_s, carrying));
-        let ratio: Vec<f64> = (0..rows).filter_map(|n| Some(of_a[n]? - of_b[n]?)).collect();
-        let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));
-
         let departure = match (a.ending, b.ending) {
             (Ending::Departed { time: a, departure: to }, Ending::Departed { time: b, departure: other }) => {
                 (to == other).then_some((a - b).abs())
@@ -71,36 +169,26 @@ impl<'a> Scope<'a> {
         };
         Differences {
             forces,
-            ratio: [of_ratio(rms), of_ratio(peak)],
-            ratio_steps: ratio.len(),
             contact: (rows > 1).then(|| ContactDifference::between([a, b], rows, self.least, limits)),
             departure,
         }
     }
 
-    /// What a run differs by from itself: with an input that is 0.1 % larger and with other steps, both together as the root of their squares.
-    fn worth(&self, run: &ModelRun, carrying: &Carrying) -> Differences {
-        let nothing = Differences {
-            forces: [[None; 2]; 2],
-            ratio: [None; 2],
-            ratio_steps: 0,
-            contact: None,
-            departure: None,
-        };
-        let mut worth =
-            run.disturbed.map_or(nothing, |(other, _)| self.differences([other, run.history], [carrying; 2]));
-        let Some(steps) = run.steps else { return worth };
-        let by_steps = steps.change.forces(scales(run.history));
-        for k in [0, 1] {
-            for measure in [0, 1] {
-                let by_steps = over(by_steps[k][measure], self.peaks[k]);
-                worth.forces[k][measure] = together(worth.forces[k][measure], Some(by_steps));
+    /// What a run differs by from itself: with an input that is 0.1 % larger, with other steps and with other discretisations, together as the root of
+    /// their squares.
+    fn worth(&self, run: &ModelRun) -> Differences {
+        let nothing = Differences { forces: [[None; 2]; 2], contact: None, departure: None };
+        let mut worth = run.disturbed.map_or(nothing, |(other, _)| self.differences([other, run.history]));
+        for (change, contact) in run.changes() {
+            let changed = change.forces(scales(run.history));
+            for k in [0, 1] {
+                for measure in [0, 1] {
+                    let changed = over(changed[k][measure], self.peaks[k]);
+                    worth.forces[k][measure] = together(worth.forces[k][measure], Some(changed));
+                }
             }
+            worth.contact = Some(worth.contact.map_or(*contact, |known| known.with(contact)));
         }
-        for (worth, steps) in worth.ratio.iter_mut().zip([steps.change.ratio_rms, steps.change.ratio_max]) {
-            *worth = together(*worth, steps);
-        }
-        worth.contact = Some(worth.contact.map_or(steps.contact, |contact| contact.with(&steps.contact)));
         worth
     }
 
@@ -108,9 +196,8 @@ impl<'a> Scope<'a> {
     pub fn checks(&self, simple: &ModelRun, solid: &ModelRun) -> Vec<Check> {
         let limits = self.limits;
         let runs = [simple, solid];
-        let carrying = runs.map(|run| run.carrying(limits.ratio_max));
-        let found = self.differences(runs.map(|run| run.history), carrying.each_ref());
-        let worth = [0, 1].map(|k| self.worth(runs[k], &carrying[k]));
+        let found = self.differences(runs.map(|run| run.history));
+        let worth = runs.map(|run| self.worth(run));
         let rows = runs.map(|run| self.rows(run.history)).into_iter().min().unwrap_or(0);
         let until = rows.checked_sub(1).map_or(0.0, |last| solid.history.rows[last].time);
         let line = |criterion: Criterion, of: &dyn Fn(&Differences) -> Option<f64>| {
@@ -123,11 +210,7 @@ impl<'a> Scope<'a> {
             checks.push(Ok(line(of_rms, &|d| d.forces[k][0])));
             checks.push(Ok(line(of_max, &|d| d.forces[k][1])));
         }
-        for (measure, criterion) in [limits.ratio_rms(), limits.ratio_max()].into_iter().enumerate() {
-            let line = line(criterion, &|d| d.ratio[measure]);
-            let all = found.ratio_steps == rows;
-            checks.push(Ok(if all { line } else { line.noted(carried(&found, &carrying, rows)) }));
-        }
+        checks.extend(self.ratio_lines(simple, solid, 0..rows, PartOfRun::Determined).into_iter().map(Ok));
         let times = [limits.separation_begin_s(), limits.separation_end_s()];
         let contact = found.contact.unwrap_or_default();
         for (n, criterion) in times.into_iter().enumerate() {
@@ -180,16 +263,12 @@ impl<'a> Scope<'a> {
     }
 }
 
-/// At how many of the steps both models' averaged P carries a ratio, and why not at all.
-fn carried(found: &Differences, carrying: &[Carrying; 2], rows: usize) -> String {
-    let error =
-        |Carrying { errors: [p, q], .. }: &Carrying| format!("{:.2} and {:.2} kN", p * 1e-3, q * 1e-3);
+/// At how many of the steps the solid's averaged P carries a ratio, and why not at all.
+fn carried(steps: usize, Carrying { errors: [p, q], limit }: &Carrying, rows: usize) -> String {
     format!(
-        "where P carries it, at {} of {rows} steps: averaged P and Q may be off by {} in the simple and {} in the solid model, which \
-         leaves Q/P off by {} at most",
-        found.ratio_steps,
-        error(&carrying[0]),
-        error(&carrying[1]),
-        carrying[1].limit
+        "P of the solid carries it at {steps} of {rows} steps: averaged P and Q of the solid may be off by {:.2} and {:.2} kN, which leaves Q/P off by \
+         {limit} at most there",
+        p * 1e-3,
+        q * 1e-3
     )
 }

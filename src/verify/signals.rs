@@ -31,6 +31,14 @@ pub struct ModeFractions {
     pub separated: f64,
 }
 
+/// Wheel contacts nearer to the flange than this lateral position are counted as flange contacts, m: the tread of the standard profiles ends there.
+pub const FLANGE_SIDE: f64 = -0.026;
+
+/// Whether the wheel touches with its flange at any step of a run.
+pub fn touches_with_flange(history: &History) -> bool {
+    history.rows.iter().flat_map(|row| &row.contacts).any(|contact| contact.wheel.x < FLANGE_SIDE)
+}
+
 /// A value of each model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Both<T> {

@@ -8,27 +8,25 @@ use std::ops::Range;
 
 use railspring_calibrate::history::{ContactMode, History};
 
-use super::change::{FORCES, least_contact, over, peaks};
+use super::change::{FORCES, least_contact};
 use super::limits::Limits;
-use super::line::{Criterion, Line};
-use super::model_run::ModelRun;
+use super::separations;
 use super::signals::mode;
-use super::{rows_before, separations};
 
 /// Fewest blocks that the time is cut into, each as long as the window of the averaged Q/P at least.
-const LEAST_BLOCKS: usize = 3;
+pub(super) const LEAST_BLOCKS: usize = 3;
 /// Most blocks.
-const MOST_BLOCKS: usize = 20;
+pub(super) const MOST_BLOCKS: usize = 20;
 /// What is compared of each force: mean, RMS and these quantiles.
 const QUANTILES: [f64; 3] = [0.05, 0.50, 0.95];
 /// Numbers of a force.
-const OF_FORCE: usize = 2 + QUANTILES.len();
+pub(super) const OF_FORCE: usize = 2 + QUANTILES.len();
 /// Numbers of a sample: those of P and Q, separations a second, and the fractions of three modes.
-const NUMBERS: usize = 2 * OF_FORCE + 4;
+pub(super) const NUMBERS: usize = 2 * OF_FORCE + 4;
 
 /// A row of a run, as a member of a sample.
 #[derive(Clone, Copy)]
-struct Member {
+pub(super) struct Member {
     forces: [f64; 2],
     mode: ContactMode,
     /// Whether a separation begins here.
@@ -36,7 +34,7 @@ struct Member {
 }
 
 /// The rows of a run from some time on.
-fn sample(run: &History, rows: Range<usize>, limits: &Limits, least: f64) -> Vec<Member> {
+pub(super) fn sample(run: &History, rows: Range<usize>, limits: &Limits, least: f64) -> Vec<Member> {
     let all = separations(run, limits.separation_shortest_s, least);
     let begins: Vec<f64> = all.iter().map(|s| s.begin_s).collect();
     run.rows[rows]
@@ -50,7 +48,7 @@ fn sample(run: &History, rows: Range<usize>, limits: &Limits, least: f64) -> Vec
 }
 
 /// The numbers of a sample without some of its rows, which are `step` (s) apart; of forces in N.
-fn numbers(sample: &[Member], without: Range<usize>, step: f64) -> [f64; NUMBERS] {
+pub(super) fn numbers(sample: &[Member], without: Range<usize>, step: f64) -> [f64; NUMBERS] {
     let members = || sample[..without.start].iter().chain(&sample[without.end..]);
     let count = (sample.len() - without.len()) as f64;
     let mut found = [0.0; NUMBERS];
@@ -69,6 +67,13 @@ fn numbers(sample: &[Member], without: Range<usize>, step: f64) -> [f64; NUMBERS
         found[2 * OF_FORCE + 1 + n] = members().filter(|member| member.mode == mode).count() as f64 / count;
     }
     found
+}
+
+/// Sizes of the differences of the numbers of two runs over some rows.
+pub(super) fn differences([a, b]: [&History; 2], rows: Range<usize>, limits: &Limits) -> [f64; NUMBERS] {
+    let (least, step) = (least_contact(a), step(a));
+    let [a, b] = [a, b].map(|run| numbers(&sample(run, rows.clone(), limits, least), 0..0, step));
+    std::array::from_fn(|n| (a[n] - b[n]).abs())
 }
 
 /// The value below which a share of the ascending values lies, on straight lines between them.
@@ -93,7 +98,7 @@ fn student_95(freedom: usize) -> f64 {
 }
 
 /// How far the numbers of two runs of one model differ by chance, in 95 of 100 cases: the jackknife of their difference over `blocks`.
-fn chance(samples: [&[Member]; 2], step: f64, blocks: usize) -> [f64; NUMBERS] {
+pub(super) fn chance(samples: [&[Member]; 2], step: f64, blocks: usize) -> [f64; NUMBERS] {
     let rows = samples[0].len();
     let differences: Vec<[f64; NUMBERS]> = (0..blocks)
         .map(|block| {
@@ -110,96 +115,11 @@ fn chance(samples: [&[Member]; 2], step: f64, blocks: usize) -> [f64; NUMBERS] {
     })
 }
 
-/// The row from which statistics are compared, if there is one: where the solid's motion is not determined any more, and enough is left.
-pub(super) fn begin(simple: &History, solid: &ModelRun, limits: &Limits) -> Option<usize> {
-    let first = rows_before(solid.history, solid.determined_until()?);
-    let rows = simple.rows.len().min(solid.history.rows.len()).min(solid.disturbed?.0.rows.len());
-    let block = rows_of_window(solid.history, limits);
-    (rows.saturating_sub(first) >= LEAST_BLOCKS * block).then_some(first)
-}
-
-/// Rows over which Q/P is averaged.
-fn rows_of_window(run: &History, limits: &Limits) -> usize {
-    (limits.ratio_window_s / step(run)).ceil().max(1.0) as usize
-}
-
-fn step(run: &History) -> f64 {
+/// Time between the rows of a run, s.
+pub(super) fn step(run: &History) -> f64 {
     let last = run.rows.len() - 1;
     (run.rows[last].time - run.rows[0].time) / last as f64
 }
-
-/// The lines on both runs from a row of [`begin`] on.
-pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first: usize) -> Vec<Line> {
-    let step = step(solid.history);
-    let least = least_contact(solid.history);
-    let both = [simple.history, solid.history];
-    let end = both.map(|run| run.rows.len()).into_iter().min().unwrap_or(first);
-    let [of_simple, of_solid] = both.map(|run| numbers(&sample(run, first..end, limits, least), 0..0, step));
-    let own = |run: &ModelRun| {
-        let other = run.disturbed?.0;
-        let end = run.history.rows.len().min(other.rows.len());
-        let blocks = (end.checked_sub(first)? / rows_of_window(run.history, limits)).min(MOST_BLOCKS);
-        let samples = || [run.history, other].map(|run| sample(run, first..end, limits, least));
-        (blocks >= LEAST_BLOCKS).then(|| chance(samples().each_ref().map(Vec::as_slice), step, blocks))
-    };
-    let worth = [simple, solid].map(own);
-    let peaks = peaks(solid.history);
-    // No count is known better than by one: the ends of the time cut off a separation. Nor is it known whether one is long enough whose length is the
-    // shortest but for a step of the history: each of them counts or does not.
-    let one = 1.0 / ((end - first) as f64 * step);
-    let times = [first, end - 1].map(|row| solid.history.rows[row].time);
-    let least_rate = |run: &ModelRun| {
-        let unclear = separations(run.history, 0.0, least)
-            .iter()
-            .filter(|s| s.begin_s >= times[0] && s.begin_s <= times[1])
-            .filter(|s| (s.length() - limits.separation_shortest_s).abs() < 1.01 * step)
-            .count();
-        one * (UNCLEAR_95 * (unclear as f64).sqrt()).hypot(1.0)
-    };
-    let least_rates = [simple, solid].map(least_rate);
-    let rate = of_solid[RATE].max(one);
-    let line = |n: usize, criterion: Criterion| {
-        let value = |difference: f64| match n {
-            n if n < 2 * OF_FORCE => over(difference, peaks[n / OF_FORCE]),
-            RATE => difference / rate,
-            _ => difference,
-        };
-        let of = |k: usize| {
-            let least = if n == RATE { least_rates[k] } else { 0.0 };
-            worth[k].map(|worth| value(worth[n].max(least)))
-        };
-        let worth = [of(0), of(1)];
-        criterion.line_beside(Some(value((of_simple[n] - of_solid[n]).abs())), worth).taken_over(times)
-    };
-    let forces = OF_FORCES.into_iter().map(|meaning| Criterion { meaning, ..limits.statistics() });
-    let modes = OF_MODES.into_iter().map(|meaning| Criterion { meaning, ..limits.mode_fraction() });
-    forces.chain([limits.separation_rate()]).chain(modes).enumerate().map(|(n, c)| line(n, c)).collect()
-}
-
-/// What the sum of many that count or do not, with even chances, differs by from its mean in 95 of 100 cases, over the root of their number: 1.96/2.
-const UNCLEAR_95: f64 = 0.98;
-
-/// Place of the separations a second.
-const RATE: usize = 2 * OF_FORCE;
-
-const OF_FORCES: [&str; 2 * OF_FORCE] = [
-    "Undetermined motion: mean of P, difference over the solid's peak",
-    "Undetermined motion: RMS of P, difference over the solid's peak",
-    "Undetermined motion: 5 % quantile of P, difference over the solid's peak",
-    "Undetermined motion: median of P, difference over the solid's peak",
-    "Undetermined motion: 95 % quantile of P, difference over the solid's peak",
-    "Undetermined motion: mean of Q, difference over the solid's peak",
-    "Undetermined motion: RMS of Q, difference over the solid's peak",
-    "Undetermined motion: 5 % quantile of Q, difference over the solid's peak",
-    "Undetermined motion: median of Q, difference over the solid's peak",
-    "Undetermined motion: 95 % quantile of Q, difference over the solid's peak",
-];
-
-const OF_MODES: [&str; 3] = [
-    "Undetermined motion: time sticking, difference of the fractions",
-    "Undetermined motion: time sliding, difference of the fractions",
-    "Undetermined motion: time separated, difference of the fractions",
-];
 
 #[cfg(test)]
 mod tests {

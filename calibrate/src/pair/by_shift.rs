@@ -33,7 +33,7 @@ pub enum PressDirection {
 
 impl PressDirection {
     /// The direction at a first touch, world (y, z).
-    fn at(self, pair: &Pair) -> Unit<Vector2<f64>> {
+    pub fn at(self, pair: &Pair) -> Unit<Vector2<f64>> {
         match self {
             Self::Vertical => DOWNWARDS,
             Self::Normal => Unit::new_normalize(-pair.placed.curve.upward_normal(pair.touch.rail_s)),

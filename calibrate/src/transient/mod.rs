@@ -161,7 +161,7 @@ pub struct TransientRun {
     pub most_active: usize,
     /// Steps of the integration.
     pub steps: StepCounts,
-    /// The first time steps with steps of the integration that are twice as long; none where there are no longer ones.
+    /// The same with steps of the integration that are twice as long, of bodies at full order the first time steps; none where there are no longer ones.
     pub longer: Option<OtherRun>,
     /// The other load case of [`TransientModel::run_beside`], if there is one.
     pub other: Option<OtherRun>,
@@ -216,6 +216,30 @@ impl TransientModel<'_> {
         self.run_with(scenario, Some(other), monitor)
     }
 
+    /// The first 60 ms of a load case with so many `modes` of each reduced body, and with nothing beside: what they change by on other meshes or
+    /// another grid says what these are worth.
+    ///
+    /// # Errors
+    /// As [`TransientModel::run`], and [`InputError`] for bodies at full order.
+    pub fn first_steps(&self, modes: usize, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
+        self.check(scenario)?;
+        if let SolidBodies::Full { .. } = self.bodies {
+            let value = "bodies at full order";
+            return Err(InputError::new("first steps", value, "reduced bodies", "reduce them").into());
+        }
+        reduction::first_steps(self, modes, scenario, monitor)
+    }
+
+    /// Checks that the model can run a load case.
+    fn check(&self, scenario: &Scenario) -> Result<()> {
+        match (self.path, self.bodies) {
+            (Some(path), SolidBodies::Reduced { .. }) => path.holds(scenario)?,
+            _ => refuse_moving(scenario)?,
+        }
+        scenario.check()?;
+        self.field.check(self.enforcement)
+    }
+
     fn run_with(
         &self,
         scenario: &Scenario,
@@ -223,13 +247,8 @@ impl TransientModel<'_> {
         monitor: &dyn Monitor,
     ) -> Result<TransientRun> {
         for scenario in [Some(scenario), other].into_iter().flatten() {
-            match (self.path, self.bodies) {
-                (Some(path), SolidBodies::Reduced { .. }) => path.holds(scenario)?,
-                _ => refuse_moving(scenario)?,
-            }
-            scenario.check()?;
+            self.check(scenario)?;
         }
-        self.field.check(self.enforcement)?;
         if let (SolidBodies::Full { .. }, InnerSteps::Adaptive(_)) = (self.bodies, scenario.inner_steps) {
             return Err(no_shorter_steps());
         }

@@ -56,8 +56,8 @@ impl Reduction {
     }
 }
 
-/// A run with as many modes as `count` says. Beside it the first time steps are done with steps of the integration that are twice as long,
-/// which says what the steps are worth, and with fewer modes; and all of `other`, if there is such a load case.
+/// A run with as many modes as `count` says. Beside it the same is done with steps of the integration that are twice as long, which says what
+/// the steps are worth, its first time steps with fewer modes, and all of `other`, if there is such a load case.
 pub(super) fn run(
     model: &TransientModel<'_>,
     count: ModeCount,
@@ -74,7 +74,7 @@ pub(super) fn run(
         let (mut beside, mut of_other) = (None, None);
         // on the threads of the pool alone: a run beside them would wait for these wherever it shares its own work
         let run = rayon::scope(|scope| {
-            scope.spawn(|_| beside = Some(first_steps(model, wanted, scenario, monitor)));
+            scope.spawn(|_| beside = Some(others(model, wanted, scenario, monitor)));
             // the longer one last, as a thread goes on with what came last
             if let Some(other) = other {
                 let stage = "second load case of the transient solid model";
@@ -90,7 +90,8 @@ pub(super) fn run(
             (Some(all), _) | (None, Some(Ok(all))) => all,
             _ => &run.history,
         };
-        let steps = compared_steps([&beside.fewer, all], first_of(scenario).steps);
+        let first = first_of(scenario).steps;
+        let steps = compared_steps([&beside.fewer, all], first);
         let reduction = Reduction {
             modes,
             fewer: beside.modes,
@@ -120,41 +121,41 @@ pub(super) fn run(
     }
 }
 
-/// The first time steps of a run.
-struct FirstSteps {
+/// The same run in other ways.
+struct Others {
     /// With longer steps, or why not; none where there are no longer ones.
     longer: Option<OtherRun>,
-    /// With all modes, where the run with fewer has the steps of neither that nor the run itself.
+    /// Its first time steps with all modes, where the run with fewer has the steps of neither that nor the run itself.
     all: Option<History>,
-    /// With fewer modes.
+    /// Its first time steps with fewer modes.
     fewer: History,
     /// Those modes of rail and wheel.
     modes: [usize; 2],
 }
 
-/// The first time steps of `scenario` with `count` modes and longer steps, and with fewer modes: those with the longer steps if these can be done.
+/// `scenario` with `count` modes and longer steps, and its first time steps with fewer modes: those with the longer steps if these can be done.
 /// Steps that adapt themselves are not the same with other modes, and what they change is more than what the modes do; there both
 /// have the steps of the history.
-fn first_steps(
+fn others(
     model: &TransientModel<'_>,
     count: usize,
     scenario: &Scenario,
     monitor: &dyn Monitor,
-) -> Result<FirstSteps> {
+) -> Result<Others> {
     let of = |count: usize, scenario: &Scenario, how: &str| -> Result<(History, [usize; 2])> {
-        let stage = format!("first time steps of the transient solid model, {how}");
+        let stage = format!("transient solid model, {how}");
         let (run, modes) = some_modes(model, count, scenario, (&stage, monitor))?;
         Ok((run.history, modes))
     };
     let fewer = (FEWER * count as f64) as usize;
     let first = first_of(scenario);
-    let longer = || longer_steps(&first, |longer| Ok(of(count, longer, "longer steps")?.0));
+    let longer = || longer_steps(scenario, |longer| Ok(of(count, longer, "longer steps")?.0));
     if let InnerSteps::Adaptive(_) = scenario.inner_steps {
         let equal = Scenario { inner_steps: InnerSteps::Equal(1), ..first.clone() };
         let both = || rayon::join(|| of(count, &equal, "all modes"), || of(fewer, &equal, FEWER_MODES));
         let (longer, (all, fewer)) = rayon::join(longer, both);
         let (longer, (all, _), (fewer, modes)) = (longer?, all?, fewer?);
-        return Ok(FirstSteps { longer, all: Some(all), fewer, modes });
+        return Ok(Others { longer, all: Some(all), fewer, modes });
     }
     let longer = longer()?;
     let compared = match longer {
@@ -162,7 +163,18 @@ fn first_steps(
         _ => first,
     };
     let (fewer, modes) = of(fewer, &compared, FEWER_MODES)?;
-    Ok(FirstSteps { longer, all: None, fewer, modes })
+    Ok(Others { longer, all: None, fewer, modes })
+}
+
+/// The first time steps of a run with `modes` of each body, or all that it has.
+pub(super) fn first_steps(
+    model: &TransientModel<'_>,
+    modes: usize,
+    scenario: &Scenario,
+    monitor: &dyn Monitor,
+) -> Result<History> {
+    let first = first_of(scenario);
+    Ok(some_modes(model, modes, &first, ("first time steps of another solid model", monitor))?.0.history)
 }
 
 /// The time steps of a scenario over which runs are compared.

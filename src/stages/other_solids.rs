@@ -1,0 +1,157 @@
+//! The solid model in time with another grid of its contact and with other meshes: what these are worth.
+
+use std::sync::Arc;
+
+use railspring_calibrate::calibration::ContactField;
+use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::history::History;
+use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::superelement::CondensedBody;
+use railspring_calibrate::transient::{ModeCount, RailPath, TransientModel, TransientRun};
+use railspring_calibrate::units::MILLIMETRE;
+
+use super::zones::extend_zones;
+use super::{Geometry, Meshes, MovingBodies, contact_field, enforcement, formulation, remeshed_with};
+use crate::study::Study;
+
+/// Edges of the other contact elements over those of the study's. The elements of the bodies around them stay: they are those of the
+/// condensed element as well, so that they move both models alike.
+const COARSER: f64 = 1.5;
+
+/// A run that another one is compared with, or why there is none.
+pub(super) type Other = std::result::Result<History, String>;
+
+/// A run that another one is compared with; an interruption ends both.
+pub(super) fn or_reason(run: Result<History>) -> Result<Other> {
+    match run {
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        run => Ok(run.map_err(|error| error.to_string())),
+    }
+}
+
+/// Bodies with coarser contact elements, which move in runs in time.
+pub struct CoarserMoving {
+    /// Sizes of the meshes.
+    options: MeshOptions,
+    /// Edge of the contact elements, m.
+    contact_element: f64,
+    bodies: Arc<MovingBodies>,
+}
+
+/// The bodies, or why there are none.
+pub type CoarserContact = std::result::Result<CoarserMoving, String>;
+
+/// The bodies with coarser contact elements than `meshes`, which `condense` makes.
+///
+/// # Errors
+/// An interruption.
+pub fn coarser_contact(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    condense: impl FnOnce(&Meshes) -> Result<MovingBodies>,
+) -> Result<CoarserContact> {
+    if let Some(file) = study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
+        return Ok(Err(format!("{} is not meshed by the program", file.file)));
+    }
+    let own = meshes.options();
+    let mut options = MeshOptions {
+        contact_element: COARSER * own.contact_element,
+        contact_element_along: COARSER * own.contact_element_along,
+        ..own.clone()
+    };
+    // the zones hold what the others hold
+    for half_length in [&mut options.window_half_length, &mut options.contact_half_length] {
+        *half_length += 2.0 * options.contact_element_along;
+    }
+    let longer = 2.0 * options.contact_element;
+    extend_zones(geometry, &mut options, longer);
+    let contact_element = options.contact_element.max(options.contact_element_along);
+    let made = remeshed_with(study, geometry, meshes, options.clone()).and_then(|coarser| condense(&coarser));
+    match made {
+        Ok(bodies) => Ok(Ok(CoarserMoving { options, contact_element, bodies: Arc::new(bodies) })),
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        Err(error) => Ok(Err(error.to_string())),
+    }
+}
+
+/// The first time steps of a load case on other solids.
+pub(super) struct OtherSolids<'a> {
+    pub study: &'a Study,
+    pub geometry: &'a Geometry,
+    pub scenario: &'a Scenario,
+    /// Modes of each body.
+    pub modes: usize,
+    pub monitor: &'a dyn Monitor,
+}
+
+impl OtherSolids<'_> {
+    /// Runs beside that of the load case: on a contact grid of half the spacing, and on `coarser` contact elements. They have the longer steps that the
+    /// load case was run with as well, where it could be: a grid changes the same with them.
+    ///
+    /// # Errors
+    /// An interruption.
+    pub fn runs(
+        &self,
+        run: &TransientRun,
+        (meshes, own): (&Meshes, &MovingBodies),
+        coarser: &(dyn Fn(usize) -> Result<CoarserContact> + Sync),
+    ) -> Result<Vec<(String, Other)>> {
+        let has_longer = matches!(run.longer, Some(Ok(_)));
+        let steps = self.scenario.inner_steps;
+        let inner_steps = if has_longer { steps.doubled() } else { steps };
+        let scenario = Scenario { inner_steps, ..self.scenario.clone() };
+        let field = contact_field(self.study);
+        let on_finer_grid = || {
+            let finer = (field == ContactField::Hybrid).then_some(ContactField::HybridHalved);
+            finer
+                .map(|finer| or_reason(self.first(&scenario, own.both(), meshes.options(), finer)))
+                .transpose()
+        };
+        let on_coarser = || match coarser(self.modes)? {
+            Ok(CoarserMoving { options, contact_element, bodies }) => {
+                let run = or_reason(self.first(&scenario, bodies.both(), &options, field))?;
+                Ok((format!("contact elements of {:.2} mm", contact_element / MILLIMETRE), run))
+            }
+            Err(reason) => Ok::<_, Error>(("coarser contact elements".into(), Err(reason))),
+        };
+        let (grid, mesh) = rayon::join(on_finer_grid, on_coarser);
+        let grid = grid?.map(|run| ("a contact grid of half the spacing".into(), run));
+        Ok(grid.into_iter().chain([mesh?]).collect())
+    }
+
+    fn first(
+        &self,
+        scenario: &Scenario,
+        bodies: [&CondensedBody; 2],
+        options: &MeshOptions,
+        field: ContactField,
+    ) -> Result<History> {
+        let Self { study, geometry, modes, .. } = *self;
+        let path = path_on(study, geometry, options, (bodies[0], scenario, modes))?;
+        let contact = (enforcement(study), field);
+        let count = ModeCount::Given(modes);
+        let model = TransientModel::reduced(&geometry.pair, bodies, count, study.material.damping, contact);
+        let model = match &path {
+            Some(path) => model.along(path),
+            None => model,
+        };
+        model.first_steps(modes, scenario, self.monitor)
+    }
+}
+
+/// The rail at all places of a wheel that moves along it, or stands elsewhere than in its middle, with as many modes as the bodies.
+pub(super) fn path_on(
+    study: &Study,
+    geometry: &Geometry,
+    options: &MeshOptions,
+    (rail, scenario, modes): (&CondensedBody, &Scenario, usize),
+) -> Result<Option<RailPath>> {
+    let length = study.rail.length;
+    let wanted = RailPath::is_wanted(scenario, length);
+    let of = (length, modes);
+    let path = || RailPath::new(&geometry.pair, rail, options, &study.material, formulation(study), of);
+    wanted.then(path).transpose()
+}
