@@ -5,6 +5,7 @@
 //! that share of the swing from the straight line through the last two. So a step is taken again with half the length, or less, where the
 //! force is farther from that line than a share of the largest force, and the next one is twice as long where it could be.
 //! Lengths are halves of halves of the time step, so that few of them occur and the bodies are prepared for each once.
+//! A tolerance of the largest force says little while forces are small: the phase of a vibration then is off by as much as the longest steps make it.
 
 use crate::error::InputError;
 use crate::field::InputField;
@@ -21,6 +22,8 @@ pub enum InnerSteps {
 /// How short steps become.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
+    /// Longest steps within a time step: a power of two.
+    pub least: usize,
     /// Shortest steps within a time step: a power of two.
     pub most: usize,
     /// Largest deviation of the contact force from the straight line through its last two values, of the largest force.
@@ -29,11 +32,17 @@ pub struct StepControl {
 
 impl StepControl {
     /// In the published load case 4.1, with its impacts, P and Q are then off by less than a per cent of their peaks (RMS).
-    pub const DEFAULT: Self = Self { most: 16, tolerance: 0.03 };
+    pub const DEFAULT: Self = Self { least: 1, most: 16, tolerance: 0.03 };
 
     /// Steps twice as long: their errors are four times as large.
     pub fn doubled(self) -> Self {
-        Self { most: (self.most / 2).max(1), tolerance: 4.0 * self.tolerance }
+        let [least, most] = [self.least, self.most].map(|count| (count / 2).max(1));
+        Self { least, most, tolerance: 4.0 * self.tolerance }
+    }
+
+    /// Steps half as long: their errors are a quarter.
+    pub fn halved(self) -> Self {
+        Self { least: 2 * self.least, most: 2 * self.most, tolerance: 0.25 * self.tolerance }
     }
 }
 
@@ -43,7 +52,7 @@ impl InnerSteps {
         let shortest = time_step / self.most() as f64;
         match self {
             Self::Equal(_) => [shortest; 2],
-            Self::Adaptive(_) => [time_step, shortest],
+            Self::Adaptive(control) => [time_step / control.least as f64, shortest],
         }
     }
 
@@ -63,10 +72,18 @@ impl InnerSteps {
         }
     }
 
+    /// Steps of half the length.
+    pub fn halved(self) -> Self {
+        match self {
+            Self::Equal(count) => Self::Equal(2 * count),
+            Self::Adaptive(control) => Self::Adaptive(control.halved()),
+        }
+    }
+
     /// Checks that there are steps.
     ///
     /// # Errors
-    /// [`InputError`] for none, for a number of adaptive steps that is no power of two, and for a tolerance that is not positive.
+    /// [`InputError`] for none, for numbers of adaptive steps that are no powers of two or leave none, and for a tolerance that is not positive.
     pub fn check(self) -> Result<(), InputError> {
         let refuse = |value: String, expected: &str, remedy: &str| {
             Err(InputError::new(InputField::InnerSteps, value, expected, remedy))
@@ -82,6 +99,13 @@ impl InnerSteps {
                 "a power of two where the length of the steps is adapted",
                 "take 8, 16 or 32",
             ),
+            Self::Adaptive(StepControl { least, most, .. }) if !least.is_power_of_two() || least > most => {
+                refuse(
+                    least.to_string(),
+                    "longest steps that are a power of two and no shorter than the shortest",
+                    "take 1, or as many as there can be",
+                )
+            }
             Self::Adaptive(StepControl { tolerance, .. }) if !(tolerance > 0.0 && tolerance.is_finite()) => {
                 refuse(
                     tolerance.to_string(),
@@ -98,7 +122,7 @@ impl InnerSteps {
 #[derive(Debug, Clone)]
 pub struct StepSequence {
     steps: InnerSteps,
-    /// Halvings of the time step that the next step has.
+    /// Halvings of the longest steps that the next step has.
     level: u32,
     /// Ticks since the start.
     ticks: usize,
@@ -124,11 +148,11 @@ impl StepSequence {
         self.largest = self.largest.max(size(force.iter().copied()));
     }
 
-    /// Most halvings of a time step; steps of equal length have none.
+    /// Most halvings of the longest steps; steps of equal length have none.
     pub fn levels(steps: InnerSteps) -> u32 {
         match steps {
             InnerSteps::Equal(_) => 0,
-            InnerSteps::Adaptive(control) => control.most.ilog2(),
+            InnerSteps::Adaptive(control) => (control.most / control.least).ilog2(),
         }
     }
 
@@ -140,7 +164,7 @@ impl StepSequence {
     fn length(&self) -> usize {
         match self.steps {
             InnerSteps::Equal(_) => 1,
-            InnerSteps::Adaptive(control) => control.most >> self.level,
+            InnerSteps::Adaptive(control) => (control.most / control.least) >> self.level,
         }
     }
 
@@ -244,7 +268,7 @@ mod tests {
         const DISCRETISATION: f64 = 2.0 * TOLERANCE / 8.0;
         let dt = 1e-3;
         let omega = std::f64::consts::PI / (2.5 * dt);
-        let control = StepControl { most: 64, tolerance: TOLERANCE };
+        let control = StepControl { least: 1, most: 64, tolerance: TOLERANCE };
         let (speed, peak, taken, tried) = strike(omega * omega, InnerSteps::Adaptive(control), (8, dt));
         assert!((speed + 1.0).abs() < DISCRETISATION, "{speed}");
         assert!((peak / omega - 1.0).abs() < DISCRETISATION, "{peak}");
@@ -261,7 +285,7 @@ mod tests {
         let dt = 1e-3;
         let omega = std::f64::consts::PI / (2.5 * dt);
         let error = |tolerance| {
-            let steps = InnerSteps::Adaptive(StepControl { most: 1024, tolerance });
+            let steps = InnerSteps::Adaptive(StepControl { least: 1, most: 1024, tolerance });
             let (speed, peak, ..) = strike(omega * omega, steps, (8, dt));
             (speed + 1.0).abs().max((peak / omega - 1.0).abs())
         };
@@ -276,7 +300,7 @@ mod tests {
     #[test]
     fn steps_are_long_where_they_can_be() {
         let mut sequence =
-            StepSequence::new(InnerSteps::Adaptive(StepControl { most: 8, tolerance: 0.01 }), 1.0);
+            StepSequence::new(InnerSteps::Adaptive(StepControl { least: 1, most: 8, tolerance: 0.01 }), 1.0);
         let mut lengths = Vec::new();
         // at rest, a jump of the force within the third time step, and rest again
         while sequence.ticks() < 64 {
@@ -289,6 +313,13 @@ mod tests {
         assert_eq!(lengths[..6], [8, 8, 1, 1, 1, 1]);
         assert_eq!(lengths[lengths.len() - 3..], [8; 3]);
         assert_eq!(lengths.iter().sum::<usize>(), 64);
+        // none longer than a quarter of the time step, though nothing changes
+        let control = StepControl { least: 4, most: 8, tolerance: 0.01 };
+        let mut short = StepSequence::new(InnerSteps::Adaptive(control), 1.0);
+        for quarter in 1..=8 {
+            assert!(short.accept(&[0.0], &[0.0], 0.0));
+            assert_eq!(short.ticks(), 2 * quarter);
+        }
         let mut equal = StepSequence::new(InnerSteps::Equal(3), 1.0);
         for tick in 1..=9 {
             assert!(equal.accept(&[if tick == 5 { 1e9 } else { 0.0 }], &[], 0.0) && !equal.shorten());
@@ -299,18 +330,24 @@ mod tests {
     /// Goal: numbers and tolerances that mean nothing are refused by their field.
     #[test]
     fn impossible_steps_are_refused() {
-        let adaptive = |most, tolerance| InnerSteps::Adaptive(StepControl { most, tolerance });
+        let adaptive = |most, tolerance| InnerSteps::Adaptive(StepControl { least: 1, most, tolerance });
+        let longest = |least, most| InnerSteps::Adaptive(StepControl { least, most, tolerance: 0.1 });
         for steps in [
             InnerSteps::Equal(0),
             adaptive(0, 0.1),
             adaptive(12, 0.1),
             adaptive(8, 0.0),
             adaptive(8, f64::NAN),
+            longest(3, 8),
+            longest(16, 8),
         ] {
             assert!(steps.check().unwrap_err().to_string().starts_with("inner_steps = "), "{steps:?}");
         }
         assert!(InnerSteps::Equal(3).check().is_ok() && adaptive(1, 0.1).check().is_ok());
         assert_eq!(InnerSteps::Equal(5).doubled(), InnerSteps::Equal(3));
         assert_eq!(adaptive(8, 0.1).doubled(), adaptive(4, 0.4));
+        assert_eq!(longest(4, 8).doubled().halved(), longest(4, 8));
+        assert_eq!(longest(4, 8).halved().lengths(8.0), [1.0, 0.5]);
+        assert_eq!(InnerSteps::Equal(5).halved(), InnerSteps::Equal(10));
     }
 }

@@ -493,7 +493,7 @@ fn a_falling_mass_needs_short_steps_at_its_contact_alone() {
         let scenario = Scenario { inner_steps, ..quiet(12, dt) };
         collide(Order::Reduced(12), [&fall.rail, &fall.wheel], steel(0.0), gap, &scenario)
     };
-    let records = run(InnerSteps::Adaptive(StepControl { most: 128, tolerance: TOLERANCE }));
+    let records = run(InnerSteps::Adaptive(StepControl { least: 1, most: 128, tolerance: TOLERANCE }));
     let light = bar_mass() / fall.mass;
     let model = light / 3.0 + TOLERANCE / 4.0;
     let displacement = (largest(records.iter().map(|r| r.hub)) - gap) / exact.peak_displacement;
