@@ -42,6 +42,7 @@ use crate::solid::{Formulation, Material, Materials, Supports, System};
 use crate::step_control::InnerSteps;
 use crate::superelement::{CondensedBody, Modes};
 use crate::suspension::Suspension;
+use crate::units::KILONEWTON;
 use beyond::Beyond;
 use body::ElasticBody;
 use full::FullBody;
@@ -374,19 +375,18 @@ fn no_shorter_steps() -> Error {
 
 fn refuse_moving(scenario: &Scenario) -> Result<()> {
     let refuse = |field: InputField, value: String| {
-        Err(InputError::new(
-            field,
-            value,
-            "0 for a solid model without the path of its rail",
-            "give it the path (`TransientModel::along`), or run this scenario with the moving solver alone",
-        )
-        .into())
+        let expected = "0 for a solid model without the path of its rail";
+        let remedy = format!(
+            "give it the path (`TransientModel::along`), or set `{}` = false and the simple model runs alone",
+            InputField::SolidModel
+        );
+        Err(InputError::new(field, value, expected, remedy).into())
     };
     if scenario.speed != 0.0 {
         return refuse(InputField::Speed, format!("{} m/s", scenario.speed));
     }
     if let Some(torsion) = scenario.rail_torsion {
-        return refuse(InputField::RailTorsion, format!("{} N·m", torsion.amplitude));
+        return refuse(InputField::RailTorsion, format!("{} kN·m", torsion.amplitude / KILONEWTON));
     }
     Ok(())
 }
