@@ -194,10 +194,9 @@ impl<'a> Case<'a> {
         let before = run(&earlier());
         let found_before = before.map_or(true, |(_, found)| found.lines.iter().any(|line| !line.holds));
         let value = |lines: &[Line], n: usize| lines[2..5][n].value.unwrap_or(f64::INFINITY);
-        let of_statics = (0..3)
-            .map(|n| (value(&statics, n) - value(&self.statics, n)).abs())
-            .fold(0.0, f64::max)
-            / self.worth_of_statics();
+        let of_statics =
+            (0..3).map(|n| (value(&statics, n) - value(&self.statics, n)).abs()).fold(0.0, f64::max)
+                / self.worth_of_statics();
         let (failing, moved) = match run(&Limits::default()) {
             Err(reason) => (vec![reason], [f64::INFINITY; 2]),
             Ok((history, found)) => {
@@ -251,7 +250,10 @@ fn errors_beyond_what_the_solid_is_worth_are_found() {
                 counts[2] += usize::from(!fate.failing.is_empty());
                 let most = fate.moved.into_iter().fold(0.0, f64::max);
                 if fate.failing.is_empty() && most > 2.0 {
-                    missed.push(format!("{name}: {what} moves P, Q, hub by {:.1?} of the solid's worth", fate.moved));
+                    missed.push(format!(
+                        "{name}: {what} moves P, Q, hub by {:.1?} of the solid's worth",
+                        fate.moved
+                    ));
                 }
                 println!("{name}: {what}: {:.1?} {}", fate.moved, fate.failing.join(" "));
                 fate
@@ -261,8 +263,10 @@ fn errors_beyond_what_the_solid_is_worth_are_found() {
                 let mut smallest = [[None; 2]; 2];
                 for (s, sign) in [-1.0, 1.0].into_iter().enumerate() {
                     for size in SIZES {
-                        let found = fate(&format!("{what} {:+} %", 1e2 * sign * size), &|p| plant(p, sign * size));
-                        for (n, is) in [found.found_before, !found.failing.is_empty()].into_iter().enumerate() {
+                        let found =
+                            fate(&format!("{what} {:+} %", 1e2 * sign * size), &|p| plant(p, sign * size));
+                        for (n, is) in [found.found_before, !found.failing.is_empty()].into_iter().enumerate()
+                        {
                             if is && smallest[n][s].is_none() {
                                 smallest[n][s] = Some(sign * size);
                             }
@@ -270,19 +274,27 @@ fn errors_beyond_what_the_solid_is_worth_are_found() {
                     }
                 }
                 let text = |found: [Option<f64>; 2]| {
-                    found.map(|size| size.map_or("–".into(), |size| format!("{:+}", (1e2 * size).round()))).join(", ")
+                    found
+                        .map(|size| size.map_or("–".into(), |size| format!("{:+}", (1e2 * size).round())))
+                        .join(", ")
                 };
                 cells.push(smallest.map(text));
             }
             for (what, plant) in WHOLE {
                 let found = fate(what, &plant);
-                cells.push([found.found_before, !found.failing.is_empty()].map(|is| if is { "yes" } else { "no" }.into()));
+                cells.push(
+                    [found.found_before, !found.failing.is_empty()]
+                        .map(|is| if is { "yes" } else { "no" }.into()),
+                );
             }
             columns.push((name.clone(), cells, counts));
         }
     }
     let names = SIZED.iter().map(|(name, _)| *name).chain(WHOLE.iter().map(|(name, _)| *name));
-    println!("\n| planted, smallest found in % (before → now) | {} |", columns.iter().map(|c| &*c.0).collect::<Vec<_>>().join(" | "));
+    println!(
+        "\n| planted, smallest found in % (before → now) | {} |",
+        columns.iter().map(|c| &*c.0).collect::<Vec<_>>().join(" | ")
+    );
     println!("|---|{}", "---|".repeat(columns.len()));
     for (n, name) in names.enumerate() {
         let cells: Vec<String> =

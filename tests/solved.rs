@@ -65,11 +65,9 @@ impl Solved {
             let main = study.main_scenario.as_ref() == Some(scenario);
             let of = |stem: &str| if main { format!("{stem}.csv") } else { format!("{stem}-{scenario}.csv") };
             let [file, disturbed] = ["solid_history", "solid_history_disturbed"].map(of);
-            let run = |name: &str| {
-                history_csv::read(Path::new(name), &text(name), 1, Ending::Completed).unwrap()
-            };
-            let record: RunRecord =
-                serde_json::from_value(results["files"][&file]["run"].clone()).unwrap();
+            let run =
+                |name: &str| history_csv::read(Path::new(name), &text(name), 1, Ending::Completed).unwrap();
+            let record: RunRecord = serde_json::from_value(results["files"][&file]["run"].clone()).unwrap();
             let disturbed = record.spread.as_ref().map(|_| run(&disturbed));
             SolidRun { history: run(&file), disturbed, record }
         };

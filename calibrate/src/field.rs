@@ -187,6 +187,8 @@ fields! {
     StartX = "start_x",
     /// Speed along the rail.
     Speed = "speed",
+    /// Whether the solid model runs a scenario.
+    SolidModel = "solid_model",
 }
 
 impl fmt::Display for InputField {

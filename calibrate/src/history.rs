@@ -212,7 +212,7 @@ impl fmt::Display for Ending {
                     Departure::GaugeSide => {
                         write!(f, "left the profile at {time} s (the tread off the head, into the track)")
                     }
-                    Departure::RailEnd => write!(f, "left the rail's end at {time} s"),
+                    Departure::RailEnd => write!(f, "came to the end of the rail at {time} s"),
                 }
             }
             Self::EndOfSurface { time, end, rail } => {

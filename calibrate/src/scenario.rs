@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use crate::error::InputError;
 use crate::field::InputField;
 use crate::step_control::InnerSteps;
+use crate::units::TONNE;
 
 /// Time steps that a period of a force must have at least.
 ///
@@ -218,7 +219,10 @@ impl Scenario {
             return Err(InputError::new(
                 InputField::VerticalStiffness,
                 "0, with no damping either",
-                format!("a spring or a damper that carries the suspended mass of {} kg", self.suspended_mass),
+                format!(
+                    "a spring or a damper that carries the suspended mass of {} t",
+                    self.suspended_mass / TONNE
+                ),
                 format!(
                     "give the suspension a stiffness, or set `{}` to 0 and the force acts on the wheel",
                     InputField::SuspendedMass
@@ -286,7 +290,8 @@ mod tests {
         assert!(Scenario { lateral_force, ..scenario.clone() }.check().is_err());
         let loose = Kelvin { stiffness: 0.0, damping: 0.0 };
         let slow = Scenario { lateral_force: HarmonicForce::NONE, vertical_suspension: loose, ..scenario };
-        assert!(slow.check().unwrap_err().to_string().contains("vertical_suspension"));
+        let message = slow.check().unwrap_err().to_string();
+        assert!(message.contains("vertical_suspension") && message.contains("mass of 6.25 t"), "{message}");
         Scenario { suspended_mass: 0.0, ..slow.clone() }.check().unwrap();
         let none = Scenario { inner_steps: InnerSteps::Equal(0), suspended_mass: 0.0, ..slow };
         assert!(none.check().unwrap_err().to_string().starts_with("inner_steps = 0"));

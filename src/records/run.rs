@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{BeamFactors, ElementRecord, HubDeviationRecord, LawConstants};
+use crate::rounding::significant;
 use crate::verify::{ModelChange, Spread, StepChange, Worth};
 
 /// A run of one of the models.
@@ -57,6 +58,7 @@ impl RunRecord {
         mut notes: Vec<String>,
     ) -> Self {
         let model = if springs.is_some() { "simple model" } else { "solid model" };
+        notes.extend(lost_contact(history).map(|lost| format!("{model}: {lost}")));
         notes.push(match &worth.steps {
             Ok(change) => format!("{model}: {change}"),
             Err(reason) => format!("{model}: what steps of another length change is not known: {reason}"),
@@ -123,6 +125,36 @@ impl RunRecord {
         let rail = self.ended_at_rail_mm.map(|[y, z]| Point2::new(y * MILLIMETRE, z * MILLIMETRE));
         Ending::from_parts(&self.ending, self.ended_at_s, rail)
     }
+}
+
+/// A time in seconds, to the microsecond.
+fn microseconds(time: f64) -> f64 {
+    (time * 1e6).round() / 1e6
+}
+
+/// Says from when on a wheel that is still over the rail at the end of a run has no contact, and how far it is off then.
+fn lost_contact(history: &History) -> Option<String> {
+    let [.., before, end] = history.rows.as_slice() else { return None };
+    if history.ending != Ending::Completed || !end.contacts.is_empty() {
+        return None;
+    }
+    let last = history.rows.iter().rposition(|row| !row.contacts.is_empty());
+    let since = match last {
+        Some(last) => format!("no contact from {} s on", microseconds(history.rows[last + 1].time)),
+        None => "no contact at any step".into(),
+    };
+    // the first row is just touching
+    let above = (history.rows[last.unwrap_or(0)].wheel_z - end.wheel_z) / MILLIMETRE;
+    let speed = (before.wheel_z - end.wheel_z) / (end.time - before.time);
+    let (place, way) =
+        (if above < 0.0 { "below" } else { "above" }, if speed < 0.0 { "falls" } else { "rises" });
+    Some(format!(
+        "{since}: at the end, at {} s, the wheel is {} mm {place} {} and {way} at {} m/s",
+        microseconds(end.time),
+        significant(above.abs(), 4),
+        if last.is_some() { "its last contact" } else { "its start" },
+        significant(speed.abs(), 3)
+    ))
 }
 
 /// The modes of a reduced solid model, and what they are worth.
@@ -213,4 +245,55 @@ pub struct PairRecord {
     pub name: String,
     /// Hash of profiles, bodies, their places in the track and the material.
     pub hash: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use railspring_calibrate::history::{ContactMode, ContactState, HistoryRow};
+
+    use super::*;
+
+    /// A run of steps of 0.5 ms with a contact where `touches` says so; the wheel rises by 0.1 mm a step from the third on.
+    fn run(touches: &[bool]) -> History {
+        let contact = ContactState {
+            mode: ContactMode::Stick,
+            rail: Point2::origin(),
+            wheel: Point2::origin(),
+            normal_force: 1e3,
+            tangential_force: 0.0,
+        };
+        let row = |(n, touches): (usize, &bool)| HistoryRow {
+            time: n as f64 * 5e-4,
+            vertical_force: if *touches { 1e3 } else { 0.0 },
+            lateral_force: 0.0,
+            wheel_y: 0.0,
+            wheel_z: -1e-4 * n.saturating_sub(2) as f64,
+            load_y: 0.0,
+            energy: None,
+            contacts: touches.then_some(contact).into_iter().collect(),
+        };
+        let rows = touches.iter().enumerate().map(row).collect();
+        History { rows, degrees_of_freedom: 6, ending: Ending::Completed }
+    }
+
+    /// Goal: the record of a wheel that has no contact at the end says from when on, how far it is off and which way it goes; a wheel that has
+    /// come back, or left the rail, has no such note.
+    #[test]
+    fn a_wheel_that_does_not_come_back_is_said() {
+        let notes = |history: &History| {
+            let worth =
+                || Worth { steps: Err("no".into()), spread: Err("no".into()), discretisation: Vec::new() };
+            RunRecord::new(history, None, worth(), Vec::new()).notes
+        };
+        let lost = run(&[false, true, true, false, true, false, false]);
+        let said = "solid model: no contact from 0.0025 s on: at the end, at 0.003 s, the wheel is 0.2000 mm above its last contact and rises at 0.200 m/s";
+        assert_eq!(notes(&lost)[0], said);
+        let never = notes(&run(&[false; 5])).remove(0);
+        assert!(never.starts_with("solid model: no contact at any step: at the end, at 0.002 s,"), "{never}");
+        assert!(never.contains("0.2000 mm above its start"), "{never}");
+        assert_eq!(notes(&run(&[false, true, false, true])).len(), 2, "it has come back");
+        let departed =
+            Ending::Departed { time: 3.5e-3, departure: railspring_calibrate::history::Departure::FieldSide };
+        assert_eq!(notes(&History { ending: departed, ..lost }).len(), 2, "the ending says so");
+    }
 }

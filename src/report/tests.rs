@@ -3,8 +3,8 @@
 use super::crosscheck::Crosscheck;
 use super::samples;
 use super::*;
-use crate::records::{ElementVerdict, RunRecord, ScenarioVerdict};
-use crate::verify::{self, Band, Limits, Spread, Worth, compare};
+use crate::records::{ElementVerdict, Judged, RunRecord, ScenarioVerdict, VerdictOn};
+use crate::verify::{self, Band, ChangedLimit, Limits, Spread, Worth, compare};
 
 fn build_sample() -> Report {
     let (record, sections) = (samples::crosscheck(), samples::sections());
@@ -40,6 +40,7 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
         }],
         ratio_window: 0.024,
         verdict: &verdict,
+        programs: &["railspring 0.1.0 (commit 0123456789ab)".into()],
         measured: &measured,
         crosscheck,
     })
@@ -66,7 +67,7 @@ fn band(solid: &History) -> Band {
 
 fn verdict(simple: &History, solid: &History) -> VerificationRecord {
     let (disturbed, spread) = disturbed(solid);
-    let worth = |spread| Worth { steps: Err("made up".into()), spread };
+    let worth = |spread| Worth { steps: Err("made up".into()), spread, discretisation: Vec::new() };
     let alone = verify::ModelRun::alone;
     let model = verify::ModelRun { disturbed: Some((&disturbed, &spread)), ..alone(solid) };
     let comparison = compare(&alone(simple), &model, &Limits::default()).unwrap();
@@ -76,6 +77,7 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
         run: None,
         missing: None,
         differences: Some(comparison.into()),
+        lines: if element == "published" { comparison.lines.clone() } else { Vec::new() },
     };
     let of_published = compare(&alone(&published), &model, &Limits::default()).unwrap();
     let elements = vec![element("condensed", &comparison), element("published", &of_published)];
@@ -92,11 +94,23 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
     VerificationRecord {
         study: "sample".into(),
         holds: scenario.lines.iter().all(|line| line.holds),
+        decides: Judged::Element,
+        verdicts: vec![VerdictOn {
+            on: Judged::Element,
+            hold: 17,
+            hold_by_solid: 3,
+            fail: 2,
+            holds_for: vec!["static loads from 20 to 120 kN".into()],
+            not_for: vec!["load case sample: Q/P 0.07 off (limit 0.05)".into()],
+        }],
+        changed_limits: vec![ChangedLimit { key: "law_max".into(), limit: 0.4, default: 0.15 }],
         calibration: Vec::new(),
+        statics: Vec::new(),
         scenarios: vec![scenario],
         inputs: [("history.csv".to_string(), "ab".repeat(32))].into(),
         input_hash: "cd".repeat(32),
         version: "0.1.0".into(),
+        commit: "commit 0123456789ab".into(),
     }
 }
 
@@ -228,14 +242,19 @@ fn figures_have_finite_coordinates_only() {
     }
 }
 
-/// Goal: the first screen has the verdict in the box of a pass or of a failure, and what has to be known.
+/// Goal: the first screen has the verdict in the box of a pass or of a failure, both verdicts with their counts and uses, limits that are not the default ones, the program, and what
+/// has to be known.
 #[test]
 fn the_first_screen_says_the_verdict() {
     let page = build_sample().html;
     let first = page.split("<h2 id=\"springs\">").next().unwrap();
     assert!(first.contains("<span class=\"verdict failing\">"), "{first}");
     assert!(
-        first.contains(" limits fail; worst: sample: ")
+        first.contains(" fail; worst: sample: ")
+            && first.contains("17 hold, 3 hold only by the solid&#x27;s own error, 2 fail")
+            && first.contains("verification.law_max = 0.4 (default 0.15)")
+            && first.contains("Q/P 0.07 off")
+            && first.contains("railspring 0.1.0 (commit 0123456789ab)")
             && first.contains("<a href=\"#notes\">known about the runs</a>"),
         "{first}"
     );
@@ -243,7 +262,8 @@ fn the_first_screen_says_the_verdict() {
     assert!(notes.split("</ul>").next().unwrap().contains("P leaves the range"), "{notes}");
     let same = samples::history(0.0);
     let verdict = verdict(&same, &same);
-    assert!(verdict.holds && verdict.summary().starts_with("all "), "{}", verdict.summary());
+    let summary = verdict.summary();
+    assert!(verdict.holds && summary.ends_with("0 hold only by the solid's own error, 0 fail"), "{summary}");
 }
 
 /// Goal: histories of one row, and such that end early, are drawn without panic and with finite coordinates, s.

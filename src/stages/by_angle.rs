@@ -378,7 +378,8 @@ fn enter_element(
         if record.touch.is_none() {
             continue;
         }
-        let pair = geometry.pair.with_wheel_at(tape_y(study, &geometry.pair, record.shift_mm * MILLIMETRE))?;
+        let pair =
+            geometry.pair.with_wheel_at(tape_y(study, &geometry.pair, record.shift_mm * MILLIMETRE))?;
         let along = *PressDirection::Normal.at(&pair);
         let model = element.map(|element| {
             CondensedModel::of_pair(&pair, geometry.beam.clone(), &study.material, element.clone())

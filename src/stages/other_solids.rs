@@ -77,7 +77,7 @@ pub fn coarser_contact(
     }
 }
 
-/// The first time steps of a load case on other solids.
+/// A load case on other solids.
 pub(super) struct OtherSolids<'a> {
     pub study: &'a Study,
     pub geometry: &'a Geometry,
@@ -88,7 +88,7 @@ pub(super) struct OtherSolids<'a> {
 }
 
 impl OtherSolids<'_> {
-    /// Runs beside that of the load case: on a contact grid of half the spacing, and on `coarser` contact elements. They have the longer steps that the
+    /// Runs beside that of the load case: its first time steps on a contact grid of half the spacing, and all of it on `coarser` contact elements. They have the longer steps that the
     /// load case was run with as well, where it could be: a grid changes the same with them.
     ///
     /// # Errors
@@ -103,16 +103,16 @@ impl OtherSolids<'_> {
         let steps = self.scenario.inner_steps;
         let inner_steps = if has_longer { steps.doubled() } else { steps };
         let scenario = Scenario { inner_steps, ..self.scenario.clone() };
+        // a finer grid takes several times as long, and changes the least of all
+        let first = TransientModel::first_of(&scenario);
         let field = contact_field(self.study);
         let on_finer_grid = || {
             let finer = (field == ContactField::Hybrid).then_some(ContactField::HybridHalved);
-            finer
-                .map(|finer| or_reason(self.first(&scenario, own.both(), meshes.options(), finer)))
-                .transpose()
+            finer.map(|finer| or_reason(self.run(&first, own.both(), meshes.options(), finer))).transpose()
         };
         let on_coarser = || match coarser(self.modes)? {
             Ok(CoarserMoving { options, contact_element, bodies }) => {
-                let run = or_reason(self.first(&scenario, bodies.both(), &options, field))?;
+                let run = or_reason(self.run(&scenario, bodies.both(), &options, field))?;
                 Ok((format!("contact elements of {:.2} mm", contact_element / MILLIMETRE), run))
             }
             Err(reason) => Ok::<_, Error>(("coarser contact elements".into(), Err(reason))),
@@ -122,7 +122,7 @@ impl OtherSolids<'_> {
         Ok(grid.into_iter().chain([mesh?]).collect())
     }
 
-    fn first(
+    fn run(
         &self,
         scenario: &Scenario,
         bodies: [&CondensedBody; 2],
@@ -138,7 +138,7 @@ impl OtherSolids<'_> {
             Some(path) => model.along(path),
             None => model,
         };
-        model.first_steps(modes, scenario, self.monitor)
+        model.run_alone(modes, scenario, self.monitor)
     }
 }
 

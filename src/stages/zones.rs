@@ -53,7 +53,7 @@ fn contact_half_length(study: &Study, geometry: &Geometry, window: f64) -> f64 {
 }
 
 /// Checks that the wheel touches within the contact zone of the tool's own meshes, and that the Hertz patch of the
-/// largest load stays within it; says where the zone is made longer for that patch.
+/// largest load stays within it; says where the zone is made longer for that patch, and what has to be known of the load cases.
 ///
 /// Where the bodies conform there is no Hertz patch; the contact solver then finds out.
 ///
@@ -63,6 +63,9 @@ fn contact_half_length(study: &Study, geometry: &Geometry, window: f64) -> f64 {
 /// any that wheel and rail have room for.
 pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) -> Result<()> {
     check_touch(study, geometry)?;
+    for (name, case) in &study.scenarios {
+        case.notes.iter().for_each(|note| monitor.notice(&format!("{name}: {note}")));
+    }
     let Some((field, load, patch)) = longest_patch(study, geometry) else { return Ok(()) };
     let window = study.mesh.window_half_length;
     if patch <= window {

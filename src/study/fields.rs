@@ -91,6 +91,7 @@ pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::WheelMass, &["scenario.*.wheel_mass_t"]),
     (InputField::StartX, &["scenario.*.start_x_m"]),
     (InputField::Speed, &["scenario.*.speed_m_per_s"]),
+    (InputField::SolidModel, &["scenario.*.solid"]),
 ];
 
 /// Puts the keys of the study in the place of the library's fields, in the key and, where they are in backticks, in

@@ -13,6 +13,7 @@ mod fields;
 mod keys;
 mod measured;
 mod mesh_file;
+mod case_notes;
 mod resolve;
 
 use std::collections::BTreeMap;
@@ -279,6 +280,8 @@ pub struct StudyScenario {
     pub solid: bool,
     /// Times at which the report draws the contact positions, s.
     pub snapshots: Vec<f64>,
+    /// What has to be known before it runs: values of the publication that it takes, the end of the rail, loads beyond the calibration.
+    pub notes: Vec<String>,
 }
 
 /// Sections of the study file, in their order.

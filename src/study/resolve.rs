@@ -15,6 +15,7 @@ use railspring_calibrate::transient::RailPath;
 use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
+use super::case_notes;
 use super::check::{Finding, nearest};
 use super::collect::Collector;
 use super::document::{
@@ -83,6 +84,10 @@ pub(super) fn resolve(
     let beyond_the_solid = off_the_path(&document, &source, &scenarios, &mesh, rail.mesh.is_some());
     if !beyond_the_solid.is_empty() {
         return Err(beyond_the_solid);
+    }
+    for (name, case) in &mut scenarios {
+        let of = (name.as_str(), &document.scenario[name], &case.scenario);
+        case.notes = case_notes::notes(of, &document, &source, &calibration.loads);
     }
     let resolved = resolved_keys(&document, &source);
     let window_given = source.gives("mesh.window_half_length_mm");
@@ -155,7 +160,7 @@ fn off_the_path(
                     key,
                     "true",
                     expected,
-                    "set solid = false, or leave `rail.mesh_file` out",
+                    format!("set `scenario.{name}.solid` = false, or leave `rail.mesh_file` out"),
                 );
                 collector.add(&[&here, "rail.mesh_file"], mistake);
                 continue;
@@ -289,7 +294,7 @@ fn scenario_mistakes(name: &str, keys: &ScenarioKeys, document: &StudyDocument) 
             key("solid"),
             "true",
             "false, because bodies at full order (`solid.transient = \"full\"`) have a contact in the middle of an untwisted rail alone",
-            "set solid = false, or take reduced bodies",
+            format!("set `{}` = false, or take reduced bodies (`solid.transient`)", key("solid")),
         ));
     }
     let start = keys.start_x_m.unwrap_or(0.5 * rail_length);
@@ -309,6 +314,7 @@ fn scenario(keys: &ScenarioKeys, friction: f64) -> StudyScenario {
         description: keys.description.clone(),
         solid: keys.solid,
         snapshots: keys.snapshots_s.clone(),
+        notes: Vec::new(),
         scenario: Scenario {
             steps: keys.steps,
             time_step: keys.time_step_s,

@@ -102,8 +102,10 @@ mod tests {
         let other = run(16, |n| if n < 10 { 0.0 } else { 1.5e3 });
         let spread = Spread::between(&history, &other, "lateral force").unwrap();
         let limits = Limits::default();
-        let with =
-            |steps, disturbed| Band::around(&ModelRun { history: &history, steps, disturbed }, &limits);
+        let with = |steps, disturbed| {
+            let run = ModelRun { steps, disturbed, ..ModelRun::alone(&history) };
+            Band::around(&run, &limits)
+        };
         let near = |value: Option<f64>, expected: f64| (value.unwrap() - expected).abs() < ROUNDOFF * 1e5;
         let band = with(Some(&steps), Some((&other, &spread))).unwrap();
         assert!(near(band.forces[0][9], 2e3) && near(band.forces[0][10], 2.5e3), "{band:?}");

@@ -12,8 +12,11 @@ use super::{Limits, column, peak, rms};
 /// A force is measured against its peak, and against this share of the other one's at least.
 const SMALLEST_PEAK: f64 = 0.05;
 
+/// Errors of averaged forces over their RMS changes: what 95 of 100 of them stay within.
+pub(super) const COVERAGE: f64 = 2.0;
+
 /// Change of a run. Forces are over their largest in the whole run, or over a twentieth of the other one's if that is more; Q/P is averaged over the published window, where the averaged P of both
-/// carries it with the changes of averaged P and Q as errors ([`Carrying`]).
+/// carries it with twice the RMS changes of averaged P and Q as errors ([`Carrying`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Change {
     /// RMS change of the vertical force.
@@ -24,10 +27,10 @@ pub struct Change {
     pub q_rms: f64,
     /// Largest change of the lateral force.
     pub q_max: f64,
-    /// Largest change of the averaged vertical force.
-    pub averaged_p_max: f64,
-    /// Largest change of the averaged lateral force.
-    pub averaged_q_max: f64,
+    /// RMS change of the averaged vertical force.
+    pub averaged_p_rms: f64,
+    /// RMS change of the averaged lateral force.
+    pub averaged_q_rms: f64,
     /// RMS change of the averaged Q/P; none where it is not defined.
     pub ratio_rms: Option<f64>,
     /// Largest change of the averaged Q/P.
@@ -46,10 +49,9 @@ impl Change {
             let [a, b] = [run, other].map(of);
             [0, 1].map(|k| rows.clone().map(|n| b[k][n] - a[k][n]).collect())
         };
-        let averaged =
-            changes(&|run| averaged_forces(run, limits.ratio_window_s)).map(|change| peak(&change));
+        let averaged = changes(&|run| averaged_forces(run, limits.ratio_window_s)).map(|change| rms(&change));
         let changes = changes(&|run| FORCES.map(|force| column(run, force)));
-        let carrying = Carrying { errors: averaged, limit: limits.ratio_max };
+        let carrying = Carrying { errors: averaged.map(|rms| COVERAGE * rms), limit: limits.ratio_max };
         let ratios = [run, other].map(|run| averaged_ratio(run, limits.ratio_window_s, &carrying));
         let ratio: Vec<f64> = rows.clone().filter_map(|n| Some(ratios[1][n]? - ratios[0][n]?)).collect();
         let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));
@@ -58,8 +60,8 @@ impl Change {
             p_max: over(peak(&changes[0]), peaks[0]),
             q_rms: over(rms(&changes[1]), peaks[1]),
             q_max: over(peak(&changes[1]), peaks[1]),
-            averaged_p_max: over(averaged[0], peaks[0]),
-            averaged_q_max: over(averaged[1], peaks[1]),
+            averaged_p_rms: over(averaged[0], peaks[0]),
+            averaged_q_rms: over(averaged[1], peaks[1]),
             ratio_rms: of_ratio(rms),
             ratio_max: of_ratio(peak),
         };
@@ -76,9 +78,9 @@ impl Change {
         [[self.p_rms * p, self.p_max * p], [self.q_rms * q, self.q_max * q]]
     }
 
-    /// Largest change of averaged P and Q, N.
+    /// RMS change of averaged P and Q, N.
     pub(super) fn averaged(&self, scales: [f64; 2]) -> [f64; 2] {
-        [self.averaged_p_max * scales[0], self.averaged_q_max * scales[1]]
+        [self.averaged_p_rms * scales[0], self.averaged_q_rms * scales[1]]
     }
 }
 

@@ -68,7 +68,7 @@ limits! {
         "Time over which Q and P are averaged before they are divided, s; 2 m at 300 km/h"
             + "Q/P is compared where the solid's averaged P carries it: where what both forces of the solid are worth leaves it off by `ratio_max` at most";
     ratio_left_out: f64 = 0.50, [0.0, 1.0], Verification in "1",
-        "Share of the time at which the averaged Q/P of the solid is not known";
+        "Averaged Q/P of the solid not known, share of the time at which its averaged P is a tenth of the peak";
     separation_begin_s: f64 = 0.001, [0.0, 1e3], Verification in "s",
         "Separation begins, largest difference";
     separation_end_s: f64 = 0.001, [0.0, 1e3], Verification in "s",

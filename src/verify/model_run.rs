@@ -2,7 +2,7 @@
 
 use railspring_calibrate::history::History;
 
-use super::change::{Change, scales};
+use super::change::{COVERAGE, Change, scales};
 use super::contact::ContactDifference;
 use super::model_change::ModelChange;
 use super::signals::Carrying;
@@ -53,7 +53,7 @@ impl<'a> ModelRun<'a> {
         steps.into_iter().chain(self.discretisation.iter().map(|of| (&of.change, &of.contact)))
     }
 
-    /// Where the averaged P carries Q/P so that it is off by `limit` at most. The errors of the averaged forces are the largest changes with the steps, the
+    /// Where the averaged P carries Q/P so that it is off by `limit` at most. The errors of the averaged forces are twice the RMS changes with the steps, the
     /// discretisations and the input, together as the root of their squares.
     pub fn carrying(&self, limit: f64) -> Carrying {
         let scales = scales(self.history);
@@ -63,7 +63,7 @@ impl<'a> ModelRun<'a> {
             let averaged = change.averaged(scales);
             [0, 1].map(|k| sum[k] + averaged[k] * averaged[k])
         });
-        let error = |k: usize| squares[k].sqrt().max(ROUNDOFF * scales[k]);
+        let error = |k: usize| (COVERAGE * squares[k].sqrt()).max(ROUNDOFF * scales[k]);
         Carrying { errors: [error(0), error(1)], limit }
     }
 }

@@ -12,7 +12,7 @@ use super::contact::ContactDifference;
 use super::limits::Limits;
 use super::line::{Criterion, Line};
 use super::model_run::ModelRun;
-use super::signals::{Carrying, averaged_ratio};
+use super::signals::{Carrying, averaged_forces, averaged_ratio};
 use super::{Check, column, peak, rms, rows_before};
 
 /// What is compared, and over what.
@@ -25,6 +25,9 @@ pub(super) struct Scope<'a> {
     /// Times before this are compared, s.
     end: Option<f64>,
 }
+
+/// A wheel whose averaged P is this share of the largest P carries a load.
+const LOADED: f64 = 0.1;
 
 /// Which part of a run is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,6 +55,8 @@ struct Ratio {
     values: [Option<f64>; 2],
     /// At how many time steps the second run's P carries it.
     steps: usize,
+    /// At how many its averaged P is a load, and at how many of these it carries the ratio.
+    loaded: [usize; 2],
 }
 
 impl<'a> Scope<'a> {
@@ -69,13 +74,16 @@ impl<'a> Scope<'a> {
         let window = self.limits.ratio_window_s;
         let of_a = averaged_ratio(a, window, &Carrying::EXACT);
         let of_b = averaged_ratio(b, window, carrying);
+        let [p, _] = averaged_forces(b, window);
+        let loaded: Vec<usize> = rows.clone().filter(|n| p[*n] >= LOADED * self.peaks[0]).collect();
+        let loaded = [loaded.len(), loaded.iter().filter(|n| of_b[**n].is_some()).count()];
         let carried = rows.filter_map(|n| Some((of_a[n], of_b[n]?)));
         let differences: Vec<Option<f64>> = carried.map(|(a, b)| Some(a? - b)).collect();
         let steps = differences.len();
         let differences: Option<Vec<f64>> = differences.into_iter().collect();
         let differences = differences.filter(|all| !all.is_empty());
         let values = [rms as fn(&[f64]) -> f64, peak].map(|of| differences.as_deref().map(of));
-        Ratio { values, steps }
+        Ratio { values, steps, loaded }
     }
 
     /// What a run's Q/P differs by from itself over some rows, from the changes of `steps` and those of other discretisations.
@@ -125,7 +133,7 @@ impl<'a> Scope<'a> {
             PartOfRun::Undetermined => [
                 "Undetermined motion: averaged Q/P, RMS difference",
                 "Undetermined motion: averaged Q/P, largest difference",
-                "Undetermined motion: share of the time without averaged Q/P of the solid",
+                "Undetermined motion: loaded time at which the averaged Q/P of the solid is not known",
             ],
         };
         let mut lines = Vec::new();
@@ -139,15 +147,12 @@ impl<'a> Scope<'a> {
                 _ => line,
             });
         }
-        let all = rows.len();
-        let left_out = (all > 0).then(|| 1.0 - found.steps as f64 / all as f64);
+        let [loaded, carrying_load] = found.loaded;
+        let left_out = (loaded > 0).then(|| 1.0 - carrying_load as f64 / loaded as f64);
         let criterion = Criterion { meaning: meanings[2], ..limits.ratio_left_out() };
         let line = criterion.line(left_out).taken_over(times);
-        lines.push(if found.steps == all {
-            line
-        } else {
-            line.noted(carried(found.steps, &carrying[1], all))
-        });
+        let all = rows.len();
+        lines.push(if found.steps == all { line } else { line.noted(carried(&found, &carrying[1], all)) });
         lines
     }
 
@@ -264,9 +269,10 @@ impl<'a> Scope<'a> {
 }
 
 /// At how many of the steps the solid's averaged P carries a ratio, and why not at all.
-fn carried(steps: usize, Carrying { errors: [p, q], limit }: &Carrying, rows: usize) -> String {
+fn carried(found: &Ratio, Carrying { errors: [p, q], limit }: &Carrying, rows: usize) -> String {
+    let (steps, [loaded, carrying_load]) = (found.steps, found.loaded);
     format!(
-        "P of the solid carries it at {steps} of {rows} steps: averaged P and Q of the solid may be off by {:.2} and {:.2} kN, which leaves Q/P off by \
+        "P of the solid carries it at {steps} of {rows} steps, {carrying_load} of the {loaded} with an averaged P of a tenth of the peak: averaged P and Q of the solid may be off by {:.2} and {:.2} kN, which leaves Q/P off by \
          {limit} at most there",
         p * 1e-3,
         q * 1e-3

@@ -42,6 +42,7 @@ use crate::solid::{Formulation, Material, Materials, Supports, System};
 use crate::step_control::InnerSteps;
 use crate::superelement::{CondensedBody, Modes};
 use crate::suspension::Suspension;
+use crate::units::KILONEWTON;
 use beyond::Beyond;
 use body::ElasticBody;
 use full::FullBody;
@@ -216,18 +217,23 @@ impl TransientModel<'_> {
         self.run_with(scenario, Some(other), monitor)
     }
 
-    /// The first 60 ms of a load case with so many `modes` of each reduced body, and with nothing beside: what they change by on other meshes or
-    /// another grid says what these are worth.
+    /// The first 60 ms of a load case, in which models are compared that take long.
+    pub fn first_of(scenario: &Scenario) -> Scenario {
+        reduction::first_of(scenario)
+    }
+
+    /// A load case with so many `modes` of each reduced body, and with nothing beside: what it changes by on other meshes or another grid says
+    /// what these are worth.
     ///
     /// # Errors
     /// As [`TransientModel::run`], and [`InputError`] for bodies at full order.
-    pub fn first_steps(&self, modes: usize, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
+    pub fn run_alone(&self, modes: usize, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
         self.check(scenario)?;
         if let SolidBodies::Full { .. } = self.bodies {
             let value = "bodies at full order";
-            return Err(InputError::new("first steps", value, "reduced bodies", "reduce them").into());
+            return Err(InputError::new("a run alone", value, "reduced bodies", "reduce them").into());
         }
-        reduction::first_steps(self, modes, scenario, monitor)
+        reduction::alone(self, modes, scenario, monitor)
     }
 
     /// Checks that the model can run a load case.
@@ -393,19 +399,18 @@ fn no_shorter_steps() -> Error {
 
 fn refuse_moving(scenario: &Scenario) -> Result<()> {
     let refuse = |field: InputField, value: String| {
-        Err(InputError::new(
-            field,
-            value,
-            "0 for a solid model without the path of its rail",
-            "give it the path (`TransientModel::along`), or run this scenario with the moving solver alone",
-        )
-        .into())
+        let expected = "0 for a solid model without the path of its rail";
+        let remedy = format!(
+            "give it the path (`TransientModel::along`), or set `{}` = false and the simple model runs alone",
+            InputField::SolidModel
+        );
+        Err(InputError::new(field, value, expected, remedy).into())
     };
     if scenario.speed != 0.0 {
         return refuse(InputField::Speed, format!("{} m/s", scenario.speed));
     }
     if let Some(torsion) = scenario.rail_torsion {
-        return refuse(InputField::RailTorsion, format!("{} N·m", torsion.amplitude));
+        return refuse(InputField::RailTorsion, format!("{} kN·m", torsion.amplitude / KILONEWTON));
     }
     Ok(())
 }

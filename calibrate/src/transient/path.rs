@@ -168,7 +168,8 @@ impl RailPath {
         };
         if length > LONGEST {
             let expected = format!("{LONGEST} m at most for a solid rail along which a wheel moves");
-            return Err(refuse(expected, "run the moving solver alone, or shorten the rail").into());
+            let advice = format!("set `{}` = false, or shorten the rail", InputField::SolidModel);
+            return Err(refuse(expected, &advice).into());
         }
         let places = layers(length) + 1 - 2 * (beside + 1);
         if layers(length) + 1 < 2 * (beside + 1) + Along::LEAST {
@@ -226,15 +227,26 @@ impl RailPath {
         let end = start + scenario.speed * duration;
         let slack = 1e-9 * length;
         let within = |x: f64| x >= reach - slack && x <= length - reach + slack;
-        let expected =
-            format!("{reach:.4} to {:.4} m, as far as the solid rail knows of a contact", length - reach);
+        // rounded into the range, so that its ends can be taken as they are printed
+        let (first, last) =
+            ((reach * 1e4 - 1e-6).ceil() * 1e-4, ((length - reach) * 1e4 + 1e-6).floor() * 1e-4);
+        let expected = format!("{first:.4} to {last:.4} m, as far as the solid rail knows of a contact");
+        let without = format!(
+            "lengthen the rail (`{}`), or set `{}` = false and the simple model runs alone",
+            InputField::RailLength,
+            InputField::SolidModel
+        );
         if !within(start) {
-            let advice = "start elsewhere, lengthen the rail, or run the moving solver alone";
+            let advice = format!("start in that range, {without}");
             return Err(InputError::new(InputField::StartX, format!("{start} m"), expected, advice));
         }
         if !within(end) {
             let value = format!("{} m/s, which brings the wheel from {start} to {end} m", scenario.speed);
-            let advice = "let it move more slowly or in fewer steps, start elsewhere, lengthen the rail, or run the moving solver alone";
+            let advice = format!(
+                "lower the speed, take fewer steps (`{}`), start elsewhere (`{}`), {without}",
+                InputField::Steps,
+                InputField::StartX
+            );
             return Err(InputError::new(InputField::Speed, value, expected, advice));
         }
         Ok(())

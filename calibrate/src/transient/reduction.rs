@@ -166,15 +166,14 @@ fn others(
     Ok(Others { longer, all: None, fewer, modes })
 }
 
-/// The first time steps of a run with `modes` of each body, or all that it has.
-pub(super) fn first_steps(
+/// A run with `modes` of each body, or all that it has.
+pub(super) fn alone(
     model: &TransientModel<'_>,
     modes: usize,
     scenario: &Scenario,
     monitor: &dyn Monitor,
 ) -> Result<History> {
-    let first = first_of(scenario);
-    Ok(some_modes(model, modes, &first, ("first time steps of another solid model", monitor))?.0.history)
+    Ok(some_modes(model, modes, scenario, ("another transient solid model", monitor))?.0.history)
 }
 
 /// The time steps of a scenario over which runs are compared.

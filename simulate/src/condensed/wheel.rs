@@ -14,7 +14,9 @@ use nalgebra::{Cholesky, DMatrix, Matrix3, SymmetricEigen, Vector3};
 use railspring_calibrate::element::ElasticWheel;
 use railspring_calibrate::energy::PartEnergy;
 use railspring_calibrate::error::{InputError, Result};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::units::TONNE;
 
 use crate::moving::InitialMotion;
 
@@ -130,11 +132,15 @@ impl<'a> Wheel<'a> {
             _ => wheel.modes[i - hub].square,
         });
         let root = Cholesky::new(mass.clone()).ok_or_else(|| {
+            let in_modes = |i: usize| wheel.modes.iter().map(|mode| mode.coupling[i].powi(2)).sum::<f64>();
             InputError::new(
-                "wheel_mass",
-                format!("{:?} kg", scenario.wheel_mass),
-                "a mass no smaller than that which moves in the wheel's modes",
-                "leave the mass to the solid wheel, or calibrate a lighter wheel",
+                InputField::WheelMass,
+                format!("{} t", scenario.wheel_mass.unwrap_or(wheel.mass[(1, 1)]) / TONNE),
+                format!(
+                    "a mass above that which moves in the wheel's modes, {:.3} t",
+                    in_modes(0).max(in_modes(1)) / TONNE
+                ),
+                "give a larger mass, or leave it out and it is that of the solid wheel",
             )
         })?;
         let inverse = root.l().try_inverse().unwrap_or_else(|| DMatrix::zeros(size, size));

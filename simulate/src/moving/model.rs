@@ -13,6 +13,7 @@ use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::InnerSteps;
+use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 
 use super::support::RailSupport;
 use super::surface::SlidingMatrix;
@@ -202,33 +203,39 @@ impl MovingModel {
             );
         }
         let mass = scenario.wheel_mass.unwrap_or(self.wheel_mass);
+        let per_metre = (KILONEWTON_PER_METRE, " kN/m");
+        let suspension = scenario.vertical_suspension;
+        // with the unit in which a value is said, and its size
         let positive = [
-            (InputField::Penalty, self.penalty),
-            (InputField::NodeSpacing, self.node_spacing),
-            (InputField::HorizontalStiffness, self.springs.horizontal),
-            (InputField::TapeDiameter, self.wheel_radius),
-            (InputField::WheelMass, mass),
-            (InputField::TimeStep, scenario.time_step),
+            (InputField::Penalty, self.penalty, per_metre),
+            (InputField::NodeSpacing, self.node_spacing, (MILLIMETRE, " mm")),
+            (InputField::HorizontalStiffness, self.springs.horizontal, per_metre),
+            (InputField::TapeDiameter, 2.0 * self.wheel_radius, (1.0, " m")),
+            (InputField::WheelMass, mass, (TONNE, " t")),
+            (InputField::TimeStep, scenario.time_step, (1.0, " s")),
         ];
         let not_negative = [
-            (InputField::Friction, scenario.friction),
-            (InputField::SuspendedMass, scenario.suspended_mass),
-            (InputField::VerticalStiffness, scenario.vertical_suspension.stiffness),
-            (InputField::VerticalDamping, scenario.vertical_suspension.damping),
-            (InputField::Dissipation, self.dissipation),
+            (InputField::Friction, scenario.friction, (1.0, "")),
+            (InputField::SuspendedMass, scenario.suspended_mass, (TONNE, " t")),
+            (InputField::VerticalStiffness, suspension.stiffness, per_metre),
+            (InputField::VerticalDamping, suspension.damping, (KILONEWTON, " kN·s/m")),
+            (InputField::Dissipation, self.dissipation, (1.0, "")),
         ];
         for (entries, least, expected) in
             [(&positive[..], f64::MIN_POSITIVE, "a positive value"), (&not_negative[..], 0.0, "zero or more")]
         {
-            if let Some((field, value)) = entries.iter().find(|(_, v)| !(v.is_finite() && *v >= least)) {
-                return Err(InputError::new(*field, value, expected, "correct the value (SI units)").into());
+            if let Some((field, value, (unit, name))) =
+                entries.iter().find(|(_, v, _)| !(v.is_finite() && *v >= least))
+            {
+                let value = format!("{}{name}", value / unit);
+                return Err(InputError::new(*field, value, expected, "correct the value").into());
             }
         }
         if self.rail.curve.length() / self.node_spacing > 1e5 {
             let remedy = "0.25 mm is fine enough";
             return Err(InputError::new(
                 InputField::NodeSpacing,
-                self.node_spacing,
+                format!("{} mm", self.node_spacing / MILLIMETRE),
                 "a larger distance",
                 remedy,
             )

@@ -26,7 +26,7 @@ pub struct ScenarioKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 2.0))]
     pub friction: Option<f64>,
-    /// Mass on the vertical spring and damper, t; without one (0) the vertical force acts on the wheel unchanged.
+    /// Mass on the vertical spring and damper, t; without one (0) the vertical force acts on the wheel unchanged. Left out, that of the publication, which is said.
     #[serde(default = "default_suspended_mass")]
     #[schemars(range(min = 0.0, max = 200.0))]
     pub suspended_mass_t: f64,
@@ -34,11 +34,11 @@ pub struct ScenarioKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.001, max = 10.0))]
     pub wheel_mass_t: Option<f64>,
-    /// Vertical spring and damper between the wheel centre and the suspended mass.
+    /// Vertical spring and damper between the wheel centre and the suspended mass; left out, those of the publication, 1200 kN/m and 40 kN·s/m.
     #[serde(default = "default_suspension")]
     pub vertical_suspension: SuspensionKeys,
     /// Lateral spring and damper between the wheel centre and the point where the lateral force acts. That point has no
-    /// mass, so that the wheel receives the force unchanged; they give the travel of the point, `load_y_mm` in the histories.
+    /// mass, so that the wheel receives the force unchanged; they give the travel of the point, `load_y_mm` in the histories. Left out, those of the publication.
     #[serde(default = "default_suspension")]
     pub lateral_suspension: SuspensionKeys,
     /// Force on the suspended mass, positive down.
@@ -52,7 +52,7 @@ pub struct ScenarioKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 20.0))]
     pub start_x_m: Option<f64>,
-    /// Speed of the wheel along the rail, m/s. A run of the simple model ends where the rail does.
+    /// Speed of the wheel along the rail, m/s. A run of the simple model ends where the rail does, and a note says so.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 200.0))]
     pub speed_m_per_s: f64,

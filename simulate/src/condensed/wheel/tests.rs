@@ -210,3 +210,16 @@ fn a_wheel_lighter_than_its_modes_is_named() {
     let message = Wheel::new(&two_masses(), &scenario, 0.0, 0.0).unwrap_err().to_string();
     assert!(message.contains("wheel_mass"), "{message}");
 }
+
+/// Goal: a wheel that a load case makes lighter than what moves in its modes, 80 kg, is refused with mass and least mass in tonnes.
+#[test]
+fn a_wheel_lighter_than_its_modes_is_refused_in_tonnes() {
+    let of = |mass: f64| {
+        let scenario = Scenario { wheel_mass: Some(mass), ..Scenario::new(1, 1e-4, 0.3) };
+        Wheel::new(&two_masses(), &scenario, 0.0, 0.0).map(drop)
+    };
+    let said = of(1.0).unwrap_err().to_string();
+    assert!(said.starts_with("wheel_mass = 0.001 t: expected a mass above"), "{said}");
+    assert!(said.contains("modes, 0.080 t;"), "{said}");
+    of(81.0).unwrap();
+}
