@@ -163,3 +163,51 @@ pub(super) fn hub_deviations(laws: &StiffnessByAngleRecord) -> [Option<(f64, f64
 pub(super) fn place(shift_mm: f64, force_kn: f64) -> String {
     format!("with the wheelset {} mm aside under {force_kn} kN", (shift_mm * 1e3).round() / 1e3)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::samples;
+
+    /// Goal: each direction has its farthest place: lateral 2 %, coupling 5 % of the geometric mean of the other two, vertical 1 %, where the others are exact. Accuracy: ROUNDOFF.
+    #[test]
+    fn the_farthest_hub_is_found_in_each_direction() {
+        const ROUNDOFF: f64 = 1e-12;
+        let mut laws = samples::by_angle();
+        let mut loads: Vec<_> = laws.shifts.iter_mut().flat_map(|shift| &mut shift.loads).collect();
+        for load in &mut loads {
+            load.hub_um_per_kn = [4.0, -0.5, 1.0];
+            load.condensed_hub_um_per_kn = Some(load.hub_um_per_kn);
+        }
+        assert!(loads.len() > 2);
+        loads[0].condensed_hub_um_per_kn = Some([4.08, -0.5, 1.0]);
+        loads[1].condensed_hub_um_per_kn = Some([4.0, -0.6, 1.01]);
+        let [first, second] = [loads[0].force_kn, loads[1].force_kn];
+        let found = hub_deviations(&laws).map(Option::unwrap);
+        for ((off, _, load), (expected, at)) in
+            found.into_iter().zip([(0.02, first), (0.05, second), (0.01, second)])
+        {
+            assert!((off - expected).abs() < ROUNDOFF && load == at, "{found:?}");
+        }
+        loads = laws.shifts.iter_mut().flat_map(|shift| &mut shift.loads).collect();
+        loads.iter_mut().for_each(|load| load.condensed_hub_um_per_kn = None);
+        assert_eq!(hub_deviations(&laws), [None; 3]);
+    }
+
+    /// Goal: the derailment coefficient is named before a line that is farther beyond its limit, and one without a limit to divide by last.
+    #[test]
+    fn the_reason_is_the_derailment_coefficient() {
+        let limits = crate::verify::Limits::default();
+        let lines = [
+            limits.separations_unmatched().line(Some(2.0)),
+            limits.vertical_rms().line(Some(0.9)),
+            limits.ratio_max().line(Some(0.29)),
+        ];
+        assert_eq!(reason(worst(lines.iter()).unwrap()), "Q/P 0.29 off (limit 0.05)");
+        assert!(reason(worst(lines[..2].iter()).unwrap()).starts_with("P, RMS difference"));
+        assert!(
+            reason(worst(lines[..1].iter()).unwrap()).starts_with("Separations that only one model has 2.0")
+        );
+        assert!(worst([limits.vertical_rms().line(Some(0.01))].iter()).is_none());
+    }
+}

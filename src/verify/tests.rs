@@ -374,8 +374,23 @@ fn the_drift_is_over_the_largest_energy() {
     let line = both.lines.iter().find(|line| line.quantity == "energy_drift").unwrap();
     assert!((line.value.unwrap() - 0.08).abs() < ROUNDOFF && !line.holds, "{line:?}");
     assert_eq!(line.note.as_deref(), Some("simple model 4.00 %, solid model 8.00 %"));
-    let one = with(Some(-2.0), None);
+    let one = with(Some(-0.2), None);
     let line = one.lines.iter().find(|line| line.quantity == "energy_drift").unwrap();
-    assert!((line.value.unwrap() - 0.04).abs() < ROUNDOFF && line.holds, "{line:?}");
+    assert!((line.value.unwrap() - 0.004).abs() < ROUNDOFF && line.holds, "{line:?}");
     assert_eq!(reason(&with(None, None), "energy_drift"), Some("neither run has energies"));
+}
+
+/// Goal: limits that are not the default ones are listed with these, and which of them let more pass.
+#[test]
+fn changed_limits_are_listed() {
+    assert!(Limits::default().changed().is_empty());
+    let limits = Limits { law_max: 9.0, vertical_rms: 0.01, ratio_window_s: 0.05, ..Limits::default() };
+    let changed = limits.changed();
+    let texts: Vec<(String, bool)> = changed.iter().map(|of| (of.to_string(), of.is_looser())).collect();
+    let expected = [
+        ("verification.law_max = 9 (default 0.15)", true),
+        ("verification.ratio_window_s = 0.05 (default 0.024)", true),
+        ("verification.vertical_rms = 0.01 (default 0.03)", false),
+    ];
+    assert_eq!(texts, expected.map(|(text, looser)| (text.to_string(), looser)));
 }
