@@ -39,9 +39,9 @@ pub struct CondensedModel {
 }
 
 impl CondensedModel {
-    /// Steps of a run unless its scenario has others. In the published load cases P and Q are then off by 0.3 % of their peaks (RMS) at most (`cargo own-steps`), a third of what the solid's steps are worth.
+    /// Steps of a run unless its scenario has others. In the published load cases P and Q are then off by 0.2 % of their peaks (RMS) at most (`cargo own-steps`), a fifth of what the solid's steps are worth.
     /// Eighths are the longest with which small forces, of which the tolerance says little, have the phase of the wheel's vibrations.
-    pub const STEPS: InnerSteps = InnerSteps::Adaptive(StepControl { least: 8, most: 64, tolerance: 0.04 });
+    pub const STEPS: InnerSteps = InnerSteps::Adaptive(StepControl { least: 8, most: 128, tolerance: 0.01 });
 
     /// The wheel of a calibrated pair on its rail as a beam; a beam with both ends fixed is the rail of the pair between held ends.
     pub fn of_pair(pair: &Pair, beam: RailBeam, material: &Material, element: PairElement) -> Self {
