@@ -39,14 +39,14 @@ pub use change::{Change, least_contact};
 pub use contact::ContactDifference;
 pub use limits::{ChangedLimit, Limits};
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};
-pub use model_change::ModelChange;
+pub use model_change::{Afterwards, ModelChange};
 pub use model_run::{ModelRun, Worth};
 pub use signals::{
     Both, Carrying, FLANGE_SIDE, ModeFractions, Separation, averaged_ratio, mode_fractions, separations,
     touches_with_flange,
 };
 pub use spread::{Spread, disturbed};
-pub use step_change::{Afterwards, StepChange};
+pub use step_change::StepChange;
 
 use line::rounded;
 use pointwise::{PartOfRun, Scope};

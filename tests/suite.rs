@@ -14,6 +14,7 @@ mod documents;
 mod ends;
 mod error_band;
 mod estimate;
+mod every_key;
 mod everyday;
 mod exports;
 mod field_files;

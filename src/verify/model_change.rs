@@ -9,6 +9,7 @@ use super::contact::ContactDifference;
 use super::limits::Limits;
 use super::line::milliseconds;
 use super::rows_before;
+use super::statistics::{NUMBERS, differences};
 
 /// How far a run changes with another grid of its contact, other meshes, or other elements of its beam.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -23,6 +24,9 @@ pub struct ModelChange {
     /// That of separations and contact modes.
     #[serde(default)]
     pub contact: ContactDifference,
+    /// What changes from the time on from which the motion is not determined, if the other run goes on so long.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub afterwards: Option<Afterwards>,
 }
 
 impl ModelChange {
@@ -35,24 +39,64 @@ impl ModelChange {
         with: &str,
         determined_until: Option<f64>,
     ) -> Result<Self, String> {
-        let (until_s, change, contact) = over_time([run, other], determined_until)?;
-        Ok(Self { with: with.into(), until_s, change, contact })
+        let OverTime { until_s, change, contact, afterwards } =
+            OverTime::between([run, other], determined_until)?;
+        Ok(Self { with: with.into(), until_s, change, contact, afterwards })
     }
 }
 
-/// Up to when two runs are compared (s), and what changes from the first to the second until then.
-pub(super) fn over_time(
-    [run, other]: [&History; 2],
-    determined_until: Option<f64>,
-) -> Result<(f64, Change, ContactDifference), String> {
-    if let Some(ended) = [run, other].into_iter().find(|run| run.rows.len() < 2) {
-        return Err(format!("one of the two runs has no time step: {}", ended.ending));
+/// How far a run changes with other steps, or another model, where its motion is not determined.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Afterwards {
+    /// RMS change of the averaged Q/P; none where it is not defined.
+    pub ratio_rms: Option<f64>,
+    /// Its largest change.
+    pub ratio_max: Option<f64>,
+    /// Changes of the statistics, as the verdict compares them: mean, RMS and three quantiles of P, then of Q (N), separations a second, and
+    /// the fractions of three contact modes.
+    pub statistics: [f64; NUMBERS],
+}
+
+impl Afterwards {
+    /// From a run to another one, from a row on.
+    fn between([run, other]: [&History; 2], first: usize) -> Result<Self, String> {
+        let common = run.rows.len().min(other.rows.len());
+        let change = Change::between(run, other, first..common)?;
+        let statistics = differences([run, other], first..common, &Limits::default());
+        Ok(Self { ratio_rms: change.ratio_rms, ratio_max: change.ratio_max, statistics })
     }
-    let common = run.rows.len().min(other.rows.len());
-    let compared = determined_until.map_or(common, |time| common.min(rows_before(run, time)));
-    let least = least_contact(run);
-    let contact = ContactDifference::between([other, run], compared, least, &Limits::default());
-    Ok((run.rows[compared.max(1) - 1].time, Change::between(run, other, 0..compared)?, contact))
+}
+
+/// What changes from a run to another one.
+pub(super) struct OverTime {
+    /// Up to when they are compared step by step, s.
+    pub until_s: f64,
+    /// The change until then.
+    pub change: Change,
+    /// That of separations and contact modes.
+    pub contact: ContactDifference,
+    /// That from then on, if both go on.
+    pub afterwards: Option<Afterwards>,
+}
+
+impl OverTime {
+    /// Over the times of both runs, where the motion is determined until a time (s).
+    pub fn between([run, other]: [&History; 2], determined_until: Option<f64>) -> Result<Self, String> {
+        if let Some(ended) = [run, other].into_iter().find(|run| run.rows.len() < 2) {
+            return Err(format!("one of the two runs has no time step: {}", ended.ending));
+        }
+        let common = run.rows.len().min(other.rows.len());
+        let first = determined_until.map(|time| rows_before(run, time)).filter(|first| *first < common);
+        let compared = first.unwrap_or(common);
+        let least = least_contact(run);
+        let contact = ContactDifference::between([other, run], compared, least, &Limits::default());
+        Ok(Self {
+            until_s: run.rows[compared.max(1) - 1].time,
+            change: Change::between(run, other, 0..compared)?,
+            contact,
+            afterwards: first.map(|first| Afterwards::between([run, other], first)).transpose()?,
+        })
+    }
 }
 
 impl std::fmt::Display for ModelChange {

@@ -4,7 +4,7 @@ use railspring_calibrate::history::History;
 
 use super::change::{COVERAGE, Change, scales};
 use super::contact::ContactDifference;
-use super::model_change::ModelChange;
+use super::model_change::{Afterwards, ModelChange};
 use super::signals::Carrying;
 use super::spread::Spread;
 use super::step_change::StepChange;
@@ -51,6 +51,12 @@ impl<'a> ModelRun<'a> {
     pub fn changes(&self) -> impl Iterator<Item = (&'a Change, &'a ContactDifference)> {
         let steps = self.steps.map(|steps| (&steps.change, &steps.contact));
         steps.into_iter().chain(self.discretisation.iter().map(|of| (&of.change, &of.contact)))
+    }
+
+    /// What steps and discretisations change where the motion is not determined, each by itself.
+    pub fn changes_afterwards(&self) -> impl Iterator<Item = &'a Afterwards> {
+        let steps = self.steps.and_then(|steps| steps.afterwards.as_ref());
+        steps.into_iter().chain(self.discretisation.iter().filter_map(|of| of.afterwards.as_ref()))
     }
 
     /// Where the averaged P carries Q/P so that it is off by `limit` at most. The errors of the averaged forces are twice the RMS changes with the steps, the

@@ -86,22 +86,25 @@ impl<'a> Scope<'a> {
         Ratio { values, steps, loaded }
     }
 
-    /// What a run's Q/P differs by from itself over some rows, from the changes of `steps` and those of other discretisations.
+    /// What a run's Q/P differs by from itself over some rows: with the larger input there, and with other steps and discretisations.
     fn ratio_worth(
         &self,
         run: &ModelRun,
         carrying: &Carrying,
         rows: Range<usize>,
-        steps: [Option<f64>; 2],
+        of: PartOfRun,
     ) -> [Option<f64>; 2] {
         let by_input = run.disturbed.map_or([None; 2], |(other, _)| {
             let rows = rows.start.min(other.rows.len())..rows.end.min(other.rows.len());
             self.ratio([other, run.history], carrying, rows).values
         });
-        let others = run.discretisation.iter().map(|of| [of.change.ratio_rms, of.change.ratio_max]);
-        others.fold([0, 1].map(|n| together(by_input[n], steps[n])), |sum, of| {
-            [0, 1].map(|n| together(sum[n], of[n]))
-        })
+        let changes: Vec<[Option<f64>; 2]> = match of {
+            PartOfRun::Determined => run.changes().map(|(of, _)| [of.ratio_rms, of.ratio_max]).collect(),
+            PartOfRun::Undetermined => {
+                run.changes_afterwards().map(|of| [of.ratio_rms, of.ratio_max]).collect()
+            }
+        };
+        changes.into_iter().fold(by_input, |sum, of| [0, 1].map(|n| together(sum[n], of[n])))
     }
 
     /// The lines on Q/P over some rows, each with what goes before its meaning, and that on the steps at which it is not compared.
@@ -116,15 +119,7 @@ impl<'a> Scope<'a> {
         let runs = [simple, solid];
         let carrying = runs.map(|run| run.carrying(limits.ratio_max));
         let found = self.ratio(runs.map(|run| run.history), &carrying[1], rows.clone());
-        let worth = [0, 1].map(|k| {
-            let steps = runs[k].steps.map(|steps| match of {
-                PartOfRun::Determined => [steps.change.ratio_rms, steps.change.ratio_max],
-                PartOfRun::Undetermined => {
-                    steps.afterwards.map_or([None; 2], |after| [after.ratio_rms, after.ratio_max])
-                }
-            });
-            self.ratio_worth(runs[k], &carrying[k], rows.clone(), steps.unwrap_or([None; 2]))
-        });
+        let worth = [0, 1].map(|k| self.ratio_worth(runs[k], &carrying[k], rows.clone(), of));
         let times = [rows.start, rows.end.max(1) - 1].map(|row| solid.history.rows[row].time);
         let meanings = match of {
             PartOfRun::Determined => {

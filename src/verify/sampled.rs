@@ -37,11 +37,10 @@ pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first:
         (blocks >= LEAST_BLOCKS).then(|| chance(samples().each_ref().map(Vec::as_slice), step, blocks))
     };
     let worth = [simple, solid].map(|run| {
-        let by_steps = run.steps.and_then(|steps| steps.afterwards).map(|after| after.statistics);
         let by_chance = own(run)?;
-        Some(std::array::from_fn::<f64, NUMBERS, _>(|n| {
-            by_chance[n].hypot(by_steps.map_or(0.0, |steps| steps[n]))
-        }))
+        let all =
+            |n: usize| run.changes_afterwards().fold(by_chance[n], |sum, of| sum.hypot(of.statistics[n]));
+        Some(std::array::from_fn::<f64, NUMBERS, _>(all))
     });
     let peaks = peaks(solid.history);
     // No count is known better than by one: the ends of the time cut off a separation. Nor is it known whether one is long enough whose length is the

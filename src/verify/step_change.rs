@@ -7,11 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::change::Change;
 use super::contact::ContactDifference;
-use super::limits::Limits;
 use super::line::milliseconds;
-use super::model_change::over_time;
-use super::rows_before;
-use super::statistics::{NUMBERS, differences};
+use super::model_change::{Afterwards, OverTime};
 
 /// How far a run changes with steps of another length, as long as its motion is determined ([`super::Spread`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -33,28 +30,6 @@ pub struct StepChange {
     pub afterwards: Option<Afterwards>,
 }
 
-/// How far a run changes with steps of another length where its motion is not determined.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Afterwards {
-    /// RMS change of the averaged Q/P; none where it is not defined.
-    pub ratio_rms: Option<f64>,
-    /// Its largest change.
-    pub ratio_max: Option<f64>,
-    /// Changes of the statistics, as the verdict compares them: mean, RMS and three quantiles of P, then of Q (N), separations a second, and
-    /// the fractions of three contact modes.
-    pub statistics: [f64; NUMBERS],
-}
-
-impl Afterwards {
-    /// From a run to the same with other steps, from a row on.
-    fn between([run, other]: [&History; 2], first: usize) -> Result<Self, String> {
-        let common = run.rows.len().min(other.rows.len());
-        let change = Change::between(run, other, first..common)?;
-        let statistics = differences([run, other], first..common, &Limits::default());
-        Ok(Self { ratio_rms: change.ratio_rms, ratio_max: change.ratio_max, statistics })
-    }
-}
-
 impl StepChange {
     /// From a run to the same with other steps within its time steps (s), where one of them ends early over the times of both, and before
     /// the time from which the motion is not determined (s).
@@ -67,10 +42,8 @@ impl StepChange {
         time_step: f64,
         determined_until: Option<f64>,
     ) -> Result<Self, String> {
-        let (until_s, change, contact) = over_time([run, other], determined_until)?;
-        let common = run.rows.len().min(other.rows.len());
-        let first = determined_until.map(|time| rows_before(run, time)).filter(|first| *first < common);
-        let afterwards = first.map(|first| Afterwards::between([run, other], first)).transpose()?;
+        let OverTime { until_s, change, contact, afterwards } =
+            OverTime::between([run, other], determined_until)?;
         Ok(Self {
             steps_s: steps[0].lengths(time_step),
             other_steps_s: steps[1].lengths(time_step),
