@@ -24,6 +24,7 @@ mod leave_one_out;
 mod manchester;
 mod module_order;
 mod mutation;
+mod own_steps;
 mod pages;
 mod profile_commands;
 mod provenance;
