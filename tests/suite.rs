@@ -25,6 +25,7 @@ mod leave_one_out;
 mod manchester;
 mod module_order;
 mod mutation;
+mod own_steps;
 mod pages;
 mod planted_errors;
 mod profile_commands;

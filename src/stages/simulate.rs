@@ -80,6 +80,15 @@ impl SimpleModel {
         }
     }
 
+    /// Other steps that say what those of a run are worth. The condensed element's longest ones are as long as its scheme is of fourth order: with twice the length it is not, and the change is ten times the
+    /// error. Those of the published element are worth as much in either direction, and longer ones take less time; where the history has no longer ones they are half as long.
+    fn other_steps(&self, steps: InnerSteps) -> InnerSteps {
+        match self {
+            Self::Published(_) if steps.doubled() != steps => steps.doubled(),
+            _ => steps.halved(),
+        }
+    }
+
     fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<History> {
         let run = match self {
             Self::Published(model) => model.run(scenario, monitor)?,
@@ -185,8 +194,7 @@ pub fn simulate(
     let (elements, finer) = finer()?;
     let steps = study.simulation.steps(model.element());
     let scenario = Scenario { inner_steps: steps, ..scenario.scenario.clone() };
-    // steps of twice the length; where the history has no longer ones, of half the length
-    let inner_steps = if steps.doubled() == steps { InnerSteps::Equal(2) } else { steps.doubled() };
+    let inner_steps = model.other_steps(steps);
     let larger = disturbed(&scenario);
     // each run has a thread if there is one
     let ((history, of_finer), (other, disturbed)) = rayon::join(

@@ -15,7 +15,7 @@ use super::model_change::{Afterwards, OverTime};
 pub struct StepChange {
     /// Length of the longest and of the shortest steps of the run, s.
     pub steps_s: [f64; 2],
-    /// The same of the other run, s: twice as long where they adapt themselves or are many, which changes more than half the length would.
+    /// The same of the other run, s: half as long with the condensed element, otherwise twice as long where there are longer ones.
     pub other_steps_s: [f64; 2],
     /// Time up to which the runs are compared, s.
     pub until_s: f64,
