@@ -138,7 +138,7 @@ impl<'a> Wheel<'a> {
                 format!("{} t", scenario.wheel_mass.unwrap_or(wheel.mass[(1, 1)]) / TONNE),
                 format!(
                     "a mass above that which moves in the wheel's modes, {:.3} t",
-                    in_modes(0).max(in_modes(1)) / TONNE
+                    in_modes(0).max(in_modes(1)).ceil() / TONNE
                 ),
                 "give a larger mass, or leave it out and it is that of the solid wheel",
             )
