@@ -1,7 +1,7 @@
 //! What has to be known of a load case before it runs: values of the publication in the place of keys that are not given, the end of the
 //! rail, and loads beyond those of the calibration.
 
-use railspring_calibrate::scenario::Scenario;
+use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::units::KILONEWTON;
 
 use super::Source;
@@ -44,7 +44,7 @@ fn published_suspension(
     let parts: Vec<String> = [mass, vertical, lateral].into_iter().flatten().collect();
     (!parts.is_empty()).then(|| {
         format!(
-            "{}: not given, so that of the publication (Ju, 2016); give that of your vehicle, or `{} = 0` for a force on the wheel itself",
+            "{}: not given, and taken from the publication (Ju, 2016); give the values of your vehicle, or `{} = 0` for a force on the wheel itself",
             parts.join(", "),
             key("suspended_mass_t")
         )
@@ -79,12 +79,16 @@ fn beyond_the_loads(
 ) -> Option<String> {
     /// Most that a study can calibrate, N.
     const MOST: f64 = 1e6;
-    let load = scenario.largest_load();
+    let of = |force: &HarmonicForce| force.constant + force.amplitude.abs();
+    let weight = (scenario.suspended_mass + scenario.wheel_mass.unwrap_or(0.0)) * scenario.gravity;
+    // a force that lifts the wheel loads no spring
+    let down = (of(&scenario.vertical_force) + weight).max(0.0);
+    let aside = scenario.lateral_force.constant.abs() + scenario.lateral_force.amplitude.abs();
+    let load = down.hypot(aside);
     if load <= largest {
         return None;
     }
-    let of = |force: &super::document::ForceKeys| force.mean_kn.abs() + force.amplitude_kn.abs();
-    let force = match of(&keys.lateral_force) > of(&keys.vertical_force) {
+    let force = match aside > down {
         true => "lateral_force",
         false => "vertical_force",
     };

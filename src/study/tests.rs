@@ -589,7 +589,7 @@ fn a_suspension_that_is_not_given_is_said_to_be_the_publications() {
     assert!(
         all[0].starts_with(
             "`scenario.s.suspended_mass_t` is 6.25 t, `scenario.s.vertical_suspension` is 1200 kN/m and 40 kN\u{b7}s/m, \
-             `scenario.s.lateral_suspension` is 1200 kN/m and 40 kN\u{b7}s/m: not given, so that of the publication (Ju, 2016)"
+             `scenario.s.lateral_suspension` is 1200 kN/m and 40 kN\u{b7}s/m: not given, and taken from the publication (Ju, 2016)"
         ),
         "{}",
         all[0]
@@ -647,6 +647,7 @@ fn a_load_case_says_its_rail_end_and_its_loads_beyond_the_calibration() {
         "{beyond}"
     );
     assert!(beyond.contains("up to 150.0 kN: calibrate up to it (`calibration.load_max_kn`)"), "{beyond}");
+    assert_eq!(heavy(-400.0), [""; 0], "it lifts the wheel");
     let absurd = heavy(10_000.0).remove(0);
     assert!(
         absurd.ends_with("lower the force (`calibration.load_max_kn` goes up to 1000 at most)"),
