@@ -45,6 +45,12 @@ pub(super) struct Run {
 }
 
 impl Run {
+    /// The run with what has to be known of its load case, which follows from the study's file and not from what the run is made of.
+    fn noted(mut self, scenario: &StudyScenario) -> Self {
+        self.record.notes.splice(0..0, scenario.notes.iter().cloned());
+        self
+    }
+
     /// The run with what it is worth.
     pub fn model(&self) -> ModelRun<'_> {
         ModelRun {
@@ -93,7 +99,7 @@ impl Stage for Simulate<'_> {
     }
 
     fn value(&self, artefact: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<Run> {
-        run(artefact)
+        run(artefact).map(|run| run.noted(self.scenario))
     }
 
     fn files(&self, artefact: &Artefact, value: &Run, key: &str, at: &Pipeline<'_>) -> Vec<NewFile> {
@@ -129,7 +135,7 @@ impl Stage for SimulateOther<'_> {
     fn value(&self, artefact: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<Self::Value> {
         match artefact.part(FAILURE) {
             Some(_) => Ok(Err(part_text(artefact, FAILURE)?.into())),
-            None => run(artefact).map(Ok),
+            None => run(artefact).map(|run| Ok(run.noted(self.scenario))),
         }
     }
 

@@ -15,6 +15,9 @@ const SMALLEST_PEAK: f64 = 0.05;
 /// Errors of averaged forces over their RMS changes: what 95 of 100 of them stay within.
 pub(super) const COVERAGE: f64 = 2.0;
 
+/// A change of the averaged Q/P is taken where both runs know it so well: what a run is worth does not depend on what a study asks of it.
+const KNOWN: f64 = 0.5;
+
 /// Change of a run. Forces are over their largest in the whole run, or over a twentieth of the other one's if that is more; Q/P is averaged over the published window, where the averaged P of both
 /// carries it with twice the RMS changes of averaged P and Q as errors ([`Carrying`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -51,7 +54,7 @@ impl Change {
         };
         let averaged = changes(&|run| averaged_forces(run, limits.ratio_window_s)).map(|change| rms(&change));
         let changes = changes(&|run| FORCES.map(|force| column(run, force)));
-        let carrying = Carrying { errors: averaged.map(|rms| COVERAGE * rms), limit: limits.ratio_max };
+        let carrying = Carrying { errors: averaged.map(|rms| COVERAGE * rms), limit: KNOWN };
         let ratios = [run, other].map(|run| averaged_ratio(run, limits.ratio_window_s, &carrying));
         let ratio: Vec<f64> = rows.clone().filter_map(|n| Some(ratios[1][n]? - ratios[0][n]?)).collect();
         let of_ratio = |measure: fn(&[f64]) -> f64| (!ratio.is_empty()).then(|| measure(&ratio));

@@ -132,13 +132,14 @@ impl<'a> Wheel<'a> {
             _ => wheel.modes[i - hub].square,
         });
         let root = Cholesky::new(mass.clone()).ok_or_else(|| {
+            // in whole kilograms, rounded up but for rounding errors
             let in_modes = |i: usize| wheel.modes.iter().map(|mode| mode.coupling[i].powi(2)).sum::<f64>();
             InputError::new(
                 InputField::WheelMass,
                 format!("{} t", scenario.wheel_mass.unwrap_or(wheel.mass[(1, 1)]) / TONNE),
                 format!(
                     "a mass above that which moves in the wheel's modes, {:.3} t",
-                    in_modes(0).max(in_modes(1)).ceil() / TONNE
+                    (in_modes(0).max(in_modes(1)) * (1.0 - 1e-9)).ceil() / TONNE
                 ),
                 "give a larger mass, or leave it out and it is that of the solid wheel",
             )
