@@ -47,11 +47,11 @@ pub(crate) use bodies::{BodySource, body_address};
 use by_angle::ByAngle;
 use calibration::{Calibrate, FoundOn};
 use pages::Report;
-use runs::{Other, Run, Simulate};
+use runs::{Other, Run, Runs, Simulate};
 use solid_runs::{Begun, SimulateSolid, SolidRuns};
 use stored::Stored;
+use verdict::Verify;
 pub use verdict::statics_lines;
-use verdict::{Runs, Verify};
 
 /// The laws and the horizontal stiffness.
 pub const STIFFNESS: &str = "stiffness.json";

@@ -1,6 +1,6 @@
 //! The two verdicts of a study in words: for which loads and which use the condensed element holds, and for which the springs do.
 
-use super::verdict::Runs;
+use super::runs::Runs;
 use crate::records::{
     Judged, ScenarioVerdict, StiffnessByAngleRecord, StiffnessRecord, VerdictOn, VerificationRecord,
     with_unit,

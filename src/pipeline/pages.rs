@@ -2,9 +2,8 @@
 
 use railspring_calibrate::error::Result;
 
-use super::runs::{Other, Run};
+use super::runs::{Other, Run, Runs};
 use super::stage::{Made, Stage};
-use super::verdict::Runs;
 use super::{
     BY_ANGLE, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, Pipeline, REPORT, REPORT_PDF, STIFFNESS,
 };

@@ -83,6 +83,13 @@ pub(super) struct Other {
     pub run: std::result::Result<Run, String>,
 }
 
+/// The runs of a scenario: the simple model with the study's contact element, the same with the other one, and the solid model.
+pub(super) struct Runs {
+    pub simple: Run,
+    pub other: Other,
+    pub solid: Option<Run>,
+}
+
 impl Stage for Simulate<'_> {
     type Value = Run;
 

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::mesh::MeshOptions;
 
-use super::calibration::Calibrate;
 use super::{MEASURED, Pipeline};
 use crate::estimate::{self, Work};
 use crate::measure::Stopwatch;
@@ -193,7 +192,7 @@ impl Pipeline<'_> {
         let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
         self.room = room;
         // Kept until there is a result: a study that is refused later leaves no file behind.
-        let of_calibration = Calibrate.address(self)?;
+        let of_calibration = stages::calibration_address(study);
         self.measured.note(watch.stop("meshes", of_calibration.key(), false));
         // The stage that needs them is measured without them.
         self.watch = Some(Stopwatch::start());

@@ -5,10 +5,10 @@ use railspring_calibrate::history::{Ending, History};
 
 use super::by_angle::by_angle_address;
 use super::calibration::Calibrate;
-use super::runs::{Other, Run, SIMPLE, SOLID, Simulate, SimulateOther, of_element};
+use super::runs::{Other, Run, Runs, SIMPLE, SOLID, Simulate, SimulateOther, of_element};
 use super::solid_runs::SimulateSolid;
 use super::stage::Stage;
-use super::verdict::{Runs, verdict_address};
+use super::verdict::verdict_address;
 use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
 use crate::records::{

@@ -7,7 +7,7 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::judged::{Judging, hub_deviations, place};
-use super::runs::{Other, Run, SIMPLE, SOLID, of_element};
+use super::runs::{Run, Runs, SIMPLE, SOLID, of_element};
 use super::stage::{Made, Stage};
 use super::{OF_THE_VERDICT, Pipeline, STIFFNESS, VERIFICATION, history_file, part_json};
 use crate::output::to_json;
@@ -20,13 +20,6 @@ use crate::store::{Address, Artefact, Kind};
 use crate::study::{ContactElementKey, Study};
 use crate::verify::{self, Criterion, Line};
 use crate::version;
-
-/// The runs of a scenario: the simple model with the study's contact element, the same with the other one, and the solid model.
-pub(super) struct Runs {
-    pub simple: Run,
-    pub other: Other,
-    pub solid: Option<Run>,
-}
 
 /// The comparison of both models; `stiffness` is that of the study, if one of the simple models ran with it.
 pub(super) struct Verify<'a> {

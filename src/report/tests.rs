@@ -3,7 +3,7 @@
 use super::crosscheck::Crosscheck;
 use super::samples;
 use super::*;
-use crate::records::{ElementVerdict, Judged, RunRecord, ScenarioVerdict, VerdictOn};
+use crate::records::{ElementVerdict, Judged, RunRecord, ScenarioVerdict, Sealed, VerdictOn};
 use crate::verify::{self, Band, ChangedLimit, Limits, Spread, Worth, compare};
 
 fn build_sample() -> Report {
@@ -387,4 +387,19 @@ fn both_elements_stand_beside_the_solid() {
         tables::missing_elements(&judged),
         ["The published element has no run: step 7 does not converge."]
     );
+}
+
+/// Goal: a sealed record is as written after it was read from its file, in another layout too; with any number, text or hash changed it is not.
+#[test]
+fn an_edit_is_seen() {
+    let record = samples::stiffness().sealed();
+    let text = serde_json::to_string(&record).unwrap();
+    let read = |text: &str| serde_json::from_str::<StiffnessRecord>(text).unwrap();
+    assert!(read(&text).is_as_written() && !samples::stiffness().is_as_written());
+    let b = record.law.constants.b_kn_per_m;
+    let [from, to] = [b, b * (1.0 + 1e-15)].map(|b| format!("\"b_kn_per_m\":{b:?}"));
+    assert!(text.contains(&from) && from != to);
+    for (from, to) in [(&*from, &*to), ("\"beam\"", "\"foot\""), (&record.input_hash, &"0".repeat(64))] {
+        assert!(!read(&text.replacen(from, to, 1)).is_as_written(), "{from}");
+    }
 }
