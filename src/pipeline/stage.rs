@@ -112,7 +112,7 @@ impl Pipeline<'_> {
                 (artefact, value, failure)
             }
         };
-        let reach = stage.ends_with_reach().then(|| self.reach).flatten();
+        let reach = self.reach.filter(|_| stage.ends_with_reach());
         let files = stage.files(&artefact, &value, key, self).into_iter();
         self.results.write(files.map(|file| NewFile { reach, ..file }).collect(), stage.outdates())?;
         if stage.is_measured() {
