@@ -46,7 +46,8 @@ pub use seal::Sealed;
 pub use step_times::{PeerTime, StepTime, StepTimesRecord};
 pub use touch::{HertzRecord, TouchRecord};
 pub use verdict::{
-    ElementDifferences, ElementVerdict, Judged, ScenarioVerdict, VerdictOn, VerificationRecord, with_unit,
+    ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,
+    with_unit,
 };
 
 /// One key of a resolved study.

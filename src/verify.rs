@@ -39,7 +39,7 @@ pub use change::{Change, least_contact};
 pub use contact::ContactDifference;
 pub use limits::{ChangedLimit, Limits};
 pub use line::{Criterion, HeldBy, Kind, Line, NotApplicable};
-pub use model_change::{Afterwards, ModelChange};
+pub use model_change::{Afterwards, ModelChange, RunChange};
 pub use model_run::{ModelRun, Worth};
 pub use signals::{
     Both, Carrying, FLANGE_SIDE, ModeFractions, Separation, averaged_ratio, mode_fractions, separations,

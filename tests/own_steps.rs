@@ -77,7 +77,7 @@ fn steps_of_a_study_are_worth_half_of_the_solids() {
             let spread = tried.worth.spread.unwrap();
             let own = spread.determined_until_s.unwrap_or(f64::INFINITY);
             let until = own.min(of_solid);
-            let worth = tried.worth.steps.unwrap().change;
+            let worth = tried.worth.steps.unwrap().of.change;
             let run = |inner_steps| {
                 let scenario = Scenario { inner_steps, ..case.scenario.clone() };
                 let begun = Instant::now();

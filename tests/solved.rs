@@ -39,12 +39,7 @@ pub struct SolidRun {
 impl SolidRun {
     /// With what it is worth.
     pub fn model(&self) -> ModelRun<'_> {
-        ModelRun {
-            history: &self.history,
-            steps: self.record.step_change.as_ref(),
-            disturbed: self.disturbed.as_ref().zip(self.record.spread.as_ref()),
-            discretisation: &self.record.discretisation,
-        }
+        self.record.model(&self.history, self.disturbed.as_ref())
     }
 }
 

@@ -367,11 +367,11 @@ impl Verdict {
         if let more @ 1.. = self.worst.len().saturating_sub(WORST) {
             lines.push(Line::plain(format!("  and {more} more: see the report, or --json")));
         }
-        let [decides, others] =
-            [&self.verdicts[..self.verdicts.len().min(1)], self.verdicts.get(1..).unwrap_or_default()];
-        lines.extend(decides.iter().map(|of| Line::plain(format!("  {}", of.uses()))));
-        lines
-            .extend(others.iter().map(|of| heading(of.on.name(), format!("{}; {}", of.counts(), of.uses()))));
+        // the counts of the one that decides stand in the headline
+        lines.extend(self.verdicts.iter().enumerate().map(|(n, of)| match n {
+            0 => Line::plain(format!("  {}", of.uses())),
+            _ => heading(of.on.name(), format!("{}; {}", of.counts(), of.uses())),
+        }));
         lines.extend(self.changed_limits.iter().map(|limit| {
             let tone = if limit.is_looser() { Tone::Bad } else { Tone::Plain };
             Line::of(Tone::Heading, "limit of the study:")

@@ -2,7 +2,7 @@
 
 use super::runs::Runs;
 use crate::records::{
-    Judged, ScenarioVerdict, StiffnessByAngleRecord, StiffnessRecord, VerdictOn, VerificationRecord,
+    ScenarioVerdict, StiffnessByAngleRecord, StiffnessRecord, VerdictOn, VerdictSubject, VerificationRecord,
     with_unit,
 };
 use crate::rounding::significant;
@@ -20,7 +20,7 @@ pub(super) struct Judging<'a> {
 impl Judging<'_> {
     /// The verdicts that have lines, the one that decides first.
     pub fn verdicts(&self, record: &VerificationRecord) -> Vec<VerdictOn> {
-        let mut all: Vec<VerdictOn> = [Judged::Element, Judged::Springs]
+        let mut all: Vec<VerdictOn> = [VerdictSubject::Element, VerdictSubject::Springs]
             .into_iter()
             .filter_map(|on| self.verdict(record, on))
             .collect();
@@ -28,15 +28,15 @@ impl Judging<'_> {
         all
     }
 
-    fn verdict(&self, record: &VerificationRecord, on: Judged) -> Option<VerdictOn> {
+    fn verdict(&self, record: &VerificationRecord, on: VerdictSubject) -> Option<VerdictOn> {
         let [hold, hold_by_solid, fail] = record.counts(on);
         if hold + hold_by_solid + fail == 0 {
             return None;
         }
         let (mut holds_for, mut not_for) = (Vec::new(), Vec::new());
         let (statics, loads) = match on {
-            Judged::Element => (&record.statics, self.loads_of_element()),
-            Judged::Springs => (&record.calibration, self.loads_of_law()),
+            VerdictSubject::Element => (&record.statics, self.loads_of_element()),
+            VerdictSubject::Springs => (&record.calibration, self.loads_of_law()),
         };
         // the law has loads for which it holds, and says so instead of failing as a whole
         let failing = worst(statics.iter().filter(|line| line.quantity != "law_max"));

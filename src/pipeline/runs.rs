@@ -53,12 +53,7 @@ impl Run {
 
     /// The run with what it is worth.
     pub fn model(&self) -> ModelRun<'_> {
-        ModelRun {
-            history: &self.history,
-            steps: self.record.step_change.as_ref(),
-            disturbed: self.disturbed.as_ref().zip(self.record.spread.as_ref()),
-            discretisation: &self.record.discretisation,
-        }
+        self.record.model(&self.history, self.disturbed.as_ref())
     }
 }
 

@@ -4,7 +4,6 @@ use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::history::{Ending, History};
 
 use super::by_angle::by_angle_address;
-use super::calibration::Calibrate;
 use super::runs::{Other, Run, Runs, SIMPLE, SOLID, Simulate, SimulateOther, of_element};
 use super::solid_runs::SimulateSolid;
 use super::stage::Stage;
@@ -43,7 +42,7 @@ impl Pipeline<'_> {
     pub(super) fn stored_stiffness(&mut self) -> Result<StiffnessRecord> {
         let text = self.results.text(STIFFNESS, "calibrate")?;
         let stiffness = parse_json(&self.folder.file(STIFFNESS), &text, "calibrate")?;
-        let address = Calibrate.address(self)?;
+        let address = stages::calibration_address(self.study);
         let entry = self.results.check(STIFFNESS, &text, address.key(), "calibrate")?;
         entry.reach.into_iter().for_each(|reach| self.go_on_from(reach));
         Ok(stiffness)
@@ -72,7 +71,7 @@ impl Pipeline<'_> {
         Ok(Some(laws))
     }
 
-    fn stored_load_curve(&mut self) -> Result<Vec<LoadCurveRow>> {
+    fn stored_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
         let text = self.results.text(LOAD_CURVE, "calibrate")?;
         self.results.check(LOAD_CURVE, &text, stages::calibration_address(self.study).key(), "calibrate")?;
         load_curve(&self.folder.file(LOAD_CURVE).display().to_string(), &text)

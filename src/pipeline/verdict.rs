@@ -12,8 +12,8 @@ use super::stage::{Made, Stage};
 use super::{OF_THE_VERDICT, Pipeline, STIFFNESS, VERIFICATION, history_file, part_json};
 use crate::output::to_json;
 use crate::records::{
-    BY_ANGLE, ElementDifferences, ElementVerdict, Judged, ScenarioVerdict, StiffnessByAngleRecord,
-    StiffnessRecord, VerificationRecord,
+    BY_ANGLE, ElementDifferences, ElementVerdict, ScenarioVerdict, StiffnessByAngleRecord, StiffnessRecord,
+    VerdictSubject, VerificationRecord,
 };
 use crate::results::{Entry, NewFile, Results};
 use crate::store::{Address, Artefact, Kind};
@@ -97,7 +97,7 @@ impl Stage for Verify<'_> {
         let mut verdict = VerificationRecord {
             study: study.name.clone(),
             holds: false,
-            decides: if all_condensed { Judged::Element } else { Judged::Springs },
+            decides: if all_condensed { VerdictSubject::Element } else { VerdictSubject::Springs },
             verdicts: Vec::new(),
             changed_limits: study.limits.changed(),
             calibration: self.stiffness.map_or_else(Vec::new, |record| calibration_lines(study, record)),

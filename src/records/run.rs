@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{BeamFactors, ElementRecord, HubDeviationRecord, LawConstants};
 use crate::rounding::significant;
-use crate::verify::{ModelChange, Spread, StepChange, Worth};
+use crate::verify::{ModelChange, ModelRun, Spread, StepChange, Worth};
 
 /// A run of one of the models.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -117,6 +117,16 @@ impl RunRecord {
         Self {
             reduction: record,
             ..Self::new(history, None, worth, notes.into_iter().chain(unknown).collect())
+        }
+    }
+
+    /// The run of a history, and the disturbed one if there is one, with what it is worth.
+    pub fn model<'a>(&'a self, history: &'a History, disturbed: Option<&'a History>) -> ModelRun<'a> {
+        ModelRun {
+            history,
+            steps: self.step_change.as_ref(),
+            disturbed: disturbed.zip(self.spread.as_ref()),
+            discretisation: &self.discretisation,
         }
     }
 

@@ -17,7 +17,7 @@ pub struct VerificationRecord {
     pub holds: bool,
     /// Which of the two verdicts that is: on what the load cases ran with, or without load cases on the springs.
     #[serde(default)]
-    pub decides: Judged,
+    pub decides: VerdictSubject,
     /// Both verdicts in words: the condensed element, if the study has one, and the springs.
     #[serde(default)]
     pub verdicts: Vec<VerdictOn>,
@@ -45,7 +45,7 @@ pub struct VerificationRecord {
 /// What a verdict is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum Judged {
+pub enum VerdictSubject {
     /// The condensed contact element: its statics, and the load cases with it.
     Element,
     /// The springs that other programs take: the law, the horizontal stiffness, and the load cases with the published element.
@@ -53,7 +53,7 @@ pub enum Judged {
     Springs,
 }
 
-impl Judged {
+impl VerdictSubject {
     /// Its name in lists.
     pub fn name(self) -> &'static str {
         match self {
@@ -75,7 +75,7 @@ impl Judged {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct VerdictOn {
     /// What it is on.
-    pub on: Judged,
+    pub on: VerdictSubject,
     /// Lines within their limits.
     pub hold: usize,
     /// Lines beyond their limits, by no more than what the solid model itself is worth.
@@ -215,21 +215,16 @@ impl VerificationRecord {
     }
 
     /// The lines of a verdict with their subjects.
-    pub fn lines_on(&self, on: Judged) -> impl Iterator<Item = (&str, &Line)> {
+    pub fn lines_on(&self, on: VerdictSubject) -> impl Iterator<Item = (&str, &Line)> {
         let statics = match on {
-            Judged::Element => &self.statics,
-            Judged::Springs => &self.calibration,
+            VerdictSubject::Element => &self.statics,
+            VerdictSubject::Springs => &self.calibration,
         };
         let scenarios = self.scenarios.iter().flat_map(move |s| {
             let lines = s.lines_of(on.contact_element());
             lines.iter().map(|line| (s.scenario.as_str(), line))
         });
         statics.iter().map(move |line| (on.name(), line)).chain(scenarios)
-    }
-
-    /// The verdict that does not decide, if it has lines.
-    pub fn other(&self) -> Option<&VerdictOn> {
-        self.verdicts.iter().find(|of| of.on != self.decides)
     }
 
     /// What could not be compared, with the scenarios.
@@ -254,7 +249,7 @@ impl VerificationRecord {
     }
 
     /// Lines of a verdict that hold within their limits, that hold by what the solid is worth, and that fail.
-    pub fn counts(&self, on: Judged) -> [usize; 3] {
+    pub fn counts(&self, on: VerdictSubject) -> [usize; 3] {
         let mut counts = [0; 3];
         for (_, line) in self.lines_on(on) {
             counts[match line.held_by {

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::ReportData;
 use super::reasons::reason;
 use super::tables::{self, number};
-use crate::records::{Judged, LawRecord, ResolvedKey, SpringsSource, StiffnessRecord, VerdictOn};
+use crate::records::{LawRecord, ResolvedKey, SpringsSource, StiffnessRecord, VerdictOn, VerdictSubject};
 use crate::rounding::{rounded_to, significant};
 
 /// The springs in use, the limits that fail, and what the springs are valid for.
@@ -45,8 +45,8 @@ fn constants_in(law: &LawRecord, unit: &str) -> [String; 3] {
 fn verdicts(data: &ReportData<'_>) -> Vec<Value> {
     let row = |of: &VerdictOn| {
         let what = match of.on {
-            Judged::Element => "condensed contact element",
-            Judged::Springs => "springs: law, horizontal stiffness, published element",
+            VerdictSubject::Element => "condensed contact element",
+            VerdictSubject::Springs => "springs: law, horizontal stiffness, published element",
         };
         json!({ "on": what, "counts": of.counts(), "fails": of.fail > 0, "holds_for": of.holds_for, "not_for": of.not_for })
     };

@@ -3,7 +3,7 @@
 use super::crosscheck::Crosscheck;
 use super::samples;
 use super::*;
-use crate::records::{ElementVerdict, Judged, RunRecord, ScenarioVerdict, Sealed, VerdictOn};
+use crate::records::{ElementVerdict, RunRecord, ScenarioVerdict, Sealed, VerdictOn, VerdictSubject};
 use crate::verify::{self, Band, ChangedLimit, Limits, Spread, Worth, compare};
 
 fn build_sample() -> Report {
@@ -94,9 +94,9 @@ fn verdict(simple: &History, solid: &History) -> VerificationRecord {
     VerificationRecord {
         study: "sample".into(),
         holds: scenario.lines.iter().all(|line| line.holds),
-        decides: Judged::Element,
+        decides: VerdictSubject::Element,
         verdicts: vec![VerdictOn {
-            on: Judged::Element,
+            on: VerdictSubject::Element,
             hold: 17,
             hold_by_solid: 3,
             fail: 2,

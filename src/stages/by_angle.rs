@@ -1,6 +1,6 @@
 //! The law by contact angle: the calibration's bodies with the wheel in other places across the track.
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::Matrix2;
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
 use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches};
 use railspring_calibrate::error::{Error, Result, StopReason};
@@ -89,22 +89,13 @@ pub fn by_angle(
         Some(Err(reason)) => (None, Some(reason.to_string())),
         None => (None, None),
     };
-    let along: Vec<Option<Vector2<f64>>> =
-        laws.iter().map(|law| law.touch.as_ref().map(|touch| *touch.along)).collect();
     let entries = shifts.iter().zip(laws.into_iter().zip(bands));
     let mut records: Vec<ShiftRecord> =
         entries.map(|(shift, (law, band))| shift_record(study, *shift, law, band)).collect();
     let springs = published_springs(stiffness);
-    for ((record, tape_y), along) in records.iter_mut().zip(&places).zip(along) {
-        let Some(along) = along else { continue };
-        let pair = geometry.pair.with_wheel_at(*tape_y)?;
-        let published = springs.as_ref().map(|springs| {
-            let mass = stiffness.wheel_mass();
-            MovingModel::of_pair(&pair, geometry.beam.clone(), &study.material, springs.clone(), mass)
-        });
-        enter_published(record, published.as_ref(), along, study.contact.friction);
-    }
-    let displacement = enter_element(study, geometry, &mut records, element.as_ref())?;
+    let published = springs.as_ref().map(|springs| (springs, stiffness.wheel_mass()));
+    enter_statics(study, geometry, (&mut records, &places), element.as_ref(), published)?;
+    let displacement = farthest(&records);
     Ok(StiffnessByAngleRecord {
         study: study.name.clone(),
         friction: study.contact.friction,
@@ -352,46 +343,34 @@ fn hub_statics(at: HubStatics) -> ([f64; 3], f64) {
     (hub_values(&at.flexibility), at.displacement / MILLIMETRE)
 }
 
-/// Enters how the hub of the published element stands under the fixed loads of a shift, where it carries them.
-fn enter_published(
-    record: &mut ShiftRecord,
-    model: Option<&MovingModel>,
-    along: Vector2<f64>,
-    friction: f64,
-) {
-    for load in &mut record.loads {
-        let force = load.force_kn * KILONEWTON;
-        let of = model.and_then(|model| model.pressed(along, force, friction).ok()).map(hub_statics);
-        (load.published_hub_um_per_kn, load.published_displacement_mm) = of.unzip();
-    }
-}
-
-/// Enters how the hub of a condensed element stands under the fixed loads of all shifts, where it carries them; where it is farthest from the
-/// solid's.
-fn enter_element(
+/// Enters how the hubs of both contact elements stand under the fixed loads of shifts with the tape circle at `places` (y, m), where they carry them: of a condensed
+/// element, and of the published one with its springs and the mass of its wheel (kg), whose values stay as they are without springs.
+fn enter_statics(
     study: &Study,
     geometry: &Geometry,
-    records: &mut [ShiftRecord],
+    (records, places): (&mut [ShiftRecord], &[f64]),
     element: Option<&PairElement>,
-) -> Result<Option<HubDeviationRecord>> {
-    for record in &mut *records {
-        if record.touch.is_none() {
-            continue;
-        }
-        let pair =
-            geometry.pair.with_wheel_at(tape_y(study, &geometry.pair, record.shift_mm * MILLIMETRE))?;
+    published: Option<(&WheelSprings, f64)>,
+) -> Result<()> {
+    let (material, friction) = (&study.material, study.contact.friction);
+    for (record, tape_y) in records.iter_mut().zip(places).filter(|(record, _)| record.touch.is_some()) {
+        let pair = geometry.pair.with_wheel_at(*tape_y)?;
         let along = *PressDirection::Normal.at(&pair);
-        let model = element.map(|element| {
-            CondensedModel::of_pair(&pair, geometry.beam.clone(), &study.material, element.clone())
-        });
+        let beam = || geometry.beam.clone();
+        let condensed =
+            element.map(|element| CondensedModel::of_pair(&pair, beam(), material, element.clone()));
+        let published = published
+            .map(|(springs, mass)| MovingModel::of_pair(&pair, beam(), material, springs.clone(), mass));
         for load in &mut record.loads {
-            let pressed = model.as_ref().and_then(|model| {
-                model.pressed(along, load.force_kn * KILONEWTON, study.contact.friction).ok()
-            });
-            (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = pressed.map(hub_statics).unzip();
+            let force = load.force_kn * KILONEWTON;
+            let of = condensed.as_ref().and_then(|model| model.pressed(along, force, friction).ok());
+            (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = of.map(hub_statics).unzip();
+            let Some(model) = &published else { continue };
+            let of = model.pressed(along, force, friction).ok();
+            (load.published_hub_um_per_kn, load.published_displacement_mm) = of.map(hub_statics).unzip();
         }
     }
-    Ok(farthest(records))
+    Ok(())
 }
 
 /// Laws with the statics of another condensed element in the place of theirs.
@@ -405,7 +384,10 @@ pub fn with_element(
     element: &PairElement,
 ) -> Result<StiffnessByAngleRecord> {
     let mut laws = laws.clone();
-    let displacement = enter_element(study, geometry, &mut laws.shifts, Some(element))?;
+    let place = |shift: &ShiftRecord| tape_y(study, &geometry.pair, shift.shift_mm * MILLIMETRE);
+    let places: Vec<f64> = laws.shifts.iter().map(place).collect();
+    enter_statics(study, geometry, (&mut laws.shifts, &places), Some(element), None)?;
+    let displacement = farthest(&laws.shifts);
     laws.element = Some(ElementRecord { displacement, ..ElementRecord::from(element) });
     Ok(laws)
 }

@@ -11,7 +11,7 @@ use railspring_calibrate::pair::{
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
 
 use super::calibrate::{FoundSprings, contact_conditions};
-use super::zones::extend_zones;
+use super::coarser::{on_coarser_meshes, with_longer_zones};
 use super::{Geometry, Meshes, remeshed_with};
 use crate::records::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
@@ -45,13 +45,7 @@ pub fn check_target(study: &Study) -> Result<()> {
 
 /// Sizes of the coarser meshes. Their contact zones are longer by two of their elements, so that they hold what the others hold.
 pub fn coarser_options(geometry: &Geometry, options: &MeshOptions) -> MeshOptions {
-    let mut coarser = options.refined(1.0 / COARSER);
-    for half_length in [&mut coarser.window_half_length, &mut coarser.contact_half_length] {
-        *half_length += 2.0 * coarser.contact_element_along;
-    }
-    let longer = 2.0 * coarser.contact_element;
-    extend_zones(geometry, &mut coarser, longer);
-    coarser
+    with_longer_zones(geometry, options.refined(1.0 / COARSER))
 }
 
 /// Bodies of coarser meshes.
@@ -81,18 +75,10 @@ pub fn coarser_bodies(
     meshes: &Meshes,
     condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
 ) -> Result<CoarserBodies> {
-    if let Some(file) = study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
-        return Ok(Err(format!("{} is not meshed by the program", file.file)));
-    }
-    let coarser = remeshed_with(study, geometry, meshes, coarser_options(geometry, meshes.options()))
-        .and_then(|coarse| {
-            Ok(Coarser { contact_element: coarse.contact_element(), bodies: condense(&coarse)? })
-        });
-    match coarser {
-        Ok(coarser) => Ok(Ok(coarser)),
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        Err(error) => Ok(Err(error.to_string())),
-    }
+    let options = coarser_options(geometry, meshes.options());
+    on_coarser_meshes(study, geometry, meshes, options, |coarse| {
+        Ok(Coarser { contact_element: coarse.contact_element(), bodies: condense(coarse)? })
+    })
 }
 
 /// The bodies, if there are any.

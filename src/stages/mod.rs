@@ -8,6 +8,7 @@ mod patches;
 mod fields;
 mod calibrate;
 mod zones;
+mod coarser;
 mod error_band;
 mod by_angle;
 mod crosscheck;

@@ -1,7 +1,5 @@
 //! The solid model in time with another grid of its contact and with other meshes: what these are worth.
 
-use std::sync::Arc;
-
 use railspring_calibrate::calibration::ContactField;
 use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::history::History;
@@ -12,8 +10,8 @@ use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, RailPath, TransientModel, TransientRun};
 use railspring_calibrate::units::MILLIMETRE;
 
-use super::zones::extend_zones;
-use super::{Geometry, Meshes, MovingBodies, contact_field, enforcement, formulation, remeshed_with};
+use super::coarser::{on_coarser_meshes, with_longer_zones};
+use super::{Geometry, Meshes, MovingBodies, contact_field, enforcement, formulation};
 use crate::study::Study;
 
 /// Edges of the other contact elements over those of the study's. The elements of the bodies around them stay: they are those of the
@@ -37,7 +35,7 @@ pub struct CoarserMoving {
     options: MeshOptions,
     /// Edge of the contact elements, m.
     contact_element: f64,
-    bodies: Arc<MovingBodies>,
+    bodies: MovingBodies,
 }
 
 /// The bodies, or why there are none.
@@ -53,28 +51,17 @@ pub fn coarser_contact(
     meshes: &Meshes,
     condense: impl FnOnce(&Meshes) -> Result<MovingBodies>,
 ) -> Result<CoarserContact> {
-    if let Some(file) = study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
-        return Ok(Err(format!("{} is not meshed by the program", file.file)));
-    }
     let own = meshes.options();
-    let mut options = MeshOptions {
+    let options = MeshOptions {
         contact_element: COARSER * own.contact_element,
         contact_element_along: COARSER * own.contact_element_along,
         ..own.clone()
     };
-    // the zones hold what the others hold
-    for half_length in [&mut options.window_half_length, &mut options.contact_half_length] {
-        *half_length += 2.0 * options.contact_element_along;
-    }
-    let longer = 2.0 * options.contact_element;
-    extend_zones(geometry, &mut options, longer);
+    let options = with_longer_zones(geometry, options);
     let contact_element = options.contact_element.max(options.contact_element_along);
-    let made = remeshed_with(study, geometry, meshes, options.clone()).and_then(|coarser| condense(&coarser));
-    match made {
-        Ok(bodies) => Ok(Ok(CoarserMoving { options, contact_element, bodies: Arc::new(bodies) })),
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        Err(error) => Ok(Err(error.to_string())),
-    }
+    on_coarser_meshes(study, geometry, meshes, options.clone(), |coarser| {
+        Ok(CoarserMoving { options, contact_element, bodies: condense(coarser)? })
+    })
 }
 
 /// A load case on other solids.

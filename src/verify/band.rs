@@ -31,7 +31,7 @@ impl Band {
         }
         let (history, disturbed) = (run.history, run.disturbed.map(|(other, _)| other));
         let rows = history.rows.len();
-        let change = run.steps.map(|steps| steps.change);
+        let change = run.steps.map(|steps| steps.of.change);
         let scales = scales(history);
         let by_steps = change.map_or([0.0; 2], |c| [c.p_rms * scales[0], c.q_rms * scales[1]]);
         // of a run without a disturbed one the steps alone
@@ -59,7 +59,7 @@ impl Band {
         Some(Self {
             forces,
             ratio: ratio.into_iter().map(|width| width.filter(|width| width.is_finite())).collect(),
-            steps_until_s: run.steps.map(|steps| steps.until_s),
+            steps_until_s: run.steps.map(|steps| steps.of.until_s),
             spread_until_s: disturbed.and_then(|other| other.rows.last()).map(|row| row.time),
         })
     }

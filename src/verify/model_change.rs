@@ -16,17 +16,9 @@ use super::statistics::{NUMBERS, differences};
 pub struct ModelChange {
     /// What the other run has, for instance `contact grid of half the spacing`.
     pub with: String,
-    /// Time up to which the runs are compared, s.
-    pub until_s: f64,
-    /// The change.
+    /// What changes.
     #[serde(flatten)]
-    pub change: Change,
-    /// That of separations and contact modes.
-    #[serde(default)]
-    pub contact: ContactDifference,
-    /// What changes from the time on from which the motion is not determined, if the other run goes on so long.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub afterwards: Option<Afterwards>,
+    pub of: RunChange,
 }
 
 impl ModelChange {
@@ -39,9 +31,7 @@ impl ModelChange {
         with: &str,
         determined_until: Option<f64>,
     ) -> Result<Self, String> {
-        let OverTime { until_s, change, contact, afterwards } =
-            OverTime::between([run, other], determined_until)?;
-        Ok(Self { with: with.into(), until_s, change, contact, afterwards })
+        Ok(Self { with: with.into(), of: RunChange::between([run, other], determined_until)? })
     }
 }
 
@@ -68,19 +58,26 @@ impl Afterwards {
 }
 
 /// What changes from a run to another one.
-pub(super) struct OverTime {
-    /// Up to when they are compared step by step, s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RunChange {
+    /// Time up to which the runs are compared step by step, s.
     pub until_s: f64,
     /// The change until then.
+    #[serde(flatten)]
     pub change: Change,
     /// That of separations and contact modes.
+    #[serde(default)]
     pub contact: ContactDifference,
-    /// That from then on, if both go on.
+    /// What changes from the time on from which the motion is not determined, if both runs go on so long.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub afterwards: Option<Afterwards>,
 }
 
-impl OverTime {
+impl RunChange {
     /// Over the times of both runs, where the motion is determined until a time (s).
+    ///
+    /// # Errors
+    /// How a run ended that has no time step.
     pub fn between([run, other]: [&History; 2], determined_until: Option<f64>) -> Result<Self, String> {
         if let Some(ended) = [run, other].into_iter().find(|run| run.rows.len() < 2) {
             return Err(format!("one of the two runs has no time step: {}", ended.ending));
@@ -99,9 +96,14 @@ impl OverTime {
     }
 }
 
+impl std::fmt::Display for RunChange {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{} up to {}", self.change, milliseconds(self.until_s))
+    }
+}
+
 impl std::fmt::Display for ModelChange {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        let Self { with, change, until_s, .. } = self;
-        write!(f, "with {with} {change} up to {}", milliseconds(*until_s))
+        write!(f, "with {} {}", self.with, self.of)
     }
 }

@@ -2,9 +2,8 @@
 
 use railspring_calibrate::history::History;
 
-use super::change::{COVERAGE, Change, scales};
-use super::contact::ContactDifference;
-use super::model_change::{Afterwards, ModelChange};
+use super::change::{COVERAGE, scales};
+use super::model_change::{ModelChange, RunChange};
 use super::signals::Carrying;
 use super::spread::Spread;
 use super::step_change::StepChange;
@@ -48,15 +47,9 @@ impl<'a> ModelRun<'a> {
     }
 
     /// What steps and discretisations change, each by itself.
-    pub fn changes(&self) -> impl Iterator<Item = (&'a Change, &'a ContactDifference)> {
-        let steps = self.steps.map(|steps| (&steps.change, &steps.contact));
-        steps.into_iter().chain(self.discretisation.iter().map(|of| (&of.change, &of.contact)))
-    }
-
-    /// What steps and discretisations change where the motion is not determined, each by itself.
-    pub fn changes_afterwards(&self) -> impl Iterator<Item = &'a Afterwards> {
-        let steps = self.steps.and_then(|steps| steps.afterwards.as_ref());
-        steps.into_iter().chain(self.discretisation.iter().filter_map(|of| of.afterwards.as_ref()))
+    pub fn changes(&self) -> impl Iterator<Item = &'a RunChange> {
+        let steps = self.steps.map(|steps| &steps.of);
+        steps.into_iter().chain(self.discretisation.iter().map(|model| &model.of))
     }
 
     /// Where the averaged P carries Q/P so that it is off by `limit` at most. The errors of the averaged forces are twice the RMS changes with the steps, the
@@ -64,7 +57,7 @@ impl<'a> ModelRun<'a> {
     pub fn carrying(&self, limit: f64) -> Carrying {
         let scales = scales(self.history);
         let by_input = self.disturbed.map(|(_, spread)| &spread.change);
-        let all = self.changes().map(|(change, _)| change).chain(by_input);
+        let all = self.changes().map(|of| &of.change).chain(by_input);
         let squares = all.fold([0.0; 2], |sum, change| {
             let averaged = change.averaged(scales);
             [0, 1].map(|k| sum[k] + averaged[k] * averaged[k])

@@ -11,6 +11,7 @@ use super::change::{FORCES, least_contact, over, peaks, scales, together};
 use super::contact::ContactDifference;
 use super::limits::Limits;
 use super::line::{Criterion, Line};
+use super::model_change::RunChange;
 use super::model_run::ModelRun;
 use super::signals::{Carrying, averaged_forces, averaged_ratio};
 use super::{Check, column, peak, rms, rows_before};
@@ -98,13 +99,11 @@ impl<'a> Scope<'a> {
             let rows = rows.start.min(other.rows.len())..rows.end.min(other.rows.len());
             self.ratio([other, run.history], carrying, rows).values
         });
-        let changes: Vec<[Option<f64>; 2]> = match of {
-            PartOfRun::Determined => run.changes().map(|(of, _)| [of.ratio_rms, of.ratio_max]).collect(),
-            PartOfRun::Undetermined => {
-                run.changes_afterwards().map(|of| [of.ratio_rms, of.ratio_max]).collect()
-            }
-        };
-        changes.into_iter().fold(by_input, |sum, of| [0, 1].map(|n| together(sum[n], of[n])))
+        let changes = run.changes().filter_map(|change| match of {
+            PartOfRun::Determined => Some([change.change.ratio_rms, change.change.ratio_max]),
+            PartOfRun::Undetermined => change.afterwards.map(|of| [of.ratio_rms, of.ratio_max]),
+        });
+        changes.fold(by_input, |sum, of| [0, 1].map(|n| together(sum[n], of[n])))
     }
 
     /// The lines on Q/P over some rows, each with what goes before its meaning, and that on the steps at which it is not compared.
@@ -179,7 +178,7 @@ impl<'a> Scope<'a> {
     fn worth(&self, run: &ModelRun) -> Differences {
         let nothing = Differences { forces: [[None; 2]; 2], contact: None, departure: None };
         let mut worth = run.disturbed.map_or(nothing, |(other, _)| self.differences([other, run.history]));
-        for (change, contact) in run.changes() {
+        for RunChange { change, contact, .. } in run.changes() {
             let changed = change.forces(scales(run.history));
             for k in [0, 1] {
                 for measure in [0, 1] {

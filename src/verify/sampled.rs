@@ -38,8 +38,10 @@ pub(super) fn lines(simple: &ModelRun, solid: &ModelRun, limits: &Limits, first:
     };
     let worth = [simple, solid].map(|run| {
         let by_chance = own(run)?;
-        let all =
-            |n: usize| run.changes_afterwards().fold(by_chance[n], |sum, of| sum.hypot(of.statistics[n]));
+        let all = |n: usize| {
+            let changes = run.changes().filter_map(|of| of.afterwards);
+            changes.fold(by_chance[n], |sum, of| sum.hypot(of.statistics[n]))
+        };
         Some(std::array::from_fn::<f64, NUMBERS, _>(all))
     });
     let peaks = peaks(solid.history);

@@ -5,10 +5,7 @@ use railspring_calibrate::step_control::InnerSteps;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::change::Change;
-use super::contact::ContactDifference;
-use super::line::milliseconds;
-use super::model_change::{Afterwards, OverTime};
+use super::model_change::RunChange;
 
 /// How far a run changes with steps of another length, as long as its motion is determined ([`super::Spread`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,17 +14,9 @@ pub struct StepChange {
     pub steps_s: [f64; 2],
     /// The same of the other run, s: half as long with the condensed element, otherwise twice as long where there are longer ones.
     pub other_steps_s: [f64; 2],
-    /// Time up to which the runs are compared, s.
-    pub until_s: f64,
-    /// The change.
+    /// What changes.
     #[serde(flatten)]
-    pub change: Change,
-    /// That of separations and contact modes.
-    #[serde(default)]
-    pub contact: ContactDifference,
-    /// What changes from the time on from which the motion is not determined.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub afterwards: Option<Afterwards>,
+    pub of: RunChange,
 }
 
 impl StepChange {
@@ -42,15 +31,10 @@ impl StepChange {
         time_step: f64,
         determined_until: Option<f64>,
     ) -> Result<Self, String> {
-        let OverTime { until_s, change, contact, afterwards } =
-            OverTime::between([run, other], determined_until)?;
         Ok(Self {
             steps_s: steps[0].lengths(time_step),
             other_steps_s: steps[1].lengths(time_step),
-            until_s,
-            change,
-            contact,
-            afterwards,
+            of: RunChange::between([run, other], determined_until)?,
         })
     }
 }
@@ -62,7 +46,7 @@ impl std::fmt::Display for StepChange {
             false => format!("{:.4} to {:.4} ms", 1e3 * shortest, 1e3 * longest),
         };
         let (steps, others) = (length(self.steps_s), length(self.other_steps_s));
-        write!(f, "steps of {steps}; with {others} {} up to {}", self.change, milliseconds(self.until_s))
+        write!(f, "steps of {steps}; with {others} {}", self.of)
     }
 }
 
@@ -100,17 +84,22 @@ mod tests {
         let near = |a: f64, b: f64| (a - b).abs() < ROUNDOFF;
         let change =
             StepChange::between([&run(9, 0.5, 0.0), &run(9, 0.5, 12e3)], TWO_AND_ONE, 1e-3, None).unwrap();
-        assert!(near(change.change.p_max, 0.1) && near(change.change.p_rms, 0.1 / 3.0), "{change:?}");
-        assert!(near(change.change.q_max, 0.1) && near(change.change.q_rms, 0.1 / 3.0), "{change:?}");
-        assert!(near(change.change.ratio_max.unwrap(), 0.0) && near(change.until_s, 8e-3), "{change:?}");
+        assert!(near(change.of.change.p_max, 0.1) && near(change.of.change.p_rms, 0.1 / 3.0), "{change:?}");
+        assert!(near(change.of.change.q_max, 0.1) && near(change.of.change.q_rms, 0.1 / 3.0), "{change:?}");
+        assert!(
+            near(change.of.change.ratio_max.unwrap(), 0.0) && near(change.of.until_s, 8e-3),
+            "{change:?}"
+        );
         let change =
             StepChange::between([&run(9, 0.5, 0.0), &run(7, 0.6, 0.0)], TWO_AND_ONE, 1e-3, None).unwrap();
         assert!(
-            near(change.change.p_max, 0.0) && near(change.change.q_max, 0.2) && near(change.until_s, 6e-3),
+            near(change.of.change.p_max, 0.0)
+                && near(change.of.change.q_max, 0.2)
+                && near(change.of.until_s, 6e-3),
             "{change:?}"
         );
         assert!(
-            near(change.change.ratio_max.unwrap(), 0.1) && near(change.change.ratio_rms.unwrap(), 0.1),
+            near(change.of.change.ratio_max.unwrap(), 0.1) && near(change.of.change.ratio_rms.unwrap(), 0.1),
             "{change:?}"
         );
         assert!(
@@ -120,7 +109,7 @@ mod tests {
         let still = run(5, 0.0, 0.0);
         let change = StepChange::between([&still, &still], [InnerSteps::Equal(1); 2], 1e-3, None).unwrap();
         assert_eq!(
-            (change.change.q_rms, change.change.q_max, change.change.ratio_max),
+            (change.of.change.q_rms, change.of.change.q_max, change.of.change.ratio_max),
             (0.0, 0.0, Some(0.0))
         );
         // without a time step there is nothing to compare, and no change of zero
