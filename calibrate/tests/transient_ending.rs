@@ -52,6 +52,7 @@ fn run_in_zone(scenarios: &[Scenario], field_y: f64) -> (Vec<History>, f64) {
         },
         materials: [Material::STEEL; 2],
         placed_rail: &placed,
+        rail_axis: None,
         rail_surface: Surface::extruded(&placed.curve, &rail_mesh.contact),
         wheel_surface: Surface::revolved(&wheel.running, &wheel_mesh.contact, wheel.radius, tape),
         enforcement: Enforcement::Exact,

@@ -148,8 +148,9 @@ impl<'m> StepContact<'m> {
         let (on_rail, on_wheel) = (loaded(Side::Base, rail), loaded(Side::Opposing, wheel));
         let hub = wheel.hub(&on_wheel);
         let places = contact.zone.as_ref().map_or(Places::of_hub(&hub), |zone| {
+            let of_rail = zone.motion(Side::Base, |nodes| rail.displacements(nodes, &on_rail));
             Places([
-                zone.motion(Side::Base, |nodes| rail.displacements(nodes, &on_rail)),
+                self.model.rail_axis.map_or(of_rail, |axis| of_rail.about(axis)),
                 zone.motion(Side::Opposing, |nodes| wheel.displacements(nodes, &on_wheel)),
             ])
         });

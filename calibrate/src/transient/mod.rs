@@ -46,7 +46,7 @@ use crate::units::KILONEWTON;
 use beyond::Beyond;
 use body::ElasticBody;
 use full::FullBody;
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Point2, Point3, Vector2};
 use reduced::ReducedBody;
 use run::{Observer, Run, ShorterSteps};
 
@@ -58,6 +58,8 @@ pub struct TransientModel<'a> {
     pub materials: [Material; 2],
     /// The placed rail, for positions in its profile frame.
     pub placed_rail: &'a PlacedRail,
+    /// The rail's shear centre, world (y, z), m: about it its section turns under the wheel. None: it turns where the contact is.
+    pub rail_axis: Option<Point2<f64>>,
     /// Contact surface of the rail.
     pub rail_surface: Surface<'a>,
     /// Contact surface of the wheel, just touching.
@@ -136,6 +138,7 @@ impl<'a> TransientModel<'a> {
             bodies,
             materials,
             placed_rail: &pair.placed,
+            rail_axis: Some(pair.node_line()),
             rail_surface: pair.rail_surface(rail),
             wheel_surface: pair.wheel_surface(wheel),
             enforcement,

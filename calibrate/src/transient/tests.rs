@@ -165,6 +165,7 @@ fn collide(
             bodies,
             materials: [material; 2],
             placed_rail: &placed_rail,
+            rail_axis: None,
             rail_surface: Surface::extruded(&curve, &rail_mesh.contact),
             wheel_surface: wheel_surface.clone(),
             enforcement: Enforcement::Exact,

@@ -53,6 +53,7 @@ impl Blocks {
                 bodies,
                 materials: [steel(0.0); 2],
                 placed_rail: &placed_rail,
+                rail_axis: None,
                 rail_surface: Surface::extruded(&self.curves[0], &rail.contact),
                 wheel_surface: Surface::revolved(&self.curves[1], &wheel.contact, ROLLING, origin),
                 enforcement: Enforcement::Exact,

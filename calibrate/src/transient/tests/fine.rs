@@ -92,6 +92,7 @@ impl Crowned {
                 bodies,
                 materials: [material; 2],
                 placed_rail: &placed_rail,
+                rail_axis: None,
                 rail_surface: rail_surface.clone(),
                 wheel_surface: wheel_surface.clone(),
                 enforcement: Enforcement::Exact,

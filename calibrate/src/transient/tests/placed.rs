@@ -192,6 +192,7 @@ impl Sprung {
             bodies: SolidBodies::Reduced { rail, wheel, modes: ModeCount::Given(16) },
             materials: [Material::STEEL; 2],
             placed_rail: &placed_rail,
+            rail_axis: None,
             rail_surface: Surface::extruded(&self.curves[0], &self.meshes[0].contact),
             wheel_surface: Surface::revolved(&self.curves[1], &self.meshes[1].contact, ROLLING, touching),
             enforcement: Enforcement::Exact,

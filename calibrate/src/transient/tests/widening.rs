@@ -40,6 +40,7 @@ fn struck(ahead: &[f64]) -> f64 {
             bodies,
             materials: [Material::STEEL; 2],
             placed_rail: &placed_rail,
+            rail_axis: None,
             rail_surface: Surface::extruded(&curves[0], &rail.contact),
             wheel_surface: Surface::revolved(&curves[1], &wheel.contact, RADIUS, Vector2::zeros()),
             enforcement: Enforcement::Exact,
