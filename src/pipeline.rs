@@ -33,8 +33,8 @@ use crate::measure::{Stopwatch, begin};
 use crate::output::{OutputFolder, to_json};
 pub use crate::records::BY_ANGLE;
 use crate::records::{
-    INPUTS, InputsRecord, LoadCurveRow, Measured, Reach, RunRecord, StiffnessByAngleRecord, StiffnessRecord,
-    VerificationRecord,
+    INPUTS, InputsRecord, LoadCurveRow, Measured, Reach, RunRecord, SpringsRecord, StiffnessByAngleRecord,
+    StiffnessRecord, VerificationRecord,
 };
 use crate::results::{NewFile, Results, hash};
 use crate::springs;
@@ -318,7 +318,10 @@ impl<'a> Pipeline<'a> {
     pub fn simulate(mut self, law: Option<&Path>) -> Result<Found> {
         let (springs, laws) = match law {
             Some(path) => (springs::from_file(self.study, &*self.geometry()?, path)?, None),
-            None => self.stored_springs()?,
+            None => match self.springs_without_calibration()? {
+                Some(springs) => (springs, None),
+                None => self.stored_springs()?,
+            },
         };
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
@@ -330,6 +333,14 @@ impl<'a> Pipeline<'a> {
         let own = law.is_none() && self.study.simulation.law == LawKey::Calibrated;
         let stiffness = own.then(|| self.stored_stiffness()).transpose()?;
         Ok(Found { stiffness, runs, verdict: None })
+    }
+
+    /// The springs that need no calibration, if the study has such and the folder has no calibration.
+    fn springs_without_calibration(&mut self) -> Result<Option<SpringsRecord>> {
+        if self.folder.file(STIFFNESS).exists() || !springs::need_no_calibration(self.study) {
+            return Ok(None);
+        }
+        Ok(springs::without_calibration(self.study, &*self.geometry()?))
     }
 
     /// The solid model on the load cases of the folder, and the verdict.

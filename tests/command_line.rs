@@ -427,6 +427,22 @@ fn later_stages_need_the_earlier_ones() {
     assert!(!place.root.path().join("new").exists());
 }
 
+/// Goal: published springs with a horizontal stiffness run in an empty folder and say what they go without; the later stages still ask for the calibration.
+#[test]
+fn published_springs_simulate_without_a_calibration() {
+    let case = "[scenario.s]\nsteps = 10\nvertical_force = { mean_kn = 50 }\nlateral_force = {}\n";
+    let springs = "[simulation]\nlaw = \"published\"\nhorizontal_kn_per_m = 4e5\n";
+    let place = Place::with_study(&format!("{GOOD}{springs}{case}"));
+    let simulated = place.run(&["simulate", "study.toml", "-o", "o"]);
+    assert_eq!(simulated.status.code(), Some(0), "{}", message(&simulated));
+    assert!(message(&simulated).contains("nothing is calibrated"), "{}", message(&simulated));
+    let history = std::fs::read_to_string(place.root.path().join("o/history.csv")).unwrap();
+    assert_eq!(history.lines().count(), 1 + 11);
+    let verified = place.run(&["verify", "study.toml", "-o", "o"]);
+    assert_eq!(verified.status.code(), Some(2));
+    assert!(message(&verified).contains("run `railspring calibrate`"), "{}", message(&verified));
+}
+
 #[test]
 fn the_schema_is_json_and_accepts_the_shipped_keys() {
     let place = Place::with_study(GOOD);

@@ -178,6 +178,11 @@ impl<'a> Case<'a> {
         Self { solved, solid, sound, history, lines: comparison.lines, statics }
     }
 
+    /// Whether nothing fails without an error.
+    fn holds(&self) -> bool {
+        self.lines.iter().chain(&self.statics).all(|line| line.holds)
+    }
+
     fn fate(&self, plant: impl Fn(&mut Planted)) -> Fate {
         let mut planted = self.sound.clone();
         plant(&mut planted);
@@ -231,11 +236,12 @@ impl<'a> Case<'a> {
 
 /// Source: the solid model of the default studies. Goal: errors of 2, 5, 10 and 20 % and some others, each in the simple model alone, are found by a line of the verdict
 /// that fails; printed is the smallest size of either sign that is found with the present and with the earlier limits. Every error that moves P, Q or the flexibility of the hub by more
-/// than twice what the solid is worth is found; without an error nothing fails.
+/// than twice what the solid is worth is found, in load cases in which nothing fails without an error. Where something does, an error may bring the simple model nearer to the solid, which no comparison of
+/// the two can tell; those are printed.
 #[test]
 #[ignore = "some minutes: cargo planted-errors"]
 fn errors_beyond_what_the_solid_is_worth_are_found() {
-    let mut missed = Vec::new();
+    let (mut missed, mut compensating) = (Vec::new(), Vec::new());
     let mut columns: Vec<(String, Vec<[String; 2]>, [usize; 3])> = Vec::new();
     for study in ["uic60-s1002", "uic60-s1002-sine", "uic60-s1002-torsion"] {
         let solved = Solved::of(study);
@@ -250,7 +256,8 @@ fn errors_beyond_what_the_solid_is_worth_are_found() {
                 counts[2] += usize::from(!fate.failing.is_empty());
                 let most = fate.moved.into_iter().fold(0.0, f64::max);
                 if fate.failing.is_empty() && most > 2.0 {
-                    missed.push(format!(
+                    let list = if case.holds() { &mut missed } else { &mut compensating };
+                    list.push(format!(
                         "{name}: {what} moves P, Q, hub by {:.1?} of the solid's worth",
                         fate.moved
                     ));
@@ -304,6 +311,7 @@ fn errors_beyond_what_the_solid_is_worth_are_found() {
     for (name, _, [all, before, now]) in &columns {
         println!("{name}: of {all} planted errors {before} were found before, {now} now");
     }
+    compensating.iter().for_each(|error| println!("nearer to the solid than without an error: {error}"));
     missed.iter().for_each(|miss| println!("missed: {miss}"));
     assert!(missed.is_empty(), "{} errors beyond twice the solid's worth are not found", missed.len());
 }

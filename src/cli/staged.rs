@@ -19,6 +19,7 @@ use crate::estimate::{self, Work};
 use crate::output::OutputFolder;
 use crate::pipeline::{CROSSCHECK_PAGE, Pipeline, REPORT};
 use crate::python::Purpose;
+use crate::springs;
 use crate::store::Store;
 use crate::study::Study;
 
@@ -172,8 +173,12 @@ impl Action<'_> {
     }
 
     /// Whether it begins without the results of an earlier command.
-    fn begins(self) -> bool {
-        !matches!(self, Self::Simulate(None) | Self::Verify | Self::Report)
+    fn begins(self, study: &Study) -> bool {
+        match self {
+            Self::Simulate(None) => springs::need_no_calibration(study),
+            Self::Verify | Self::Report => false,
+            _ => true,
+        }
     }
 }
 
@@ -217,7 +222,7 @@ pub(super) fn done(
         let expected = "one of the commands `run`, `calibrate`, `simulate`, `verify` and `crosscheck`";
         return Err(InputError::new("--fresh", "given", expected, "leave it out").into());
     }
-    let folder = if action.begins() { OutputFolder::create(&path)? } else { OutputFolder::open(&path)? };
+    let folder = if action.begins(study) { OutputFolder::create(&path)? } else { OutputFolder::open(&path)? };
     take_threads(work.threads)?;
     let _claim = folder.claim()?;
     let progress = Progress::new(work.quiet);

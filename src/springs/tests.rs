@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, HistoryRow};
 
 use super::*;
-use crate::records::{BeamRecord, ElasticWheelRecord, StripRecord};
+use crate::records::{BY_ANGLE, BeamRecord, ElasticWheelRecord, Sealed, StripRecord};
 use crate::report::samples;
 use crate::stages;
 
@@ -45,6 +45,30 @@ fn the_reference_force_scales_the_power() {
     let unscaled = springs(&read(&study, &LAW.replace("\"f0_kn\": 1", "\"f0_kn\": 10")).unwrap()).unwrap();
     let expected = 3e7 + 2.94e8 * 8.5f64.powf(0.241104);
     assert!((unscaled.normal.tangent(85e3) / expected - 1.0).abs() < ROUNDOFF);
+}
+
+/// Source: the publication's constants, kN. Goal: the published law with a horizontal stiffness of the study needs no calibration and says what it goes without; anything
+/// else does. The wheel's mass is that of a body of revolution, kg. Accuracy: ROUNDOFF.
+#[test]
+fn published_springs_need_no_calibration() {
+    let published = "[simulation]\nlaw = \"published\"\n";
+    let own = study(&format!("{published}horizontal_kn_per_m = 65000\n"));
+    assert!(need_no_calibration(&own));
+    let geometry = stages::geometry(&own).unwrap();
+    let springs = without_calibration(&own, &geometry).unwrap();
+    assert_eq!(springs.law, StiffnessLaw::published().into());
+    assert!((springs.horizontal_kn_per_m / 65_000.0 - 1.0).abs() < ROUNDOFF);
+    assert_eq!(springs.wheel_mass_kg, revolved_mass(&own, &geometry));
+    assert!(springs.notes.iter().any(|note| note.contains("nothing is calibrated")), "{:?}", springs.notes);
+    let condensed = "horizontal_kn_per_m = 65000\nelement = \"condensed\"\n";
+    let others = [
+        published.into(),
+        "[simulation]\nhorizontal_kn_per_m = 65000\n".into(),
+        format!("{published}{condensed}"),
+    ];
+    for other in others.map(|more: String| study(&more)) {
+        assert!(!need_no_calibration(&other) && without_calibration(&other, &geometry).is_none());
+    }
 }
 
 /// Goal: the condensed element is that of the laws by contact angle beside the law; without them a law runs as springs and says so, unless the study asks
