@@ -128,14 +128,13 @@ fn published(springs: SpringsRecord) -> SpringsRecord {
     }
 }
 
-/// Whether a study runs without a calibration: with the published law in the published element and its own horizontal stiffness. A wheel that
+/// Whether a study runs without a calibration: with the published law, which the published element has, and its own horizontal stiffness. A wheel that
 /// is a mesh from a file has its mass from there, unless every load case gives one.
 pub fn need_no_calibration(study: &Study) -> bool {
     let simulation = &study.simulation;
     !study.scenarios.is_empty()
         && simulation.law == LawKey::Published
         && simulation.horizontal.is_some()
-        && study.element() == ContactElementKey::Published
         && wheel_is_known(study)
 }
 

@@ -190,14 +190,18 @@ impl Estimate {
                     let condensing = condensing(&wheel, &rail, 0.0, modes);
                     let stepping =
                         both.map(|body| stepping(&body.size, study.modes(), RUNS)).iter().sum::<f64>();
-                    // on two threads: the run and the same with a larger input; the first steps with fewer modes as well, with longer
-                    // steps both ways
-                    let contact = (steps + 0.5 * (1.0 + other) * compared) * SECONDS_STEP;
+                    // on two threads: the run and the same with a larger input, the run with longer steps and its first steps with fewer
+                    // modes; where there are error bands, its first steps on a finer grid and all longer ones on other contact elements
+                    let beside = 0.5 * (other * steps + (1.0 + other) * compared);
+                    let banded = f64::from(study.wants_error_band());
+                    let other_solids = banded * (compared + 0.5 * steps);
+                    let contact = (steps + 0.5 * (beside + other_solids)) * SECONDS_STEP;
+                    let making = both.map(|body| body.seconds()).iter().sum::<f64>();
+                    let contact = contact + banded * making;
                     // the calibration, and the load case before, leave their bodies
                     if work.calibrate || n > 0 {
                         (stepping, contact)
                     } else {
-                        let making = both.map(|body| body.seconds()).iter().sum::<f64>();
                         (
                             condensing.max(stepping),
                             contact + making + modes * SOLVED_AT_ONCE * substitution(both),

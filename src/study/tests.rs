@@ -64,8 +64,8 @@ fn the_shipped_studies_are_the_published_load_cases() {
         assert_eq!(large.scenarios[name].scenario, of.scenarios[name].scenario, "{name}");
         assert!(large.scenarios[name].solid);
     }
-    let two_steps = SolidKeys { inner_steps: Some(2), ..SolidKeys::default() };
-    assert_eq!((large.calibration.loads.len(), large.solid), (30, two_steps));
+    let short_steps = SolidKeys { inner_steps: Some(16), ..SolidKeys::default() };
+    assert_eq!((large.calibration.loads.len(), large.solid), (30, short_steps));
 }
 
 #[test]
