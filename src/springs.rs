@@ -116,15 +116,21 @@ pub fn in_other_element(
     }
 }
 
-/// Springs with the published law in place of theirs.
-fn published(springs: SpringsRecord) -> SpringsRecord {
+/// The published law with a horizontal stiffness (kN/m), a mass of the wheel (kg) and factors of the rail beam.
+fn published(horizontal_kn_per_m: f64, wheel_mass_kg: f64, beam: BeamFactors) -> SpringsRecord {
     SpringsRecord {
         source: SpringsSource::Published,
         law: StiffnessLaw::published().into(),
+        table_kn_and_kn_per_m: Vec::new(),
+        horizontal_kn_per_m,
+        wheel_mass_kg,
         reference: None,
         range_kn: None,
+        beam,
+        element_blake3: None,
+        element_displacement: None,
+        element: None,
         notes: vec!["the law is the published one, of UIC 60 and SKS-700, and not of this pair".into()],
-        ..springs
     }
 }
 
@@ -141,22 +147,13 @@ pub fn need_no_calibration(study: &Study) -> bool {
 /// The springs of a study that [needs no calibration](need_no_calibration).
 pub fn without_calibration(study: &Study, geometry: &Geometry) -> Option<SpringsRecord> {
     let horizontal = study.simulation.horizontal.filter(|_| need_no_calibration(study))?;
-    let springs = published(SpringsRecord {
-        source: SpringsSource::Published,
-        law: StiffnessLaw::published().into(),
-        table_kn_and_kn_per_m: Vec::new(),
-        horizontal_kn_per_m: horizontal / KILONEWTON_PER_METRE,
-        wheel_mass_kg: revolved_mass(study, geometry),
-        reference: None,
-        range_kn: None,
-        beam: BeamFactors::default(),
-        element_blake3: None,
-        element_displacement: None,
-        element: None,
-        notes: Vec::new(),
-    });
-    let nothing = "nothing is calibrated: the rail beam is not corrected to the solid rail, and the wheel has the mass of a body of revolution";
-    Some(SpringsRecord { notes: springs.notes.into_iter().chain([nothing.into()]).collect(), ..springs })
+    let mass = revolved_mass(study, geometry);
+    let mut springs = published(horizontal / KILONEWTON_PER_METRE, mass, BeamFactors::default());
+    springs.notes.push(
+        "nothing is calibrated: the rail beam is not corrected to the solid rail, and the wheel has the mass of a body of revolution"
+            .into(),
+    );
+    Some(springs)
 }
 
 /// Whether the wheel's mass is known without its mesh, or never used.
@@ -171,24 +168,29 @@ fn revolved_mass(study: &Study, geometry: &Geometry) -> f64 {
 
 fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
     let horizontal = study.simulation.horizontal.map(|k| k / KILONEWTON_PER_METRE);
-    let common = SpringsRecord {
+    let horizontal_kn_per_m = horizontal.or(stiffness.horizontal_kn_per_m).ok_or_else(|| {
+        InputError::new(
+            "simulation.horizontal_kn_per_m",
+            "(missing)",
+            "a horizontal stiffness, which the calibration did not find",
+            format!("give it; {}", stiffness.horizontal_missing.as_deref().unwrap_or("or calibrate again")),
+        )
+    })?;
+    let table = match study.simulation.law {
+        LawKey::Published => {
+            return Ok(published(horizontal_kn_per_m, stiffness.wheel_mass(), stiffness.beam.factors));
+        }
+        LawKey::Table => stiffness.table(),
+        LawKey::Calibrated => Vec::new(),
+    };
+    let note = accepted_reference(study, "calibration.reference", Some(&stiffness.reference))?;
+    let by_table =
+        (!table.is_empty()).then(|| format!("the law is the table of {} calibrated tangents", table.len()));
+    Ok(SpringsRecord {
         source: SpringsSource::Calibrated,
         law: stiffness.law.constants,
-        table_kn_and_kn_per_m: match study.simulation.law {
-            LawKey::Table => stiffness.table(),
-            LawKey::Calibrated | LawKey::Published => Vec::new(),
-        },
-        horizontal_kn_per_m: horizontal.or(stiffness.horizontal_kn_per_m).ok_or_else(|| {
-            InputError::new(
-                "simulation.horizontal_kn_per_m",
-                "(missing)",
-                "a horizontal stiffness, which the calibration did not find",
-                format!(
-                    "give it; {}",
-                    stiffness.horizontal_missing.as_deref().unwrap_or("or calibrate again")
-                ),
-            )
-        })?,
+        table_kn_and_kn_per_m: table,
+        horizontal_kn_per_m,
         wheel_mass_kg: stiffness.wheel_mass(),
         reference: Some(stiffness.reference.clone()),
         range_kn: Some(stiffness.law.range_kn),
@@ -196,16 +198,8 @@ fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsReco
         element_blake3: None,
         element_displacement: None,
         element: None,
-        notes: Vec::new(),
-    };
-    if study.simulation.law == LawKey::Published {
-        return Ok(published(common));
-    }
-    let note = accepted_reference(study, "calibration.reference", Some(&stiffness.reference))?;
-    let table = &common.table_kn_and_kn_per_m;
-    let by_table =
-        (!table.is_empty()).then(|| format!("the law is the table of {} calibrated tangents", table.len()));
-    Ok(SpringsRecord { notes: note.into_iter().chain(by_table).collect(), ..common })
+        notes: note.into_iter().chain(by_table).collect(),
+    })
 }
 
 /// The springs in SI units.

@@ -31,6 +31,25 @@ impl Error {
     }
 }
 
+/// The outcome of a part whose failure does not end the whole, as an interruption does.
+///
+/// # Errors
+/// An interruption.
+pub fn unless_interrupted<T>(part: Result<T>) -> Result<Result<T>> {
+    match part {
+        Err(Error::Interrupted) => Err(Error::Interrupted),
+        part => Ok(part),
+    }
+}
+
+/// The same with the reason of a failure as a sentence.
+///
+/// # Errors
+/// An interruption.
+pub fn or_reason<T>(part: Result<T>) -> Result<std::result::Result<T, String>> {
+    unless_interrupted(part).map(|part| part.map_err(|error| error.to_string()))
+}
+
 /// Input that cannot be used: where it stands, what it was, what was expected and how to correct it.
 #[derive(Debug, Clone, Error)]
 #[error("{key} = {value}: expected {expected}; {remedy}")]

@@ -1,6 +1,6 @@
 //! Bodies of coarser meshes beside those of a study.
 
-use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::error::{Result, or_reason};
 use railspring_calibrate::mesh::MeshOptions;
 
 use super::zones::extend_zones;
@@ -31,9 +31,5 @@ pub(super) fn on_coarser_meshes<T>(
     if let Some(file) = study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
         return Ok(Err(format!("{} is not meshed by the program", file.file)));
     }
-    match remeshed_with(study, geometry, meshes, options).and_then(|coarser| make(&coarser)) {
-        Ok(made) => Ok(Ok(made)),
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        Err(error) => Ok(Err(error.to_string())),
-    }
+    or_reason(remeshed_with(study, geometry, meshes, options).and_then(|coarser| make(&coarser)))
 }

@@ -1,13 +1,13 @@
 //! The solid model in time with another grid of its contact and with other meshes: what these are worth.
 
 use railspring_calibrate::calibration::ContactField;
-use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::error::{Error, Result, or_reason};
 use railspring_calibrate::history::History;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::superelement::CondensedBody;
-use railspring_calibrate::transient::{ModeCount, RailPath, TransientModel, TransientRun};
+use railspring_calibrate::transient::{ModeCount, OtherRun, RailPath, TransientModel, TransientRun};
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::coarser::{on_coarser_meshes, with_longer_zones};
@@ -17,17 +17,6 @@ use crate::study::Study;
 /// Edges of the other contact elements over those of the study's. The elements of the bodies around them stay: they are those of the
 /// condensed element as well, so that they move both models alike.
 const COARSER: f64 = 1.5;
-
-/// A run that another one is compared with, or why there is none.
-pub(super) type Other = std::result::Result<History, String>;
-
-/// A run that another one is compared with; an interruption ends both.
-pub(super) fn or_reason(run: Result<History>) -> Result<Other> {
-    match run {
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        run => Ok(run.map_err(|error| error.to_string())),
-    }
-}
 
 /// Bodies with coarser contact elements, which move in runs in time.
 pub struct CoarserMoving {
@@ -85,7 +74,7 @@ impl OtherSolids<'_> {
         run: &TransientRun,
         (meshes, own): (&Meshes, &MovingBodies),
         coarser: &(dyn Fn(usize) -> Result<CoarserContact> + Sync),
-    ) -> Result<Vec<(String, Other)>> {
+    ) -> Result<Vec<(String, OtherRun)>> {
         let has_longer = matches!(run.longer, Some(Ok(_)));
         let steps = self.scenario.inner_steps;
         let inner_steps = if has_longer { steps.doubled() } else { steps };

@@ -4,16 +4,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_calibrate::element::PairElement;
-use railspring_calibrate::error::{Error, Result, StopReason};
+use railspring_calibrate::error::{Error, Result, StopReason, or_reason};
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::step_control::InnerSteps;
-use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel, TransientRun};
+use railspring_calibrate::transient::{ModeCount, OtherRun, START_MODES, TransientModel, TransientRun};
 
 use super::bodies::MovingBodies;
-use super::other_solids::{CoarserContact, Other, OtherSolids, or_reason, path_on};
+use super::other_solids::{CoarserContact, OtherSolids, path_on};
 use super::{Geometry, Meshes, contact_field, enforcement, formulation};
 use crate::study::{ContactElementKey, SlidingMatrixKey, Study, StudyScenario, TransientKey};
 use crate::verify::{ModelChange, Spread, StepChange, Worth, disturbed};
@@ -112,9 +112,9 @@ impl Tried {
     fn new(
         scenario: &Scenario,
         history: &History,
-        (inner_steps, other): (InnerSteps, Other),
-        (more_of, larger): (&str, Other),
-        (models_have_longer_steps, models): (bool, Vec<(String, Other)>),
+        (inner_steps, other): (InnerSteps, OtherRun),
+        (more_of, larger): (&str, OtherRun),
+        (models_have_longer_steps, models): (bool, Vec<(String, OtherRun)>),
     ) -> Self {
         let spread = larger.clone().and_then(|larger| Spread::between(history, &larger, more_of));
         let determined_until = spread.as_ref().ok().and_then(|spread| spread.determined_until_s);
@@ -125,7 +125,7 @@ impl Tried {
             StepChange::between([history, &other], lengths, scenario.time_step, determined_until)
         });
         let disturbed = larger.ok().filter(|_| spread.is_ok());
-        let changed = |(with, other): (String, Other)| {
+        let changed = |(with, other): (String, OtherRun)| {
             let change =
                 other.and_then(|other| ModelChange::between([of_models, &other], &with, determined_until));
             change.map_err(|reason| format!("what a run with {with} changes is not known: {reason}"))
@@ -289,7 +289,7 @@ pub fn simulate_solid(
 }
 
 /// What a run of the solid model is worth: what the longer steps and the larger input of the runs beside it change.
-fn tried(scenario: &Scenario, run: &TransientRun, more_of: &str, models: Vec<(String, Other)>) -> Tried {
+fn tried(scenario: &Scenario, run: &TransientRun, more_of: &str, models: Vec<(String, OtherRun)>) -> Tried {
     let longer = run.longer.clone().unwrap_or_else(|| {
         // half the length would take twice as long as the run
         Err("`solid.inner_steps` is 1; of more, half as many are tried as well".into())

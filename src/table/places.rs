@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::error::{Error, Result, unless_interrupted};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::units::MILLIMETRE;
 use rayon::prelude::*;
@@ -256,10 +256,7 @@ impl Pairs for Making<'_, '_> {
     }
 
     fn ready(&self, pair: usize) -> Result<Self::Ready> {
-        match self.case(pair).ready() {
-            Err(Error::Interrupted) => Err(Error::Interrupted),
-            ready => Ok(ready),
-        }
+        unless_interrupted(self.case(pair).ready())
     }
 
     fn at_once(&self, ready: &Self::Ready) -> usize {

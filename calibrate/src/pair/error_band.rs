@@ -14,7 +14,7 @@ use crate::calibration::{
     ContactField, DOWNWARDS, LoadPoint, Pressed, Reference, WheelOnRail, load_points, points_apart,
     press_loads_apart, subtract_bodies,
 };
-use crate::error::{Error, Result};
+use crate::error::{Result, unless_interrupted};
 use crate::monitor::Monitor;
 use nalgebra::{Unit, Vector2};
 use rayon::prelude::*;
@@ -250,10 +250,6 @@ impl<'a> Solid<'a> {
     /// # Errors
     /// An interruption.
     pub fn changed(&self, coarser: Option<&CondensedPair>, monitor: &dyn Monitor) -> Result<Changed> {
-        let unless_interrupted = |part| match part {
-            Err(Error::Interrupted) => Err(Error::Interrupted),
-            part => Ok(part),
-        };
         let (mesh, grid) = rayon::join(
             || coarser.map(|coarser| self.mesh_changes(coarser, monitor)).transpose(),
             || self.grid_changes(monitor),

@@ -4,7 +4,7 @@ use super::beyond::Beyond;
 use super::reduced::ReducedBody;
 use super::run::Run;
 use super::{OtherRun, TransientModel, TransientRun, longest};
-use crate::error::{Error, NumericsError, Result, StopReason};
+use crate::error::{NumericsError, Result, StopReason, or_reason};
 use crate::history::{Ending, History, HistoryRow};
 use crate::monitor::Monitor;
 use crate::newmark::Newmark;
@@ -196,17 +196,6 @@ pub(super) fn longer_steps(
         return Ok(None);
     }
     or_reason(with(&Scenario { inner_steps, ..scenario.clone() })).map(Some)
-}
-
-/// A run that another one is compared with, or why it could not be done.
-///
-/// # Errors
-/// An interruption.
-fn or_reason(run: Result<History>) -> Result<OtherRun> {
-    match run {
-        Err(Error::Interrupted) => Err(Error::Interrupted),
-        run => Ok(run.map_err(|error| error.to_string())),
-    }
 }
 
 /// A run with `count` modes of each body, and how many that is of rail and wheel.
