@@ -17,11 +17,11 @@ const SMOOTHING_MM: u32 = 3;
 
 /// A wheel or a rail.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Body {
-    /// Name of the standard; of a measured profile that of its body.
-    pub standard: String,
-    /// The file of a measured profile.
-    pub file: Option<PathBuf>,
+pub enum Body {
+    /// A standard, by its name.
+    Standard(String),
+    /// A measured profile, by its file.
+    File(PathBuf),
 }
 
 /// A pair with its name.
@@ -38,17 +38,18 @@ pub struct Pair {
 impl Body {
     /// What a reader calls it.
     fn title(&self) -> String {
-        let name = self.file.as_ref().and_then(|file| file.file_name()).map(|name| name.to_string_lossy());
-        name.map_or_else(|| self.standard.clone(), |name| format!("{name} on {}", self.standard))
+        match self {
+            Self::Standard(name) => name.clone(),
+            Self::File(file) => file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        }
     }
 
     /// Its keys with their values as TOML, without their section; the file relative to `folder`.
     fn keys(&self, folder: &Path) -> Vec<(&'static str, String)> {
-        match &self.file {
-            None => vec![("profile", quoted(&self.standard))],
-            Some(file) => vec![
+        match self {
+            Self::Standard(name) => vec![("profile", quoted(name))],
+            Self::File(file) => vec![
                 ("profile_file", quoted(&relative(file, folder).to_string_lossy())),
-                ("standard", quoted(&self.standard)),
                 ("profile_smoothing_mm", SMOOTHING_MM.to_string()),
             ],
         }
@@ -71,10 +72,9 @@ impl Pair {
     pub fn study(&self, file: &Path, load_case: bool, settings: &[Setting]) -> String {
         let folder = file.parent().unwrap_or(Path::new(""));
         let body = |body: &Body| {
-            context! {
-                standard => quoted(&body.standard),
-                file => body.file.as_ref().map(|file| quoted(&relative(file, folder).to_string_lossy())),
-            }
+            let keys = body.keys(folder);
+            let value = |key: &str| keys.iter().find(|(name, _)| *name == key).map(|(_, value)| value);
+            context! { standard => value("profile"), file => value("profile_file") }
         };
         let title = format!("{} on {}", self.wheel.title(), self.rail.title());
         let filled = Environment::new().render_str(
@@ -172,7 +172,7 @@ mod tests {
     use crate::study::Study;
 
     fn pair() -> Pair {
-        let body = |standard: &str| Body { standard: standard.into(), file: None };
+        let body = |standard: &str| Body::Standard(standard.into());
         Pair { name: "mine".into(), wheel: body("S1002"), rail: body("60E1") }
     }
 
@@ -216,11 +216,8 @@ mod tests {
         assert_eq!(at("/m/a.prr", "out"), "/m/a.prr");
         assert_eq!(at("a/b", "a/b/c"), "../../b");
         let file = PathBuf::from("my \"worn\" wheel.whl");
-        let pair = Pair { wheel: Body { file: Some(file), ..pair().wheel }, ..pair() };
+        let pair = Pair { wheel: Body::File(file), ..pair() };
         let text = pair.study(Path::new("out/x/study.toml"), false, &[]);
-        assert!(
-            text.contains("profile_file = \"../../my \\\"worn\\\" wheel.whl\"\nstandard = \"S1002\"\n"),
-            "{text}"
-        );
+        assert!(text.contains("profile_file = \"../../my \\\"worn\\\" wheel.whl\"\n"), "{text}");
     }
 }

@@ -33,6 +33,8 @@ fields! {
     RailName = "rail_name",
     /// The rail's measured head.
     RailHead = "rail_head",
+    /// The body under a measured head.
+    RailBody = "rail_body",
     /// Whether a measured head is placed on the standard section first.
     RailAligned = "rail_aligned",
     /// Part of the file of a measured head that is the profile.
@@ -75,6 +77,8 @@ fields! {
     HubDiameter = "hub_diameter",
     /// Depth of the rim.
     RimDepth = "rim_depth",
+    /// Least thickness of the web.
+    WebThickness = "web_thickness",
     /// Place of the web at the hub.
     WebHubY = "web_hub_y",
     /// Place of the web at the rim.

@@ -99,8 +99,7 @@ impl ContactArgs {
             .chain(self.set.settings().iter().filter(|set| takes(set.key())).cloned())
             .collect();
         let pair = [Given::wheel("WHEEL", wheel), Given::rail("RAIL", rail)];
-        let Named { study, notes, .. } = named(None, pair, &settings).map_err(by_option)?;
-        notes.iter().for_each(|note| remark(note));
+        let Named { study, .. } = named(None, pair, &settings).map_err(by_option)?;
         side_of(&study).map_err(by_option)
     }
 }

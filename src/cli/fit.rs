@@ -68,9 +68,9 @@ pub(super) struct NewArgs {
 pub(super) fn fit(args: &FitArgs) -> Result<bool, Failure> {
     let settings = args.set.settings();
     let pair = [Given::wheel("WHEEL", &args.wheel), Given::rail("RAIL", &args.rail)];
-    let Named { pair, study, notes } = named(None, pair, settings)?;
+    let Named { pair, study } = named(None, pair, settings)?;
     if !args.run.work.quiet {
-        notes.iter().chain([&assumed(&study)]).for_each(|note| remark(note));
+        remark(&assumed(&study));
     }
     let text = |folder: &Path| Ok(pair.study(&folder.join(STUDY), false, settings));
     let results = Results::of("fit").of_study(&study.name);
@@ -83,7 +83,11 @@ fn assumed(study: &Study) -> String {
     let open = study.resolved.iter().filter(|key| {
         !key.given && ASSUMED.iter().any(|(section, name)| key.section == *section && key.key == *name)
     });
-    let open: Vec<String> = open.map(|key| format!("{}.{} = {}", key.section, key.key, key.value)).collect();
+    let mut open: Vec<String> =
+        open.map(|key| format!("{}.{} = {}", key.section, key.key, key.value)).collect();
+    if !study.rail.inclination_given {
+        open.push("rail.inclination = 1:40, or as a measured head has it".into());
+    }
     match open.is_empty() {
         true => "all of the pair is given".into(),
         false => format!("assumed: {}; --set gives others", open.join(", ")),
@@ -100,7 +104,7 @@ pub(super) fn new(args: &NewArgs) -> Result<(), Failure> {
     let folder = stem.parent().unwrap_or(Path::new(""));
     let file = folder.join(format!("{name}.toml"));
     let pair = [Given::wheel("--wheel", &args.wheel), Given::rail("--rail", &args.rail)];
-    let Named { pair, study, notes } = named(Some(&name), pair, args.set.settings()).map_err(by_option)?;
+    let Named { pair, study } = named(Some(&name), pair, args.set.settings()).map_err(by_option)?;
     let text = pair.study(&file, true, args.set.settings());
     let here = Some(folder).filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = OutputFolder::create(here)?;
@@ -108,7 +112,6 @@ pub(super) fn new(args: &NewArgs) -> Result<(), Failure> {
     let written = Study::parse(&file, &text)?;
     debug_assert_eq!(written.keys.springs, study.keys.springs);
     written_new(&folder, &file, &text)?;
-    notes.iter().for_each(|note| remark(note));
     Ok(say(&file.display().to_string())?)
 }
 

@@ -180,14 +180,15 @@ fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMa
 fn published_line(study: &Study, line: Line) -> Line {
     const CONICAL: &str = "EN13715-1in40";
     let wheel = &study.wheel;
-    if wheel.profile == CONICAL && wheel.measured.is_none() {
+    let name = wheel.profile.as_deref().unwrap_or("a body of its own");
+    if name == CONICAL && wheel.measured.is_none() {
         return line;
     }
     let measured = if wheel.measured.is_some() { "measured, on " } else { "" };
     line.noted(format!(
         "another wheel than the published one: {measured}{} of {:.0} mm beside SKS-700, to whose law a conical wheel comes near \
          (data/studies/conical.toml)",
-        wheel.profile,
+        name,
         wheel.tape_diameter / MILLIMETRE
     ))
 }

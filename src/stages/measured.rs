@@ -1,24 +1,28 @@
-//! The measured profiles of a study: read, placed on their standard or checked against it, and prepared.
+//! The measured profiles of a study: read, placed on their standard, checked against it or laid by themselves, and prepared.
 
+use nalgebra::Point2;
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::field::InputField;
+use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile_file::{
     Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, parse,
     prepare,
 };
 use railspring_calibrate::profile_placement::{
-    PlaceOptions, Placed, Reference, Side, find_place, place_profile,
+    Motion, OwnFrame, PlaceOptions, Placed, Reference, Side, TURNED, UNSURE_ROLL, find_place, in_words,
+    place_profile, resembled, sides_of_head,
 };
+use railspring_calibrate::section::{RailSection, rail_section};
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::study::MeasuredSurface;
 
-/// Half of the least inclination in use, 1:40, rad: profiles in the frame of their standard are turned by less.
-const TURNED: f64 = 0.0125;
 /// Distance from the frame of the standard that no instrument's zero explains, m.
 const MOVED: f64 = 1.0 * MILLIMETRE;
 /// The same of a wheel's height, whose origin may be at the worn tread, m.
 const TREAD_WORN: f64 = 5.0 * MILLIMETRE;
+/// The wheel whose flange a profile gets that resembles none.
+const ANY_WHEEL: &str = "S1002";
 /// How much deeper the field side of a head is worn, on the average, from which it is evidently that of the gauge, m.
 const SWAPPED: f64 = 0.3 * MILLIMETRE;
 
@@ -27,20 +31,34 @@ pub(super) struct Surface {
     /// As it was read, in its place.
     pub in_place: MeasuredProfile,
     pub prepared: Prepared,
-    /// How it was placed, if it was.
+    /// How it was placed, if it was laid onto a standard.
     pub placed: Option<Placed>,
+    /// How it was moved from its file, if it was.
+    pub motion: Option<Motion>,
+    /// By how much its roll is unsure, rad.
+    pub unsure_roll: f64,
 }
 
-/// Reads the profile of a study and prepares it. With `profile_aligned` it is placed on the standard; without, one that evidently
-/// lies elsewhere is refused. `tape_circle` is the distance of a wheel's tape circle from its flange back, m.
-pub(super) fn surface(
+/// The body that a measured profile is taken to belong to.
+pub(super) enum Nominal {
+    /// A standard, with what is said of its choice.
+    Standard(String, Finding),
+    /// None that is known: the standard that is most like it, with what is said of that.
+    Like(String, Finding),
+}
+
+/// Reads the profile of a study. `tape_circle` is the distance of a wheel's tape circle from its flange back, m.
+///
+/// # Errors
+/// Those of the file, and a wheel whose flange is at the field side.
+pub(super) fn read(
     measured: &MeasuredSurface,
-    reference: &Reference,
+    kind: ProfileKind,
     tape_circle: Option<f64>,
-) -> Result<Surface> {
+) -> Result<MeasuredProfile> {
     let name = measured.path.display().to_string();
     let options = ReadOptions {
-        kind: Some(reference.kind),
+        kind: Some(kind),
         unit: measured.unit,
         mirror_y: measured.mirrored,
         part: measured.part.clone(),
@@ -49,26 +67,183 @@ pub(super) fn surface(
     };
     let mut profile = parse(&name, &measured.content, &options)?;
     profile.findings.splice(0..0, measured.findings.iter().cloned());
-    let options = PlaceOptions { side_known: measured.mirrored.is_some() };
+    if measured.aligned != Some(true) {
+        turned_over(measured, &profile)?;
+    }
+    Ok(profile)
+}
+
+fn place_options(measured: &MeasuredSurface) -> PlaceOptions {
+    PlaceOptions { side_known: measured.mirrored.is_some() }
+}
+
+/// The standard that a profile belongs to, or the one whose body is most like its own.
+///
+/// # Errors
+/// A profile that has the shape of the other body.
+pub(super) fn nominal(measured: &MeasuredSurface, profile: &MeasuredProfile) -> Result<Nominal> {
+    let kind = profile.kind;
+    let near = match profile.drawn {
+        Some(_) => Vec::new(),
+        None => resembled(profile, Some(kind), place_options(measured)),
+    };
+    let noted = |text: String| Finding::new(FindingKind::Shape, Action::Noted, text);
+    let how = format!("`{}.standard` gives another", kind.name());
+    if let Some(first) = near.first().filter(|first| first.is_standard()) {
+        let tied: Vec<&str> = near[1..].iter().filter(|m| m.ties_with(first)).map(|m| m.name).collect();
+        let also = match tied.is_empty() {
+            true => String::new(),
+            false => format!("; {} would fit as well", tied.join(" and ")),
+        };
+        let text =
+            format!("taken as measured on {}, the nearest of {}{also}; {how}", first.name, in_words(&near));
+        return Ok(Nominal::Standard(first.name.into(), noted(text)));
+    }
+    of_its_kind(measured, profile)?;
+    let like = match (near.first(), kind) {
+        (Some(first), _) => first.name,
+        (None, ProfileKind::Rail) => of_like_width(profile),
+        (None, ProfileKind::Wheel) => ANY_WHEEL,
+    };
+    let off = match near.first() {
+        Some(first) => format!("it fits no standard within its tolerance; the nearest is {first}"),
+        None => "it resembles no standard".to_owned(),
+    };
+    let assumed = match kind {
+        ProfileKind::Rail => format!(
+            "web and foot are assumed to be those of {like}, moved to the measured head; `rail.body` or {how}"
+        ),
+        ProfileKind::Wheel => format!(
+            "the rim, and a flange and a tread where the profile has none, are assumed to be like those of {like}; {how}"
+        ),
+    };
+    Ok(Nominal::Like(like.into(), noted(format!("{off}: {assumed}"))))
+}
+
+/// Refuses a profile that has the shape of the other body.
+fn of_its_kind(measured: &MeasuredSurface, profile: &MeasuredProfile) -> Result<()> {
+    let kind = profile.kind;
+    let other = |f: &Finding| f.kind == FindingKind::Shape && f.action == Action::Left;
+    let options = place_options(measured);
+    let others = || resembled(profile, None, options).into_iter().find(|m| m.kind != kind && m.is_standard());
+    let shape = match profile.findings.iter().find(|f| other(f)) {
+        Some(found) => found.text.clone(),
+        None => match others() {
+            Some(standard) => format!("it has the shape of {standard}"),
+            None => return Ok(()),
+        },
+    };
+    let value = format!("{:?}, {shape}", measured.file);
+    let expected = format!("the profile of a {}", kind.name());
+    let remedy = "the file is that of the other body: give wheel and rail in their order";
+    Err(InputError::new(fields(kind).0, value, expected, remedy).into())
+}
+
+/// The standard rail whose head is as wide as the measured one, or narrower by wear; where the width was not measured, the usual one.
+fn of_like_width(profile: &MeasuredProfile) -> &'static str {
+    const USUAL: &str = "60E1";
+    /// How much wider a measured head may be than its standard, m.
+    const LIP: f64 = 1.0 * MILLIMETRE;
+    let points: Vec<Point2<f64>> = profile.points.iter().map(|p| p.point).collect();
+    let [Some(gauge), Some(field)] = sides_of_head(&points) else { return USUAL };
+    let width = field - gauge;
+    let off = |name: &str| {
+        let own = rail_section(name).map_or(f64::INFINITY, |rail| head_width(&rail));
+        if own + LIP < width { 2.0 * (width - own) } else { own - width }
+    };
+    let nearest = RAIL_NAMES.into_iter().min_by(|a, b| off(a).abs().total_cmp(&off(b).abs()));
+    nearest.filter(|name| off(name).abs() + LIP < off(USUAL).abs()).unwrap_or(USUAL)
+}
+
+/// Width of a head 14 mm below its top, m.
+pub(super) fn head_width(rail: &RailSection) -> f64 {
+    match sides_of_head(&rail.running.sample(0.5 * MILLIMETRE)) {
+        [Some(gauge), Some(field)] => field - gauge,
+        _ => 2.0 * rail.running.point(rail.running.length()).x,
+    }
+}
+
+/// The profile of a study on a standard, prepared; `None` where it does not have that shape. It is placed there where the study wants that, or where it
+/// evidently lies elsewhere.
+///
+/// # Errors
+/// A profile of the other body, a head whose sides are swapped, and what cannot be prepared.
+pub(super) fn on_reference(
+    measured: &MeasuredSurface,
+    profile: &MeasuredProfile,
+    reference: &Reference,
+) -> Result<Option<Surface>> {
+    let options = place_options(measured);
+    let placed = |profile: &MeasuredProfile| {
+        place_profile(profile, reference, options).map_err(|error| in_study(measured, reference.kind, error))
+    };
     let (in_place, placed) = match measured.aligned {
         Some(true) => {
-            let placed = place_profile(&profile, reference, options);
-            let (moved, placed) = placed.map_err(|error| in_study(measured, reference.kind, error, None))?;
+            let (moved, placed) = placed(profile)?;
             (moved, Some(placed))
         }
-        given => {
-            turned_over(measured, &profile)?;
-            let mut checked = profile.clone();
-            // Lines and arcs are no measurement: they say where they lie.
-            if profile.drawn.is_none() {
-                let found = checked_place(measured, &profile, reference, options, given.is_some())?;
+        // Lines and arcs are no measurement: they say where they lie.
+        _ if profile.drawn.is_some() => (profile.clone(), None),
+        given => match checked_place(measured, profile, reference, options, given.is_some())? {
+            Checked::AsItStands(found) => {
+                let mut checked = profile.clone();
                 checked.findings.extend(found);
+                (checked, None)
             }
-            (checked, None)
+            Checked::Unlike => return Ok(None),
+            Checked::Elsewhere(text) => {
+                let (mut moved, placed) = placed(profile)?;
+                let text = format!(
+                    "{text}: placed there; `{}` = false takes it as it stands",
+                    fields(reference.kind).1
+                );
+                moved.findings.push(Finding::new(FindingKind::Aligned, Action::Noted, text));
+                (moved, Some(placed))
+            }
+        },
+    };
+    let prepared = prepare(&in_place, &PrepareOptions { smoothing: measured.smoothing })?;
+    let motion = placed.as_ref().map(|placed| placed.motion);
+    let unsure_roll = placed.as_ref().map_or(0.0, |placed| 2.0 * placed.spread.angle).min(UNSURE_ROLL);
+    Ok(Some(Surface { in_place, prepared, placed, motion, unsure_roll }))
+}
+
+/// The profile of a study of which no standard is known, prepared, in the frame of a body like its own: by its own shape, or as it stands where the study
+/// says so.
+///
+/// # Errors
+/// What cannot be prepared.
+pub(super) fn by_itself(
+    measured: &MeasuredSurface,
+    profile: &MeasuredProfile,
+    frame: impl Fn(&MeasuredProfile) -> Result<OwnFrame>,
+) -> Result<Surface> {
+    let (in_place, motion, unsure_roll) = match measured.aligned {
+        Some(false) => (profile.clone(), None, 0.0),
+        _ if profile.drawn.is_some() => (profile.clone(), None, 0.0),
+        _ => {
+            let OwnFrame { profile, motion, unsure_roll } = frame(profile)?;
+            (profile, Some(motion), unsure_roll)
         }
     };
     let prepared = prepare(&in_place, &PrepareOptions { smoothing: measured.smoothing })?;
-    Ok(Surface { in_place, prepared, placed })
+    Ok(Surface { in_place, prepared, placed: None, motion, unsure_roll })
+}
+
+/// Where a profile lies that the study does not place.
+enum Checked {
+    /// In the frame of its standard, or meant so; with what is said about it.
+    AsItStands(Option<Finding>),
+    /// Evidently elsewhere.
+    Elsewhere(String),
+    /// It does not have the shape of the standard.
+    Unlike,
+}
+
+/// What is said of a profile whose shape is not that of its standard.
+pub(super) fn unlike(standard: &str) -> Finding {
+    let text = format!("it does not have the shape of {standard}, whose body it is laid on by its own shape");
+    Finding::new(FindingKind::Shape, Action::Left, text)
 }
 
 /// The keys of a body: its file, and whether that is placed.
@@ -98,25 +273,30 @@ fn turned_over(measured: &MeasuredSurface, profile: &MeasuredProfile) -> Result<
     Err(InputError::new(InputField::WheelProfile, value, expected, remedy).into())
 }
 
-/// Where a profile that is taken as it stands lies against the standard. Refuses one that evidently lies elsewhere, unless the
-/// study says that it is meant so.
+/// Where a profile lies against the standard that the study does not place. Refuses a head whose sides are swapped, unless the study says that it is meant
+/// so.
 fn checked_place(
     measured: &MeasuredSurface,
     profile: &MeasuredProfile,
     reference: &Reference,
     options: PlaceOptions,
     meant: bool,
-) -> Result<Option<Finding>> {
-    let (head, aligned) = fields(reference.kind);
-    let noted = |kind, text: String| Ok(Some(Finding::new(kind, Action::Noted, text)));
-    let as_meant = format!("if it is meant like that, say so with `{aligned}` = false");
+) -> Result<Checked> {
+    let head = fields(reference.kind).0;
+    let noted = |kind, text: String| Ok(Checked::AsItStands(Some(Finding::new(kind, Action::Noted, text))));
     let placed = match find_place(profile, reference, options) {
         Ok(placed) => placed,
         Err(error) if meant => {
             return noted(FindingKind::Shape, format!("taken as it stands, as requested: {error}"));
         }
-        Err(error) => return Err(in_study(measured, reference.kind, error, Some(&as_meant))),
+        Err(_) => {
+            of_its_kind(measured, profile)?;
+            return Ok(Checked::Unlike);
+        }
     };
+    if placed.motion.mirrored && reference.kind == ProfileKind::Wheel && !meant {
+        return Ok(Checked::Elsewhere("with its flange at the field side".into()));
+    }
     let swapped = match placed.side {
         Side::Outline if placed.motion.mirrored => Some("its two sides are swapped".to_owned()),
         Side::Wear(deeper) if placed.motion.mirrored => {
@@ -126,7 +306,11 @@ fn checked_place(
             );
             if deeper < SWAPPED {
                 let text = format!("{text}: if it is a left rail's, set rail.profile_mirrored = true");
-                return Ok(Some(Finding::new(FindingKind::Mirrored, Action::Left, text)));
+                return Ok(Checked::AsItStands(Some(Finding::new(
+                    FindingKind::Mirrored,
+                    Action::Left,
+                    text,
+                ))));
             }
             Some(text)
         }
@@ -143,26 +327,8 @@ fn checked_place(
         Some(text) if meant => {
             noted(FindingKind::Aligned, format!("{text}: taken as it stands, as requested"))
         }
-        Some(text) => {
-            let canted = match reference.kind {
-                ProfileKind::Rail => "a head that is measured as it lies in the track, canted,",
-                ProfileKind::Wheel => "a profile with another origin or rotation",
-            };
-            let frame = match reference.kind {
-                ProfileKind::Rail => "origin at the unworn top, on the axis, not inclined",
-                ProfileKind::Wheel => "origin at the tape circle, not turned",
-            };
-            Err(InputError::new(
-                head,
-                format!("{:?}, {text}", measured.file),
-                format!("a profile in the frame of its standard: {frame}"),
-                format!(
-                    "{canted} needs `{aligned}` = true, which places it as `railspring profile place` does; {as_meant}"
-                ),
-            )
-            .into())
-        }
-        None => Ok(None),
+        Some(text) => Ok(Checked::Elsewhere(text)),
+        None => Ok(Checked::AsItStands(None)),
     }
 }
 
@@ -188,13 +354,12 @@ fn misplaced(placed: &Placed, reference: &Reference) -> Option<String> {
     ))
 }
 
-/// An error about the shape of a file, with the study's key and what else may be done.
-fn in_study(measured: &MeasuredSurface, kind: ProfileKind, error: Error, more: Option<&str>) -> Error {
+/// An error about the shape of a file, with the study's key.
+fn in_study(measured: &MeasuredSurface, kind: ProfileKind, error: Error) -> Error {
     match error {
         Error::Input(error) => {
-            let more = more.map_or(String::new(), |more| format!("; {more}"));
             let value = format!("{:?}, {}", measured.file, error.value);
-            InputError::new(fields(kind).0, value, error.expected, format!("{}{more}", error.remedy)).into()
+            InputError::new(fields(kind).0, value, error.expected, error.remedy).into()
         }
         other => other,
     }

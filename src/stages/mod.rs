@@ -32,7 +32,7 @@ pub use error_band::{
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use on_standard::{Seams, on_standard};
 pub use other_solids::{CoarserContact, coarser_contact};
-pub use sections::repairs;
+pub use sections::{Assumed, repairs};
 pub use simulate::{Springs, Tried, simulate, simulate_solid};
 pub use zones::{Reached, Within, check_loads, mesh_options, within_zones};
 
@@ -65,6 +65,8 @@ pub struct Geometry {
     pub profiles: Vec<ProfileRecord>,
     /// The same on their standards, for pictures; not the sections of files.
     pub surfaces: Vec<OnStandard>,
+    /// What is assumed of the bodies of measured profiles, of the rail and of the wheel.
+    pub assumed: [Option<Assumed>; 2],
 }
 
 /// The meshes of both bodies.
@@ -88,13 +90,18 @@ pub struct Meshes {
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(study: &Study) -> Result<Geometry> {
-    let sections::Sectioned { section: rail, records: rail_profiles, surface: head } = sections::rail(study)?;
-    let sections::Sectioned { section: wheel, records: wheel_profiles, surface } = sections::wheel(study)?;
+    let sections::Sectioned { section: rail, records: rail_profiles, surface: head, assumed: rail_assumed } =
+        sections::rail(study)?;
+    let sections::Sectioned { section: wheel, records: wheel_profiles, surface, assumed: wheel_assumed } =
+        sections::wheel(study)?;
+    // a head that its file has inclined is laid as it is there
+    let turned =
+        rail_assumed.as_ref().and_then(|assumed| assumed.turned).filter(|_| !study.rail.inclination_given);
     let track = TrackGeometry {
         gauge: study.track.gauge,
         gauge_height: study.track.gauge_height,
         flange_back: study.track.flange_back,
-        inclination: study.rail.inclination,
+        inclination: turned.map_or(study.rail.inclination, f64::tan),
         lateral_shift: study.track.lateral_shift,
     };
     let pair = Pair::new(rail, wheel, &track).map_err(|error| match error {
@@ -107,7 +114,8 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
     let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
     let profiles = rail_profiles.into_iter().chain(wheel_profiles).collect();
     let surfaces = head.into_iter().chain(surface).collect();
-    Ok(Geometry { pair, beam, profiles, surfaces })
+    let assumed = [rail_assumed, wheel_assumed];
+    Ok(Geometry { pair, beam, profiles, surfaces, assumed })
 }
 
 /// Meshes of both bodies: the tool's own with `options`, or those of the study's mesh files, which `interpreter` reads

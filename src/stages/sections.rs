@@ -1,19 +1,25 @@
 //! The two sections of a study: standard ones, those of files, or measured surfaces on these.
 
-use railspring_calibrate::error::Result;
+use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::profile::rail_catalogue::rail_of_dimensions;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
-use railspring_calibrate::profile_file::{Action, ClosedSection, Finding, ProfileKind, sketch_section};
-use railspring_calibrate::profile_placement::{Reference, say_nearest, with_nearest_to};
+use railspring_calibrate::profile_file::{
+    Action, ClosedSection, Finding, FindingKind, Prepared, ProfileKind, sketch_section,
+};
+use railspring_calibrate::profile_placement::{
+    Reference, TURNED, rail_in_own_frame, say_nearest, wheel_in_own_frame, with_nearest_to,
+};
 use railspring_calibrate::section::{
-    RailSection, WheelSection, rail_section, rail_section_on, rail_section_with_head, wheel_section_of,
-    wheel_section_on, wheel_section_with_profile,
+    RailSection, WheelSection, rail_section, rail_section_for_head, rail_section_of, rail_section_on,
+    rail_section_with_head, wheel_section_for_profile, wheel_section_of, wheel_section_on,
+    wheel_section_with_profile,
 };
 
-use super::measured::{Surface, surface};
+use super::measured::{self, Nominal, Surface};
 use super::on_standard::{Seams, on_standard};
 use crate::records::{FindingRecord, ProfileRecord};
 use crate::report::measured::OnStandard;
-use crate::study::{MeasuredSurface, SectionFile, Study};
+use crate::study::{MeasuredSurface, RailBody, SectionFile, Study};
 
 /// The section of a body.
 pub(super) struct Sectioned<S> {
@@ -22,25 +28,78 @@ pub(super) struct Sectioned<S> {
     pub records: Vec<ProfileRecord>,
     /// The measured surface on its standard.
     pub surface: Option<OnStandard>,
+    /// What is assumed of a measured body.
+    pub assumed: Option<Assumed>,
+}
+
+/// What is assumed of the body of a measured profile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assumed {
+    /// The standard whose body is taken, because the profile belongs to none; `None` where its own is known.
+    pub like: Option<String>,
+    /// How the profile was turned from its file, rad, if it was.
+    pub turned: Option<f64>,
+    /// By how much its roll is unsure, rad.
+    pub unsure_roll: f64,
 }
 
 /// Section of the rail.
 pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
     let keys = &study.rail;
     let mut records = Vec::new();
-    let nominal = match own_section(keys.section.as_ref(), ProfileKind::Rail, None, &mut records)? {
-        Some((file, read)) => rail_section_on(file, read.running, read.rest),
-        None => rail_section(&keys.profile)?,
+    let own = own_section(keys.section.as_ref(), ProfileKind::Rail, None, &mut records)?;
+    let own = own.map(|(file, read)| (file, rail_section_on(file, read.running, read.rest)));
+    let Some(file) = &keys.measured else {
+        let section = match own {
+            Some((_, section)) => section,
+            None => rail_section(keys.profile.as_deref().unwrap_or_default())?,
+        };
+        return Ok(Sectioned { section, records, surface: None, assumed: None });
     };
-    let Some(measured) = &keys.measured else {
-        return Ok(Sectioned { section: nominal, records, surface: None });
+    let mut profile = measured::read(file, ProfileKind::Rail, None)?;
+    let (base, known) = match (own, &keys.profile, &keys.body) {
+        (Some((_, section)), ..) => (section, true),
+        (None, Some(standard), _) => (rail_section(standard)?, true),
+        (None, None, Some(RailBody::Standard(name))) => (rail_section(name)?, false),
+        (None, None, Some(RailBody::Drawn(name, dimensions))) => {
+            (rail_section_of(name, rail_of_dimensions(dimensions)?), false)
+        }
+        (None, None, None) => {
+            let (name, found, known) = match measured::nominal(file, &profile)? {
+                Nominal::Standard(name, found) => (name, found, true),
+                Nominal::Like(name, found) => (name, found, false),
+            };
+            profile.findings.push(found);
+            (rail_section(&name)?, known)
+        }
     };
-    let reference = Reference::rail(&nominal);
-    let mut found = surface(measured, &reference, None)?;
-    let section = rail_section_with_head(nominal, &found.prepared.curve, &mut found.prepared.findings)?;
+    let standard = base.name.clone();
+    let reference = Reference::rail(&base);
+    let on_standard = if known { measured::on_reference(file, &profile, &reference)? } else { None };
+    if known && on_standard.is_none() {
+        profile.findings.push(measured::unlike(&standard));
+    }
+    let like = (on_standard.is_none() && keys.body.is_none() && !known).then(|| standard.clone());
+    let joins = on_standard.is_some();
+    let mut found = match on_standard {
+        Some(found) => found,
+        None => {
+            let width = measured::head_width(&base);
+            measured::by_itself(file, &profile, |profile| rail_in_own_frame(profile, width))?
+        }
+    };
+    let Prepared { curve, findings, .. } = &mut found.prepared;
+    let section = match joins {
+        true => joined(
+            findings,
+            |f| rail_section_with_head(base.clone(), curve, f),
+            |f| rail_section_for_head(base.clone(), curve, f),
+        ),
+        false => rail_section_for_head(base, curve, findings),
+    }?;
     let seams = Seams::of_rail(&section);
-    let surface = found.on(measured, &reference, seams, &keys.profile, &mut records);
-    Ok(Sectioned { section, records, surface: Some(surface) })
+    let surface = found.on(file, &reference, seams, &standard, &mut records);
+    Ok(Sectioned { section, records, surface: Some(surface), assumed: Some(found.assumed(like)) })
 }
 
 /// Section of the wheel.
@@ -48,23 +107,78 @@ pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
     let keys = &study.wheel;
     let mut records = Vec::new();
     let own = own_section(keys.section.as_ref(), ProfileKind::Wheel, keys.tape_circle, &mut records)?;
-    let nominal = match own {
-        Some((file, read)) => wheel_section_of(file, read.running, read.rest, keys.tape_diameter)?,
+    let generic = |standard: &str| {
+        let running = wheel_profile_with_flange(standard, &keys.flange)?;
+        wheel_section_on(running, standard, keys.tape_diameter, &keys.body)
+    };
+    let own = match own {
+        Some((file, read)) => Some(wheel_section_of(file, read.running, read.rest, keys.tape_diameter)?),
+        None => keys.profile.as_deref().map(generic).transpose()?,
+    };
+    let Some(file) = &keys.measured else {
+        let section = own.map_or_else(|| generic(""), Ok)?;
+        return Ok(Sectioned { section, records, surface: None, assumed: None });
+    };
+    let tape_circle = keys.tape_circle.or_else(|| own.as_ref().map(from_flange_back));
+    let mut profile = measured::read(file, ProfileKind::Wheel, tape_circle)?;
+    let (base, known) = match own {
+        Some(section) => (section, true),
         None => {
-            let running = wheel_profile_with_flange(&keys.profile, &keys.flange)?;
-            wheel_section_on(running, &keys.profile, keys.tape_diameter, &keys.body)?
+            let (name, found, known) = match measured::nominal(file, &profile)? {
+                Nominal::Standard(name, found) => (name, found, true),
+                Nominal::Like(name, found) => (name, found, false),
+            };
+            let base = generic(&name)?;
+            // a standard may have its tape circle elsewhere
+            if known && keys.tape_circle.is_none() {
+                profile = measured::read(file, ProfileKind::Wheel, Some(from_flange_back(&base)))?;
+            }
+            profile.findings.push(found);
+            (base, known)
         }
     };
-    let Some(measured) = &keys.measured else {
-        return Ok(Sectioned { section: nominal, records, surface: None });
+    let standard = base.name.clone();
+    let reference = Reference::wheel(&base);
+    let on_standard = if known { measured::on_reference(file, &profile, &reference)? } else { None };
+    if known && on_standard.is_none() {
+        profile.findings.push(measured::unlike(&standard));
+    }
+    let like = (on_standard.is_none() && !known).then(|| standard.clone());
+    let joins = on_standard.is_some();
+    let mut found = match on_standard {
+        Some(found) => found,
+        None => {
+            let tape_circle = keys.tape_circle.unwrap_or_else(|| from_flange_back(&base));
+            measured::by_itself(file, &profile, |profile| wheel_in_own_frame(profile, tape_circle))?
+        }
     };
-    let reference = Reference::wheel(&nominal);
-    let tape_circle = keys.tape_circle.unwrap_or_else(|| from_flange_back(&nominal));
-    let mut found = surface(measured, &reference, Some(tape_circle))?;
-    let section = wheel_section_with_profile(nominal, &found.prepared.curve, &mut found.prepared.findings)?;
+    let Prepared { curve, findings, .. } = &mut found.prepared;
+    let moved = |findings: &mut Vec<Finding>| wheel_section_for_profile(&base, curve, &keys.body, findings);
+    let section = match joins {
+        true => joined(findings, |f| wheel_section_with_profile(base.clone(), curve, f), moved),
+        false => moved(findings),
+    }?;
     let seams = Seams::of_wheel(&section);
-    let surface = found.on(measured, &reference, seams, &keys.profile, &mut records);
-    Ok(Sectioned { section, records, surface: Some(surface) })
+    let surface = found.on(file, &reference, seams, &standard, &mut records);
+    Ok(Sectioned { section, records, surface: Some(surface), assumed: Some(found.assumed(like)) })
+}
+
+/// The measured surface joined to its standard, or, where an end of it is too far from that, to a body moved to the measured ends.
+fn joined<S>(
+    findings: &mut Vec<Finding>,
+    join: impl FnOnce(&mut Vec<Finding>) -> Result<S>,
+    moved: impl FnOnce(&mut Vec<Finding>) -> Result<S>,
+) -> Result<S> {
+    let before = findings.len();
+    match join(findings) {
+        Err(Error::Input(error)) => {
+            findings.truncate(before);
+            let text = format!("{}: the body is moved to the measured ends", error.value);
+            findings.push(Finding::new(FindingKind::Joined, Action::Noted, text));
+            moved(findings)
+        }
+        joined => joined,
+    }
 }
 
 /// The section of a study's own file, with its record, if the study has one; the standards that are nearest to it are said.
@@ -92,6 +206,12 @@ fn own_section<'a>(
 }
 
 impl Surface {
+    /// What is assumed of its body, which is `like` that of a standard.
+    fn assumed(&self, like: Option<String>) -> Assumed {
+        let turned = self.motion.map(|motion| motion.angle).filter(|angle| angle.abs() > TURNED);
+        Assumed { like, turned, unsure_roll: self.unsure_roll }
+    }
+
     /// The surface on its section, for the picture; its record is added.
     fn on(
         &self,
@@ -121,7 +241,7 @@ fn from_flange_back(wheel: &WheelSection) -> f64 {
     (-wheel.running.point(0.0).x * NANOMETRES).round() / NANOMETRES
 }
 
-/// What was done to measured profiles, and what is left to be looked at, one line each.
+/// What was done to measured profiles, what is left to be looked at, and what is assumed of their bodies and places, one line each.
 pub fn repairs(profiles: &[ProfileRecord]) -> Vec<String> {
     let line = |profile: &ProfileRecord, finding: &FindingRecord| {
         let lines = match (finding.first_line, finding.last_line) {
@@ -135,11 +255,15 @@ pub fn repairs(profiles: &[ProfileRecord]) -> Vec<String> {
         };
         format!("{}{lines}: {}{value} ({}): {}", profile.file, finding.kind, finding.action, finding.text)
     };
-    let changed = |finding: &&FindingRecord| finding.action != Action::Noted.name();
-    profiles
-        .iter()
-        .flat_map(|profile| profile.findings.iter().filter(changed).map(move |f| line(profile, f)))
-        .collect()
+    let assumes = [FindingKind::Shape, FindingKind::Aligned].map(FindingKind::name);
+    let said = |profile: &ProfileRecord, finding: &FindingRecord| {
+        let surface = [ProfileKind::Rail, ProfileKind::Wheel].iter().any(|kind| profile.body == kind.name());
+        finding.action != Action::Noted.name() || (surface && assumes.contains(&finding.kind.as_str()))
+    };
+    let of = |profile: &ProfileRecord| -> Vec<String> {
+        profile.findings.iter().filter(|f| said(profile, f)).map(|f| line(profile, f)).collect()
+    };
+    profiles.iter().flat_map(of).collect()
 }
 
 fn content_hash(content: &[u8]) -> String {

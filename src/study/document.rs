@@ -16,7 +16,10 @@ use railspring_calibrate::calibration::Reference;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use bodies::{GroupMaterialKeys, Inclination, MeshUnitKey, ProfileUnitKey, RailKeys, WebKey, WheelKeys};
+pub use bodies::{
+    GroupMaterialKeys, Inclination, MeshUnitKey, ProfileUnitKey, RailBodyKey, RailDimensionKeys, RailKeys,
+    WebKey, WheelKeys,
+};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
 pub use scenario::{ForceKeys, ScenarioKeys, SuspensionKeys, TorsionKeys};
 pub use solid::{SolidKeys, TransientKey};

@@ -14,6 +14,7 @@ const ANY: &str = ".*.";
 pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::RailName, &["rail.standard", "rail.profile"]),
     (InputField::RailHead, &["rail.profile_file"]),
+    (InputField::RailBody, &["rail.body"]),
     (InputField::RailAligned, &["rail.profile_aligned"]),
     (InputField::RailProfilePart, &["rail.profile_part"]),
     (InputField::RailProfileUnit, &["rail.profile_unit"]),
@@ -35,6 +36,7 @@ pub(super) const TABLE: &[(InputField, &[&str])] = &[
     (InputField::BoreDiameter, &["wheel.bore_mm"]),
     (InputField::HubDiameter, &["wheel.hub_diameter_mm"]),
     (InputField::RimDepth, &["wheel.rim_depth_mm"]),
+    (InputField::WebThickness, &["wheel.web_thickness_mm"]),
     (InputField::WebHubY, &["wheel.web_hub_y_mm"]),
     (InputField::WebRimY, &["wheel.web_rim_y_mm"]),
     (InputField::WheelMesh, &["wheel.mesh_file"]),

@@ -37,12 +37,12 @@ pub(super) struct SurfaceKeys<'a> {
 }
 
 impl SurfaceKeys<'_> {
-    /// Name of the standard profile, and the measured one if there is one.
+    /// Name of the standard profile, and the measured one if there is one; of a measured one the standard may be left open.
     pub fn resolve(
         &self,
         source: &Source,
         collector: &mut Collector,
-    ) -> Option<(String, Option<MeasuredSurface>)> {
+    ) -> Option<(Option<String>, Option<MeasuredSurface>)> {
         let section = self.section;
         let key = |leaf: &str| format!("{section}.{leaf}");
         let missing = |leaf: &str, meaning: &str| {
@@ -76,13 +76,13 @@ impl SurfaceKeys<'_> {
                 collector.add(&reads, mistake);
             }
             if let Some(own) = self.own {
-                return Some((own.to_owned(), None));
+                return Some((Some(own.to_owned()), None));
             }
-            let name = self.profile.ok_or_else(|| {
-                missing("profile", &format!("{}; or give profile_file and standard", self.meaning))
-            });
+            let name = self
+                .profile
+                .ok_or_else(|| missing("profile", &format!("{}; or give profile_file", self.meaning)));
             let name = collector.take(&reads, name)?;
-            return collector.take(&reads, self.known("profile", name)).map(|name| (name, None));
+            return collector.take(&reads, self.known("profile", name)).map(|name| (Some(name), None));
         };
         if let (Some(name), None) = (self.profile, self.own) {
             let mistake = InputError::new(
@@ -97,14 +97,11 @@ impl SurfaceKeys<'_> {
         let standard = match self.own {
             Some(own) => Some(own.to_owned()),
             None => {
-                let standard = self
-                    .standard
-                    .ok_or_else(|| missing("standard", "what the measured profile is joined to"))
-                    .and_then(|name| self.known("standard", name))
-                    .map_err(|mistake| {
-                        self.with_nearest(mistake, &path, content.as_deref().unwrap_or_default())
-                    });
-                collector.take(&reads, standard)
+                let standard = self.standard.map(|name| self.known("standard", name)).transpose();
+                let standard = standard.map_err(|mistake| {
+                    self.with_nearest(mistake, &path, content.as_deref().unwrap_or_default())
+                });
+                collector.take(&reads, standard)?
             }
         };
         let content = collector.take(&[&key("profile_file")], content);
@@ -131,7 +128,7 @@ impl SurfaceKeys<'_> {
             unit: self.unit.map(ProfileUnitKey::metres),
             mirrored: self.mirrored,
         };
-        Some((standard?, Some(measured)))
+        Some((standard, Some(measured)))
     }
 
     /// Rail or wheel.

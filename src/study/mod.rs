@@ -22,6 +22,7 @@ use std::sync::{Arc, OnceLock};
 
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::profile::rail_catalogue::RailDimensions;
 use railspring_calibrate::profile::wheels::Flange;
 use railspring_calibrate::profile_file::Finding;
 use railspring_calibrate::scenario::Scenario;
@@ -100,14 +101,18 @@ pub struct Study {
 /// The rail.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rail {
-    /// Name of the standard section, or the file of the study's own as the study names it.
-    pub profile: String,
+    /// Name of the standard section, or the file of the study's own as the study names it; of a measured head `None` where its standard is to be found.
+    pub profile: Option<String>,
+    /// The body under a measured head of no standard, if the study gives one.
+    pub body: Option<RailBody>,
     /// The study's own section, in the place of a standard one.
     pub section: Option<SectionFile>,
     /// The measured head that takes the place of the standard's.
     pub measured: Option<MeasuredSurface>,
     /// Inclination as a slope.
     pub inclination: f64,
+    /// Whether the study gives it.
+    pub inclination_given: bool,
     /// Length of the modelled piece, m.
     pub length: f64,
     /// The mesh that takes the place of the tool's own.
@@ -116,11 +121,20 @@ pub struct Rail {
     pub materials: Materials,
 }
 
+/// The body under a measured head.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RailBody {
+    /// That of a standard.
+    Standard(String),
+    /// Drawn from dimensions: what they are called, and the dimensions.
+    Drawn(String, RailDimensions),
+}
+
 /// The wheel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wheel {
-    /// Name of the standard running profile.
-    pub profile: String,
+    /// Name of the standard running profile; of a measured one `None` where its standard is to be found.
+    pub profile: Option<String>,
     /// The study's own section, in the place of a standard profile on a generic body.
     pub section: Option<SectionFile>,
     /// The measured profile that takes the place of the standard's.
@@ -133,6 +147,8 @@ pub struct Wheel {
     pub flange: Flange,
     /// Rim, web and hub.
     pub body: WheelBody,
+    /// Whether the study gives anything of them.
+    pub body_given: bool,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
     /// Its materials.
@@ -375,9 +391,9 @@ impl Study {
 
     /// The pair of rail and wheel that a law of this study belongs to.
     pub fn pair(&self) -> PairRecord {
-        let surface = |standard: &str, measured: &Option<MeasuredSurface>| match measured {
-            Some(measured) => format!("{} on {standard}", measured.file),
-            None => standard.to_owned(),
+        let surface = |standard: &Option<String>, measured: &Option<MeasuredSurface>| {
+            let parts = [measured.as_ref().map(|measured| measured.file.as_str()), standard.as_deref()];
+            parts.into_iter().flatten().collect::<Vec<_>>().join(" on ")
         };
         PairRecord {
             name: format!(

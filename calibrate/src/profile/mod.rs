@@ -12,6 +12,7 @@ mod split;
 mod flange;
 mod rail_drawings;
 pub mod rails;
+pub mod rail_catalogue;
 pub mod lines_and_arcs;
 pub mod wheels;
 

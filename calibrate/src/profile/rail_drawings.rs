@@ -6,23 +6,23 @@ pub struct StandardRail {
     pub name: &'static str,
     /// What it is and, where that is not sure, what it was checked against.
     pub description: &'static str,
-    pub(super) drawing: Drawing,
+    pub(super) drawing: Drawing<'static>,
 }
 
 /// What the drawing of a flat-bottom rail gives, mm; depths count from the top of the rail, slopes are depth over width.
-pub(super) struct Drawing {
-    pub head: Head,
+pub(super) struct Drawing<'a> {
+    pub head: Head<'a>,
     /// Slope of the underside of the head and of the inner top of the foot.
     pub fishing_slope: f64,
     pub web: Web,
     pub foot: Foot,
 }
 
-pub(super) struct Head {
+pub(super) struct Head<'a> {
     /// Radii of the arcs from the crown to the side.
-    pub radii: &'static [f64],
+    pub radii: &'a [f64],
     /// Half-widths at which each radius gives way to the next.
-    pub joints: &'static [f64],
+    pub joints: &'a [f64],
     /// Inclination of the side: width over depth.
     pub side_slope: f64,
     /// Radius of the lower corner, between the straight side and the underside.
@@ -82,7 +82,7 @@ pub(super) struct OuterTop {
 
 impl Neck {
     /// A fillet to a straight side.
-    const fn plain(fillet: f64) -> Self {
+    pub(super) const fn plain(fillet: f64) -> Self {
         Self { fillet, middle: None, side: None }
     }
 
@@ -102,7 +102,7 @@ const fn outer(bend: f64, slope: f64, corner_depth: f64) -> Option<OuterTop> {
 }
 
 /// A rail of the 60 family with the given arcs of the head.
-const fn family_60(radii: &'static [f64], joints: &'static [f64]) -> Drawing {
+const fn family_60(radii: &'static [f64], joints: &'static [f64]) -> Drawing<'static> {
     Drawing {
         head: Head { radii, joints, side_slope: 1.0 / 20.0, lower_corner: 3.0, apex: 51.0 },
         fishing_slope: 1.0 / 2.75,
@@ -122,7 +122,7 @@ const fn family_60(radii: &'static [f64], joints: &'static [f64]) -> Drawing {
 }
 
 /// 40E1 and 41E1, which differ by the corner of the head.
-const fn family_41(radii: &'static [f64], joints: &'static [f64]) -> Drawing {
+const fn family_41(radii: &'static [f64], joints: &'static [f64]) -> Drawing<'static> {
     Drawing {
         head: Head { radii, joints, side_slope: 0.0, lower_corner: 2.0, apex: 43.0 },
         fishing_slope: 1.0 / 3.0,

@@ -53,9 +53,14 @@ pub fn rail_outline(name: &str) -> Result<RailOutline> {
             "choose a known section",
         )
     })?;
-    let (right_head, right_rest) = right_half(&rail.drawing);
+    Ok(outline_of(&rail.drawing))
+}
+
+/// Outline of a drawing.
+pub(super) fn outline_of(drawing: &Drawing<'_>) -> RailOutline {
+    let (right_head, right_rest) = right_half(drawing);
     let scale = |segments: Vec<Segment>| segments.iter().map(|s| s.scaled(MILLIMETRE)).collect();
-    Ok(RailOutline { running: scale(whole_head(&right_head)), rest: scale(whole_rest(&right_rest)) })
+    RailOutline { running: scale(whole_head(&right_head)), rest: scale(whole_rest(&right_rest)) }
 }
 
 /// Running surface of a rail as a smooth curve: joints of the drawing are breakpoints, met tangentially.
@@ -95,7 +100,7 @@ fn through_axis(before: &Segment, after: &Segment) -> Segment {
 }
 
 /// Right half in mm: the head from the axis to the lower end of the side, and the rest down to the axis.
-fn right_half(drawing: &Drawing) -> (Vec<Segment>, Vec<Segment>) {
+fn right_half(drawing: &Drawing<'_>) -> (Vec<Segment>, Vec<Segment>) {
     let Drawing { head, fishing_slope, web, foot } = drawing;
     // Each centre of the head lies on the line from the previous centre through the joint.
     let mut arcs = Vec::new();

@@ -4,7 +4,8 @@
 //! end of the tread, chamfer and field face; of a rail the side of the head that is not worn, its corners, the underside,
 //! web and foot. The fit is robust: points on worn surface lose their weight. [`Placed`] says where the profile lies and how sure that is, which
 //! parts were kept, and how far every point lies from the standard. [`nearest`] names the standards that fit best, and
-//! [`rail_wear`] and [`wheel_wear`] read off what is worn.
+//! [`rail_wear`] and [`wheel_wear`] read off what is worn. A profile of which no standard is known lies as its own shape says
+//! ([`rail_in_own_frame`], [`wheel_in_own_frame`]).
 
 mod reference;
 mod fit;
@@ -14,11 +15,13 @@ mod side;
 mod placed;
 mod nearest;
 mod file;
+mod own_frame;
 mod wear;
 
 pub use file::{find_place, place_profile};
 pub use fit::missing;
 pub use nearest::{Misfit, in_words, nearest, resembled, say_nearest, with_nearest_to};
+pub use own_frame::{OwnFrame, TURNED, UNSURE_ROLL, rail_in_own_frame, sides_of_head, wheel_in_own_frame};
 pub use placed::{Motion, PlaceOptions, Placed, PlacedPoint, Size, Spread, place};
 pub use reference::Reference;
 pub use side::Side;

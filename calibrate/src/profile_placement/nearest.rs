@@ -19,6 +19,9 @@ use crate::units::MILLIMETRE;
 /// Scale on which the misfit is measured, m.
 const SCALE: f64 = 0.1 * MILLIMETRE;
 
+/// Misfit of what wear leaves alone up to which a standard is that of the measurement, m: the tolerances of rolled heads and turned treads are
+/// some tenths of a millimetre.
+const WITHIN: f64 = 0.2 * MILLIMETRE;
 /// Standards that a message names.
 const NAMED: usize = 3;
 /// A section lies as it says.
@@ -39,6 +42,30 @@ pub struct Misfit {
     pub rms: Option<f64>,
     /// The measurement placed on it.
     pub placed: Placed,
+}
+
+impl Misfit {
+    /// Whether this may be the standard of the measurement: its shape and size, and within 0.2 mm (RMS) where wear leaves the surface alone.
+    pub fn is_standard(&self) -> bool {
+        self.placed.fits() && self.placed.size.is_one() && self.rms.is_some_and(|rms| rms <= WITHIN)
+    }
+
+    /// Whether nothing tells this standard from a `better` one: both lie as near to what wear leaves alone, and as much of the profile.
+    pub fn ties_with(&self, better: &Self) -> bool {
+        const SAME: f64 = 0.05;
+        self.is_standard() && self.rank() - better.rank() < SAME
+    }
+
+    /// What the standards are ordered by. Where wear leaves the surface alone, the right standard is as near as the scatter, so that a distance
+    /// twice as large counts as much as 0.3 of the profile being worn: a worn side is no reason for another rail.
+    fn rank(&self) -> f64 {
+        /// Distances below this tell nothing, m: the rounding of files and the form of a surface.
+        const FINE: f64 = 0.01 * MILLIMETRE;
+        /// Distance of a measurement of which nothing lies on such parts, m.
+        const NOTHING: f64 = 0.3 * MILLIMETRE;
+        const TWICE: f64 = 0.3;
+        self.share + TWICE * self.rms.unwrap_or(NOTHING).hypot(FINE).log2()
+    }
 }
 
 impl fmt::Display for Misfit {
@@ -107,7 +134,7 @@ pub fn in_words(misfits: &[Misfit]) -> String {
     misfits.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// The standards by their misfit, the nearest first; of one kind if `kind` is given.
+/// The standards by their misfit, the nearest first ([`Misfit`]); of one kind if `kind` is given.
 ///
 /// # Errors
 /// As [`place`].
@@ -134,7 +161,7 @@ pub fn nearest(
         .into_iter()
         .flatten()
         .collect::<Vec<_>>();
-    found.sort_by(|a, b| a.share.total_cmp(&b.share));
+    found.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
     Ok(found)
 }
 

@@ -104,6 +104,11 @@ pub(super) fn join(
     Ok(Joined { curve, seams })
 }
 
+/// A curve between two of its arc lengths, with its own knots.
+pub(super) fn trimmed(curve: &ProfileCurve, from: f64, to: f64) -> ProfileCurve {
+    ProfileCurve::from_pieces(part(curve, from, to, Samples::Knots))
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
     Start,

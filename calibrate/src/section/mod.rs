@@ -5,7 +5,9 @@ mod properties;
 mod rail;
 mod wheel_body;
 mod wheel;
+mod made;
 
+pub use made::{rail_section_for_head, wheel_section_for_profile};
 pub use properties::AreaProperties;
 pub use rail::{RailSection, rail_section, rail_section_of, rail_section_on, rail_section_with_head};
 pub use wheel::{

@@ -27,8 +27,7 @@ pub enum WebShape {
     },
 }
 
-/// Dimensions of a generic wheel body; the rim is 135 mm wide with its field face at y = 65 mm, or as wide as a profile that ends beyond, the
-/// fillets R30.
+/// Dimensions of a generic wheel body; the fillets between web, rim and hub are R30.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelBody {
     /// Course of the web.
@@ -39,22 +38,26 @@ pub struct WheelBody {
     pub hub_diameter: f64,
     /// Depth of the rim below the tread at the tape circle, m.
     pub rim_depth: f64,
+    /// Thickness of the web where it is thinnest, m, the rest of it in proportion; `None` is 24 mm, of an S web 22 mm.
+    pub web_thickness: Option<f64>,
+    /// Field face of the rim, m from the tape circle; a profile that goes on further has its own.
+    pub field_face: f64,
 }
 
 impl Default for WheelBody {
-    /// Straight web, bore 192 mm, hub 270 mm, rim 65 mm.
+    /// Straight web 24 mm thick, bore 192 mm, hub 270 mm, rim 65 mm deep and 135 mm wide.
     fn default() -> Self {
         Self {
             web: WebShape::Straight,
             bore_diameter: 192.0 * MILLIMETRE,
             hub_diameter: 270.0 * MILLIMETRE,
             rim_depth: 65.0 * MILLIMETRE,
+            web_thickness: None,
+            field_face: 65.0 * MILLIMETRE,
         }
     }
 }
 
-/// Field face of the rim, mm; a profile that goes on further has its own.
-const RIM_FACE: f64 = 65.0;
 /// Radius of the fillets between web, rim and hub, mm.
 const FILLET: f64 = 30.0;
 /// Least length of the web between its fillets, mm.
@@ -103,6 +106,11 @@ impl WheelBody {
         if !(30.0..=150.0).contains(&rim) {
             return out_of(InputField::RimDepth, rim, 30.0, 150.0, "check the depth and its unit");
         }
+        if let Some(web) = self.web_thickness.map(|web| web / MILLIMETRE)
+            && !(8.0..=60.0).contains(&web)
+        {
+            return out_of(InputField::WebThickness, web, 8.0, 60.0, "check the thickness and its unit");
+        }
         const GREATEST: f64 = 1.5;
         let least = 2.0 * MILLIMETRE * (0.5 * hub + rim + 2.0 * FILLET + LEAST_WEB);
         if !(least..=GREATEST).contains(&tape_diameter) {
@@ -127,8 +135,11 @@ impl WheelBody {
     ) -> Result<Vec<Segment>> {
         let (tread_end, flange_start) = (tread_end / MILLIMETRE, flange_start / MILLIMETRE);
         let r0 = radius / MILLIMETRE;
-        let levels =
-            Levels { rim: -self.rim_depth / MILLIMETRE, hub: 0.5 * self.hub_diameter / MILLIMETRE - r0 };
+        let levels = Levels {
+            rim: -self.rim_depth / MILLIMETRE,
+            hub: 0.5 * self.hub_diameter / MILLIMETRE - r0,
+            thicker: self.web_thickness.map_or(1.0, |least| least / self.web.least_thickness()),
+        };
         let bore = 0.5 * self.bore_diameter / MILLIMETRE - r0;
         let ([field, back], [hub_back, hub_face]) = match self.web {
             WebShape::Straight => (straight_sides(&levels, [straight::MIDDLE; 2]), straight::HUB),
@@ -139,7 +150,7 @@ impl WheelBody {
                 (straight_sides(&levels, middle), straight::HUB)
             }
         };
-        let chamfer = (RIM_FACE - tread_end.x).max(0.0);
+        let chamfer = (self.field_face / MILLIMETRE - tread_end.x).max(0.0);
         let rim_face = tread_end.x + chamfer;
         if let WebShape::Conical { hub, rim } = self.web {
             check_room(
@@ -215,10 +226,22 @@ fn check_room(ends: [f64; 2], [low, high]: [f64; 2], field: InputField, value: f
     .into())
 }
 
-/// z of the inner side of the rim and of the hub's surface, mm.
+/// z of the inner side of the rim and of the hub's surface, mm, and how many times the web is as thick as that of its form.
 struct Levels {
     rim: f64,
     hub: f64,
+    thicker: f64,
+}
+
+impl WebShape {
+    /// Least thickness of the web of this form, m.
+    pub fn least_thickness(self) -> f64 {
+        let of = match self {
+            Self::Straight | Self::Conical { .. } => &straight::THICKNESS[..],
+            Self::S => &s_shaped::THICKNESS[..],
+        };
+        of.iter().fold(f64::INFINITY, |least, t| least.min(*t)) * MILLIMETRE
+    }
 }
 
 /// Field side (from rim to hub) and back (from hub to rim) of the straight or conical web with their fillets; `middle` is the place of its middle at the hub's surface
@@ -226,7 +249,7 @@ struct Levels {
 fn straight_sides(levels: &Levels, [hub_y, rim_y]: [f64; 2]) -> [Vec<Segment>; 2] {
     // Half the web's thickness grows linearly from the rim to the hub.
     let [z_hub, z_rim] = [levels.hub - OVERLAP, levels.rim + OVERLAP];
-    let [half_hub, half_rim] = straight::THICKNESS.map(|t| 0.5 * t);
+    let [half_hub, half_rim] = straight::THICKNESS.map(|t| 0.5 * levels.thicker * t);
     let middle = |z: f64| hub_y + (rim_y - hub_y) * (z - levels.hub) / (levels.rim - levels.hub);
     let towards_hub = |side: f64| {
         let at_rim = Point2::new(middle(z_rim) + side * half_rim, z_rim);
@@ -247,7 +270,7 @@ fn straight_sides(levels: &Levels, [hub_y, rim_y]: [f64; 2]) -> [Vec<Segment>; 2
 /// The same of the S web, whose sides are polygons.
 fn s_sides(levels: &Levels) -> [Vec<Segment>; 2] {
     let middle = Clamped::through(&s_shaped::FRACTION, &s_shaped::MIDDLE);
-    let thickness = Clamped::through(&s_shaped::FRACTION, &s_shaped::THICKNESS);
+    let thickness = Clamped::through(&s_shaped::FRACTION, &s_shaped::THICKNESS.map(|t| levels.thicker * t));
     let (z_hub, z_rim) = (levels.hub - OVERLAP, levels.rim + OVERLAP);
     let span = z_rim - z_hub;
     // Point of a side at a fraction of the way from hub to rim, and the unit normal out of the web.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RailKeys {
-    /// Name of the standard section, for instance `60E1` or `UIC60`. Give this, `section_file`, or `profile_file` with `standard`.
+    /// Name of the standard section, for instance `60E1` or `UIC60`. Give this, `section_file` or `profile_file`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile: Option<String>,
@@ -26,10 +26,13 @@ pub struct RailKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile_part: Option<String>,
-    /// Name of the standard section that the measured profile is joined to; none beside `section_file`.
+    /// Name of the standard section that the measured profile is joined to; none beside `section_file`. Left out, the standard that fits within 0.2 mm where wear leaves the head alone, or else a body like the nearest one, moved to the measured head.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub standard: Option<String>,
+    /// The body under a measured head of no `standard`: the name of a standard or of a catalogue's rail (`136RE`, `R65`, `CHN60`), or the dimensions of one. Left out, that of the nearest standard.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<RailBodyKey>,
     /// Smoothing of the measured profile: waves of this length are halved, mm; left out, the points stay where they are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.1, max = 20.0))]
@@ -40,12 +43,12 @@ pub struct RailKeys {
     /// Whether y counts towards the track centre in the profile file, as in that of a left rail: it is then turned over; left out, what the file says or its format has by convention.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_mirrored: Option<bool>,
-    /// Whether the measured head is placed on the standard section (origin, rotation and side found as by `railspring profile place`), or taken as it stands: origin at the unworn top, on the axis, not inclined. Left out, it is taken as it stands, and refused if it is evidently misplaced.
+    /// Whether the measured head is placed on the standard section (origin, rotation and side found as by `railspring profile place`), or taken as it stands: origin at the unworn top, on the axis, not inclined. Left out, it is taken as it stands, and placed if it evidently lies elsewhere; a head of no standard has its highest point as its top, and is turned upright if its two sides are inclined.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_aligned: Option<bool>,
-    /// Inclination towards the track centre, as a ratio `"1:40"` or as a slope `0.025`.
-    #[serde(default = "default_inclination")]
-    pub inclination: Inclination,
+    /// Inclination towards the track centre, as a ratio `"1:40"` or as a slope `0.025`. Left out, 1:40; of a measured head that its file evidently has inclined, as it is there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inclination: Option<Inclination>,
     /// Length of the modelled piece, m; both its ends are held.
     #[serde(default = "default_rail_length")]
     #[schemars(range(min = 0.1, max = 20.0))]
@@ -98,8 +101,34 @@ pub enum Inclination {
     Ratio(String),
 }
 
-fn default_inclination() -> Inclination {
-    Inclination::Ratio("1:40".into())
+/// The body under a measured head.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum RailBodyKey {
+    /// Name of a standard or of a catalogue's rail.
+    Name(#[schemars(length(min = 1))] String),
+    /// Dimensions of a section.
+    Dimensions(RailDimensionKeys),
+}
+
+/// The dimensions of a flat-bottom rail that catalogues give, mm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RailDimensionKeys {
+    /// Height, mm.
+    pub height_mm: f64,
+    /// Width of the foot, mm.
+    pub foot_mm: f64,
+    /// Width of the head 14 mm below its top, mm.
+    pub head_mm: f64,
+    /// Least thickness of the web, mm.
+    pub web_mm: f64,
+    /// Depth of the head, from its top to where the slopes of its underside meet on the axis, mm; left out, 0.28 of the height.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub head_depth_mm: Option<f64>,
+    /// Depth of the foot, from where the slopes of its top meet on the axis to its bottom, mm; left out, 0.175 of the height.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foot_depth_mm: Option<f64>,
 }
 
 fn default_rail_length() -> f64 {
@@ -110,7 +139,7 @@ fn default_rail_length() -> f64 {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WheelKeys {
-    /// Name of the standard running profile, for instance `S1002`. Give this, `section_file`, or `profile_file` with `standard`.
+    /// Name of the standard running profile, for instance `S1002`. Give this, `section_file` or `profile_file`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile: Option<String>,
@@ -126,7 +155,7 @@ pub struct WheelKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub profile_part: Option<String>,
-    /// Name of the standard wheel that the measured profile is joined to; none beside `section_file`.
+    /// Name of the standard wheel that the measured profile is joined to; none beside `section_file`. Left out, the standard that fits within 0.2 mm where wear leaves the profile alone, or else the profile by itself, with a flange and a chamfer like those of the nearest one where it has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub standard: Option<String>,
@@ -140,7 +169,7 @@ pub struct WheelKeys {
     /// Whether y counts towards the track centre in the profile file, as in that of a left wheel: it is then turned over; left out, what the file says or where its flange is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_mirrored: Option<bool>,
-    /// Whether the measured profile is placed on the standard wheel (origin, rotation and side found as by `railspring profile place`), or taken as it stands: origin at the tape circle, not turned. Left out, it is taken as it stands, and refused if it is evidently misplaced.
+    /// Whether the measured profile is placed on the standard wheel (origin, rotation and side found as by `railspring profile place`), or taken as it stands: origin at the tape circle, not turned. Left out, it is taken as it stands, and placed if it evidently lies elsewhere; a profile of no standard is moved to its flange back.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub profile_aligned: Option<bool>,
     /// Distance of the tape circle from the flange back, mm, for a profile or section file that counts from there: MiniProf, columns, drawings. Left out, that of the standard or of the section file beside a profile file (70; 72.231 for the wheels of APTA), and 70 for a section file.
@@ -151,6 +180,10 @@ pub struct WheelKeys {
     #[serde(default = "default_tape_diameter")]
     #[schemars(range(min = 0.3, max = 1.5))]
     pub tape_diameter_m: f64,
+    /// Diameter at the tape circle when the wheel was new, m: what was turned off since is missing from the rim, whose depth is that of the new wheel then. Left out, the wheel is new.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.3, max = 1.5))]
+    pub new_diameter_m: Option<f64>,
     /// Height of the flange, mm: 28, 30 or 32.
     #[serde(default = "default_flange_height")]
     #[schemars(range(min = 28.0, max = 32.0))]
@@ -170,10 +203,14 @@ pub struct WheelKeys {
     #[serde(default = "default_hub_diameter")]
     #[schemars(range(min = 60.0, max = 800.0))]
     pub hub_diameter_mm: f64,
-    /// Depth of the rim below the tread at the tape circle, mm.
+    /// Depth of the rim below the tread at the tape circle, mm; with `new_diameter_m` that of the new wheel.
     #[serde(default = "default_rim_depth")]
     #[schemars(range(min = 30.0, max = 150.0))]
     pub rim_depth_mm: f64,
+    /// Thickness of the web where it is thinnest, mm, the rest of it in proportion; left out, 24, and 22 of an S web.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 8.0, max = 60.0))]
+    pub web_thickness_mm: Option<f64>,
     /// Middle of a conical web at the surface of the hub, mm from the tape circle to the field side; with `body = "conical-web"`.
     #[serde(default = "default_web_hub_y")]
     #[schemars(range(min = -80.0, max = 80.0))]

@@ -1,18 +1,24 @@
 //! Rail and wheel of a study from their keys.
 
 use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::field::InputField;
+use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::profile::rail_catalogue::{
+    CATALOGUE_RAILS, RailDimensions, catalogue_rail, rail_of_dimensions,
+};
 use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile::wheels::{Flange, WHEEL_NAMES, wheel_profile_with_flange};
 use railspring_calibrate::section::{WebShape, WheelBody, wheel_section_on};
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::MILLIMETRE;
 
+use crate::study::check::nearest;
 use crate::study::collect::Collector;
-use crate::study::document::{ElementKey, Inclination, RailKeys, WebKey, WheelKeys};
+use crate::study::document::{ElementKey, Inclination, RailBodyKey, RailKeys, WebKey, WheelKeys};
 use crate::study::fields::translate;
 use crate::study::measured::SurfaceKeys;
 use crate::study::mesh_file::MeshFileKeys;
-use crate::study::{Rail, Source, Wheel};
+use crate::study::{Rail, RailBody, Source, Wheel};
 
 /// `material` and `element`: those of the study.
 pub(super) fn rail(
@@ -22,8 +28,9 @@ pub(super) fn rail(
     collector: &mut Collector,
 ) -> Option<Rail> {
     let inclination = match &keys.inclination {
-        Inclination::Slope(slope) => Ok(*slope),
-        Inclination::Ratio(text) => slope_of(text).ok_or_else(|| {
+        None => Ok(TrackGeometry::standard().inclination),
+        Some(Inclination::Slope(slope)) => Ok(*slope),
+        Some(Inclination::Ratio(text)) => slope_of(text).ok_or_else(|| {
             InputError::new(
                 "rail.inclination",
                 format!("{text:?}"),
@@ -63,16 +70,78 @@ pub(super) fn rail(
     };
     let (mesh, materials) =
         (mesh.resolve(source.path(), collector), mesh.materials(material, element, collector));
+    let body = collector.take(&["rail.body.*"], rail_body(keys));
     let (profile, measured) = surface?;
     Some(Rail {
         profile,
+        body: body?,
         section: section?,
         measured,
         inclination: inclination?,
+        inclination_given: keys.inclination.is_some(),
         length: keys.length_m,
         mesh: mesh?,
         materials: materials?,
     })
+}
+
+/// The body under a measured head.
+fn rail_body(keys: &RailKeys) -> Result<Option<RailBody>, InputError> {
+    let Some(body) = &keys.body else { return Ok(None) };
+    let refuse = |value: String, expected: String, remedy: &str| {
+        Err(InputError::new(InputField::RailBody, value, expected, remedy))
+    };
+    let given = match body {
+        RailBodyKey::Name(name) => format!("{name:?}"),
+        RailBodyKey::Dimensions(_) => "dimensions".into(),
+    };
+    let others = [
+        ("rail.standard", &keys.standard),
+        ("rail.profile", &keys.profile),
+        ("rail.section_file", &keys.section_file),
+    ];
+    if let Some((other, _)) = others.iter().find(|(_, value)| value.is_some()) {
+        return refuse(given, format!("either rail.body or {other}"), "both say what body it is: remove one");
+    }
+    if keys.profile_file.is_none() {
+        let remedy = "the key is the body under a measured head: give its file, or remove the key";
+        return refuse(given, "rail.profile_file beside it".into(), remedy);
+    }
+    match body {
+        RailBodyKey::Name(name) if RAIL_NAMES.contains(&name.as_str()) => {
+            Ok(Some(RailBody::Standard(name.clone())))
+        }
+        RailBodyKey::Name(name) => match catalogue_rail(name) {
+            Some(rail) => Ok(Some(RailBody::Drawn(name.clone(), rail.dimensions()))),
+            None => {
+                let names = RAIL_NAMES.into_iter().chain(CATALOGUE_RAILS.iter().map(|rail| rail.name));
+                let near = nearest(name, names.clone());
+                let near = near.map_or(String::new(), |near| format!("did you mean {near:?}? "));
+                let expected = format!("one of {}", names.collect::<Vec<_>>().join(", "));
+                let remedy = format!(
+                    "{near}another rail is given by its dimensions: height_mm, foot_mm, head_mm, web_mm"
+                );
+                refuse(given, expected, &remedy)
+            }
+        },
+        RailBodyKey::Dimensions(keys) => {
+            let metres = |mm: f64| mm * MILLIMETRE;
+            let dimensions = RailDimensions {
+                height: metres(keys.height_mm),
+                foot: metres(keys.foot_mm),
+                head: metres(keys.head_mm),
+                web: metres(keys.web_mm),
+                head_depth: keys.head_depth_mm.map(metres),
+                foot_depth: keys.foot_depth_mm.map(metres),
+            };
+            let name = format!("a rail {} mm high", keys.height_mm);
+            match rail_of_dimensions(&dimensions) {
+                Ok(_) => Ok(Some(RailBody::Drawn(name, dimensions))),
+                Err(Error::Input(error)) => Err(error),
+                Err(other) => refuse(given, other.to_string(), "check the dimensions"),
+            }
+        }
+    }
 }
 
 /// As [`rail`].
@@ -105,6 +174,16 @@ pub(super) fn wheel(
         height: keys.flange_height_mm * MILLIMETRE,
         thickness: keys.flange_thickness_mm * MILLIMETRE,
     };
+    let turned_off = 0.5 * (keys.new_diameter_m.unwrap_or(keys.tape_diameter_m) - keys.tape_diameter_m);
+    if turned_off < 0.0 {
+        let mistake = InputError::new(
+            "wheel.new_diameter_m",
+            keys.new_diameter_m.unwrap_or_default(),
+            format!("at least wheel.tape_diameter_m = {}, what is left of it", keys.tape_diameter_m),
+            "correct one of the two, or remove the key",
+        );
+        collector.add(&["wheel.new_diameter_m", "wheel.tape_diameter_m"], mistake);
+    }
     let body = WheelBody {
         web: match keys.body {
             WebKey::StraightWeb => WebShape::Straight,
@@ -115,7 +194,9 @@ pub(super) fn wheel(
         },
         bore_diameter: keys.bore_mm * MILLIMETRE,
         hub_diameter: keys.hub_diameter_mm * MILLIMETRE,
-        rim_depth: keys.rim_depth_mm * MILLIMETRE,
+        rim_depth: keys.rim_depth_mm * MILLIMETRE - turned_off,
+        web_thickness: keys.web_thickness_mm.map(|mm| mm * MILLIMETRE),
+        ..WheelBody::default()
     };
     let mesh = MeshFileKeys {
         section: "wheel",
@@ -139,10 +220,11 @@ pub(super) fn wheel(
             collector.add(&[key], InputError::new(key, value, "a conical web beside it", remedy));
         }
     }
+    let standard = profile.as_deref().unwrap_or(ANY_WHEEL);
     if keys.section_file.is_some() {
         refuse_beside_section(source, collector);
-    } else if let Err(Error::Input(mistake)) = wheel_profile_with_flange(&profile, &flange)
-        .and_then(|running| wheel_section_on(running, &profile, keys.tape_diameter_m, &body))
+    } else if let Err(Error::Input(mistake)) = wheel_profile_with_flange(standard, &flange)
+        .and_then(|running| wheel_section_on(running, standard, keys.tape_diameter_m, &body))
     {
         // A flange or a body that the standard cannot have.
         collector.add(&["wheel.*"], translate(mistake, source, None));
@@ -165,6 +247,7 @@ pub(super) fn wheel(
         tape_diameter: keys.tape_diameter_m,
         flange,
         body,
+        body_given: BODY_KEYS.iter().any(|key| source.gives(key)),
         mesh: mesh?,
         materials: materials?,
     })
@@ -172,17 +255,8 @@ pub(super) fn wheel(
 
 /// Refuses the keys of a generic wheel beside a section in a file, which has its own flange and body.
 fn refuse_beside_section(source: &Source, collector: &mut Collector) {
-    const GENERIC: [&str; 8] = [
-        "wheel.flange_height_mm",
-        "wheel.flange_thickness_mm",
-        "wheel.body",
-        "wheel.bore_mm",
-        "wheel.hub_diameter_mm",
-        "wheel.rim_depth_mm",
-        "wheel.web_hub_y_mm",
-        "wheel.web_rim_y_mm",
-    ];
-    for key in GENERIC.into_iter().filter(|key| source.gives(key)) {
+    const FLANGE: [&str; 2] = ["wheel.flange_height_mm", "wheel.flange_thickness_mm"];
+    for key in FLANGE.into_iter().chain(BODY_KEYS).filter(|key| source.gives(key)) {
         let mistake = InputError::new(
             key,
             "given",
@@ -192,6 +266,20 @@ fn refuse_beside_section(source: &Source, collector: &mut Collector) {
         collector.add(&["wheel.section_file"], mistake);
     }
 }
+
+/// Keys of the generic body of a wheel.
+const BODY_KEYS: [&str; 8] = [
+    "wheel.body",
+    "wheel.bore_mm",
+    "wheel.hub_diameter_mm",
+    "wheel.rim_depth_mm",
+    "wheel.web_thickness_mm",
+    "wheel.web_hub_y_mm",
+    "wheel.web_rim_y_mm",
+    "wheel.new_diameter_m",
+];
+/// A standard wheel whose body is checked where the standard of a measured profile is still to be found.
+const ANY_WHEEL: &str = "S1002";
 
 /// Slope of a ratio such as `1:40`.
 fn slope_of(text: &str) -> Option<f64> {
