@@ -17,12 +17,14 @@ mod run;
 mod verdict;
 mod element;
 mod by_angle;
+mod assumed;
 mod error_band;
 mod patches;
 mod scaling;
 mod seal;
 mod step_times;
 
+pub use assumed::{AssumedRecord, AssumedReference, OtherRecord};
 pub use by_angle::{
     AngleLawRecord, BY_ANGLE, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord,
     ShiftTouchRecord, StiffnessByAngleRecord,
@@ -92,6 +94,9 @@ pub struct StiffnessRecord {
     /// What the laws are worth; none where the study does not ask.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_band: Option<ErrorBandRecord>,
+    /// What was assumed of measured profiles, and how far the springs may be off for it; none where all is known, or the study asks for no bands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub assumed: Option<AssumedRecord>,
     /// Where the compliance sits, at some loads.
     pub compliance_split: Vec<ComplianceRecord>,
     /// The largest stresses below the patch, load by load, with the reference in use; none for a contact between elements, which do not
@@ -193,6 +198,10 @@ impl StiffnessRecord {
         }
         let horizontal = self.horizontal.as_ref().and_then(|horizontal| horizontal.error_band.as_ref());
         lines.extend(horizontal.map(HorizontalBandRecord::sentence));
+        if let Some(assumed) = &self.assumed {
+            lines.extend([assumed.sentence(), assumed.range(&self.reference)]);
+            lines.extend(assumed.missing.iter().map(|part| format!("no answer of another body: {part}")));
+        }
         lines
     }
 

@@ -10,7 +10,9 @@ use super::output::{Line, Tone, say, say_line};
 use crate::estimate::Estimate;
 use crate::pipeline::Found;
 use crate::records::crosscheck::{Check, CrosscheckRecord};
-use crate::records::{LawRecord, RunRecord, StiffnessRecord, VerdictOn, VerificationRecord, with_unit};
+use crate::records::{
+    AssumedRecord, LawRecord, RunRecord, StiffnessRecord, VerdictOn, VerificationRecord, with_unit,
+};
 use crate::rounding::{rounded_to, significant};
 use crate::verify::{self, ChangedLimit, NotApplicable};
 
@@ -65,6 +67,9 @@ struct Springs {
     /// Smallest and largest preload of the horizontal stiffness.
     horizontal_range_kn: Option<[f64; 2]>,
     error_band: Option<Band>,
+    /// What was assumed of measured profiles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    assumed: Option<AssumedRecord>,
     /// Why loads of the study are left out, or the horizontal stiffness is missing.
     missing: Vec<String>,
 }
@@ -219,6 +224,7 @@ impl Results {
         lines.extend(self.verdict.iter().flat_map(Verdict::remarks));
         lines.extend(self.springs.iter().flat_map(Springs::lines));
         lines.extend(self.verdict.iter().flat_map(Verdict::lines));
+        lines.extend(self.springs.iter().flat_map(Springs::assumptions));
         lines.extend(self.path.iter().map(Line::plain));
         lines
     }
@@ -241,6 +247,7 @@ impl Springs {
                 tangent: band.and_then(|band| band.tangent),
                 horizontal: horizontal.and_then(|h| h.error_band.as_ref()?.band),
             }),
+            assumed: stiffness.assumed.clone(),
             missing: stiffness.shortened().into_iter().chain(missing).collect(),
         }
     }
@@ -285,6 +292,14 @@ impl Springs {
         let missing = |text: &String| Line::of(Tone::Bad, "missing:").then(Tone::Plain, format!(" {text}"));
         lines.extend(self.missing.iter().map(missing));
         lines
+    }
+
+    /// What was assumed, how far the springs may be off for it, and the keys that say it otherwise.
+    fn assumptions(&self) -> Vec<Line> {
+        let of = |assumed: &AssumedRecord| {
+            [assumed.sentence(), assumed.range(&self.reference), assumed.given_by()]
+        };
+        self.assumed.iter().flat_map(of).map(Line::plain).collect()
     }
 
     fn band(&self) -> String {

@@ -7,6 +7,7 @@ use railspring_calibrate::field::InputField;
 use railspring_calibrate::pair::CondensedPair;
 use railspring_calibrate::units::MILLIMETRE;
 
+use super::bodies::BodySource;
 use super::stage::{Made, REACH, Stage};
 use super::{
     FIGURES, LOAD_CURVE, PATCHES, Pipeline, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION, load_curve,
@@ -15,9 +16,13 @@ use super::{
 use crate::estimate::Work;
 use crate::measure::Stopwatch;
 use crate::output::to_json;
-use crate::records::{ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Sealed, StiffnessRecord, to_csv};
+use crate::records::{
+    AssumedRecord, ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Sealed, StiffnessRecord, to_csv,
+};
 use crate::results::NewFile;
-use crate::stages::{self, Calibration, CoarserBodies, Geometry, Meshes, PressedStudy, Reached, Within};
+use crate::stages::{
+    self, Calibration, CoarserBodies, FoundSprings, Geometry, Meshes, PressedStudy, Reached, Within,
+};
 use crate::store::{Address, Artefact};
 use crate::study::Study;
 
@@ -83,6 +88,7 @@ impl Stage for Calibrate {
             None => at.found_springs()?,
         };
         let FoundOn { meshes, condensed, pressed, coarser, band, refused, watch } = springs;
+        at.resources.monitor.notice(&stages::law_so_far(at.study, pressed.found()));
         at.watch = watch.or(at.watch.take());
         let (study, geometry) = (at.study, at.geometry()?);
         let fields = || stages::calibrate(study, &geometry, &meshes, &condensed, &pressed);
@@ -100,6 +106,7 @@ impl Stage for Calibrate {
                 record.error_band = horizontal;
             }
         }
+        calibration.stiffness.assumed = at.assumed(&geometry, &meshes, pressed.found())?;
         let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
         let reach = at.go_on_with(meshes);
         at.condensed = (study.wants_by_angle() || study.modes() > 0).then_some(condensed);
@@ -203,6 +210,21 @@ impl Pipeline<'_> {
     /// The bodies of coarser meshes.
     pub(super) fn coarser(&self, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
         self.body_source().coarser(self.study, geometry, meshes)
+    }
+
+    /// What was assumed of the bodies, with others in their place.
+    fn assumed(
+        &self,
+        geometry: &Geometry,
+        meshes: &Meshes,
+        found: &FoundSprings,
+    ) -> Result<Option<AssumedRecord>> {
+        let (study, monitor) = (self.study, self.resources.monitor);
+        let condense = |geometry: &Geometry, meshes: &Meshes| {
+            let source = BodySource { foot_held: false, ..self.body_source() };
+            source.condensed(&stages::solids(study, geometry, meshes), " of another pair", 0)
+        };
+        stages::assumed(study, geometry, meshes, found, condense, monitor)
     }
 
     /// The error bands; `coarser` are the bodies of coarser meshes, if they are there.

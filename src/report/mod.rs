@@ -187,6 +187,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "horizontal": first_screen::horizontal(&stiffness),
             "shortened": stiffness.shortened(),
             "worth": tables::worth(&stiffness),
+            "assumed": tables::assumed(&stiffness),
             "worth_by_angle": data.by_angle.and_then(by_angle::worth),
             "scenarios": scenarios,
             "crosscheck": chapter,

@@ -4,7 +4,7 @@ use railspring_calibrate::history::Ending;
 use serde::Serialize;
 
 use crate::records::{
-    BandPointRecord, ElementVerdict, ResolvedKey, RunRecord, ScenarioVerdict, StiffnessRecord,
+    BandPointRecord, ElementVerdict, OtherRecord, ResolvedKey, RunRecord, ScenarioVerdict, StiffnessRecord,
     VerificationRecord,
 };
 use crate::rounding::with_minus_signs;
@@ -219,6 +219,39 @@ pub(super) struct Worth {
     lines: Vec<String>,
     /// Load, kN, and in per cent: grid, meshes and band of the displacement, the same of the tangent.
     rows: Vec<[String; 7]>,
+}
+
+/// What was assumed of measured profiles, as the page shows it.
+#[derive(Debug, Serialize)]
+pub(super) struct AssumedRows {
+    /// The keys that say it otherwise.
+    keys: String,
+    /// Part, what it is, and in per cent the changes of displacement and tangent with the reference in use and of the approach alone, and of the horizontal
+    /// stiffness.
+    rows: Vec<[String; 7]>,
+}
+
+/// What other bodies and places do, if anything was assumed.
+pub(super) fn assumed(stiffness: &StiffnessRecord) -> Option<AssumedRows> {
+    let record = stiffness.assumed.as_ref()?;
+    let percent =
+        |change: Option<f64>| change.map_or_else(|| "\u{2013}".into(), |change| number(1e2 * change));
+    let of = |changes: &[(String, f64)], reference: &str| {
+        percent(changes.iter().find(|(name, _)| name == reference).map(|(_, change)| *change))
+    };
+    let row = |other: &OtherRecord| {
+        let in_use = &stiffness.reference;
+        [
+            other.part.clone(),
+            other.name.clone(),
+            of(&other.displacement, in_use),
+            of(&other.tangent, in_use),
+            of(&other.displacement, "local"),
+            of(&other.tangent, "local"),
+            percent(other.horizontal),
+        ]
+    };
+    Some(AssumedRows { keys: record.keys.join(", "), rows: record.others.iter().map(row).collect() })
 }
 
 /// The error band of the law in use, if there is one.

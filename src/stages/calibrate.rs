@@ -24,10 +24,11 @@ use super::patches::{below_record, chosen, patch_record};
 use super::{FieldFile, Geometry, Meshes, contact_field, enforcement, solids};
 use crate::records::{
     BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HertzRecord,
-    HorizontalPointRecord, HorizontalRecord, LawRecord, LoadCurveRow, LoadEndRecord, PatchesRecord,
-    PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord,
-    TouchRecord,
+    HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, LoadEndRecord,
+    PatchesRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TableRecord,
+    TangentRecord, TouchRecord,
 };
+use crate::rounding::significant;
 use crate::store::{Address, Kind};
 use crate::study::{EnforcementKey, MeshFile, Study};
 use crate::version;
@@ -186,6 +187,7 @@ pub fn calibrate(
         beam: beam_record(beam, geometry, &laws.beam, stiffness.filter(|_| in_series.is_some())),
         references: laws.iter().map(|(_, law)| reference_record(law)).collect::<Result<_>>()?,
         error_band: None,
+        assumed: None,
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
         subsurface: in_use.points.iter().zip(&below).filter_map(subsurface_record).collect(),
         penalty: PenaltyRecord {
@@ -240,6 +242,22 @@ pub fn calibrate(
     };
     let horizontal_failure = horizontal_failure.clone();
     Ok((Calibration { stiffness: record, load_curve, patches, horizontal_failure }, fields))
+}
+
+/// The springs as they were found, before their error bands, in a line.
+pub fn law_so_far(study: &Study, found: &FoundSprings) -> String {
+    let reference = Reference::from(study.calibration.reference);
+    let law = found.laws.get(reference).map(|law| law.fit.law);
+    let law = law.map_or_else(String::new, |law| {
+        let LawConstants { a_kn_per_m, b_kn_per_m, c, f0_kn } = law.into();
+        let [a, b, c] = [a_kn_per_m, b_kn_per_m, c].map(|value| significant(value, 4));
+        format!("k(f) = {a} + {b}\u{b7}(f/{f0_kn} kN)^{c} kN/m against {}", reference.name())
+    });
+    let horizontal = found.horizontal.as_ref().map_or_else(
+        || "no horizontal stiffness".to_owned(),
+        |h| format!("k_h = {} kN/m", significant(h.stiffness / KILONEWTON_PER_METRE, 4)),
+    );
+    format!("law: {law}, {horizontal}; error bands and laws by contact angle follow")
 }
 
 /// Address of the calibration of a study, with its fields for other programs.

@@ -9,8 +9,8 @@ use railspring_calibrate::profile_file::{
     prepare,
 };
 use railspring_calibrate::profile_placement::{
-    Motion, OwnFrame, PlaceOptions, Placed, Reference, Side, TURNED, UNSURE_ROLL, find_place, in_words,
-    place_profile, resembled, sides_of_head,
+    Motion, OwnFrame, PlaceOptions, Placed, Reference, Side, TURNED, UNSURE_ROLL, WIDTH_DEPTH, find_place,
+    in_words, place_profile, resembled, sides_of_head,
 };
 use railspring_calibrate::section::{RailSection, rail_section};
 use railspring_calibrate::units::MILLIMETRE;
@@ -145,7 +145,7 @@ fn of_like_width(profile: &MeasuredProfile) -> &'static str {
     /// How much wider a measured head may be than its standard, m.
     const LIP: f64 = 1.0 * MILLIMETRE;
     let points: Vec<Point2<f64>> = profile.points.iter().map(|p| p.point).collect();
-    let [Some(gauge), Some(field)] = sides_of_head(&points) else { return USUAL };
+    let [Some(gauge), Some(field)] = sides_of_head(&points, WIDTH_DEPTH) else { return USUAL };
     let width = field - gauge;
     let off = |name: &str| {
         let own = rail_section(name).map_or(f64::INFINITY, |rail| head_width(&rail));
@@ -157,7 +157,7 @@ fn of_like_width(profile: &MeasuredProfile) -> &'static str {
 
 /// Width of a head 14 mm below its top, m.
 pub(super) fn head_width(rail: &RailSection) -> f64 {
-    match sides_of_head(&rail.running.sample(0.5 * MILLIMETRE)) {
+    match sides_of_head(&rail.running.sample(0.5 * MILLIMETRE), WIDTH_DEPTH) {
         [Some(gauge), Some(field)] => field - gauge,
         _ => 2.0 * rail.running.point(rail.running.length()).x,
     }

@@ -10,6 +10,7 @@ mod calibrate;
 mod zones;
 mod coarser;
 mod error_band;
+mod assumed;
 mod by_angle;
 mod crosscheck;
 mod mesh_files;
@@ -19,11 +20,12 @@ mod sections;
 mod other_solids;
 mod simulate;
 
+pub use assumed::assumed;
 pub use bodies::{MovingBodies, solids};
 pub use by_angle::{PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y, with_element};
 pub use calibrate::{
     Calibration, FoundSprings, PressedStudy, calibrate, calibration_address, check_friction,
-    contact_conditions, press,
+    contact_conditions, law_so_far, press,
 };
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
 pub use error_band::{

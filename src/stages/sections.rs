@@ -1,6 +1,7 @@
 //! The two sections of a study: standard ones, those of files, or measured surfaces on these.
 
 use railspring_calibrate::error::{Error, Result};
+use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile::rail_catalogue::rail_of_dimensions;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::profile_file::{
@@ -37,6 +38,10 @@ pub(super) struct Sectioned<S> {
 pub struct Assumed {
     /// The standard whose body is taken, because the profile belongs to none; `None` where its own is known.
     pub like: Option<String>,
+    /// The section that it was laid on.
+    pub base: String,
+    /// The profile in its place, prepared.
+    pub curve: ProfileCurve,
     /// How the profile was turned from its file, rad, if it was.
     pub turned: Option<f64>,
     /// By how much its roll is unsure, rad.
@@ -99,7 +104,7 @@ pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
     }?;
     let seams = Seams::of_rail(&section);
     let surface = found.on(file, &reference, seams, &standard, &mut records);
-    Ok(Sectioned { section, records, surface: Some(surface), assumed: Some(found.assumed(like)) })
+    Ok(Sectioned { section, records, surface: Some(surface), assumed: Some(found.assumed(like, standard)) })
 }
 
 /// Section of the wheel.
@@ -160,7 +165,7 @@ pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
     }?;
     let seams = Seams::of_wheel(&section);
     let surface = found.on(file, &reference, seams, &standard, &mut records);
-    Ok(Sectioned { section, records, surface: Some(surface), assumed: Some(found.assumed(like)) })
+    Ok(Sectioned { section, records, surface: Some(surface), assumed: Some(found.assumed(like, standard)) })
 }
 
 /// The measured surface joined to its standard, or, where an end of it is too far from that, to a body moved to the measured ends.
@@ -206,10 +211,11 @@ fn own_section<'a>(
 }
 
 impl Surface {
-    /// What is assumed of its body, which is `like` that of a standard.
-    fn assumed(&self, like: Option<String>) -> Assumed {
+    /// What is assumed of its body on the section `base`, which is `like` that of a standard.
+    fn assumed(&self, like: Option<String>, base: String) -> Assumed {
         let turned = self.motion.map(|motion| motion.angle).filter(|angle| angle.abs() > TURNED);
-        Assumed { like, turned, unsure_roll: self.unsure_roll }
+        let (curve, unsure_roll) = (self.prepared.curve.clone(), self.unsure_roll);
+        Assumed { like, base, curve, turned, unsure_roll }
     }
 
     /// The surface on its section, for the picture; its record is added.

@@ -9,6 +9,7 @@ pub mod dxf;
 mod place;
 mod programs;
 mod random;
+pub mod shapes;
 
 use std::collections::BTreeSet;
 use std::io::Write;

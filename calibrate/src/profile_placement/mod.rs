@@ -13,15 +13,17 @@ mod starts;
 mod noise;
 mod side;
 mod placed;
+mod own_frame;
 mod nearest;
 mod file;
-mod own_frame;
 mod wear;
 
 pub use file::{find_place, place_profile};
 pub use fit::missing;
 pub use nearest::{Misfit, in_words, nearest, resembled, say_nearest, with_nearest_to};
-pub use own_frame::{OwnFrame, TURNED, UNSURE_ROLL, rail_in_own_frame, sides_of_head, wheel_in_own_frame};
+pub use own_frame::{
+    OwnFrame, TURNED, UNSURE_ROLL, WIDTH_DEPTH, rail_in_own_frame, sides_of_head, wheel_in_own_frame,
+};
 pub use placed::{Motion, PlaceOptions, Placed, PlacedPoint, Size, Spread, place};
 pub use reference::Reference;
 pub use side::Side;

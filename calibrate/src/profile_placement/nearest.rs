@@ -5,8 +5,10 @@ use std::fmt;
 use nalgebra::Point2;
 use rayon::prelude::*;
 
+use super::own_frame::{WIDTH_DEPTH, sides_of_head};
 use super::placed::{PlaceOptions, Placed, PlacedPoint, place};
 use super::reference::Reference;
+use super::side::Side;
 use crate::error::{Error, InputError, Result};
 use crate::profile::polyline;
 use crate::profile::rails::RAIL_NAMES;
@@ -22,6 +24,8 @@ const SCALE: f64 = 0.1 * MILLIMETRE;
 /// Misfit of what wear leaves alone up to which a standard is that of the measurement, m: the tolerances of rolled heads and turned treads are
 /// some tenths of a millimetre.
 const WITHIN: f64 = 0.2 * MILLIMETRE;
+/// Share of the profile off a standard from which its sides are looked at.
+const MOSTLY: f64 = 0.5;
 /// Standards that a message names.
 const NAMED: usize = 3;
 /// A section lies as it says.
@@ -42,12 +46,16 @@ pub struct Misfit {
     pub rms: Option<f64>,
     /// The measurement placed on it.
     pub placed: Placed,
+    /// Whether the head is its own mirror image, while on this standard one of its sides is worn: it is rather a narrower head.
+    pub narrower: bool,
 }
 
 impl Misfit {
-    /// Whether this may be the standard of the measurement: its shape and size, and within 0.2 mm (RMS) where wear leaves the surface alone.
+    /// Whether this may be the standard of the measurement: its shape and size, within 0.2 mm (RMS) where wear leaves the surface alone, and no narrower
+    /// head.
     pub fn is_standard(&self) -> bool {
-        self.placed.fits() && self.placed.size.is_one() && self.rms.is_some_and(|rms| rms <= WITHIN)
+        let like = self.placed.fits() && self.placed.size.is_one() && !self.narrower;
+        like && self.rms.is_some_and(|rms| rms <= WITHIN)
     }
 
     /// Whether nothing tells this standard from a `better` one: both lie as near to what wear leaves alone, and as much of the profile.
@@ -154,7 +162,8 @@ pub fn nearest(
             Ok(placed.map(|placed| {
                 let share = misfit(&reference, &placed);
                 let rms = off_unworn(&reference, &placed);
-                Misfit { name, kind, share, rms, placed }
+                let narrower = share > MOSTLY && is_narrower(&placed);
+                Misfit { name, kind, share, rms, placed, narrower }
             }))
         })
         .collect::<Result<Vec<Option<_>>>>()?
@@ -178,6 +187,27 @@ fn off_unworn(reference: &Reference, placed: &Placed) -> Option<f64> {
     let better = if mean(gauge) < mean(field) { gauge } else { field };
     let (sum, count) = (body.0 + better.0, body.1 + better.1);
     (count > 0).then(|| mean((sum, count)).sqrt())
+}
+
+/// Whether a head that has one side worn on a standard is its own mirror image: wear does not make one side what the other was made like.
+fn is_narrower(placed: &Placed) -> bool {
+    /// Wear of a side that is looked at, m, on the average; and how much of it two like sides differ by.
+    const WORN: f64 = 0.3 * MILLIMETRE;
+    const LIKE: f64 = 0.25;
+    /// Depths below the top at which the halves are compared, m, against those 14 mm below it.
+    const DEPTHS: [f64; 5] = [6.0, 7.5, 9.0, 10.5, 12.0];
+    let Side::Wear(worn) = placed.side else { return false };
+    let points: Vec<Point2<f64>> = placed.points.iter().map(|p| p.point).collect();
+    let halves = |depth: f64| match sides_of_head(&points, depth) {
+        [Some(gauge), Some(field)] => Some([gauge, field]),
+        _ => None,
+    };
+    let Some([gauge, field]) = halves(WIDTH_DEPTH) else { return false };
+    let middle = 0.5 * (gauge + field);
+    let unlike = DEPTHS
+        .iter()
+        .map(|depth| halves(depth * MILLIMETRE).map_or(f64::INFINITY, |[g, f]| (f + g - 2.0 * middle).abs()));
+    worn > WORN && unlike.fold(0.0, f64::max) < LIKE * worn
 }
 
 /// Share of the points off the standard; a little off counts a little, material beyond the standard four times.

@@ -13,7 +13,7 @@ use crate::profile_file::{Action, Finding, FindingKind, MeasuredProfile, repaire
 use crate::units::MILLIMETRE;
 
 /// Depth at which the width of a head is measured, m.
-const WIDTH_DEPTH: f64 = 14.0 * MILLIMETRE;
+pub const WIDTH_DEPTH: f64 = 14.0 * MILLIMETRE;
 /// Half of the chord whose direction is that of the surface, m.
 const HALF_CHORD: f64 = 1.0 * MILLIMETRE;
 /// Step at which a profile is followed, m.
@@ -34,13 +34,13 @@ pub struct OwnFrame {
     pub unsure_roll: f64,
 }
 
-/// Half the width of a head towards the gauge (first) and the field side at 14 mm below its top, m, both counted from its highest point's y = 0 frame;
-/// `None` for a side that the profile does not reach.
-pub fn sides_of_head(points: &[Point2<f64>]) -> [Option<f64>; 2] {
+/// y at which a head crosses the level `depth` (m) below its highest point on the gauge side (first) and on the field side, m; `None` for a side that the
+/// profile does not reach.
+pub fn sides_of_head(points: &[Point2<f64>], depth: f64) -> [Option<f64>; 2] {
     let Some(top) = (0..points.len()).min_by(|&a, &b| points[a].y.total_cmp(&points[b].y)) else {
         return [None; 2];
     };
-    let level = points[top].y + WIDTH_DEPTH;
+    let level = points[top].y + depth;
     let crossing = |a: &Point2<f64>, b: &Point2<f64>| {
         ((a.y - level) * (b.y - level) <= 0.0 && a.y != b.y)
             .then(|| a.x + (level - a.y) / (b.y - a.y) * (b.x - a.x))
@@ -105,7 +105,7 @@ pub fn rail_in_own_frame(profile: &MeasuredProfile, width: f64) -> Result<OwnFra
     let turn = Rotation2::new(angle);
     let upright: Vec<Point2<f64>> = points.iter().map(|p| turn * p).collect();
     let top = upright.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
-    let across = match sides_of_head(&upright) {
+    let across = match sides_of_head(&upright, WIDTH_DEPTH) {
         // the field side is the one that wear leaves alone; a head wider than the body's keeps its middle
         [Some(gauge), Some(field)] if field - gauge < width => field - 0.5 * width,
         [Some(gauge), Some(field)] => 0.5 * (gauge + field),

@@ -245,16 +245,17 @@ pub fn wheel_section_for_profile(
     let back_at = if flange.descent < -BACK { by_flange.x } else { 0.0 };
     // towards the field side
     let out = places(profile, seen_middle, 1.0);
-    let chamfer = out.iter().position(|p| p.point.x > FIELD_SIDE && p.descent.abs() > CHAMFER);
+    let at_chamfer = |p: &Place| p.point.x > FIELD_SIDE && p.descent.abs() > CHAMFER;
+    let chamfer = out.iter().position(at_chamfer);
     let tread = out[chamfer.map_or(out.len() - 1, |at| at.max(1) - 1)];
     let own_out = places(like, own_middle, 1.0);
+    let own_chamfer = own_out.iter().position(at_chamfer);
+    let own_out = &own_out[..own_chamfer.unwrap_or(own_out.len()).max(1)];
     let own_end = own_out[own_out.len() - 1];
+    let across = |place: &Place| (place.point.x - tread.point.x).abs();
     let at_tread = match chamfer.is_some() || tread.point.x > own_end.point.x {
         true => own_end,
-        false => *own_out
-            .iter()
-            .min_by(|a, b| (a.point.x - tread.point.x).abs().total_cmp(&(b.point.x - tread.point.x).abs()))
-            .unwrap_or(&own_end),
+        false => *own_out.iter().min_by(|a, b| across(a).total_cmp(&across(b))).unwrap_or(&own_end),
     };
     let mut displaced: Vec<Displaced> =
         vec![(0.0, Vector2::new(back_at, by_flange.y * f64::from(back_at != 0.0)))];

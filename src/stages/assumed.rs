@@ -1,0 +1,303 @@
+//! What springs of measured profiles hang on that nobody has said: the pair is pressed with other bodies, and in other places, in the place of the assumed
+//! ones.
+//!
+//! A wheel of which only the profile is known may have any web, rim and hub; a rail of which only the head is known any web and foot; a head whose
+//! sides do not show it may be inclined in its file. The others are the ends of what is in use: a thin straight web under a thin rim, a thick one
+//! under a thick rim with a large hub, and an S web; the standard rails next lighter and next heavier than what was assumed; the roll to either side by as much as it is unsure.
+
+use railspring_calibrate::calibration::{LoadPoint, Reference};
+use railspring_calibrate::error::{Result, or_reason};
+use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::monitor::Monitor;
+use railspring_calibrate::pair::{CondensedPair, Laws, Pair};
+use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::profile::rails::RAIL_NAMES;
+use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
+use railspring_calibrate::section::{
+    RailSection, WebShape, WheelBody, WheelSection, rail_section, rail_section_for_head,
+    wheel_section_for_profile, wheel_section_on,
+};
+use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
+
+use super::calibrate::{FoundSprings, contact_conditions};
+use super::zones::mesh_options;
+use super::{Geometry, Meshes};
+use crate::records::{AssumedRecord, AssumedReference, OtherRecord};
+use crate::study::Study;
+
+/// Loads under which others are compared, at most.
+const LOADS: usize = 6;
+/// Keys that tell the body of a wheel.
+const WHEEL_KEYS: [&str; 4] =
+    ["wheel.body", "wheel.web_thickness_mm", "wheel.rim_depth_mm", "wheel.hub_diameter_mm"];
+
+/// Which part of a pair another one takes the place of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Rail,
+    Wheel,
+    Place,
+}
+
+impl Part {
+    const ALL: [Self; 3] = [Self::Rail, Self::Wheel, Self::Place];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Rail => "rail",
+            Self::Wheel => "wheel",
+            Self::Place => "place",
+        }
+    }
+}
+
+/// A pair with another body, or in another place.
+struct Other {
+    part: Part,
+    name: String,
+    geometry: Result<Geometry>,
+}
+
+/// What was assumed, and the keys that say it otherwise; none where all of the pair is known, or the study wants no bands.
+fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, Vec<String>, [bool; 3]) {
+    let (mut said, mut keys) = (Vec::new(), Vec::new());
+    let [rail, wheel] = &geometry.assumed;
+    let own_wheel = study.wheel.mesh.is_none() && study.wheel.section.is_none();
+    let wheel_open = wheel.is_some() && !study.wheel.body_given && own_wheel;
+    if wheel_open {
+        let body = &study.wheel.body;
+        said.push(format!(
+            "the wheel has a straight web of {:.0} mm, a rim {:.0} mm deep and a hub of {:.0} mm, which were not given",
+            body.web.least_thickness() / MILLIMETRE,
+            body.rim_depth / MILLIMETRE,
+            body.hub_diameter / MILLIMETRE
+        ));
+        keys.extend(WHEEL_KEYS.map(String::from));
+    }
+    let like = rail.as_ref().and_then(|rail| rail.like.as_ref()).filter(|_| study.rail.mesh.is_none());
+    if let Some(like) = like {
+        said.push(format!("the rail has web and foot like those of {like}, which were not given"));
+        keys.push("rail.body".into());
+    }
+    let unsure = rail.as_ref().map_or(0.0, |rail| rail.unsure_roll);
+    let roll_open = unsure > LEAST_ROLL && study.rail.mesh.is_none();
+    if roll_open {
+        said.push(format!(
+            "the head's roll is known to \u{b1}{:.1} degrees; it is laid at 1:{:.0}",
+            unsure.to_degrees(),
+            1.0 / geometry.pair.placed.angle.tan().abs()
+        ));
+        keys.extend(["rail.inclination".into(), "rail.standard".into()]);
+    }
+    (said, keys, [like.is_some(), wheel_open, roll_open])
+}
+
+/// Roll that is as good as known, rad.
+const LEAST_ROLL: f64 = 0.002;
+
+/// The springs with others in the place of what was assumed, if anything was. `condense` has the bodies of a pair on its meshes.
+///
+/// # Errors
+/// An interruption.
+pub fn assumed(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    found: &FoundSprings,
+    condense: impl Fn(&Geometry, &Meshes) -> Result<CondensedPair>,
+    monitor: &dyn Monitor,
+) -> Result<Option<AssumedRecord>> {
+    let (assumed, keys, open) = assumptions(study, geometry);
+    if assumed.is_empty() || !study.wants_error_band() {
+        return Ok(None);
+    }
+    let others = others(study, geometry, open);
+    let reference = Reference::from(study.calibration.reference);
+    let own: &Vec<LoadPoint> = &found.laws.beam.points;
+    let step = own.len().div_ceil(LOADS).max(1);
+    let loads: Vec<f64> = own.iter().map(|p| p.force).rev().step_by(step).collect();
+    let loads: Vec<f64> = loads.into_iter().rev().collect();
+    let preloads = &study.calibration.horizontal_preloads;
+    let preload = &preloads[preloads.len() / 2..preloads.len() / 2 + 1];
+    let contact = contact_conditions(study);
+    let (mut records, mut missing) = (Vec::new(), Vec::new());
+    let count = others.len();
+    for (done, Other { part, name, geometry: other }) in others.into_iter().enumerate() {
+        monitor.progress("other bodies", done, count)?;
+        let pressed = other.and_then(|other| {
+            let options = MeshOptions {
+                window_half_length: meshes.options().window_half_length,
+                contact_half_length: meshes.options().contact_half_length,
+                ..mesh_options(study, &other)
+            };
+            let meshes = Meshes::with_own(study, &other, None, None, options)?;
+            let bodies = condense(&other, &meshes)?;
+            let pressed = bodies.press(&other.pair, contact, &loads, monitor)?;
+            let horizontal = pressed.horizontal(reference, preload, monitor).map(|h| h.stiffness);
+            Ok((pressed.laws()?, horizontal))
+        });
+        match or_reason(pressed)? {
+            Ok((laws, horizontal)) => {
+                let horizontal = or_reason(horizontal)?.ok();
+                records.push(record(
+                    part,
+                    name,
+                    &found.laws,
+                    &laws,
+                    own_horizontal(found, preload[0]).zip(horizontal),
+                ));
+            }
+            Err(reason) => missing.push(format!("{name}: {reason}")),
+        }
+    }
+    monitor.progress("other bodies", count, count)?;
+    let references = found.laws.iter().map(|(reference, _)| range(reference.name(), &records)).collect();
+    let horizontal = found.horizontal.as_ref().map(|horizontal| {
+        let changes = |part: Part| {
+            let of = records.iter().filter(move |other| other.part == part.name());
+            of.filter_map(|other| other.horizontal)
+        };
+        let [least, greatest] = summed(&changes);
+        let stiffness = horizontal.stiffness / KILONEWTON_PER_METRE;
+        [stiffness * (1.0 + least).max(0.0), stiffness * (1.0 + greatest)]
+    });
+    Ok(Some(AssumedRecord {
+        assumed,
+        keys,
+        others: records,
+        references,
+        horizontal_kn_per_m: horizontal,
+        missing,
+    }))
+}
+
+/// The horizontal stiffness of the springs at a preload, N/m.
+fn own_horizontal(found: &FoundSprings, preload: f64) -> Option<f64> {
+    let points = &found.horizontal.as_ref()?.points;
+    points.iter().find(|point| (point.preload / preload - 1.0).abs() < 1e-9).map(|point| point.stiffness)
+}
+
+/// The pairs with others in the place of the `open` parts of rail, wheel and place.
+fn others(study: &Study, geometry: &Geometry, [rail, wheel, place]: [bool; 3]) -> Vec<Other> {
+    let mut others = Vec::new();
+    let with = |rail: Option<RailSection>, wheel: Option<WheelSection>, slope: f64| {
+        let (rail, wheel) = (
+            rail.unwrap_or_else(|| geometry.pair.rail.clone()),
+            wheel.unwrap_or_else(|| geometry.pair.wheel.clone()),
+        );
+        let track = TrackGeometry {
+            gauge: study.track.gauge,
+            gauge_height: study.track.gauge_height,
+            flange_back: study.track.flange_back,
+            inclination: slope,
+            lateral_shift: study.track.lateral_shift,
+        };
+        let pair = Pair::new(rail, wheel, &track)?;
+        let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
+        let (profiles, surfaces, assumed) = (Vec::new(), Vec::new(), [None, None]);
+        Ok(Geometry { pair, beam, profiles, surfaces, assumed })
+    };
+    let slope = -geometry.pair.placed.angle.tan();
+    if let (true, Some(known)) = (wheel, &geometry.assumed[1]) {
+        for (name, body) in other_wheels(&study.wheel.body) {
+            let section = wheel_profile_with_flange(&known.base, &study.wheel.flange)
+                .and_then(|running| wheel_section_on(running, &known.base, study.wheel.tape_diameter, &body))
+                .and_then(|base| wheel_section_for_profile(&base, &known.curve, &body, &mut Vec::new()));
+            let geometry = section.and_then(|section| with(None, Some(section), slope));
+            others.push(Other { part: Part::Wheel, name: format!("wheel with {name}"), geometry });
+        }
+    }
+    if let (true, Some(known)) = (rail, &geometry.assumed[0]) {
+        for name in other_rails(&known.base) {
+            let section = rail_section(name)
+                .and_then(|base| rail_section_for_head(base, &known.curve, &mut Vec::new()));
+            let geometry = section.and_then(|section| with(Some(section), None, slope));
+            others.push(Other { part: Part::Rail, name: format!("rail with a body like {name}"), geometry });
+        }
+    }
+    if let (true, Some(known)) = (place, &geometry.assumed[0]) {
+        for sign in [-1.0, 1.0] {
+            let turned = slope + sign * known.unsure_roll;
+            let name = format!("head rolled by {:+.1} degrees", (sign * known.unsure_roll).to_degrees());
+            others.push(Other { part: Part::Place, name, geometry: with(None, None, turned) });
+        }
+    }
+    others
+}
+
+/// The ends of what wheels have under their rim.
+fn other_wheels(body: &WheelBody) -> [(&'static str, WheelBody); 3] {
+    let rim = |mm: f64| mm * MILLIMETRE;
+    let thin = WheelBody { web_thickness: Some(rim(17.0)), rim_depth: rim(38.0), ..*body };
+    let hub = (body.hub_diameter + rim(70.0)).max(rim(330.0));
+    let thick =
+        WheelBody { web_thickness: Some(rim(31.0)), rim_depth: rim(75.0), hub_diameter: hub, ..*body };
+    let curved =
+        WheelBody { web: WebShape::S, web_thickness: Some(rim(18.0)), rim_depth: rim(45.0), ..*body };
+    [
+        ("a thin straight web and rim", thin),
+        ("a thick straight web, rim and hub", thick),
+        ("a thin S web", curved),
+    ]
+}
+
+/// The standard rails next lighter and next heavier than one by a tenth of its mass and more.
+fn other_rails(base: &str) -> Vec<&'static str> {
+    const APART: f64 = 0.1;
+    let area = |name: &str| rail_section(name).map_or(0.0, |rail| rail.area.area);
+    let own = area(base);
+    let lighter = |a: &&str, b: &&str| area(a).total_cmp(&area(b));
+    let below = RAIL_NAMES.into_iter().filter(|name| area(name) < (1.0 - APART) * own).max_by(lighter);
+    let above = RAIL_NAMES.into_iter().filter(|name| area(name) > (1.0 + APART) * own).min_by(lighter);
+    below.into_iter().chain(above).collect()
+}
+
+/// The largest change of a value over the loads that both laws have.
+fn largest(own: &[LoadPoint], other: &[LoadPoint], of: fn(&LoadPoint) -> f64) -> f64 {
+    let at = |p: &LoadPoint| own.iter().find(|own| (own.force / p.force - 1.0).abs() < 1e-9).map(of);
+    let changes = other.iter().filter_map(|p| Some(of(p) / at(p)? - 1.0));
+    changes.fold(0.0, |largest: f64, change| if change.abs() > largest.abs() { change } else { largest })
+}
+
+fn record(part: Part, name: String, own: &Laws, other: &Laws, horizontal: Option<(f64, f64)>) -> OtherRecord {
+    let changes = |of: fn(&LoadPoint) -> f64| {
+        let both = own.iter().filter_map(|(reference, law)| Some((reference, law, other.get(reference)?)));
+        both.map(|(reference, law, other)| {
+            (reference.name().to_owned(), largest(&law.points, &other.points, of))
+        })
+        .collect()
+    };
+    OtherRecord {
+        part: part.name().into(),
+        name,
+        displacement: changes(|p| p.displacement),
+        tangent: changes(|p| p.solid_tangent),
+        horizontal: horizontal.map(|(own, other)| other / own - 1.0),
+    }
+}
+
+/// The least and the greatest change: those of each part, and none, added up over the parts.
+fn summed<I: Iterator<Item = f64>>(changes: &dyn Fn(Part) -> I) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for part in Part::ALL {
+        let [least, greatest] =
+            changes(part).fold([0.0_f64; 2], |[low, high], change| [low.min(change), high.max(change)]);
+        sum[0] += least;
+        sum[1] += greatest;
+    }
+    sum
+}
+
+fn range(reference: &str, others: &[OtherRecord]) -> AssumedReference {
+    let of = |get: fn(&OtherRecord) -> &Vec<(String, f64)>| {
+        summed(&|part: Part| {
+            let all = others.iter().filter(move |other| other.part == part.name());
+            all.flat_map(get).filter(|(name, _)| name == reference).map(|(_, change)| *change)
+        })
+    };
+    AssumedReference {
+        reference: reference.into(),
+        displacement: of(|other| &other.displacement),
+        tangent: of(|other| &other.tangent),
+    }
+}

@@ -1,0 +1,595 @@
+//! Surfaces of wheels and rails that no program knows: drawn from the dimensions of the world's practice, worn, and written as instruments and
+//! programs write them.
+//!
+//! The shapes are those of a class of wheels or rails, not of a standard: crown, corner and side of a head, tread, throat, flange and tip of a wheel with
+//! radii and slopes from public dimensions. Lengths are mm; y is to the field side, z down.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt::Write as _;
+
+use crate::Random;
+
+/// A point (y, z), mm.
+pub type Point = [f64; 2];
+
+/// Longest step of a surface, mm.
+const STEP: f64 = 0.02;
+
+/// A line that is drawn on and on: straight pieces and arcs that follow each other tangentially.
+struct Pen {
+    points: Vec<Point>,
+    /// Direction, rad, from y towards z.
+    angle: f64,
+}
+
+impl Pen {
+    fn at(start: Point, angle: f64) -> Self {
+        Self { points: vec![start], angle }
+    }
+
+    fn last(&self) -> Point {
+        self.points[self.points.len() - 1]
+    }
+
+    fn straight(&mut self, length: f64) {
+        let [y, z] = self.last();
+        let count = (length / STEP).ceil().max(1.0) as usize;
+        let (sin, cos) = self.angle.sin_cos();
+        self.points.extend((1..=count).map(|i| {
+            let s = length * i as f64 / count as f64;
+            [y + s * cos, z + s * sin]
+        }));
+    }
+
+    /// An arc to a direction; it turns the way that leads there.
+    fn arc(&mut self, radius: f64, to: f64) {
+        let turn = to - self.angle;
+        let side = turn.signum();
+        let [y, z] = self.last();
+        let (sin, cos) = self.angle.sin_cos();
+        let centre = [y - side * radius * sin, z + side * radius * cos];
+        let count = (radius * turn.abs() / STEP).ceil().max(1.0) as usize;
+        for i in 1..=count {
+            let angle = self.angle + turn * i as f64 / count as f64;
+            let (sin, cos) = angle.sin_cos();
+            self.points.push([centre[0] + side * radius * sin, centre[1] - side * radius * cos]);
+        }
+        self.angle = to;
+    }
+
+    /// An arc up to a distance across from where it begins, turning towards positive angles.
+    fn arc_across(&mut self, radius: f64, y: f64) {
+        let from = self.angle.sin() + (y - self.last()[0]) / radius;
+        self.arc(radius, from.clamp(-1.0, 1.0).asin());
+    }
+}
+
+/// A class of rails: what its head is like, and the sizes of its body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RailClass {
+    /// Where such rails are in use.
+    pub name: &'static str,
+    /// Width of the head 14 mm below its top.
+    pub head: f64,
+    /// Radius of the crown, where it ends (half the width), and the radius of the shoulder; 0 without one.
+    pub crown: [f64; 3],
+    /// Radius of the corner.
+    pub corner: f64,
+    /// Inclination of the side: width over depth.
+    pub side: f64,
+    /// Depth at which the side ends.
+    pub depth: f64,
+    /// Height, foot and web.
+    pub body: [f64; 3],
+}
+
+/// Classes of rails, from the dimensions of catalogues and textbooks.
+pub const RAILS: [RailClass; 9] = [
+    RailClass {
+        name: "AREMA 136",
+        head: 74.6,
+        crown: [254.0, 19.0, 32.0],
+        corner: 9.5,
+        side: 0.025,
+        depth: 38.0,
+        body: [185.7, 152.4, 17.5],
+    },
+    RailClass {
+        name: "AREMA 115",
+        head: 69.1,
+        crown: [254.0, 21.0, 0.0],
+        corner: 9.5,
+        side: 0.025,
+        depth: 34.0,
+        body: [168.3, 139.7, 15.9],
+    },
+    RailClass {
+        name: "Russia R65",
+        head: 73.0,
+        crown: [500.0, 10.0, 80.0],
+        corner: 15.0,
+        side: 0.05,
+        depth: 35.0,
+        body: [180.0, 150.0, 18.0],
+    },
+    RailClass {
+        name: "Russia R50",
+        head: 70.0,
+        crown: [500.0, 10.0, 80.0],
+        corner: 15.0,
+        side: 0.05,
+        depth: 32.0,
+        body: [152.0, 132.0, 16.0],
+    },
+    RailClass {
+        name: "China 60",
+        head: 70.8,
+        crown: [300.0, 10.0, 80.0],
+        corner: 13.0,
+        side: 0.05,
+        depth: 36.0,
+        body: [176.0, 150.0, 16.5],
+    },
+    RailClass {
+        name: "Japan 60",
+        head: 65.0,
+        crown: [600.0, 12.0, 50.0],
+        corner: 13.0,
+        side: 0.05,
+        depth: 36.0,
+        body: [174.0, 145.0, 16.5],
+    },
+    RailClass {
+        name: "India 52",
+        head: 67.0,
+        crown: [305.0, 12.0, 80.0],
+        corner: 12.7,
+        side: 0.05,
+        depth: 36.0,
+        body: [156.0, 136.0, 15.5],
+    },
+    RailClass {
+        name: "tram, flat bottom",
+        head: 63.0,
+        crown: [225.0, 11.0, 80.0],
+        corner: 12.0,
+        side: 0.0,
+        depth: 30.0,
+        body: [142.0, 120.0, 12.0],
+    },
+    RailClass {
+        name: "metro, bull head crown",
+        head: 69.9,
+        crown: [230.0, 14.0, 65.0],
+        corner: 12.7,
+        side: 0.02,
+        depth: 37.0,
+        body: [158.8, 140.0, 20.0],
+    },
+];
+
+impl RailClass {
+    /// The head from the gauge to the field side, top at the origin.
+    pub fn head(&self) -> Vec<Point> {
+        let slope = FRAC_PI_2 - self.side.atan();
+        let half = |shoulder: f64| {
+            let mut pen = Pen::at([0.0, 0.0], 0.0);
+            pen.arc_across(self.crown[0], self.crown[1].min(shoulder));
+            if self.crown[2] > 0.0 && shoulder > self.crown[1] {
+                pen.arc_across(self.crown[2], shoulder);
+            } else if shoulder > self.crown[1] {
+                pen.arc_across(self.crown[0], shoulder);
+            }
+            pen.arc(self.corner, slope);
+            let [_, z] = pen.last();
+            pen.straight((self.depth - z).max(1.0) / slope.sin());
+            pen
+        };
+        let width = |pen: &Pen| {
+            let at = pen.points.partition_point(|p| p[1] < 14.0);
+            2.0 * pen.points[at.min(pen.points.len() - 1)][0]
+        };
+        let (mut low, mut high) = (0.2 * self.head, 0.5 * self.head);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if width(&half(middle)) < self.head { low = middle } else { high = middle }
+        }
+        let right = half(low).points;
+        right.iter().rev().map(|p| [-p[0], p[1]]).chain(right[1..].iter().copied()).collect()
+    }
+}
+
+/// A class of wheels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelClass {
+    /// Where such wheels are in use.
+    pub name: &'static str,
+    /// Slope of the tread at the tape circle, and farther out.
+    pub slopes: [f64; 2],
+    /// Where the outer slope begins, and where the rim ends.
+    pub ends: [f64; 2],
+    /// Where the throat begins.
+    pub throat_y: f64,
+    /// Radii of the throat: at the tread, and at the flange.
+    pub throat: [f64; 2],
+    /// Inclination of the flange face, degrees.
+    pub face: f64,
+    /// Height of the flange, and its outer and inner radius at the tip.
+    pub flange: [f64; 3],
+    /// Distance of the tape circle from the flange back.
+    pub tape: f64,
+    /// Diameter at the tape circle.
+    pub diameter: f64,
+}
+
+/// Classes of wheels, from public dimensions.
+pub const WHEELS: [WheelClass; 9] = [
+    WheelClass {
+        name: "AAR freight",
+        slopes: [0.05, 0.05],
+        ends: [45.0, 68.0],
+        throat_y: -18.0,
+        throat: [38.0, 14.3],
+        face: 75.0,
+        flange: [25.4, 17.5, 12.0],
+        tape: 72.2,
+        diameter: 914.0,
+    },
+    WheelClass {
+        name: "Russia freight",
+        slopes: [0.1, 0.286],
+        ends: [30.0, 54.0],
+        throat_y: -21.0,
+        throat: [15.0, 15.0],
+        face: 60.0,
+        flange: [30.0, 14.0, 16.0],
+        tape: 70.0,
+        diameter: 957.0,
+    },
+    WheelClass {
+        name: "China freight",
+        slopes: [0.06, 0.125],
+        ends: [25.0, 60.0],
+        throat_y: -16.0,
+        throat: [100.0, 14.0],
+        face: 70.0,
+        flange: [27.0, 18.0, 12.0],
+        tape: 70.0,
+        diameter: 840.0,
+    },
+    WheelClass {
+        name: "Japan, arc tread",
+        slopes: [0.04, 0.05],
+        ends: [30.0, 60.0],
+        throat_y: -14.0,
+        throat: [120.0, 15.0],
+        face: 70.0,
+        flange: [30.0, 16.0, 13.0],
+        tape: 65.0,
+        diameter: 860.0,
+    },
+    WheelClass {
+        name: "India, worn tread",
+        slopes: [0.05, 0.1],
+        ends: [32.0, 57.0],
+        throat_y: -15.0,
+        throat: [100.0, 14.0],
+        face: 68.2,
+        flange: [28.5, 14.5, 14.5],
+        tape: 63.5,
+        diameter: 915.0,
+    },
+    WheelClass {
+        name: "metro, cylindrical",
+        slopes: [0.0, 0.0],
+        ends: [40.0, 62.0],
+        throat_y: -22.0,
+        throat: [16.0, 16.0],
+        face: 70.0,
+        flange: [28.0, 15.0, 12.0],
+        tape: 70.0,
+        diameter: 840.0,
+    },
+    WheelClass {
+        name: "metro, 1:20",
+        slopes: [0.05, 0.1],
+        ends: [35.0, 60.0],
+        throat_y: -20.0,
+        throat: [40.0, 14.0],
+        face: 70.0,
+        flange: [29.0, 15.0, 12.0],
+        tape: 70.0,
+        diameter: 790.0,
+    },
+    WheelClass {
+        name: "tram",
+        slopes: [0.025, 0.025],
+        ends: [25.0, 40.0],
+        throat_y: -18.0,
+        throat: [13.0, 13.0],
+        face: 72.0,
+        flange: [23.0, 10.0, 9.0],
+        tape: 60.0,
+        diameter: 660.0,
+    },
+    WheelClass {
+        name: "light rail",
+        slopes: [0.033, 0.066],
+        ends: [30.0, 50.0],
+        throat_y: -17.0,
+        throat: [40.0, 12.0],
+        face: 75.0,
+        flange: [26.0, 12.0, 11.0],
+        tape: 65.0,
+        diameter: 720.0,
+    },
+];
+
+impl WheelClass {
+    /// The profile from the flange back to the end of the tread, tape circle at the origin. The back is vertical for 15 mm.
+    pub fn profile(&self) -> Vec<Point> {
+        // from the tape circle towards the flange, mirrored: y' = -y, so that the pen goes to positive y'
+        let tread = self.slopes[0].atan();
+        let mut inner = Pen::at([0.0, 0.0], tread);
+        inner.straight((-self.throat_y).max(1.0) * 0.98);
+        let face = self.face.to_radians();
+        // half of the turn by the flatter radius
+        let between = tread + 0.35 * (face - tread);
+        if self.throat[0] > self.throat[1] {
+            let flat = (between - tread).min(10.0_f64.to_radians());
+            inner.arc(self.throat[0], tread + flat);
+        }
+        inner.arc(self.throat[1], face);
+        // the tip's outer arc ends at the height of the flange
+        let rise = self.flange[1] * (1.0 - face.cos());
+        let [_, z] = inner.last();
+        inner.straight(((self.flange[0] - rise - z) / face.sin()).max(0.5));
+        inner.arc(self.flange[1], 0.0);
+        inner.arc(self.flange[2], -FRAC_PI_2);
+        inner.straight(15.0 - self.flange[2].min(10.0) * 0.5);
+        // the back lies where the tape circle has it: the tip is stretched or pressed level
+        let back = inner.last()[0];
+        let top = inner.points.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max);
+        let tip = inner.points.iter().position(|p| p[1] == top).unwrap_or(0);
+        let gap = self.tape - back;
+        let tip_y = inner.points[tip][0];
+        let mut points: Vec<Point> = inner.points[..=tip].to_vec();
+        if gap > 0.0 {
+            let count = (gap / STEP).ceil() as usize;
+            points.extend((1..=count).map(|i| [tip_y + gap * i as f64 / count as f64, top]));
+            points.extend(inner.points[tip + 1..].iter().map(|p| [p[0] + gap, p[1]]));
+        } else {
+            let squeeze = (self.tape - tip_y) / (back - tip_y);
+            points.extend(inner.points[tip + 1..].iter().map(|p| [tip_y + squeeze * (p[0] - tip_y), p[1]]));
+        }
+        let mut outer = Pen::at([0.0, 0.0], -tread);
+        outer.straight(self.ends[0]);
+        outer.angle = -self.slopes[1].atan();
+        outer.straight((self.ends[1] - self.ends[0]) / outer.angle.cos());
+        points.iter().rev().map(|p| [-p[0], p[1]]).chain(outer.points[1..].iter().copied()).collect()
+    }
+}
+
+/// What wear takes from a head: off the crown and off the gauge side, mm.
+pub fn worn_head(head: &[Point], crown: f64, side: f64) -> Vec<Point> {
+    let width = head.iter().map(|p| p[0].abs()).fold(0.0, f64::max);
+    head.iter()
+        .map(|&[y, z]| {
+            // more at the gauge corner than in the field
+            let share = (1.0 - ((y + 0.2 * width) / (1.1 * width)).powi(2)).max(0.0);
+            let down = crown * share * (1.0 - (z / 20.0).clamp(0.0, 1.0));
+            let gauge = (-y / width - 0.55).clamp(0.0, 0.45) / 0.45;
+            let across = side * gauge * gauge * (3.0 - 2.0 * gauge);
+            [y + across, z + down]
+        })
+        .collect()
+}
+
+/// What wear takes from a wheel: the hollow of the tread and off the flange face, mm.
+pub fn worn_wheel(profile: &[Point], hollow: f64, flange: f64) -> Vec<Point> {
+    let tip = profile.iter().fold([0.0, f64::NEG_INFINITY], |a, b| if b[1] > a[1] { *b } else { a });
+    profile
+        .iter()
+        .map(|&[y, z]| {
+            let up = hollow * (-((y + 3.0) / 16.0).powi(2)).exp() * (1.0 - (z / 12.0).clamp(0.0, 1.0));
+            let on_face = y > tip[0] + 2.0;
+            let part = if on_face { (z / tip[1]).clamp(0.0, 1.0) } else { 0.0 };
+            let across = flange * (PI * part).sin().max(0.0) * f64::from(z > 1.0);
+            [y - across, z - up]
+        })
+        .collect()
+}
+
+/// How a surface was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// Distance of the points, mm.
+    pub step: f64,
+    /// Standard deviation of the scatter across the surface, mm.
+    pub scatter: f64,
+    /// Inclination towards the track centre in the file.
+    pub cant: f64,
+    /// Length that is missing at the start and at the end, mm.
+    pub cut: [f64; 2],
+    /// Where the origin was, mm.
+    pub origin: Point,
+}
+
+impl Measured {
+    /// The points of a surface.
+    pub fn points(&self, surface: &[Point], random: &mut Random) -> Vec<Point> {
+        let mut along = vec![0.0];
+        for pair in surface.windows(2) {
+            let way = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+            along.push(along[along.len() - 1] + way);
+        }
+        let whole = along[along.len() - 1];
+        let count = ((whole - self.cut[0] - self.cut[1]) / self.step).floor().max(1.0) as usize;
+        let (sin, cos) = (-self.cant.atan()).sin_cos();
+        (0..=count)
+            .map(|i| {
+                let s = self.cut[0] + self.step * i as f64;
+                let at = along.partition_point(|a| *a < s).clamp(1, surface.len() - 1);
+                let t = (s - along[at - 1]) / (along[at] - along[at - 1]).max(1e-12);
+                let [a, b] = [surface[at - 1], surface[at]];
+                let (dy, dz) = (b[0] - a[0], b[1] - a[1]);
+                let length = dy.hypot(dz).max(1e-12);
+                let off = self.scatter * random.normal();
+                let (y, z) = (a[0] + t * dy + off * dz / length, a[1] + t * dz - off * dy / length);
+                [cos * y - sin * z - self.origin[0], sin * y + cos * z - self.origin[1]]
+            })
+            .collect()
+    }
+}
+
+/// What a profile is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dialect {
+    /// MiniProf, `.ban` or `.whl`, z upwards; a rail's y to the track centre.
+    MiniProf,
+    /// Simpack, `.prr` or `.prw`, mm.
+    Simpack,
+    /// Simpack in metres.
+    SimpackMetres,
+    /// Semicolons and decimal commas.
+    CsvComma,
+    /// Blanks, without a heading.
+    Text,
+    /// Columns in inches, which the heading says.
+    Inches,
+    /// Columns from the field side on, z upwards.
+    Reversed,
+}
+
+impl Dialect {
+    /// All.
+    pub const ALL: [Self; 7] = [
+        Self::MiniProf,
+        Self::Simpack,
+        Self::SimpackMetres,
+        Self::CsvComma,
+        Self::Text,
+        Self::Inches,
+        Self::Reversed,
+    ];
+
+    /// Ending of the file's name.
+    pub fn ending(self, wheel: bool) -> &'static str {
+        match (self, wheel) {
+            (Self::MiniProf, true) => "whl",
+            (Self::MiniProf, false) => "ban",
+            (Self::Simpack | Self::SimpackMetres, true) => "prw",
+            (Self::Simpack | Self::SimpackMetres, false) => "prr",
+            (Self::CsvComma, _) => "csv",
+            _ => "txt",
+        }
+    }
+
+    /// The text of a file; `tape` is the distance of a wheel's tape circle from its flange back.
+    pub fn text(self, points: &[Point], wheel: bool, tape: f64) -> String {
+        let mut text = String::new();
+        match self {
+            Self::MiniProf => {
+                text += "MINIPROF\nProgramName=MiniProf\nColumnDef=X,Y,*\n";
+                let _ = writeln!(text, "XYPoints={}\n", points.len());
+                for [y, z] in points {
+                    let _ = match wheel {
+                        true => writeln!(text, "{:.4}\t{:.4}\t0.0", y + tape, z),
+                        false => writeln!(text, "{:.4}\t{:.4}\t0.0", -y, -z),
+                    };
+                }
+            }
+            Self::Simpack | Self::SimpackMetres => {
+                let unit = if self == Self::Simpack { 1000.0 } else { 1.0 };
+                let kind = u8::from(wheel);
+                let _ = write!(
+                    text,
+                    "header.begin\n  version = 1\n  type = {kind}\nheader.end\nspline.begin\n  units.len.f = {unit}\n  point.begin\n"
+                );
+                for [y, z] in points {
+                    let _ = writeln!(text, "    {:.8} {:.8}", y * unit / 1000.0, z * unit / 1000.0);
+                }
+                text += "  point.end\nspline.end\n";
+            }
+            Self::CsvComma => {
+                text += "y_mm;z_mm\n";
+                for [y, z] in points {
+                    text += &format!("{y:.4};{z:.4}\n").replace('.', ",");
+                }
+            }
+            Self::Text => {
+                for [y, z] in points {
+                    let _ = writeln!(text, "{y:10.4} {z:10.4}");
+                }
+            }
+            Self::Inches => {
+                text += "y [in], z [in]\n";
+                for [y, z] in points {
+                    let _ = writeln!(text, "{:.6}, {:.6}", y / 25.4, z / 25.4);
+                }
+            }
+            Self::Reversed => {
+                for [y, z] in points.iter().rev() {
+                    let _ = writeln!(text, "{y:.4}\t{:.4}", -z);
+                }
+            }
+        }
+        text
+    }
+}
+
+/// A measured wheel on a measured rail, with the surfaces that they were measured from.
+#[derive(Debug, Clone)]
+pub struct MeasuredPair {
+    /// What it is.
+    pub name: String,
+    /// File name, text and true surface of the wheel.
+    pub wheel: (String, String, Vec<Point>),
+    /// The same of the rail.
+    pub rail: (String, String, Vec<Point>),
+    /// The classes.
+    pub classes: (WheelClass, RailClass),
+    /// How they were measured.
+    pub measured: [Measured; 2],
+}
+
+/// The measured pair of a seed.
+pub fn measured_pair(seed: u64) -> MeasuredPair {
+    let mut random = Random::new(seed.wrapping_mul(7919).wrapping_add(17));
+    let (wheel, rail) = (random.one_of(&WHEELS), random.one_of(&RAILS));
+    let worn = random.chance(0.75);
+    let depth = |random: &mut Random, most: f64| if worn { random.between(0.0, most) } else { 0.0 };
+    let tread = {
+        let (hollow, flange) = (depth(&mut random, 2.0), depth(&mut random, 1.5));
+        worn_wheel(&wheel.profile(), hollow, flange)
+    };
+    let head = {
+        let (crown, side) = (depth(&mut random, 4.0), depth(&mut random, 4.0));
+        worn_head(&rail.head(), crown, side)
+    };
+    let [wheel_dialect, rail_dialect] = [random.one_of(&Dialect::ALL), random.one_of(&Dialect::ALL)];
+    let step = random.one_of(&[0.1, 0.2, 0.25, 0.5]);
+    let scatter = random.one_of(&[0.0, 0.001, 0.002, 0.005, 0.01]);
+    let mut cut = |most: f64| random.between(0.0, most);
+    let wheel_cut = [cut(12.0), cut(10.0)];
+    let rail_cut = [cut(18.0), cut(22.0)];
+    let cant = random.one_of(&[0.0, 0.0, 0.0, 0.025, 0.05, 0.03]);
+    let level = if random.chance(0.5) { 0.0 } else { random.between(-4.0, 4.0) };
+    let on_wheel = Measured { step, scatter, cant: 0.0, cut: wheel_cut, origin: [0.0, 0.0] };
+    let on_rail = Measured { step, scatter, cant, cut: rail_cut, origin: [level, level] };
+    let name = format!(
+        "{seed}: {}{} ({wheel_dialect:?}) on {} ({rail_dialect:?}), step {step}, scatter {scatter}, cant {cant}",
+        if worn { "worn " } else { "" },
+        wheel.name,
+        rail.name
+    );
+    let wheel_text = wheel_dialect.text(&on_wheel.points(&tread, &mut random), true, wheel.tape);
+    let rail_text = rail_dialect.text(&on_rail.points(&head, &mut random), false, 0.0);
+    MeasuredPair {
+        name,
+        wheel: (format!("w{seed}.{}", wheel_dialect.ending(true)), wheel_text, tread),
+        rail: (format!("r{seed}.{}", rail_dialect.ending(false)), rail_text, head),
+        classes: (wheel, rail),
+        measured: [on_wheel, on_rail],
+    }
+}
