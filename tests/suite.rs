@@ -23,6 +23,7 @@ mod interrupted_tables;
 mod killed_runs;
 mod leave_one_out;
 mod manchester;
+mod measured_pairs;
 mod module_order;
 mod mutation;
 mod own_steps;

@@ -106,7 +106,7 @@ impl Stage for Calibrate {
                 record.error_band = horizontal;
             }
         }
-        calibration.stiffness.assumed = at.assumed(&geometry, &meshes, pressed.found())?;
+        calibration.stiffness.assumed = at.assumed(&geometry, (&meshes, &condensed), pressed.found())?;
         let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
         let reach = at.go_on_with(meshes);
         at.condensed = (study.wants_by_angle() || study.modes() > 0).then_some(condensed);
@@ -216,7 +216,7 @@ impl Pipeline<'_> {
     fn assumed(
         &self,
         geometry: &Geometry,
-        meshes: &Meshes,
+        own: (&Meshes, &CondensedPair),
         found: &FoundSprings,
     ) -> Result<Option<AssumedRecord>> {
         let (study, monitor) = (self.study, self.resources.monitor);
@@ -224,7 +224,7 @@ impl Pipeline<'_> {
             let source = BodySource { foot_held: false, ..self.body_source() };
             source.condensed(&stages::solids(study, geometry, meshes), " of another pair", 0)
         };
-        stages::assumed(study, geometry, meshes, found, condense, monitor)
+        stages::assumed(study, geometry, own, found, condense, monitor)
     }
 
     /// The error bands; `coarser` are the bodies of coarser meshes, if they are there.

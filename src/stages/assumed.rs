@@ -95,14 +95,15 @@ fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, Vec<String>,
 /// Roll that is as good as known, rad.
 const LEAST_ROLL: f64 = 0.002;
 
-/// The springs with others in the place of what was assumed, if anything was. `condense` has the bodies of a pair on its meshes.
+/// The springs of `bodies` with others in the place of what was assumed, if anything was. `condense` has the bodies of a pair on its meshes. All are pressed
+/// with the same few loads, since the approach is integrated over the loads.
 ///
 /// # Errors
 /// An interruption.
 pub fn assumed(
     study: &Study,
     geometry: &Geometry,
-    meshes: &Meshes,
+    (meshes, bodies): (&Meshes, &CondensedPair),
     found: &FoundSprings,
     condense: impl Fn(&Geometry, &Meshes) -> Result<CondensedPair>,
     monitor: &dyn Monitor,
@@ -120,6 +121,23 @@ pub fn assumed(
     let preloads = &study.calibration.horizontal_preloads;
     let preload = &preloads[preloads.len() / 2..preloads.len() / 2 + 1];
     let contact = contact_conditions(study);
+    let own_laws = bodies.press(&geometry.pair, contact, &loads, monitor).and_then(|pressed| pressed.laws());
+    let own_laws = match or_reason(own_laws)? {
+        Ok(laws) => laws,
+        Err(reason) => {
+            let missing = vec![format!("the pair itself under fewer loads: {reason}")];
+            let (others, references) = (Vec::new(), Vec::new());
+            let horizontal_kn_per_m = None;
+            return Ok(Some(AssumedRecord {
+                assumed,
+                keys,
+                others,
+                references,
+                horizontal_kn_per_m,
+                missing,
+            }));
+        }
+    };
     let (mut records, mut missing) = (Vec::new(), Vec::new());
     let count = others.len();
     for (done, Other { part, name, geometry: other }) in others.into_iter().enumerate() {
@@ -142,7 +160,7 @@ pub fn assumed(
                 records.push(record(
                     part,
                     name,
-                    &found.laws,
+                    &own_laws,
                     &laws,
                     own_horizontal(found, preload[0]).zip(horizontal),
                 ));

@@ -120,9 +120,10 @@ pub(super) fn nominal(measured: &MeasuredSurface, profile: &MeasuredProfile) -> 
     Ok(Nominal::Like(like.into(), noted(format!("{off}: {assumed}"))))
 }
 
-/// Refuses a profile that has the shape of the other body.
+/// Refuses a profile that has the shape of the other body, or a size that none of its kind has.
 fn of_its_kind(measured: &MeasuredSurface, profile: &MeasuredProfile) -> Result<()> {
     let kind = profile.kind;
+    of_a_size(measured, profile)?;
     let other = |f: &Finding| f.kind == FindingKind::Shape && f.action == Action::Left;
     let options = place_options(measured);
     let others = || resembled(profile, None, options).into_iter().find(|m| m.kind != kind && m.is_standard());
@@ -136,6 +137,34 @@ fn of_its_kind(measured: &MeasuredSurface, profile: &MeasuredProfile) -> Result<
     let value = format!("{:?}, {shape}", measured.file);
     let expected = format!("the profile of a {}", kind.name());
     let remedy = "the file is that of the other body: give wheel and rail in their order";
+    Err(InputError::new(fields(kind).0, value, expected, remedy).into())
+}
+
+/// Refuses a profile that is larger than any of its kind: its unit is another one.
+fn of_a_size(measured: &MeasuredSurface, profile: &MeasuredProfile) -> Result<()> {
+    /// Width of the widest heads and wheels, m.
+    const WIDEST: [f64; 2] = [0.095, 0.175];
+    let points: Vec<Point2<f64>> = profile.points.iter().map(|p| p.point).collect();
+    let (width, widest) = match profile.kind {
+        ProfileKind::Rail => match sides_of_head(&points, WIDTH_DEPTH) {
+            [Some(gauge), Some(field)] => (field - gauge, WIDEST[0]),
+            _ => return Ok(()),
+        },
+        ProfileKind::Wheel => {
+            let ends = points
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| [low.min(p.x), high.max(p.x)]);
+            (ends[1] - ends[0], WIDEST[1])
+        }
+    };
+    if width <= widest {
+        return Ok(());
+    }
+    let kind = profile.kind;
+    let value =
+        format!("{:?}, {:.1} mm wide, the shape of no known standard", measured.file, width / MILLIMETRE);
+    let expected = format!("the profile of a {}, up to {:.0} mm wide", kind.name(), widest / MILLIMETRE);
+    let remedy = format!("check its unit: `{}.profile_unit` gives another", kind.name());
     Err(InputError::new(fields(kind).0, value, expected, remedy).into())
 }
 

@@ -305,8 +305,8 @@ fn measured_profiles_are_named_by_file_and_body() {
     let read = study(given).unwrap();
     let measured = read.rail.measured.as_ref().unwrap();
     assert_eq!(
-        (read.rail.profile.as_str(), measured.smoothing, measured.aligned),
-        ("60E1", Some(2e-3), None)
+        (read.rail.profile.as_deref(), measured.smoothing, measured.aligned),
+        (Some("60E1"), Some(2e-3), None)
     );
     assert_eq!(&*measured.content, b"0,0\n");
 
@@ -317,22 +317,33 @@ fn measured_profiles_are_named_by_file_and_body() {
     assert_ne!(study(given).unwrap().keys.crosscheck, read.keys.crosscheck);
 
     let refused = |rail: &str| study(rail).unwrap_err().to_string();
-    let body = refused("profile_file = \"head.csv\"");
-    assert!(body.contains(":2: rail.standard = (missing): expected") && body.contains("joined to"), "{body}");
+    // Without a standard the body is found when the profile is read.
+    let open = study("profile_file = \"head.csv\"").unwrap();
+    assert_eq!((open.rail.profile, open.rail.body), (None, None));
+    let body = study("profile_file = \"head.csv\"\nbody = \"136RE\"").unwrap().rail.body;
+    assert!(matches!(body, Some(super::RailBody::Drawn(name, _)) if name == "136RE"));
+    let dimensions = "body = { height_mm = 160, foot_mm = 140, head_mm = 70, web_mm = 15 }";
+    assert!(study(&format!("profile_file = \"head.csv\"\n{dimensions}")).unwrap().rail.body.is_some());
+    for (keys, part) in [
+        ("profile_file = \"head.csv\"\nbody = \"136RF\"", ":4: rail.body = \"136RF\": expected one of"),
+        ("profile_file = \"head.csv\"\nbody = \"136RF\"", "did you mean \"136RE\"?"),
+        (
+            "profile_file = \"head.csv\"\nstandard = \"60E1\"\nbody = \"136RE\"",
+            "either rail.body or rail.standard",
+        ),
+        ("profile = \"60E1\"\nbody = \"136RE\"", "either rail.body or rail.profile"),
+    ] {
+        let refused = refused(keys);
+        assert!(refused.contains(part), "{part}: {refused}");
+    }
     // A head of 60E1, without wear: it lies on its standard within its rounding to 0.0001 mm.
     let section = railspring_calibrate::section::rail_section("60E1").unwrap();
     let rows = section.running.sample(0.5e-3).into_iter();
     let rows: String = rows.map(|p| format!("{:.4},{:.4}\n", 1e3 * p.x, 1e3 * p.y)).collect();
     std::fs::write(folder.path().join("new.csv"), rows).unwrap();
-    for standard in ["", "\nstandard = \"61E1\""] {
-        let near = refused(&format!("profile_file = \"new.csv\"{standard}"));
-        assert!(
-            near.contains(
-                "nearest to \"new.csv\" are 60E1 (0.000 mm off what wear leaves alone, 0 % worn or unlike)"
-            ),
-            "{near}"
-        );
-    }
+    let near = refused("profile_file = \"new.csv\"\nstandard = \"61E1\"");
+    let nearest = "nearest to \"new.csv\" are 60E1 (0.000 mm off what wear leaves alone, 0 % worn or unlike)";
+    assert!(near.contains(nearest), "{near}");
     let both = refused("profile = \"60E1\"\nprofile_file = \"head.csv\"");
     assert!(both.contains(":3: rail.profile = \"60E1\": expected either"), "{both}");
     let absent = refused("profile_file = \"no.csv\"\nstandard = \"60E1\"");

@@ -203,7 +203,12 @@ pub(crate) fn points_apart(
     Ok(points)
 }
 
-/// The same up to the first load whose contact reaches the end of the contact zone, and that error, if there is such a load.
+/// Whether loads end before the one that stops so, and those before it are whole: at the end of the contact zone, and where no fine grid holds the patch.
+fn ends_the_loads(reason: StopReason) -> bool {
+    SurfaceEnd::of(reason).is_some() || reason == StopReason::GridUnsettled
+}
+
+/// The same up to the first load whose contact reaches the end of the contact zone or that no fine grid holds, and that error, if there is such a load.
 ///
 /// # Errors
 /// Those of [`press_loads`] for other reasons.
@@ -237,7 +242,7 @@ fn press_each(
         monitor.progress(stage, i, loads.len())?;
         match press(load, states.last()).map_err(|error| error.at_step(i + 1)) {
             Ok(state) => states.push(state),
-            Err(Error::Numerics(end)) if SurfaceEnd::of(end.reason).is_some() => {
+            Err(Error::Numerics(end)) if ends_the_loads(end.reason) => {
                 return Ok((states, Some(end.into())));
             }
             Err(error) => return Err(error),
@@ -510,7 +515,7 @@ pub fn calibrate_horizontal(
     for (i, &preload) in preloads.iter().enumerate() {
         monitor.progress("horizontal stiffness", i, preloads.len())?;
         let state = match wheel_on_rail.press(preload, before.as_ref()) {
-            Err(Error::Numerics(end)) if before.is_some() && SurfaceEnd::of(end.reason).is_some() => {
+            Err(Error::Numerics(end)) if before.is_some() && ends_the_loads(end.reason) => {
                 ended = Some(end.into());
                 break;
             }

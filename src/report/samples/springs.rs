@@ -121,6 +121,7 @@ pub(crate) fn stiffness() -> StiffnessRecord {
             reference("local", law(0.0, 3.4e5, 0.331)),
         ],
         error_band: Some(error_band(&loads())),
+        assumed: None,
         compliance_split: [5.0, 20.0, 50.0, 85.0, 150.0]
             .map(|p: f64| ComplianceRecord {
                 force_kn: p,
