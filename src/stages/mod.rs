@@ -6,13 +6,13 @@
 mod bodies;
 mod patches;
 mod fields;
+mod mesh_files;
 mod calibrate;
 mod zones;
 mod coarser;
 mod error_band;
 mod by_angle;
 mod crosscheck;
-mod mesh_files;
 mod measured;
 mod on_standard;
 mod sections;
