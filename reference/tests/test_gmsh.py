@@ -107,6 +107,13 @@ def test_properties_of_nastran_are_groups(tmp_path: Path) -> None:
     header, data = collect(path, "PID 3", "PID 4", ["PID 2", "PID 1"])
     numbers = np.frombuffer(data[24 * header["nodes"] + 64 * header["hexes"] :], dtype="<i8").tolist()
     assert numbers == [0, 2, 4, 6, 8, 10, 0, 1, 2, 3, 1, 0]
-    path.write_text(bulk("5"))
-    with pytest.raises(Refused, match="GRID cards in the coordinate system 5"):
-        collect(path, "PID 3", "PID 4")
+    other = {
+        "line 3: a GRID card in the coordinate system 5": bulk("5"),
+        "line 15: INCLUDE": bulk().replace("CQUAD4,1", "INCLUDE 'more.bdf'\nCQUAD4,1"),
+        r"line 18: the card CHEXA\*": bulk().replace("CHEXA,10", "CHEXA*,10"),
+        "line 3: the card GRDSET": bulk().replace("GRID,1,", "GRDSET,,5\nGRID,1,"),
+    }
+    for said, text in other.items():
+        path.write_text(text)
+        with pytest.raises(Refused, match=said):
+            collect(path, "PID 3", "PID 4")

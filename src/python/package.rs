@@ -48,6 +48,7 @@ pub(super) static REFERENCE: Package = Package {
         ("abaqus_cards.py", include_str!("../../reference/src/railspring_reference/abaqus_cards.py")),
         ("abaqus.py", include_str!("../../reference/src/railspring_reference/abaqus.py")),
         ("gmsh.py", include_str!("../../reference/src/railspring_reference/gmsh.py")),
+        ("nastran.py", include_str!("../../reference/src/railspring_reference/nastran.py")),
         ("mesh_in.py", include_str!("../../reference/src/railspring_reference/mesh_in.py")),
     ],
     imports: "skfem meshio scipy numpy",

@@ -25,7 +25,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from . import abaqus, gmsh
+from . import abaqus, gmsh, nastran
 from .refusal import Refused, elsewhere
 
 Floats = NDArray[np.float64]
@@ -35,8 +35,6 @@ FORMAT = 2
 """Version of the output."""
 HEXAHEDRON = "hexahedron"
 """meshio's name of the hexahedron with eight nodes."""
-NASTRAN_GROUP = "nastran:ref"
-"""Cell data with the number of the property; of points, with that of the coordinate system."""
 TO_HEXAHEDRA = (
     "mesh with eight-node hexahedra of first order: in Gmsh extrude or revolve the section with `Recombine` and "
     "`Layers`, with Mesh.RecombineAll = 1 (or transfinite surfaces and volumes) and Mesh.ElementOrder = 1; in Abaqus "
@@ -135,24 +133,14 @@ def unreadable(path: Path, error: BaseException) -> Refused:
     )
 
 
-def nastran(path: Path) -> meshio.Mesh:
-    """A mesh of Nastran, with its properties as element sets."""
-    mesh = meshio.read(path, "nastran")
-    systems = np.asarray(mesh.point_data.pop(NASTRAN_GROUP, ()))
-    if np.any(systems):
-        raise Refused(
-            "mesh_file",
-            f'"{path.name}" (GRID cards in the coordinate system {systems[systems != 0][0]})',
-            "nodes in the basic coordinate system",
-            "write the mesh with global coordinates",
-        )
-    of = mesh.cell_data.pop(NASTRAN_GROUP, ())
-    for number in sorted({int(v) for values in of for v in values}):
-        mesh.cell_sets[f"PID {number}"] = [np.flatnonzero(np.asarray(values) == number) for values in of]
-    return mesh
+def msh(path: Path) -> meshio.Mesh:
+    """A file that ends in ``.msh``: mostly Gmsh's, but Fluent has the same ending."""
+    with path.open("rb") as file:
+        of_gmsh = file.read(1) in (b"$", b"")
+    return gmsh.read(path) if of_gmsh else meshio.read(path)
 
 
-READERS = {".inp": abaqus.read, ".msh": gmsh.read, ".bdf": nastran, ".nas": nastran, ".fem": nastran}
+READERS = {".inp": abaqus.read, ".msh": msh, ".bdf": nastran.read, ".nas": nastran.read, ".fem": nastran.read}
 """Readers by the ending of the file; all others are meshio's."""
 
 
