@@ -26,7 +26,7 @@ def main(source: Path, folder: Path) -> None:
     quads = mesh.cells_dict["quad"] + 1
     tags = mesh.cell_data_dict["gmsh:physical"]["quad"]
     sets = {name: np.unique(quads[tags == mesh.field_data[name][0]]) for name in ("running surface", "foot")}
-    bricks = ["*ELEMENT, TYPE=C3D8, ELSET=steel", *rows(1, hexes)]
+    bricks = ["*ELEMENT, TYPE=C3D8, ELSET=rail", *rows(1, hexes)]
 
     def numbers(nodes: np.ndarray) -> list[str]:
         return [", ".join(map(str, nodes[k : k + 16].tolist())) for k in range(0, len(nodes), 16)]
