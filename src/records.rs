@@ -446,6 +446,29 @@ pub struct BodyMeshRecord {
     /// Poisson's ratio there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface_poisson: Option<f64>,
+    /// What was found in the mesh file under the names of the study; none for the tool's own mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub named: Option<NamedRecord>,
+}
+
+/// Sizes of what a study names in a mesh file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NamedRecord {
+    /// Nodes that hold the body.
+    pub held_nodes: usize,
+    /// Faces of the contact surface within the window.
+    pub contact_faces: usize,
+    /// Groups that have a material, in the order of their names.
+    pub groups: Vec<GroupRecord>,
+}
+
+/// A group of hexahedra that has a material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GroupRecord {
+    /// Its name in the file.
+    pub name: String,
+    /// Number of its hexahedra.
+    pub elements: usize,
 }
 
 /// A measured profile on its way to a section, or a section from a file.

@@ -308,7 +308,52 @@ fn files_that_cannot_be_used_are_refused() {
     has(&long, &["rail.mesh_file = a rail from x = -277.500 to 277.500 mm", "-300.000 to 300.000 mm"]);
     std::fs::write(place.path("broken.msh"), "$MeshFormat\n4.1 0 8\n").unwrap();
     let broken = refused(&keys("broken.msh", "running surface", "foot"));
-    has(&broken, &["study.toml:4: rail.mesh_file = \"broken.msh\" (", "expected a mesh that meshio reads"]);
+    has(
+        &broken,
+        &["study.toml:4: rail.mesh_file = \"broken.msh\" (line 1: $MeshFormat", "expected $EndMeshFormat"],
+    );
+}
+
+/// Source: the mesh of Gmsh, of which 399 nodes are held. Goal: decks with its nodes and its held nodes in two cards, and with a part that is moved
+/// into place, give the same mesh with the same held nodes, faces and elements, which are said; a node that is missing is refused with its line.
+#[test]
+fn sets_of_a_deck_are_read_whole() {
+    if !railspring_testing::python() {
+        return;
+    }
+    let place = Place::new();
+    std::fs::copy(meshes().join("rail-60e1.msh"), place.path("rail.msh")).unwrap();
+    let output = Command::new(python().interpreter())
+        .arg(meshes().join("decks.py"))
+        .args([place.path("rail.msh"), place.path("")])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let study = |file: &str| {
+        let materials = "[rail.materials.rail]\n";
+        format!("{RAIL}{}{materials}{WHEEL}{COARSE}", keys(file, "running surface", "foot"))
+    };
+    let read = |file: &str| {
+        std::fs::write(place.path("study.toml"), study(file)).unwrap();
+        // what was read is said where a command is not quiet
+        let output = place.folder.run(&["mesh", "study.toml", "-o", "out", "--cache", "store"]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{said}");
+        has(&said, &["5460 nodes and 4200 hexahedra; 399 held nodes \"foot\"; "]);
+        has(&said, &[" faces of \"running surface\" within the window; 4200 hexahedra of \"rail\""]);
+        let faces = said.split("\"foot\"; ").nth(1).unwrap().split(" faces").next().unwrap();
+        assert!(faces.parse::<usize>().unwrap() > 0, "{said}");
+        (faces.to_owned(), std::fs::read(place.path("out/rail.vtu")).unwrap())
+    };
+    let gmsh = read("rail.msh");
+    assert!(gmsh == read("cards.inp"), "the same mesh to the last bit");
+    // moved there and back its coordinates are rounded
+    assert_eq!(gmsh.0, read("part.inp").0);
+    let missing = place.refused("mesh", &study("missing.inp"));
+    has(
+        &missing,
+        &["rail.mesh_file = \"missing.inp\" (line ", ": node 999999 in *NSET, which the deck does not have"],
+    );
 }
 
 /// Goal: without mesh files no Python is needed; with one a missing Python is reported, exit code 2.

@@ -158,8 +158,8 @@ impl Python {
     /// JSON and raw data, as `mesh_in.py` describes them. `key` is that of the file in the study.
     ///
     /// # Errors
-    /// [`InputError`] with key `--python` if the reader does not run, and with `key` if the file takes it too long or
-    /// holds too much; an interruption by the user. A file that it refuses is no such error.
+    /// [`InputError`] with key `--python` if the reader does not start, and with `key` if the file takes it too long,
+    /// holds too much or ends it; an interruption by the user. A file that it refuses is no such error.
     pub fn read_mesh(&self, key: &str, file: &MeshFile, monitor: &dyn Monitor) -> Result<Vec<u8>> {
         let bytes = std::fs::metadata(&file.path).map_or(0, |data| data.len());
         #[allow(clippy::cast_precision_loss)] // seconds for a file
@@ -212,8 +212,19 @@ impl Python {
             }
         };
         if ended.output.is_empty() {
-            let cause = last_line(&ended.messages).unwrap_or("no message");
-            return Err(self.missing(cause).into());
+            // the interpreter has been tried: the file has stopped it
+            return Err(InputError::new(
+                key,
+                format!(
+                    "\"{}\" (the reader ended without a mesh: {}, {})",
+                    file.display(),
+                    last_line(&ended.messages).unwrap_or("no message"),
+                    ended.status
+                ),
+                "a mesh that fits into the memory and is whole",
+                "check the file, take a coarser mesh, or write it in another format",
+            )
+            .into());
         }
         Ok(ended.output)
     }

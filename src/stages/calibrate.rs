@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 use super::bodies::rail_in_use;
 use super::fields::{PressedSolids, field_files};
+use super::mesh_files::named;
 use super::patches::{below_record, chosen, patch_record};
 use super::{FieldFile, Geometry, Meshes, contact_field, enforcement, solids};
 use crate::records::{
@@ -437,6 +438,7 @@ fn mesh_record(
         mass_kg: condensed.mass,
         surface_young_gpa: surface.map(|surface| surface.young / GIGAPASCAL),
         surface_poisson: surface.map(|surface| surface.poisson),
+        named: file.as_ref().map(|file| named(mesh, file)),
     })
 }
 

@@ -13,6 +13,7 @@ use serde::Deserialize;
 
 use super::Geometry;
 use crate::python::{Purpose, Python, cache_folder};
+use crate::records::{GroupRecord, NamedRecord};
 use crate::study::{MeshFile, Study};
 
 /// Version of the reader's answer.
@@ -63,6 +64,7 @@ impl<'a> Files<'a> {
         let samples = pair.shear_stresses.iter().map(|sample| pair.placed.to_world(&sample.point));
         materials.check_section(&mesh, samples, &study.material, &file.groups)?;
         check_touch("rail", &mesh, curve, geometry.pair.touch.rail_s)?;
+        self.monitor.notice(&what_was_read("rail", &mesh, file));
         Ok(mesh)
     }
 
@@ -79,6 +81,7 @@ impl<'a> Files<'a> {
         let mesh = given_wheel(given, curve, geometry.pair.wheel.radius, options)?;
         study.wheel.materials.check_layers(&mesh, &file.groups, InputField::WheelMaterials)?;
         check_touch("wheel", &mesh, curve, geometry.pair.touch.wheel_s)?;
+        self.monitor.notice(&what_was_read("wheel", &mesh, file));
         Ok(mesh)
     }
 
@@ -104,6 +107,40 @@ impl<'a> Files<'a> {
         self.monitor.progress(&format!("reading {key}"), 1, 1)?;
         Ok(given)
     }
+}
+
+/// Sizes of what the study names in a mesh file.
+pub(super) fn named(mesh: &HexMesh, file: &MeshFile) -> NamedRecord {
+    let grid = &mesh.contact;
+    let elements = |group| (0..mesh.hexes.len()).filter(|&e| mesh.group(e) == group).count();
+    NamedRecord {
+        // a rail is held at its foot, a wheel at its bore
+        held_nodes: mesh.foot.len() + mesh.bore.len(),
+        contact_faces: (grid.along_profile.len() - 1) * (grid.along_track.len() - 1),
+        groups: file
+            .groups
+            .iter()
+            .enumerate()
+            .map(|(group, name)| GroupRecord { name: name.clone(), elements: elements(group) })
+            .collect(),
+    }
+}
+
+/// What is said of a mesh file that was read.
+fn what_was_read(section: &str, mesh: &HexMesh, file: &MeshFile) -> String {
+    let NamedRecord { held_nodes, contact_faces, groups } = named(mesh, file);
+    let mut text = format!(
+        "{section}.mesh_file {:?}: {} nodes and {} hexahedra; {held_nodes} held nodes {:?}; {contact_faces} faces of {:?} within the window",
+        file.file,
+        mesh.nodes.len(),
+        mesh.hexes.len(),
+        file.held,
+        file.contact
+    );
+    for group in groups {
+        text += &format!("; {} hexahedra of {:?}", group.elements, group.name);
+    }
+    text
 }
 
 /// The mesh in the reader's answer.

@@ -6,6 +6,7 @@
 mod bodies;
 mod patches;
 mod fields;
+mod mesh_files;
 mod calibrate;
 mod zones;
 mod coarser;
@@ -13,7 +14,6 @@ mod error_band;
 mod assumed;
 mod by_angle;
 mod crosscheck;
-mod mesh_files;
 mod measured;
 mod on_standard;
 mod sections;

@@ -1,4 +1,4 @@
-"""Reads a mesh that a user brings, in any format that meshio reads.
+"""Reads a mesh that a user brings: Abaqus decks and Gmsh files with the modules of this package, all others with meshio.
 
 ``python -m railspring_reference.mesh_in FILE --contact NAME --held NAME [--material NAME]...`` writes to its standard
 output one line of JSON and then raw little-endian data: coordinates in the file's unit (``<f8``, three a node), nodes
@@ -25,6 +25,9 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
+from . import abaqus, gmsh, nastran
+from .refusal import Refused, elsewhere
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -32,8 +35,6 @@ FORMAT = 2
 """Version of the output."""
 HEXAHEDRON = "hexahedron"
 """meshio's name of the hexahedron with eight nodes."""
-GMSH_GROUP = "gmsh:physical"
-"""Cell data with the tag of the physical group."""
 TO_HEXAHEDRA = (
     "mesh with eight-node hexahedra of first order: in Gmsh extrude or revolve the section with `Recombine` and "
     "`Layers`, with Mesh.RecombineAll = 1 (or transfinite surfaces and volumes) and Mesh.ElementOrder = 1; in Abaqus "
@@ -48,14 +49,6 @@ CODE = {".py", ".pyc", ".pyd", ".so", ".dll", ".dylib"}
 """Endings of what Python itself opens when it imports a module."""
 DIMENSION = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "polygon": 2}
 """Dimension of the cells that carry names at most, by the beginning of their names; all others are volumes."""
-
-
-class Refused(Exception):
-    """The file cannot be used: key of the study, value, what was expected and how to correct it."""
-
-    def __init__(self, key: str, value: str, expected: str, remedy: str) -> None:
-        super().__init__(f"{key} = {value}: expected {expected}; {remedy}")
-        self.message = {"key": key, "value": value, "expected": expected, "remedy": remedy}
 
 
 class OneFile:
@@ -103,40 +96,9 @@ class OneFile:
 ONE_FILE = OneFile()
 
 
-def elsewhere(path: Path, what: str) -> Refused:
-    """Refuses a file with parts in others."""
-    return Refused(
-        "mesh_file",
-        f'"{path.name}" ({what})',
-        "a file that has the whole mesh",
-        "write the mesh into one file, for instance by inserting what it includes, or as Gmsh (.msh) or VTU",
-    )
-
-
-def deck_lines(path: Path) -> list[str]:
-    """The lines of a deck, where meshio sees their ends."""
-    with path.open(encoding="utf-8", errors="replace") as file:
-        return list(file)
-
-
-def keyword(line: str) -> str:
-    """The keyword of a line of a deck as meshio reads it: with blanks around it, in small letters, even without a star;
-    empty for a comment."""
-    return "" if line.startswith("**") else line.partition(",")[0].strip().replace("*", "").upper()
-
-
-def includes(line: str) -> bool:
-    """Whether a line of a deck includes another: in the spellings that meshio follows, and in those of Abaqus."""
-    head = keyword(line)
-    return head == "INCLUDE" or (line.lstrip().startswith("*") and head.strip().startswith("INCLUDE"))
-
-
 def whole(path: Path) -> None:
     """Refuses files that name others, as far as can be seen before they are read."""
-    ending = path.suffix.lower()
-    if ending == ".inp":
-        other = next((line.strip() for line in deck_lines(path) if includes(line)), None)
-    elif ending in REFERRING:
+    if path.suffix.lower() in REFERRING:
         other = "its data in another file"
     else:
         with path.open("rb") as file:
@@ -149,50 +111,37 @@ def read(path: Path) -> meshio.Mesh:
     """The mesh of a file, by its ending."""
     try:
         whole(path)
+        reader = READERS.get(path.suffix.lower(), meshio.read)
         # meshio prints what it could not read, and ends the program
         with contextlib.redirect_stdout(sys.stderr), ONE_FILE.only(path):
-            mesh = meshio.read(path)
-        if path.suffix.lower() == ".inp":
-            name_blocks(path, mesh)
-        return mesh
+            return reader(path)
     except Refused:
         raise
-    except SystemExit:
-        cause = "meshio cannot read it in the format of its ending"
-    except Exception as error:  # readers stumble over broken files in many ways
-        cause = " ".join(f"{type(error).__name__}: {error}".split())
-    raise Refused(
+    except (SystemExit, Exception) as error:  # readers stumble over broken files in many ways
+        raise unreadable(path, error) from None
+
+
+def unreadable(path: Path, error: BaseException) -> Refused:
+    """Refuses a file that a reader stumbles over."""
+    # the text of a KeyError is but the key
+    said = "" if isinstance(error, (SystemExit, KeyError)) else " ".join(str(error).split())
+    return Refused(
         "mesh_file",
-        f'"{path.name}" ({cause})',
-        "a mesh that meshio reads, for instance Gmsh (.msh), Abaqus (.inp) or VTU",
-        "check the file and its ending, or write it in another format; Abaqus decks must be flat, without parts and "
-        "instances",
+        f'"{path.name}" (it cannot be read in the format of its ending{": " + said if said else ""})',
+        "a mesh that can be read, for instance Gmsh (.msh), Abaqus (.inp) or VTU",
+        "check the file and its ending, or write it in another format",
     )
 
 
-def name_blocks(path: Path, mesh: meshio.Mesh) -> None:
-    """Puts right the element sets that ``*ELEMENT`` lines name: meshio counts the sets where it should count the
-    blocks, and mixes them up where a block has no name or two have the same one."""
+def msh(path: Path) -> meshio.Mesh:
+    """A file that ends in ``.msh``: mostly Gmsh's, but Fluent has the same ending."""
+    with path.open("rb") as file:
+        of_gmsh = file.read(1) in (b"$", b"")
+    return gmsh.read(path) if of_gmsh else meshio.read(path)
 
-    def set_name(line: str) -> str | None:
-        parameters = (part.strip() for part in line.split(",")[1:])
-        sets = (p.split("=")[1].strip() for p in parameters if p.upper().startswith("ELSET") and "=" in p)
-        return next(sets, None)
 
-    keywords = [(keyword(line), set_name(line)) for line in deck_lines(path)]
-    blocks = [name for head, name in keywords if head == "ELEMENT"]
-    for name in {name for name in blocks if name}:
-        if ("ELSET", name) in keywords:
-            raise Refused(
-                "mesh_file",
-                f'"{path.name}" (element set "{name}" on a line *ELEMENT and on a line *ELSET)',
-                "every element set in one place",
-                "rename one of the two sets",
-            )
-        mesh.cell_sets[name] = [
-            np.arange(len(block.data) if named == name else 0)
-            for block, named in zip(mesh.cells, blocks, strict=True)
-        ]
+READERS = {".inp": abaqus.read, ".msh": msh, ".bdf": nastran.read, ".nas": nastran.read, ".fem": nastran.read}
+"""Readers by the ending of the file; all others are meshio's."""
 
 
 def dimension(kind: str) -> int:
@@ -216,7 +165,7 @@ def hexahedra(mesh: meshio.Mesh, file: str) -> Ints:
             "mesh_file",
             f'"{file}" ({found}, no hexahedra)',
             "a mesh of hexahedra with eight nodes",
-            "save the volume too: in Gmsh give it a physical volume (or set Mesh.SaveAll = 1); " + TO_HEXAHEDRA,
+            "save the volume too: in Gmsh give it a physical volume; " + TO_HEXAHEDRA,
         )
     return np.vstack([block.data for block in mesh.cells if block.type == HEXAHEDRON]).astype(np.int64)
 
@@ -237,18 +186,17 @@ def of_cells(mesh: meshio.Mesh, chosen: list[Any], key: str, name: str) -> Ints:
     return np.unique(np.concatenate(nodes))
 
 
-def groups(mesh: meshio.Mesh, nodes: bool = True) -> dict[str, str]:
-    """Names of all groups, and of what kind each is; where a name stands twice, the first kind counts. ``nodes``: those
-    of nodes too."""
-    found: dict[str, str] = {}
+def groups(mesh: meshio.Mesh, nodes: bool = True) -> dict[str, list[str]]:
+    """Names of all groups, and of what kinds each is. ``nodes``: those of nodes too."""
+    found: dict[str, list[str]] = {}
 
     def add(names: Any, kind: str) -> None:
         for name in names:
-            if not str(name).startswith("gmsh:"):
-                found.setdefault(str(name), kind)
+            found.setdefault(str(name), []).append(kind)
 
     add(mesh.point_sets if nodes else (), "node set")
-    add(mesh.field_data if GMSH_GROUP in mesh.cell_data else (), "physical group")
+    add(mesh.info.get("surfaces", ()) if nodes and mesh.info else (), "surface")
+    add(mesh.info.get("physical groups", ()) if mesh.info else (), "physical group")
     add(mesh.cell_sets, "element set")
     add((name for name, values in mesh.point_data.items() if nodes and scalar(values)), "node mask")
     add((name for name, blocks in mesh.cell_data.items() if all(scalar(b) for b in blocks)), "cell mask")
@@ -265,13 +213,13 @@ def inside(values: Any) -> Ints:
     return np.flatnonzero(np.nan_to_num(np.ravel(values), nan=0.0)).astype(np.int64)
 
 
-def name_in_file(known: dict[str, str], key: str, name: str, remedy: str) -> str:
+def name_in_file(known: dict[str, list[str]], key: str, name: str, remedy: str) -> str:
     """The name as the file has it, of one of the ``known`` groups."""
     # upper and lower case are the same in Abaqus
     alike = [other for other in known if other.casefold() == name.casefold()]
     found = name if name in known else alike[0] if len(alike) == 1 else None
     if found is None:
-        names = ", ".join(f'"{other}" ({kind})' for other, kind in sorted(known.items())) or "no names at all"
+        names = ", ".join(f'"{other}" ({" and ".join(kinds)})' for other, kinds in sorted(known.items())) or "no names at all"
         raise Refused(key, f'"{name}"', f"a name that the mesh file has: {names}", remedy)
     return found
 
@@ -280,12 +228,7 @@ def cells_of(mesh: meshio.Mesh, kind: str, name: str) -> list[Any]:
     """Cells of a group of cells, of every block."""
     match kind:
         case "physical group":
-            tag, size = (int(v) for v in mesh.field_data[name])
-            tags = mesh.cell_data[GMSH_GROUP]
-            return [
-                np.flatnonzero(np.asarray(t) == tag) if dimension(block.type) == size else None
-                for block, t in zip(mesh.cells, tags, strict=True)
-            ]
+            return list(mesh.info["physical groups"][name])
         case "element set":
             return list(mesh.cell_sets[name])
         case _:
@@ -296,25 +239,56 @@ def group(mesh: meshio.Mesh, key: str, name: str) -> Ints:
     """Nodes of the group ``name``, ascending."""
     known = groups(mesh)
     remedy = (
-        "name a Gmsh physical surface, an Abaqus node set (or element set of surface elements), or a mask of "
-        "point or cell data that is not zero on the group"
+        "name a Gmsh physical surface, an Abaqus node set or surface (or element set of surface elements), a property "
+        "of Nastran's surface elements, or a mask of point or cell data that is not zero on the group"
     )
     found = name_in_file(known, key, name, remedy)
-    match known[found]:
-        case "node set":
-            nodes = np.unique(np.asarray(mesh.point_sets[found], dtype=np.int64))
-        case "node mask":
-            nodes = inside(mesh.point_data[found])
-        case kind:
-            nodes = of_cells(mesh, cells_of(mesh, kind, found), key, found)
+    kinds = known[found]
+    if len(kinds) > 1:  # a set of solid elements beside a set of nodes has the name for other uses
+        kinds = [kind for kind in kinds if kind in NODES or not of_volumes(mesh, kind, found)] or kinds
+    by_kind = {kind: nodes_of(mesh, key, kind, found) for kind in kinds}
+    first, *others = by_kind
+    nodes = by_kind[first]
+    for kind in others:
+        if not np.array_equal(by_kind[kind], nodes):
+            raise Refused(
+                key,
+                f'"{found}" ({first} of {len(nodes)} nodes and {kind} of {len(by_kind[kind])} nodes)',
+                "one group of this name",
+                "rename one of the two",
+            )
     if len(nodes) == 0:
-        raise Refused(
-            key,
-            f'"{found}" ({known[found]}, empty)',
-            "a group with nodes",
-            "check what the group encloses; a set that only names other sets is not read",
-        )
+        raise Refused(key, f'"{found}" ({first}, empty)', "a group with nodes", EMPTY)
     return nodes
+
+
+EMPTY = "check what the group encloses; Gmsh leaves all groups out of version 2.2 with Mesh.SaveAll = 1"
+"""Advice for groups without members."""
+NODES = ("node set", "node mask", "surface")
+"""Kinds of groups that have nodes, not cells."""
+
+
+def of_volumes(mesh: meshio.Mesh, kind: str, name: str) -> bool:
+    """Whether a group has volumes."""
+    chosen = zip(mesh.cells, cells_of(mesh, kind, name), strict=False)
+    return any(dimension(block.type) == 3 and cells is not None and len(cells) for block, cells in chosen)
+
+
+def nodes_of(mesh: meshio.Mesh, key: str, kind: str, name: str) -> Ints:
+    """Nodes of a group of one kind, ascending."""
+    match kind:
+        case "node set":
+            return np.unique(np.asarray(mesh.point_sets[name], dtype=np.int64))
+        case "surface":
+            return np.unique(np.asarray(mesh.info["surfaces"][name], dtype=np.int64))
+        case "node mask":
+            return inside(mesh.point_data[name])
+        case "physical group":  # a surface and a volume may have the same name
+            chosen = cells_of(mesh, kind, name)
+            below = [cells if dimension(b.type) < 3 else None for b, cells in zip(mesh.cells, chosen, strict=True)]
+            return of_cells(mesh, below if any(cells is not None and len(cells) for cells in below) else chosen, key, name)
+        case _:
+            return of_cells(mesh, cells_of(mesh, kind, name), key, name)
 
 
 def materials(mesh: meshio.Mesh, points: Floats, hexes: Ints, names: list[str]) -> Ints:
@@ -323,8 +297,8 @@ def materials(mesh: meshio.Mesh, points: Floats, hexes: Ints, names: list[str]) 
         return np.zeros(0, dtype=np.int64)
     known = groups(mesh, nodes=False)
     remedy = (
-        "name a Gmsh physical volume, an Abaqus element set of solid elements, or a mask of cells that is not zero on "
-        "the group"
+        "name a Gmsh physical volume, an Abaqus element set of solid elements, a property of Nastran's solids, or a mask "
+        "of cells that is not zero on the group"
     )
     starts = np.cumsum([0, *(len(block.data) if block.type == HEXAHEDRON else 0 for block in mesh.cells)])
     of = np.full(len(hexes), -1, dtype=np.int64)
@@ -337,12 +311,12 @@ def materials(mesh: meshio.Mesh, points: Floats, hexes: Ints, names: list[str]) 
         found = name_in_file(known, key, name, remedy)
         inside_blocks = [
             start + np.asarray(cells, dtype=np.int64)
-            for block, start, cells in zip(mesh.cells, starts, cells_of(mesh, known[found], found), strict=False)
+            for block, start, cells in zip(mesh.cells, starts, cells_of(mesh, known[found][0], found), strict=False)
             if block.type == HEXAHEDRON and cells is not None and len(cells)
         ]
         inside_group = np.unique(np.concatenate(inside_blocks)) if inside_blocks else np.zeros(0, dtype=np.int64)
         if len(inside_group) == 0:
-            raise Refused(key, f'"{found}" ({known[found]}, no hexahedron)', "a group of hexahedra", remedy)
+            raise Refused(key, f'"{found}" ({known[found][0]}, no hexahedron)', "a group of hexahedra", f"{remedy}; {EMPTY}")
         twice = inside_group[of[inside_group] >= 0]
         if len(twice):
             raise Refused(
@@ -424,6 +398,8 @@ def main(arguments: list[str] | None = None) -> int:
         header, payload = collect(chosen.file, chosen.contact, chosen.held, chosen.material)
     except Refused as refused:
         header = {"error": refused.message}
+    except Exception as error:  # what a reader has left inconsistent is an error of the file, too
+        header = {"error": unreadable(chosen.file, error).message}
     sys.stdout.buffer.write(json.dumps(header).encode() + b"\n" + payload)
     sys.stdout.buffer.flush()
     return 1 if "error" in header else 0

@@ -2,10 +2,11 @@
 
 use crate::records::{
     AngleLawRecord, BandPointRecord, BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord,
-    DisplacementRecord, ErrorBandRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord, HertzRecord,
-    HorizontalBandRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow,
-    PairRecord, PenaltyRecord, ProfileRecord, ReferenceBandRecord, ReferenceRecord, ShiftRecord,
-    ShiftTouchRecord, StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord, TouchRecord,
+    DisplacementRecord, ErrorBandRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord, GroupRecord,
+    HertzRecord, HorizontalBandRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord,
+    LoadCurveRow, NamedRecord, PairRecord, PenaltyRecord, ProfileRecord, ReferenceBandRecord,
+    ReferenceRecord, ShiftRecord, ShiftTouchRecord, StiffnessByAngleRecord, StiffnessRecord, TableRecord,
+    TangentRecord, TouchRecord,
 };
 
 fn law(a: f64, b: f64, c: f64) -> LawRecord {
@@ -152,6 +153,11 @@ pub(crate) fn stiffness() -> StiffnessRecord {
                 mass_kg: 283.4,
                 surface_young_gpa: None,
                 surface_poisson: None,
+                named: (body == "rail").then(|| NamedRecord {
+                    held_nodes: 399,
+                    contact_faces: 960,
+                    groups: vec![GroupRecord { name: "rail".into(), elements: 16820 }],
+                }),
             })
             .to_vec(),
         profiles: vec![ProfileRecord {
