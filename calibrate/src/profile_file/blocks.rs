@@ -109,9 +109,9 @@ impl<'a> Blocks<'a> {
         self.separate = anew || self.blocks.last().is_some_and(|block| block.title.is_some());
     }
 
-    /// Whether there are points.
-    pub fn has_points(&self) -> bool {
-        !self.blocks.is_empty()
+    /// Number of points of the block that was begun last.
+    pub fn last_count(&self) -> usize {
+        self.blocks.last().map_or(0, |block| block.points.len())
     }
 
     /// A line that heads what follows.

@@ -183,14 +183,13 @@ pub(super) fn parse(name: &str, text: &str, ending: &str, part: &Part) -> Result
     let mut unit: Option<(f64, usize)> = None;
     // A key heads points only where they follow it.
     let mut headed_by_key = false;
-    let mut measured = 0;
     for (n, line) in lines(text).filter(|(n, _)| *n > header.free_until) {
         let row = without_comment(line);
         if let Some((key, _)) = key_value(line) {
             if key == "xypoints" {
-                // A second one with points of its own begins another profile.
-                blocks.measured(measured > 0 && blocks.has_points());
-                measured += 1;
+                // Behind all points of the one before it, it begins another profile.
+                let before = header.announced.iter().rev().find(|(_, line)| *line < n);
+                blocks.measured(before.is_some_and(|(count, _)| blocks.last_count() >= (*count).max(1)));
             } else if key.ends_with("points") || heads_others(&key) {
                 blocks.head(line.split('=').next().unwrap_or(line).trim_matches(['"', ' ', '\t']));
                 headed_by_key = true;

@@ -75,8 +75,8 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
     // A scan that is too short in a unit that fits it as such.
     let short = |unit: f64, line: usize| {
         let value = format!("the profile is {:.1} mm wide", unit * extent / MILLIMETRE);
-        let remedy = "give a scan of the whole head or wheel";
-        error_at(name, line, 1, &value, "at least 20 mm are needed", remedy)
+        let remedy = "at least 20 mm are needed: give a scan of the whole head or wheel";
+        error_at(name, line, 1, &value, "a scan 20 to 400 mm wide", remedy)
     };
     let unit = match (options.unit, raw.unit) {
         (None, Some((unit, line))) if raw.format != ProfileFormat::Dxf && sizes(unit, SHORTEST) => {
