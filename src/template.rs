@@ -22,6 +22,8 @@ pub enum Body {
     Standard(String),
     /// A measured profile, by its file.
     File(PathBuf),
+    /// The closed section of the body, by its file.
+    Section(PathBuf),
 }
 
 /// A pair with its name.
@@ -40,7 +42,9 @@ impl Body {
     fn title(&self) -> String {
         match self {
             Self::Standard(name) => name.clone(),
-            Self::File(file) => file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            Self::File(file) | Self::Section(file) => {
+                file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+            }
         }
     }
 
@@ -52,6 +56,7 @@ impl Body {
                 ("profile_file", quoted(&relative(file, folder).to_string_lossy())),
                 ("profile_smoothing_mm", SMOOTHING_MM.to_string()),
             ],
+            Self::Section(file) => vec![("section_file", quoted(&relative(file, folder).to_string_lossy()))],
         }
     }
 }

@@ -405,6 +405,49 @@ fn contact_takes_files_and_another_left_side() {
     assert!((angle(&level, "right", 0.0) - angle(&canted, "right", 0.0)).abs() > 1e-3);
 }
 
+/// Goal: where the shifts are too few for the equivalent conicity, the line says up to which it needs, and with that there is one. The left side has
+/// keys of its own, another radius included.
+#[test]
+fn contact_says_which_shift_it_needs_and_takes_keys_of_the_left_side() {
+    let place = tempfile::tempdir().unwrap();
+    let pair = ["contact", "S1002", "60E1", "--step-mm", "0.5"];
+    let text = output_of(place.path(), &[&pair[..], &["--shift-mm", "3"]].concat());
+    let needed = text.split("give --shift-mm ").nth(1).and_then(|rest| rest.split_whitespace().next());
+    let needed = needed.unwrap_or_else(|| panic!("no shift in {text}"));
+    let text = output_of(place.path(), &[&pair[..], &["--shift-mm", needed]].concat());
+    assert!(text.contains("equivalent conicity at 3 mm: 0.17"), "{text}");
+    let left = ["--left", "S1002", "60E1", "--set-left", "wheel.tape_diameter_m=0.916"];
+    output_of(place.path(), &[&pair[..], &["--shift-mm", "2"], &left].concat());
+    let table = std::fs::read_to_string(place.path().join("contact.csv")).unwrap();
+    // MODEL: the contact lies within 0.2 mm of the radius at the tape circle in the middle.
+    const MODEL: f64 = 0.2;
+    for (side, radius) in [("left", 458.0), ("right", 460.0)] {
+        let row = table.lines().find(|line| line.starts_with(&format!("0.000000,{side},1,"))).unwrap();
+        let found: f64 = row.split(',').nth(11).unwrap().parse().unwrap();
+        assert!((found - radius).abs() < MODEL, "{row}");
+    }
+    refused(
+        &["contact", "S1002", "60E1", "--left", "S1002", "60E1", "--set-left", "track.gauge_mm=1435"],
+        &["--set-left", "a key of [wheel] or [rail]"],
+    );
+}
+
+/// Goal: what is wrong with a profile file is said with the options of the command.
+#[test]
+fn messages_about_a_file_name_the_options_of_the_command() {
+    let place = tempfile::tempdir().unwrap();
+    let rows: String = (0..60).map(|i| format!("{},{},{},{}\n", i, i * i, -i, i * i)).collect();
+    std::fs::write(place.path().join("lr.csv"), format!("y_left,z_left,y_right,z_right\n{rows}")).unwrap();
+    let output = railspring(place.path(), &["check", "lr.csv", "--kind", "rail"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("give `--part`") && said.contains("right"), "{said}");
+    let short: String = (0..60).map(|i| format!("{i}e3,{i}\n")).collect();
+    std::fs::write(place.path().join("far.csv"), short).unwrap();
+    let output = railspring(place.path(), &["check", "far.csv"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("give `--unit`"), "{said}");
+}
+
 /// Goal: what was repaired in a file is said wherever it is looked at.
 #[test]
 fn repairs_are_said_where_a_file_is_used() {

@@ -29,6 +29,12 @@ macro_rules! fields {
 }
 
 fields! {
+    /// Part of a file that is the profile, where it is not known whose it is.
+    ProfilePart = "profile_part",
+    /// Unit of such a file.
+    ProfileUnit = "profile_unit",
+    /// Whether such a file is that of a wheel or a rail.
+    ProfileKind = "profile_kind",
     /// Name of the rail's standard section.
     RailName = "rail_name",
     /// The rail's measured head.

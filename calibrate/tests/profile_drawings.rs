@@ -206,9 +206,12 @@ fn several_lines_are_listed_and_one_is_chosen_by_layer_or_number() {
                 0\nLINE\n8\nhead\n67\n1\n10\n0\n20\n0\n11\n5\n21\n5\n";
     let text = drawing("", &format!("{frame}{}{rest}", lightweight(&segments, "")));
     let message = refused(&text, None);
-    for part in
-        ["2 lines that do not meet", "1 (layer \"FRAME\", 2 pieces", "2 (layer \"head\"", "give the part"]
-    {
+    for part in [
+        "2 lines that do not meet",
+        "1 (layer \"FRAME\", 2 pieces",
+        "2 (layer \"head\"",
+        "give `profile_part`",
+    ] {
         assert!(message.contains(part), "{part}: {message}");
     }
     for part in ["Head", "2"] {

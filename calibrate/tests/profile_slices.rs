@@ -95,7 +95,7 @@ fn without_a_choice_the_slices_are_listed() {
         "wing.slcs:9:1 = \"3 slices\"",
         "1 \"wing/one.prr\" at 500 mm",
         "3 \"wing/three.prr\"",
-        "give the part",
+        "give `profile_part`",
     ] {
         assert!(message.contains(part), "{part}: {message}");
     }

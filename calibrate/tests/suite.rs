@@ -16,6 +16,7 @@ mod off_centre;
 mod pair;
 mod press;
 mod press_direction;
+mod profile_contents;
 mod profile_dialects;
 mod profile_drawings;
 mod profile_files;

@@ -13,7 +13,7 @@ use railspring_calibrate::units::MILLIMETRE;
 
 use super::output::remark;
 use super::pair_args::{Given, Named, by_option, named};
-use super::set_args::SetArgs;
+use super::set_args::{SetArgs, setting};
 use super::shapes::write;
 use super::{Failure, say};
 use crate::report::panel::{Panel, stacked};
@@ -27,11 +27,14 @@ pub(super) struct ContactArgs {
     /// A study, or a wheel and a rail: names of standards, or profile files, for instance `S1002 60E1`
     #[arg(value_name = "STUDY | WHEEL RAIL", num_args = 1..=2, required = true)]
     pair: Vec<String>,
-    /// Wheel and rail of the left side where they are others, as seen on their own side; keys of [wheel] and [rail] in --set are for the right side then
+    /// Wheel and rail of the left side where they are others, as seen on their own side; keys of [wheel] and [rail] in --set are for the right side then, those of the left side in --set-left
     #[arg(long, value_names = ["WHEEL", "RAIL"], num_args = 2)]
     left: Vec<String>,
     #[command(flatten)]
     set: SetArgs,
+    /// A key of [wheel] or [rail] of the left side and its value, with --left; another radius is wheel.tape_diameter_m
+    #[arg(long, value_name = "KEY=VALUE", value_parser = setting, requires = "left")]
+    set_left: Vec<Setting>,
     /// Slope of the rails with a named pair
     #[arg(long, value_name = "SLOPE", default_value_t = 0.025)]
     inclination: f64,
@@ -62,26 +65,34 @@ impl ContactArgs {
     /// Both sides; says what was done to measured profiles.
     fn wheelset(&self) -> Result<Wheelset, Failure> {
         let (right, tape_y) = match self.pair.as_slice() {
-            [wheel, rail] => self.named_side(wheel, rail, &|_| true)?,
+            [wheel, rail] => self.named_side(wheel, rail, self.set.settings(), "--set")?,
             _ => side_of(&Study::read_with(self.pair[0].as_ref(), self.set.settings())?)?,
         };
         let left = match self.left.as_slice() {
             [wheel, rail] => {
-                let of_track =
-                    |key: &str| !["wheel.", "rail."].iter().any(|section| key.starts_with(section));
-                self.named_side(wheel, rail, &of_track)?.0
+                let of_side =
+                    |set: &&Setting| ["wheel.", "rail."].iter().any(|section| set.key().starts_with(section));
+                if let Some(set) = self.set_left.iter().find(|set| !of_side(set)) {
+                    let remedy = "give keys of the track with --set";
+                    let expected = "a key of [wheel] or [rail]";
+                    return Err(InputError::new("--set-left", set.key(), expected, remedy).into());
+                }
+                let of_track = self.set.settings().iter().filter(|set| !of_side(set));
+                let settings: Vec<Setting> = of_track.chain(&self.set_left).cloned().collect();
+                self.named_side(wheel, rail, &settings, "--set-left")?.0
             }
             _ => right.clone(),
         };
         Ok(Wheelset { left, right, tape_y })
     }
 
-    /// A side from names or files with the settings that it `takes` by their keys, and the distance of its tape circle from the middle of the track, m.
+    /// A side from names or files with these settings, which `option` gives, and the distance of its tape circle from the middle of the track, m.
     fn named_side(
         &self,
         wheel: &str,
         rail: &str,
-        takes: &dyn Fn(&str) -> bool,
+        given: &[Setting],
+        of: &str,
     ) -> Result<(WheelOnRail, f64), Failure> {
         if !(100.0..=1000.0).contains(&self.radius_mm) {
             let expected = "100 to 1000 mm";
@@ -93,14 +104,10 @@ impl ContactArgs {
             option("--inclination", "rail.inclination", self.inclination),
             option("--radius-mm", "wheel.tape_diameter_m", 2e-3 * self.radius_mm),
         ];
-        let settings: Vec<Setting> = options
-            .into_iter()
-            .flatten()
-            .chain(self.set.settings().iter().filter(|set| takes(set.key())).cloned())
-            .collect();
+        let settings: Vec<Setting> = options.into_iter().flatten().chain(given.iter().cloned()).collect();
         let pair = [Given::wheel("WHEEL", wheel), Given::rail("RAIL", rail)];
-        let Named { study, .. } = named(None, pair, &settings).map_err(by_option)?;
-        side_of(&study).map_err(by_option)
+        let Named { study, .. } = named(None, pair, &settings).map_err(|failure| by_option(failure, of))?;
+        side_of(&study).map_err(|failure| by_option(failure, of))
     }
 }
 
@@ -122,15 +129,23 @@ type Shifts = [(f64, WheelsetContact)];
 /// Runs the subcommand.
 pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
     let wheelset = args.wheelset()?;
-    let rows = contacts(args, &wheelset)?;
+    let rows = contacts(args, &wheelset, args.shift_mm, args.step_mm)?;
     let function = running_function(&rows)?;
     let conicity = conicity(&function, args.shift_mm);
     say("shift mm   y rail mm   y wheel mm   angle rad   radius mm   difference mm   (right wheel)")?;
     for line in whole_millimetres(&wheelset, &rows, &function) {
         say(&line)?;
     }
-    if let Some((amplitude, tangent)) = conicity.iter().find(|(a, _)| *a == 3.0) {
-        say(&format!("equivalent conicity at {amplitude} mm: {tangent:.4}"))?;
+    match conicity.iter().find(|(a, _)| *a == AMPLITUDE_MM) {
+        Some((amplitude, tangent)) => say(&format!("equivalent conicity at {amplitude} mm: {tangent:.4}"))?,
+        None => say(&match enough_shift(args, &wheelset)? {
+            Some(shift) => format!(
+                "no equivalent conicity at {AMPLITUDE_MM} mm: its wave needs shifts up to {shift:.2} mm, give --shift-mm {shift:.2}"
+            ),
+            None => format!(
+                "no equivalent conicity at {AMPLITUDE_MM} mm: shifts up to {MOST_SHIFT_MM} mm have no wave of this amplitude"
+            ),
+        })?,
     }
     let (table, figure) = (args.output.with_extension("csv"), args.output.with_extension("svg"));
     write(&table, &csv(&wheelset, &rows))?;
@@ -138,13 +153,43 @@ pub(super) fn contact(args: &ContactArgs) -> Result<(), Failure> {
     Ok(say(&format!("{}\n{}", table.display(), figure.display()))?)
 }
 
-/// The contacts at every shift that the arguments ask for.
-fn contacts(args: &ContactArgs, wheelset: &Wheelset) -> Result<Vec<(f64, WheelsetContact)>, Failure> {
-    let parts = (2.0 * args.shift_mm / args.step_mm).round();
+/// Amplitude of the equivalent conicity that is printed, mm.
+const AMPLITUDE_MM: f64 = 3.0;
+/// Largest shift that is tried for it, mm.
+const MOST_SHIFT_MM: f64 = 10.0;
+
+/// The least shift (mm), in steps of 0.1 mm, with which there is an equivalent conicity, if there is any.
+fn enough_shift(args: &ContactArgs, wheelset: &Wheelset) -> Result<Option<f64>, Failure> {
+    /// Tenths of a millimetre in one.
+    const PER_MM: f64 = 10.0;
+    let enough = |tenths: u32| -> Result<bool, Failure> {
+        let shift_mm = f64::from(tenths) / PER_MM;
+        let rows = contacts(args, wheelset, shift_mm, shift_mm.min(1.0 / PER_MM))?;
+        Ok(running_function(&rows)?.equivalent_conicity(AMPLITUDE_MM * MILLIMETRE).is_some())
+    };
+    let (mut low, mut high) = ((PER_MM * AMPLITUDE_MM) as u32 - 1, (PER_MM * MOST_SHIFT_MM) as u32);
+    if !enough(high)? {
+        return Ok(None);
+    }
+    while high - low > 1 {
+        let middle = (low + high) / 2;
+        if enough(middle)? { high = middle } else { low = middle }
+    }
+    Ok(Some(f64::from(high) / PER_MM))
+}
+
+/// The contacts at every shift up to `shift_mm` in steps of `step_mm`.
+fn contacts(
+    args: &ContactArgs,
+    wheelset: &Wheelset,
+    shift_mm: f64,
+    step_mm: f64,
+) -> Result<Vec<(f64, WheelsetContact)>, Failure> {
+    let parts = (2.0 * shift_mm / step_mm).round();
     if !(2.0..=100_000.0).contains(&parts) {
         return Err(InputError::new(
             "--step-mm",
-            args.step_mm,
+            step_mm,
             "a step that divides the shifts into 2 to 100000 parts",
             "choose shift and step anew",
         )
@@ -154,7 +199,7 @@ fn contacts(args: &ContactArgs, wheelset: &Wheelset) -> Result<Vec<(f64, Wheelse
     let gap = args.gap_um.max(0.0) * 1e-3 * MILLIMETRE;
     let mut rows = Vec::new();
     for i in 0..=parts as usize {
-        let lateral_shift = args.shift_mm * (2.0 * i as f64 / parts - 1.0) * MILLIMETRE;
+        let lateral_shift = shift_mm * (2.0 * i as f64 / parts - 1.0) * MILLIMETRE;
         let position = WheelsetPosition { lateral_shift, yaw: 1e-3 * args.yaw_mrad, roll };
         rows.push((lateral_shift, wheelset.contacts(&position, gap)?));
     }

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use railspring_calibrate::error::Error;
+use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::field::InputField;
 use railspring_calibrate::profile_file::{
     MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, prepare, read,
 };
@@ -64,6 +65,28 @@ fn tape_circle(text: &str) -> Result<f64, String> {
         Ok(mm) if (50.0..=100.0).contains(&mm) => Ok(mm),
         _ => Err("expected a distance of 50 to 100 mm".into()),
     }
+}
+
+/// The options that give fields of the library: the one table for the commands on a profile file.
+const OPTIONS: [(InputField, &str); 7] = [
+    (InputField::ProfilePart, "--part"),
+    (InputField::RailProfilePart, "--part"),
+    (InputField::WheelProfilePart, "--part"),
+    (InputField::ProfileUnit, "--unit"),
+    (InputField::RailProfileUnit, "--unit"),
+    (InputField::WheelProfileUnit, "--unit"),
+    (InputField::ProfileKind, "--kind"),
+];
+
+/// The error with the options of these commands in the place of the library's fields.
+pub(super) fn with_options(error: InputError) -> InputError {
+    let translated = |text: &str| {
+        let named = |text: String, (field, option): &(InputField, &str)| {
+            text.replace(&format!("`{field}`"), &format!("`{option}`"))
+        };
+        OPTIONS.iter().fold(text.to_owned(), named)
+    };
+    InputError { expected: translated(&error.expected), remedy: translated(&error.remedy), ..error }
 }
 
 impl FileArgs {

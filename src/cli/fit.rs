@@ -75,7 +75,7 @@ pub(super) fn fit(args: &FitArgs) -> Result<bool, Failure> {
     let text = |folder: &Path| Ok(pair.study(&folder.join(STUDY), false, settings));
     let results = Results::of("fit").of_study(&study.name);
     done(Action::Run, results, &args.run, &study, &[(STUDY, &text)])
-        .map_err(|error| by_option(Failure::of_stage(&study, error)))
+        .map_err(|error| by_option(Failure::of_stage(&study, error), "--set"))
 }
 
 /// The keys that were not given and that springs depend on most.
@@ -104,7 +104,8 @@ pub(super) fn new(args: &NewArgs) -> Result<(), Failure> {
     let folder = stem.parent().unwrap_or(Path::new(""));
     let file = folder.join(format!("{name}.toml"));
     let pair = [Given::wheel("--wheel", &args.wheel), Given::rail("--rail", &args.rail)];
-    let Named { pair, study } = named(Some(&name), pair, args.set.settings()).map_err(by_option)?;
+    let Named { pair, study } =
+        named(Some(&name), pair, args.set.settings()).map_err(|failure| by_option(failure, "--set"))?;
     let text = pair.study(&file, true, args.set.settings());
     let here = Some(folder).filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = OutputFolder::create(here)?;

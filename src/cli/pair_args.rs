@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use railspring_calibrate::error::{Error, InputError};
+use railspring_calibrate::input;
 use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile::wheels::WHEEL_NAMES;
-use railspring_calibrate::profile_file::ProfileKind;
+use railspring_calibrate::profile_file::{LARGEST_FILE, ProfileKind, sketch_section};
 
 use super::Failure;
 use super::shapes::unknown_profile;
@@ -46,10 +47,17 @@ impl<'a> Given<'a> {
         }
         let path = Path::new(self.text);
         match path.exists() {
+            true if is_closed_section(path, self.kind) => Ok(Body::Section(path.to_path_buf())),
             true => Ok(Body::File(path.to_path_buf())),
             false => Err(unknown_profile(self.argument, self.text, names)),
         }
     }
+}
+
+/// Whether a file holds the closed section of a body and no running surface alone.
+fn is_closed_section(path: &Path, kind: ProfileKind) -> bool {
+    let name = path.display().to_string();
+    input::read(path, LARGEST_FILE).is_ok_and(|content| sketch_section(&name, &content, kind, None).1.is_ok())
 }
 
 /// The pair of the command line, with `settings` in the place of other keys of its study; its name is `name` or that of wheel and rail.
@@ -86,11 +94,10 @@ fn plain(profile: &str) -> String {
     plain.chars().take(30).collect()
 }
 
-/// What is wrong with keys that the command line gives, with how to give others.
-pub(super) fn by_option(failure: Failure) -> Failure {
-    const HOW: &str = "keys are given with `--set KEY=VALUE`";
+/// What is wrong with keys that the command line gives, with how to give others: by the `option` that gives keys.
+pub(super) fn by_option(failure: Failure, option: &str) -> Failure {
     let with_how = |mut error: InputError| {
-        error.remedy = format!("{}; {HOW}", error.remedy);
+        error.remedy = format!("{}; keys are given with `{option} KEY=VALUE`", error.remedy);
         error
     };
     match failure {

@@ -13,7 +13,7 @@ use railspring_calibrate::profile_placement::{say_nearest, with_nearest_to};
 use railspring_calibrate::units::MILLIMETRE;
 
 use super::contact::{ContactArgs, contact};
-use super::file_args::FileArgs;
+use super::file_args::{FileArgs, with_options};
 use super::place::{PlaceArgs, place};
 use super::{Failure, say, shapes};
 
@@ -84,10 +84,24 @@ pub(super) fn run(command: &ProfileCommand) -> Result<bool, Failure> {
         ProfileCommand::Show { profile } => Ok(shapes::show(profile).map(|()| true)?),
         ProfileCommand::Plot { profiles, output } => Ok(shapes::plot(profiles, output).map(|()| true)?),
         ProfileCommand::Contact(args) => contact(args).map(|()| true),
-        ProfileCommand::Place(args) => place(args),
-        ProfileCommand::Check { file, section: false, figure } => Ok(check(file, figure.as_deref())?),
-        ProfileCommand::Check { file, section: true, figure } => Ok(section(file, figure.as_deref())?),
-        ProfileCommand::Convert { file, out, raw } => Ok(convert(file, out, *raw)?),
+        ProfileCommand::Place(args) => place(args).map_err(by_options),
+        ProfileCommand::Check { file, section: false, figure } => {
+            check(file, figure.as_deref()).map_err(Failure::from).map_err(by_options)
+        }
+        ProfileCommand::Check { file, section: true, figure } => {
+            section(file, figure.as_deref()).map_err(Failure::from).map_err(by_options)
+        }
+        ProfileCommand::Convert { file, out, raw } => {
+            convert(file, out, *raw).map_err(Failure::from).map_err(by_options)
+        }
+    }
+}
+
+/// What is wrong with a profile file, by the options of these commands.
+fn by_options(failure: Failure) -> Failure {
+    match failure {
+        Failure::Plain(Error::Input(error)) => Failure::Plain(with_options(error).into()),
+        other => other,
     }
 }
 

@@ -20,6 +20,6 @@ impl SetArgs {
     }
 }
 
-fn setting(text: &str) -> Result<Setting, String> {
+pub(super) fn setting(text: &str) -> Result<Setting, String> {
     Setting::parse(text).map_err(|error| format!("expected {}; {}", error.expected, error.remedy))
 }

@@ -12,6 +12,9 @@ const ANY: &str = ".*.";
 /// The keys that set a field. Where there are several, the first that the file gives is the one, else the last. A
 /// field without keys is set by the program.
 pub(super) const TABLE: &[(InputField, &[&str])] = &[
+    (InputField::ProfilePart, &[]),
+    (InputField::ProfileUnit, &[]),
+    (InputField::ProfileKind, &[]),
     (InputField::RailName, &["rail.standard", "rail.profile"]),
     (InputField::RailHead, &["rail.profile_file"]),
     (InputField::RailBody, &["rail.body"]),

@@ -17,6 +17,8 @@ const LONGEST_STEP: f64 = 0.25;
 const ON_IT: f64 = 0.02;
 /// Letters of a line that are compared with titles.
 const LONGEST_TITLE_WORD: usize = 20;
+/// Blocks that a message lists.
+const LISTED: usize = 12;
 /// Fewest points of a profile.
 const FEWEST: usize = 4;
 
@@ -100,11 +102,16 @@ impl<'a> Blocks<'a> {
         self.in_rows = false;
     }
 
-    /// A line that says that measured points follow.
-    pub fn measured(&mut self) {
+    /// A line that says that measured points follow; `anew` if other measured points came before.
+    pub fn measured(&mut self, anew: bool) {
         self.part();
         self.title = None;
-        self.separate = self.blocks.last().is_some_and(|block| block.title.is_some());
+        self.separate = anew || self.blocks.last().is_some_and(|block| block.title.is_some());
+    }
+
+    /// Number of points of the block that was begun last.
+    pub fn last_count(&self) -> usize {
+        self.blocks.last().map_or(0, |block| block.points.len())
     }
 
     /// A line that heads what follows.
@@ -155,9 +162,7 @@ impl<'a> Blocks<'a> {
             None => None,
             Some(part) => blocks
                 .iter()
-                .position(|block| {
-                    block.title.as_deref().is_some_and(|title| title.eq_ignore_ascii_case(part.trim()))
-                })
+                .position(|block| block.title.as_deref().is_some_and(|title| plain(title) == plain(part)))
                 .or_else(|| number(part).filter(|i| *i < blocks.len())),
         };
         let Some(chosen) = chosen else { return Err(self.several(&blocks, part)) };
@@ -170,7 +175,11 @@ impl<'a> Blocks<'a> {
     fn several(&self, blocks: &[Block], part: &Part) -> crate::error::Error {
         let line =
             blocks.get(1).or(blocks.first()).and_then(|block| block.points.first()).map_or(1, |p| p.line);
-        let list: Vec<String> = blocks.iter().enumerate().map(|(i, block)| describe(i, block)).collect();
+        let mut list: Vec<String> =
+            blocks.iter().enumerate().take(LISTED).map(|(i, block)| describe(i, block)).collect();
+        if blocks.len() > LISTED {
+            list.push(format!("and {} more", blocks.len() - LISTED));
+        }
         let list = list.join("; ");
         let field = &part.field;
         match part.name {
@@ -223,6 +232,11 @@ pub(super) fn drop_strangers(points: &mut Vec<MeasuredPoint>, worded: &[usize], 
     }
 }
 
+/// A title in small letters without blanks.
+fn plain(title: &str) -> String {
+    title.to_lowercase().chars().filter(|c| !c.is_whitespace()).collect()
+}
+
 fn lines(block: &Block) -> (usize, usize) {
     (block.points[0].line, block.points[block.points.len() - 1].line)
 }
@@ -244,7 +258,7 @@ fn pass_over(blocks: Vec<Block>, why: &str, findings: &mut Vec<Finding>) {
 }
 
 /// Words in the titles of points that are no measured profile.
-const OTHERS: [&str; 10] = [
+pub(super) const OTHERS: [&str; 10] = [
     "alarm",
     "limit",
     "reference",
@@ -259,7 +273,7 @@ const OTHERS: [&str; 10] = [
 
 /// Whether a title is that of limits or a reference.
 fn is_other(title: &str) -> bool {
-    let plain: String = title.to_lowercase().chars().filter(|c| !c.is_whitespace()).collect();
+    let plain = plain(title);
     OTHERS.iter().any(|word| plain.contains(word)) || plain == "ref"
 }
 

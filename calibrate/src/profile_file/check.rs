@@ -323,6 +323,17 @@ fn trim_start(points: &mut Vec<MeasuredPoint>, spikes: &mut Findings<'_>) {
         return;
     }
     let Some(last) = (0..MOST).rev().find(|&i| astray(i)) else { return };
+    let ahead = |from: usize, to: usize| points[to].point - points[from].point;
+    // Of the two, the second one alone may be the one that is off.
+    if ahead(1, 2).norm() > LONG * usual
+        && ahead(0, 2).norm() < LONG * usual
+        && turn(ahead(0, 2), ahead(2, 4)).abs() < AFTER_LONG
+    {
+        let off = points.remove(1);
+        let step = (off.point - points[0].point).norm() / MILLIMETRE;
+        spikes.add((off.line, off.line), (step, "mm"), Action::Repaired, "off the line at its end: dropped");
+        return;
+    }
     for p in &points[..=last] {
         let step = (p.point - points[last + 1].point).norm() / MILLIMETRE;
         spikes.add((p.line, p.line), (step, "mm"), Action::Repaired, "an end off the line: dropped");

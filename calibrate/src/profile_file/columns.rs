@@ -9,6 +9,7 @@ use std::fmt::Write;
 use super::blocks::{Blocks, heads_others};
 use super::finding::{Action, Finding, FindingKind};
 use super::rows::{Row, row};
+use super::several::{chosen_pair, pairs, stations};
 use super::text::{
     DecimalMark, begins_like_a_number, column_names, decimal_mark, error_at, fields, lines, number, unit_of,
     without_thousands,
@@ -54,11 +55,22 @@ struct Heading {
     names: Option<(Vec<String>, usize)>,
 }
 
+/// Names of a column that may hold the place of a section along the track.
+const STATIONS: [&str; 14] = [
+    "x", "y", "z", "s", "station", "chainage", "section", "scan", "profile", "slice", "km", "mileage",
+    "distance", "position",
+];
+
 /// Columns of y and z.
+#[derive(Default)]
 struct Columns {
     at: (usize, usize),
     unit: Option<(f64, usize)>,
     finding: Option<Finding>,
+    /// Whether they are one of several pairs, which the part of the file named.
+    chosen: bool,
+    /// The column that tells several sections apart, its name, and its values.
+    station: Option<(usize, String, Vec<f64>)>,
 }
 
 impl Heading {
@@ -82,26 +94,51 @@ impl Heading {
     /// Takes the names of columns, such as `y_mm,z_mm`, `s; y [mm]; z [mm]` or `x y`; whether the line has them.
     fn note_columns(&mut self, n: usize, line: &str) -> bool {
         let heads: Vec<String> = column_names(line.trim()).iter().map(|head| head.to_lowercase()).collect();
-        let found = NAMES.iter().any(|(y, z)| position(&heads, y).is_some() && position(&heads, z).is_some());
+        let found = NAMES.iter().any(|(y, z)| {
+            position(&heads, y).is_some() && position(&heads, z).is_some() || pairs(&heads, [y, z]).len() > 1
+        });
         if found {
             self.names = Some((heads, n));
         }
         found
     }
 
-    /// Columns by their names; `samples` are the first rows.
-    fn columns(&self, samples: &[Vec<f64>], name: &str) -> Result<Option<Columns>> {
+    /// Columns by their names; `rows` are all rows.
+    fn columns(&self, rows: &[Vec<f64>], name: &str, part: &Part) -> Result<Option<Columns>> {
         let Some((heads, line)) = &self.names else { return Ok(None) };
+        for (y, z) in NAMES {
+            if let Some((pair, finding)) = chosen_pair(name, (heads, *line), (y, z), part)? {
+                let unit = self.unit_of_columns(pair.at, name)?;
+                let finding = Some(finding);
+                return Ok(Some(Columns { at: pair.at, unit, finding, chosen: true, station: None }));
+            }
+        }
         let find = |(y, z): &(&str, &str)| position(heads, y).zip(position(heads, z));
         let Some(mut at) = NAMES.iter().find_map(find) else { return Ok(None) };
-        // A section of a body in space: its points have one coordinate in common.
-        if let Some(x) = position(heads, "x").filter(|x| *x != at.0)
-            && samples.len() > 2
-            && constant(samples, at.0)
-            && !constant(samples, x)
+        // Sections of a body in space: their points have one coordinate in common.
+        if let Some(x) = position(heads, "x").filter(|x| *x != at.0 && *x != at.1)
+            && rows.len() > 2
+            && (constant(rows, at.0) && !constant(rows, x) || stations(rows, at.0, x).is_some())
+            && stations(rows, x, at.0).is_none()
         {
             at.0 = x;
         }
+        let along = |&i: &usize| i != at.0 && i != at.1 && STATIONS.contains(&bare(&heads[i]));
+        let station = (0..heads.len())
+            .filter(along)
+            .find_map(|i| Some((i, bare(&heads[i]).to_owned(), stations(rows, i, at.0)?)));
+        let unit = self.unit_of_columns(at, name)?;
+        let again = (0..heads.len()).any(|i| i != at.0 && bare(&heads[i]) == bare(&heads[at.0]));
+        let finding = (again || heads.len() > 2 && bare(&heads[at.0]) != "y").then(|| {
+            let text = format!("columns {} and {} are y and z, by their names", at.0 + 1, at.1 + 1);
+            Finding::new(FindingKind::Columns, Action::Noted, text).on_lines(*line, *line)
+        });
+        Ok(Some(Columns { at, unit, finding, chosen: false, station }))
+    }
+
+    /// The unit that the names of the columns say, m, and their line.
+    fn unit_of_columns(&self, at: (usize, usize), name: &str) -> Result<Option<(f64, usize)>> {
+        let Some((heads, line)) = &self.names else { return Ok(None) };
         let [y, z] = [at.0, at.1].map(|column| marked_unit(&heads[column]));
         if let (Some(unit_y), Some(unit_z)) = (y, z)
             && unit_y != unit_z
@@ -116,12 +153,7 @@ impl Heading {
                 "convert one of the columns",
             ));
         }
-        let again = (0..heads.len()).any(|i| i != at.0 && bare(&heads[i]) == bare(&heads[at.0]));
-        let finding = (again || heads.len() > 2 && bare(&heads[at.0]) != "y").then(|| {
-            let text = format!("columns {} and {} are y and z, by their names", at.0 + 1, at.1 + 1);
-            Finding::new(FindingKind::Columns, Action::Noted, text).on_lines(*line, *line)
-        });
-        Ok(Some(Columns { at, unit: y.or(z).map(|unit| (unit, *line)), finding }))
+        Ok(y.or(z).map(|unit| (unit, *line)))
     }
 }
 
@@ -162,7 +194,7 @@ fn parse_plain(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw>
     let mut passed = Vec::new();
     let mut first_row = None;
     for (n, line) in lines(text).take(HEADING_LINES + 1) {
-        let given = heading.columns(&[], name)?.map_or((0, 1), |columns| columns.at);
+        let given = heading.columns(&[], name, part)?.map_or((0, 1), |columns| columns.at);
         if !is_comment(line) && matches!(row(without_comment(line), mark, given), Row::Point(_)) {
             first_row = Some(n);
             break;
@@ -187,42 +219,71 @@ fn parse_plain(name: &str, text: &str, ending: &str, part: &Part) -> Result<Raw>
         fields(row, mark).iter().map(|field| number(field.text, mark).unwrap_or(f64::NAN)).collect()
     };
     let from_first = rows.clone().skip_while(|(n, _)| *n < first_row);
-    let samples: Vec<Vec<f64>> = from_first.clone().take(100).map(|(_, row)| all_of(row)).collect();
-    let fields = samples.first().map_or(0, Vec::len);
+    let fields = from_first.clone().next().map_or(0, |(_, row)| all_of(row).len());
+    // A table of two columns is one profile; nothing but its first rows is looked at.
+    let looked_at = if fields > 2 { usize::MAX } else { 100 };
+    let all: Vec<Vec<f64>> = from_first.clone().take(looked_at).map(|(_, row)| all_of(row)).collect();
     if heading.names.is_none() && commented.names.as_ref().is_some_and(|(heads, _)| heads.len() == fields) {
         heading.names = commented.names;
     }
-    let columns = match heading.columns(&samples, name)? {
+    let columns = match heading.columns(&all, name, part)? {
         Some(columns) => columns,
-        None if samples.first().is_none_or(|row| row.iter().filter(|v| !v.is_nan()).count() < 3) => {
-            Columns { at: (0, 1), unit: None, finding: None }
+        None if all.first().is_none_or(|row| row.iter().filter(|v| !v.is_nan()).count() < 3) => {
+            Columns { at: (0, 1), ..Columns::default() }
         }
         None => {
-            let (at, why) = guess_columns(&samples);
+            let (at, why, values) = guess_columns(&all);
             let text = format!("columns {} and {} are y and z: {why}", at.0 + 1, at.1 + 1);
             let finding =
                 Finding::new(FindingKind::Columns, Action::Noted, text).on_lines(first_row, first_row);
-            Columns { at, unit: None, finding: Some(finding) }
+            let station = values.map(|values| (0, "column 1".into(), values));
+            Columns { at, finding: Some(finding), station, ..Columns::default() }
         }
     };
     let by_marks = from_first.clone().next().is_some_and(|(_, row)| mark_separates(row, mark));
     let format = if ending == "csv" || by_marks { ProfileFormat::Csv } else { ProfileFormat::Text };
     let mut blocks = Blocks::new(name, mark);
     passed.into_iter().for_each(|(n, line)| blocks.passed.line(n, line));
-    for (n, line) in lines(text).skip_while(|(n, _)| *n < first_row) {
-        let bare = line.trim_start_matches(COMMENT_SIGNS);
-        if heads_others(bare) {
-            blocks.head(bare.trim_end_matches([':', ' ']));
-        } else if is_comment(line) {
-            blocks.part();
-        } else if !blocks.line(n, without_comment(line), columns.at)? {
-            blocks.part();
-            if !without_comment(line).trim().is_empty() {
-                blocks.passed.line(n, line);
+    let rest = lines(text).skip_while(|(n, _)| *n < first_row);
+    match &columns.station {
+        Some((column, head, values)) => {
+            let mut of_station: Vec<Vec<(usize, &str)>> = vec![Vec::new(); values.len()];
+            let mut last = 0;
+            for (n, line) in rest.filter(|(_, line)| !is_comment(line)) {
+                if let Row::Point(numbers) = row(without_comment(line), mark, columns.at)
+                    && let Some(value) = numbers.all.get(*column).copied().flatten()
+                {
+                    last = values.iter().position(|other| *other == value).unwrap_or(last);
+                }
+                of_station[last].push((n, without_comment(line)));
+            }
+            for (value, rows) in values.iter().zip(of_station) {
+                blocks.head(&format!("{head} = {value}"));
+                for (n, line) in rows {
+                    if !blocks.line(n, line, columns.at)? && !line.trim().is_empty() {
+                        blocks.passed.line(n, line);
+                    }
+                }
+            }
+        }
+        None => {
+            for (n, line) in rest {
+                let bare = line.trim_start_matches(COMMENT_SIGNS);
+                if heads_others(bare) {
+                    blocks.head(bare.trim_end_matches([':', ' ']));
+                } else if is_comment(line) {
+                    blocks.part();
+                } else if !blocks.line(n, without_comment(line), columns.at)? {
+                    blocks.part();
+                    if !without_comment(line).trim().is_empty() {
+                        blocks.passed.line(n, line);
+                    }
+                }
             }
         }
     }
-    let chosen = blocks.choose(part, None)?;
+    let within = Part { name: part.name.filter(|_| !columns.chosen), field: part.field.clone() };
+    let chosen = blocks.choose(&within, None)?;
     let mut findings: Vec<Finding> = columns.finding.into_iter().collect();
     findings.extend(chosen.findings);
     let kind = heading.kind.or(match ending {
@@ -262,16 +323,18 @@ fn constant(rows: &[Vec<f64>], column: usize) -> bool {
     values.clone().zip(values.skip(1)).all(|(a, b)| a == b)
 }
 
-/// Columns of y and z among three or more, and why.
-fn guess_columns(rows: &[Vec<f64>]) -> ((usize, usize), &'static str) {
+/// Columns of y and z among three or more, why, and the values of the first one where it tells sections apart.
+fn guess_columns(rows: &[Vec<f64>]) -> ((usize, usize), &'static str, Option<Vec<f64>>) {
     let first = rows.iter().filter_map(|row| row.first());
     let counts = first.clone().zip(first.skip(1)).all(|(a, b)| b - a == 1.0);
     if rows.len() > 2 && counts {
-        ((1, 2), "the first one counts the points")
+        ((1, 2), "the first one counts the points", None)
     } else if rows.len() > 2 && constant(rows, 0) {
-        ((1, 2), "the first one is constant")
+        ((1, 2), "the first one is constant", None)
+    } else if let Some(values) = stations(rows, 0, 1) {
+        ((1, 2), "the first one tells sections apart", Some(values))
     } else {
-        ((0, 1), "they come first")
+        ((0, 1), "they come first", None)
     }
 }
 

@@ -11,6 +11,20 @@ use crate::units::MILLIMETRE;
 const GAP_TO_STEP: f64 = 20.0;
 /// ... and at least this long, m.
 const SMALLEST_GAP: f64 = 0.5 * MILLIMETRE;
+/// A step of this length is one as well, m, ...
+const LONG_GAP: f64 = 2.5 * MILLIMETRE;
+/// ... and one whose chord may be this far off the line between its ends, m, ...
+const HIDDEN: f64 = 0.1 * MILLIMETRE;
+/// ... if they are this many times the median step.
+const LONG_TO_STEP: f64 = 3.0;
+/// A step on a straight line is no gap where it turns less than this from a neighbour, degrees, ...
+const STRAIGHT: f64 = 1.0;
+/// ... and is at most so many times as long as it.
+const AS_LONG: f64 = 3.0;
+/// Steps of y are equal if all but a tenth at either end differ by less than this part of their median, ...
+const EQUAL: f64 = 0.2;
+/// ... and no row is missing where a step of y is at most so many times as long.
+const ONE_STEP: f64 = 1.5;
 /// Smallest length over which the direction beside a corner is taken, m.
 const WINDOW: f64 = 1.0 * MILLIMETRE;
 /// Points on either side of a corner that the direction is taken over at least.
@@ -22,15 +36,35 @@ const KINK_TO_SCATTER: f64 = 12.0;
 /// Share of the turn within the window that is at the corner itself.
 const CONCENTRATED: f64 = 0.7;
 
-/// Reports long steps between neighbours.
+/// Reports long steps between neighbours; steps along a straight line that are as long as those beside
+/// them are none, and neither is one step of y among equal ones, however steep.
 pub(super) fn report_gaps(points: &[MeasuredPoint], findings: &mut Vec<Finding>) {
-    let steps: Vec<f64> = points.windows(2).map(|w| (w[1].point - w[0].point).norm()).collect();
-    let least = SMALLEST_GAP.max(GAP_TO_STEP * median(steps.clone()));
+    let chords: Vec<Vector2<f64>> = points.windows(2).map(|w| w[1].point - w[0].point).collect();
+    let median = median(chords.iter().map(|chord| chord.norm()).collect());
+    let mut across: Vec<f64> = chords.iter().map(|chord| chord.x.abs()).collect();
+    across.sort_unstable_by(f64::total_cmp);
+    let (tenth, across_median) = (across.len() / 10, across[across.len() / 2]);
+    let equal = across[across.len() - 1 - tenth] - across[tenth] < EQUAL * across_median;
     let mut gaps = Findings::new(findings, FindingKind::Gap);
-    for (step, w) in steps.iter().zip(points.windows(2)) {
-        if *step > least {
+    for (i, chord) in chords.iter().enumerate() {
+        let length = chord.norm();
+        let beside: Vec<&Vector2<f64>> =
+            [i.checked_sub(1), Some(i + 1)].into_iter().filter_map(|k| chords.get(k?)).collect();
+        let turned: f64 = beside.iter().map(|other| turn(**other, *chord).abs().to_radians()).sum();
+        // What an arc with the turn from the step before to the step after has between its ends and its chord.
+        let hidden = length * turned.min(1.0) / 8.0;
+        let long = length > LONG_TO_STEP * median && (length > LONG_GAP || hidden > HIDDEN);
+        let straight = |other: &&Vector2<f64>| {
+            turn(**other, *chord).abs() < STRAIGHT && length <= AS_LONG * other.norm()
+        };
+        let next_row = equal && chord.x.abs() <= ONE_STEP * across_median;
+        if (long || length > SMALLEST_GAP.max(GAP_TO_STEP * median))
+            && !next_row
+            && !beside.iter().any(straight)
+        {
             let text = "no points in between: bridged by the spline";
-            gaps.add((w[0].line, w[1].line), (step / MILLIMETRE, "mm"), Action::Left, text);
+            let lines = (points[i].line, points[i + 1].line);
+            gaps.add(lines, (length / MILLIMETRE, "mm"), Action::Left, text);
         }
     }
 }

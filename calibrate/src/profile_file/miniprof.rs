@@ -99,8 +99,8 @@ fn names_columns(text: &str) -> Option<Columns> {
 struct Header {
     /// Definitions of columns, with their lines.
     columns: Vec<(usize, Columns)>,
-    /// What XYPoints says, and its line.
-    announced: Option<(usize, usize)>,
+    /// What each XYPoints says, and its line.
+    announced: Vec<(usize, usize)>,
     kind: Option<ProfileKind>,
     /// Last line of the free header of an old file.
     free_until: usize,
@@ -109,8 +109,13 @@ struct Header {
 
 impl Header {
     fn read(name: &str, text: &str) -> Result<Self> {
-        let mut header =
-            Self { columns: Vec::new(), announced: None, kind: None, free_until: 0, findings: Vec::new() };
+        let mut header = Self {
+            columns: Vec::new(),
+            announced: Vec::new(),
+            kind: None,
+            free_until: 0,
+            findings: Vec::new(),
+        };
         if old_style(text) {
             let empty = |(n, line): &(usize, &str)| *n > 1 && without_comment(line).trim().is_empty();
             header.free_until = lines(text).find(empty).map_or(1, |(n, _)| n);
@@ -149,7 +154,7 @@ impl Header {
                 })?;
                 self.columns.push((n, columns));
             }
-            "xypoints" => self.announced = value.parse().ok().map(|count| (count, n)).or(self.announced),
+            "xypoints" => self.announced.extend(value.parse().ok().map(|count| (count, n))),
             "xoffset" | "yoffset" | "tilt" => {
                 if let Some(value) = number_with_any_mark(value).filter(|value| *value != 0.0) {
                     let text = format!("{key} = {value} is not applied: the points are taken as they stand");
@@ -182,12 +187,14 @@ pub(super) fn parse(name: &str, text: &str, ending: &str, part: &Part) -> Result
         let row = without_comment(line);
         if let Some((key, _)) = key_value(line) {
             if key == "xypoints" {
-                blocks.measured();
+                // Behind all points of the one before it, it begins another profile.
+                let before = header.announced.iter().rev().find(|(_, line)| *line < n);
+                blocks.measured(before.is_some_and(|(count, _)| blocks.last_count() >= (*count).max(1)));
             } else if key.ends_with("points") || heads_others(&key) {
                 blocks.head(line.split('=').next().unwrap_or(line).trim_matches(['"', ' ', '\t']));
                 headed_by_key = true;
             } else if std::mem::take(&mut headed_by_key) {
-                blocks.measured();
+                blocks.measured(false);
             } else {
                 blocks.part();
             }
@@ -215,13 +222,18 @@ pub(super) fn parse(name: &str, text: &str, ending: &str, part: &Part) -> Result
             }
         }
     }
-    let chosen = blocks.choose(part, header.announced.map(|(count, _)| count))?;
+    // Several numbers of points tell of none which one is the profile.
+    let count =
+        header.announced.first().filter(|(first, _)| header.announced.iter().all(|(c, _)| c == first));
+    let chosen = blocks.choose(part, count.map(|(count, _)| *count))?;
     let mut findings = header.findings;
     findings.extend(chosen.findings);
-    if let Some((count, line)) = header.announced.filter(|(count, _)| *count != chosen.points.len()) {
+    if let Some((count, line)) = header.announced.last()
+        && header.announced.iter().all(|(count, _)| *count != chosen.points.len())
+    {
         let text =
             format!("XYPoints says {count}, the file has {}; the rows were counted", chosen.points.len());
-        findings.push(Finding::new(FindingKind::Header, Action::Noted, text).on_lines(line, line));
+        findings.push(Finding::new(FindingKind::Header, Action::Noted, text).on_lines(*line, *line));
     }
     let kind = match ending {
         "ban" => Some(ProfileKind::Rail),

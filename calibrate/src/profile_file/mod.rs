@@ -8,6 +8,7 @@ mod finding;
 mod text;
 mod rows;
 mod blocks;
+mod several;
 mod columns;
 mod miniprof;
 mod simpack;
@@ -17,6 +18,8 @@ mod loops;
 mod check;
 mod kinks;
 mod shape;
+mod heads;
+mod sentinels;
 mod orient;
 mod smooth;
 mod drawn;
@@ -350,7 +353,7 @@ fn part_field(kind: Option<ProfileKind>) -> String {
     match kind {
         Some(ProfileKind::Rail) => format!("`{}`", InputField::RailProfilePart),
         Some(ProfileKind::Wheel) => format!("`{}`", InputField::WheelProfilePart),
-        None => "the part".into(),
+        None => format!("`{}`", InputField::ProfilePart),
     }
 }
 

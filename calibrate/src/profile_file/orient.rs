@@ -1,16 +1,21 @@
 //! From the rows of a file to the profile frame: unit, wheel or rail, direction of the axes, order, origin.
 
 use super::blocks::extent;
+use super::check::{remove_duplicates, remove_spikes};
 use super::finding::{Action, Finding, FindingKind, Findings};
+use super::heads::groove;
+use super::sentinels::drop_sentinels;
 use super::shape::Shape;
 use super::text::error_at;
-use super::{Convention, MeasuredPoint, MeasuredProfile, ProfileKind, Raw, ReadOptions};
+use super::{Convention, MeasuredPoint, MeasuredProfile, ProfileFormat, ProfileKind, Raw, ReadOptions};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::units::{MILLIMETRE, in_millimetres};
 
 /// Extent of a profile, m: from part of a head to a whole wheel.
 const EXTENT: std::ops::RangeInclusive<f64> = 0.02..=0.4;
+/// A scan is not recognised as one that is too short below this, m.
+const SHORTEST: f64 = 0.003;
 /// One inch, m.
 const INCH: f64 = 25.4 * MILLIMETRE;
 /// Extent below which numbers without a unit may be inches, m: a head in centimetres would be larger.
@@ -35,6 +40,7 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
         let count = format!("{} points", raw.points.len());
         return Err(error_at(name, line, 1, &count, "at least 4 points", "give the whole profile"));
     }
+    drop_sentinels(&mut raw.points, &mut raw.findings);
     scale(name, &mut raw, options)?;
     drop_far_off(name, &mut raw)?;
     if let Some(p) =
@@ -58,14 +64,48 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
     let unit_field = match options.kind {
         Some(ProfileKind::Rail) => format!("`{}`", InputField::RailProfileUnit),
         Some(ProfileKind::Wheel) => format!("`{}`", InputField::WheelProfileUnit),
-        None => "the unit".into(),
+        None => format!("`{}`", InputField::ProfileUnit),
     };
     let extent = extent(raw.points.iter());
     let lines = (raw.points[0].line, raw.points[raw.points.len() - 1].line);
     let wrong = |line: usize, remedy: &str| {
         error_at(name, line, 1, &format!("{extent:.4} units across"), "a profile 20 to 400 mm across", remedy)
     };
+    let sizes = |unit: f64, least: f64| (least..*EXTENT.start()).contains(&(unit * extent));
+    // A scan that is too short in a unit that fits it as such.
+    let short = |unit: f64, line: usize| {
+        let value = format!("the profile is {:.1} mm wide", unit * extent / MILLIMETRE);
+        let remedy = "at least 20 mm are needed: give a scan of the whole head or wheel";
+        error_at(name, line, 1, &value, "a scan 20 to 400 mm wide", remedy)
+    };
     let unit = match (options.unit, raw.unit) {
+        (None, Some((unit, line))) if raw.format != ProfileFormat::Dxf && sizes(unit, SHORTEST) => {
+            return Err(short(unit, if line == 0 { lines.0 } else { line }));
+        }
+        (Some(unit), _) if sizes(unit, SHORTEST) => return Err(short(unit, lines.0)),
+        // A drawing has the unit of the program's template, whatever it was drawn in.
+        (None, Some((unit, line)))
+            if raw.format == ProfileFormat::Dxf && !EXTENT.contains(&(unit * extent)) =>
+        {
+            let said = unit_name(unit);
+            let Some((other, fitting)) = only_fitting(extent) else {
+                let expected = "a profile 20 to 400 mm across";
+                let remedy = format!(
+                    "$INSUNITS of the drawing says {said}, which does not fit its numbers: give {unit_field}"
+                );
+                return Err(error_at(name, line, 1, &format!("{extent:.4} units across"), expected, remedy));
+            };
+            let text = format!(
+                "$INSUNITS of the drawing says {said}, in which it is {:.3} m across: taken as {fitting}, the only unit that fits",
+                unit * extent
+            );
+            raw.findings.push(
+                Finding::new(FindingKind::Unit, Action::Repaired, text)
+                    .on_lines(line, line)
+                    .with_value(extent, fitting),
+            );
+            other
+        }
         (Some(unit), _) => {
             if !EXTENT.contains(&(unit * extent)) {
                 return Err(wrong(
@@ -86,13 +126,7 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
             unit
         }
         (None, None) => {
-            // Of these no two fit the same numbers.
-            let fits: Vec<(f64, &str)> = [(MILLIMETRE, "mm"), (1.0, "m"), (INCH, "in")]
-                .into_iter()
-                .filter(|(unit, _)| EXTENT.contains(&(unit * extent)))
-                .filter(|(unit, _)| *unit != INCH || unit * extent < LARGEST_IN_INCHES)
-                .collect();
-            let [(unit, unit_name)] = fits[..] else {
+            let Some((unit, unit_name)) = only_fitting(extent) else {
                 return Err(wrong(lines.0, &format!("the unit is none of mm, m and in: give {unit_field}")));
             };
             let text = format!("the profile is {extent:.3} {unit_name} across, so the unit is {unit_name}");
@@ -109,6 +143,21 @@ fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
     let exact = unit < 1.0 && (per_metre * unit - 1.0).abs() < 1e-12;
     raw.points.iter_mut().for_each(|p| if exact { p.point /= per_metre } else { p.point *= unit });
     Ok(())
+}
+
+/// The unit among mm, m and in of which no two fit the same extent, m, and its name.
+fn only_fitting(extent: f64) -> Option<(f64, &'static str)> {
+    [(MILLIMETRE, "mm"), (1.0, "m"), (INCH, "in")]
+        .into_iter()
+        .filter(|(unit, _)| EXTENT.contains(&(unit * extent)))
+        .find(|(unit, _)| *unit != INCH || unit * extent < LARGEST_IN_INCHES)
+}
+
+/// What the unit of a drawing is called.
+fn unit_name(unit: f64) -> String {
+    let names = [(INCH, "inches"), (MILLIMETRE, "mm"), (1.0, "m"), (0.01, "cm"), (0.3048, "feet")];
+    let known = names.into_iter().find(|(length, _)| *length == unit);
+    known.map_or_else(|| format!("{unit} m"), |(_, name)| name.to_owned())
 }
 
 fn drop_far_off(name: &str, raw: &mut Raw) -> Result<()> {
@@ -161,12 +210,24 @@ fn recognise(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<Profile
         let text = format!("given as a {}, but it has the shape of a {}", said.name(), seen.name());
         raw.findings.push(Finding::new(FindingKind::Shape, Action::Left, text));
     }
+    if said != Some(ProfileKind::Wheel)
+        && let Some((width, depth)) = groove(&raw.points)
+    {
+        let value = format!(
+            "two heads with a groove {:.0} mm wide and {:.0} mm deep between them",
+            width / MILLIMETRE,
+            depth / MILLIMETRE
+        );
+        let expected = "the profile of one head";
+        let remedy = "give the heads of a crossing one by one; of a grooved rail, or of a rail with a check rail, the running head alone";
+        return Err(InputError::new(name, value, expected, remedy).into());
+    }
     said.or(seen).ok_or_else(|| {
         InputError::new(
             name,
             "a profile that may be a wheel or a rail",
             "a file that says which, or the shape of a whole wheel or rail head",
-            "say whether it is a wheel or a rail",
+            format!("say whether it is a wheel or a rail: give `{}`", InputField::ProfileKind),
         )
         .into()
     })
@@ -267,25 +328,29 @@ fn put_in_order(kind: ProfileKind, raw: &mut Raw) {
 
 /// Puts the origin of a wheel at the tape circle, `tape_circle` (m) from the flange back.
 fn place_wheel(raw: &mut Raw, tape_circle: f64) {
+    // A point that is off must not move the origin.
+    let mut sound = raw.points.clone();
+    remove_duplicates(&mut sound, &mut Vec::new());
+    remove_spikes(&mut sound, &mut Vec::new());
     let tip = |points: &[MeasuredPoint]| {
         points.iter().max_by(|a, b| a.point.y.total_cmp(&b.point.y)).map_or(0.0, |p| p.point.x)
     };
-    let least_y = raw.points.iter().map(|p| p.point.x).fold(f64::INFINITY, f64::min);
+    let least_y = sound.iter().map(|p| p.point.x).fold(f64::INFINITY, f64::min);
     let from_back = raw.convention == Convention::MiniProf || raw.convention == Convention::Free;
-    if from_back && !TIP.contains(&tip(&raw.points)) && (-0.02..0.02).contains(&least_y) {
-        raw.points.iter_mut().for_each(|p| p.point.x -= tape_circle);
+    if from_back && !TIP.contains(&tip(&sound)) && (-0.02..0.02).contains(&least_y) {
+        raw.points.iter_mut().chain(&mut sound).for_each(|p| p.point.x -= tape_circle);
         let distance = in_millimetres(tape_circle);
         let text = format!("y counts from the flange back: {distance} mm subtracted");
         raw.findings
             .push(Finding::new(FindingKind::Origin, Action::Repaired, text).with_value(-distance, "mm"));
     }
-    let at = tip(&raw.points);
+    let at = tip(&sound);
     if !TIP.contains(&at) {
         let text = "the flange tip is expected 40 to 70 mm from the tape circle: check the origin of y";
         raw.findings
             .push(Finding::new(FindingKind::Origin, Action::Left, text).with_value(at / MILLIMETRE, "mm"));
     }
-    let crossing = raw.points.windows(2).find(|pair| pair[0].point.x <= 0.0 && pair[1].point.x > 0.0);
+    let crossing = sound.windows(2).find(|pair| pair[0].point.x <= 0.0 && pair[1].point.x > 0.0);
     let Some([a, b]) = crossing.map(|pair| [pair[0].point, pair[1].point]) else {
         return;
     };

@@ -6,6 +6,8 @@ use super::{MeasuredPoint, ProfileKind};
 const END: f64 = 0.15;
 /// Part of the width about the middle.
 const MIDDLE: f64 = 0.3;
+/// Part of a wheel's width at either end that is left out: its faces, which go the other way than the flange.
+const FACE: f64 = 0.01;
 /// A departure above this part of the width is a flange or the side of a head.
 const STEEP: f64 = 0.1;
 /// A departure below this part of the width is the end of a tread.
@@ -51,7 +53,10 @@ impl Shape {
                 .map(|p| p.point.y - level)
                 .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
         };
-        Some(Self { width, low: departure(&|t| t <= END), high: departure(&|t| t >= 1.0 - END) })
+        let outermost = if width > RAIL_OR_WHEEL { FACE } else { -1.0 };
+        let low = departure(&|t| t <= END && t >= outermost);
+        let high = departure(&|t| t >= 1.0 - END && t <= 1.0 - outermost);
+        Some(Self { width, low, high })
     }
 
     /// Wheel or rail, where the shape says so clearly.

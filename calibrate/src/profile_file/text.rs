@@ -20,8 +20,8 @@ pub(super) fn error_at(
     expected: impl Into<String>,
     remedy: impl Into<String>,
 ) -> Error {
-    let shown: String = value.chars().take(40).flat_map(char::escape_debug).collect();
-    InputError::new(format!("{name}:{line}:{column}"), format!("\"{shown}\""), expected, remedy).into()
+    InputError::new(format!("{name}:{line}:{column}"), format!("\"{}\"", cut(value, 60)), expected, remedy)
+        .into()
 }
 
 /// Text of a file: UTF-8 with or without byte-order mark, UTF-16 with one or recognised by its zeros, else Windows-1252,
@@ -339,10 +339,22 @@ pub(super) fn unit_of(word: &str) -> Option<f64> {
 
 /// Text of a file for a message: short, without control characters.
 pub(super) fn shown(text: &str) -> String {
-    const LONGEST: usize = 40;
-    let text = text.trim();
-    let short: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
-    if text.chars().count() > LONGEST { format!("{short}\u{2026}") } else { short }
+    cut(text.trim(), 40)
+}
+
+/// At most about `longest` characters of a text, cut after a word, without control characters.
+fn cut(text: &str, longest: usize) -> String {
+    let escaped = |text: &str| -> String { text.chars().flat_map(char::escape_debug).collect() };
+    let Some((at, _)) = text.char_indices().nth(longest) else { return escaped(text) };
+    let words = text[..at].trim_end();
+    // A word that is longer than half of the text is cut as it is.
+    let whole = match text[at..].starts_with(char::is_whitespace) {
+        true => words,
+        false => {
+            words.rfind(char::is_whitespace).filter(|i| 2 * i > at).map_or(words, |i| words[..i].trim_end())
+        }
+    };
+    format!("{}\u{2026}", escaped(whole))
 }
 
 #[cfg(test)]

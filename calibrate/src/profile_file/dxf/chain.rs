@@ -29,7 +29,7 @@ pub(super) struct Chain {
 /// Three ends in one place.
 pub(super) fn join(name: &str, paths: Vec<Path>) -> Result<(Vec<Chain>, Vec<usize>)> {
     let ends = |paths: &[Path]| -> Vec<[Point2<f64>; 2]> { paths.iter().filter_map(Path::ends).collect() };
-    let near = SAME_PLACE * extent(&ends(&paths));
+    let near = SAME_PLACE * extent(&paths);
     let (paths, left_out) = distinct(paths, near);
     let ends = ends(&paths);
     let partners = partners(name, &paths, &ends, near)?;
@@ -124,10 +124,12 @@ fn partners(
     Ok(partners)
 }
 
-fn extent(ends: &[[Point2<f64>; 2]]) -> f64 {
-    let mut all = ends.iter().flatten();
+/// Extent of the paths: one that is closed has both ends in one place.
+fn extent(paths: &[Path]) -> f64 {
+    let pieces = paths.iter().flat_map(|path| &path.pieces);
+    let mut all = pieces.flat_map(|(piece, _)| [0.0, 0.25, 0.5, 0.75, 1.0].map(|t| piece.point(t)));
     let Some(first) = all.next() else { return 0.0 };
-    let (low, high) = all.fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let (low, high) = all.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
     (high - low).norm().max(f64::MIN_POSITIVE)
 }
 

@@ -6,6 +6,7 @@ use nalgebra::Point2;
 
 use super::curves::{Nurbs, Path, Piece};
 use crate::error::{Error, Result};
+use crate::profile::ProfileCurve;
 use crate::profile_file::text::{DecimalMark, error_at, lines, number};
 
 /// An entity that can be part of a profile.
@@ -21,6 +22,8 @@ pub(super) enum Shape {
     Path(Path),
     /// A curve that leaves the plane of the drawing, or is of a kind that is not read.
     Unread(String),
+    /// A point, which is one of a measured profile where the drawing has no curves.
+    Point(Point2<f64>),
     /// No curve: a text, a dimension.
     Other(String),
 }
@@ -291,8 +294,13 @@ fn finish(groups: Groups, polyline: &mut Option<Polyline>, entities: &mut Vec<En
         }
         "SPLINE" => add(match spline(&groups)? {
             Some(curve) => Shape::Path(Path::of(Piece::Spline(curve), line)),
-            None => Shape::Unread("SPLINE in space or without control points".into()),
+            None => fitted(&groups)?
+                .map_or_else(|| Shape::Unread("SPLINE in space or without points".into()), Shape::Path),
         }),
+        "POINT" => {
+            let (at, _, _) = *groups.points(10)?.first().ok_or_else(|| groups.missing(10))?;
+            add(Shape::Point(at));
+        }
         "CIRCLE" | "ELLIPSE" | "INSERT" | "MLINE" | "HELIX" | "3DFACE" | "REGION" | "3DSOLID" | "BODY"
         | "TRACE" => {
             add(Shape::Unread(groups.name.into()));
@@ -378,6 +386,25 @@ fn spline(groups: &Groups) -> Result<Option<Nurbs>> {
         expected,
         "export the drawing again, with arcs or polylines",
     ))
+}
+
+/// The curve through the fit points of a spline that has no control points, by chords short enough for a measured line; none without such points in
+/// the plane of the drawing.
+fn fitted(groups: &Groups) -> Result<Option<Path>> {
+    /// Chords along the curve, for each of its fit points.
+    const CHORDS: f64 = 16.0;
+    let fit = groups.points(11)?;
+    let in_space = fit.iter().any(|point| point.1 != fit[0].1);
+    let mut points: Vec<Point2<f64>> = fit.iter().map(|point| point.0).collect();
+    points.dedup();
+    if in_space || points.len() < 4 || !groups.points(10)?.is_empty() {
+        return Ok(None);
+    }
+    let Ok(curve) = ProfileCurve::from_points(&points, &[]) else { return Ok(None) };
+    let chords = curve.sample(curve.length() / (CHORDS * points.len() as f64));
+    let mut path = Path::default();
+    chords.windows(2).for_each(|pair| path.add(Piece::Line(pair[0], pair[1]), groups.line));
+    Ok(Some(path))
 }
 
 /// How many entities there are of each name.

@@ -12,7 +12,7 @@ use std::fmt::Write;
 use nalgebra::Point2;
 
 use self::chain::{Chain, join};
-use self::curves::Piece;
+use self::curves::{Path, Piece};
 use self::entities::{Entity, Shape, count};
 use super::finding::{Action, Finding, FindingKind};
 use super::text::{error_at, lines, shown};
@@ -95,7 +95,7 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
     pass_over(&others, Action::Noted, "on other layers", &mut findings);
     let mut paths = Vec::new();
     let mut layers = Vec::new();
-    let (mut unread, mut texts) = (Vec::new(), Vec::new());
+    let (mut unread, mut texts, mut points) = (Vec::new(), Vec::new(), Vec::new());
     for entity in wanted {
         match entity.shape {
             Shape::Path(path) if path.pieces.iter().all(|(piece, _)| is_finite(piece)) => {
@@ -114,9 +114,24 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
                     "export the drawing again",
                 ));
             }
+            Shape::Point(at) if at.iter().all(|v| v.is_finite()) => points.push((at, entity)),
+            Shape::Point(_) => texts.push(entity),
             Shape::Unread(_) => unread.push(entity),
             Shape::Other(_) => texts.push(entity),
         }
+    }
+    // Points alone are a measured profile in their order; beside curves they mark something.
+    if paths.is_empty() && points.len() >= MEASURED {
+        let mut path = Path::default();
+        for pair in points.windows(2) {
+            path.add(Piece::Line(pair[0].0, pair[1].0), pair[0].1.line);
+        }
+        layers.push((points[0].1.line, points[0].1.layer.clone()));
+        paths.push(path);
+        let text = format!("{} POINT entities: taken in their order as the profile", points.len());
+        findings.push(Finding::new(FindingKind::Columns, Action::Noted, text));
+    } else {
+        texts.extend(points.into_iter().map(|(_, entity)| entity));
     }
     pass_over(
         &unread,
@@ -324,6 +339,7 @@ fn is_finite(piece: &Piece) -> bool {
 fn kind_of(entity: &Entity) -> String {
     match &entity.shape {
         Shape::Unread(kind) | Shape::Other(kind) => kind.clone(),
+        Shape::Point(_) => "POINT".into(),
         Shape::Path(_) => "curves".into(),
     }
 }

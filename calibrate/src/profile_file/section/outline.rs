@@ -110,7 +110,7 @@ impl Outline {
             drawn.iter().flat_map(of).collect()
         };
         // Ends and middles of arcs show the size before the unit is known.
-        let scale = unit_of(name, kind, &sampled(&drawn, f64::INFINITY), unit, &mut findings)?;
+        let scale = unit_of(name, kind, &sampled(&drawn, f64::INFINITY), (unit, true), &mut findings)?;
         drawn.iter_mut().for_each(|(segment, _)| *segment = segment.scaled(scale));
         let ring = without_duplicates(sampled(&drawn, STEP));
         check_ring(name, kind, &ring, OF_THE_FILE, sketch)?;
@@ -137,7 +137,7 @@ impl Outline {
         if count < FEWEST {
             return Err(few());
         }
-        let scale = unit_of(name, kind, &points, unit, &mut findings)?;
+        let scale = unit_of(name, kind, &points, (unit, format == ProfileFormat::Dxf), &mut findings)?;
         points.iter_mut().for_each(|p| p.point *= scale);
         close(name, kind, &mut points, &mut findings)
             .inspect_err(|_| draw_open(sketch, &points, OF_THE_FILE))?;
@@ -166,12 +166,12 @@ fn at_its_top(segment: &Segment) -> Vec<Segment> {
     stations.windows(2).map(part).collect()
 }
 
-/// Length of the unit, m.
+/// Length of the unit, m; `stated` is what the file says, and whether that is a drawing's, which has the unit of its program's template.
 fn unit_of(
     name: &str,
     kind: ProfileKind,
     points: &[MeasuredPoint],
-    stated: Option<(f64, usize)>,
+    (stated, drawing): (Option<(f64, usize)>, bool),
     findings: &mut Vec<Finding>,
 ) -> Result<f64> {
     let extent = extent(points).max();
@@ -179,16 +179,28 @@ fn unit_of(
         let expected = said_size(kind);
         at_line(name, line, &format!("an outline {extent:.4} units across"), expected, remedy)
     };
+    let fits = |unit: f64| size_of(kind).contains(&(unit * extent));
+    let only = [(MILLIMETRE, "mm"), (1.0, "m")].into_iter().find(|(unit, _)| fits(*unit));
     if let Some((unit, line)) = stated {
         let line = if line == 0 { points[0].line } else { line };
-        let remedy = "the unit of the file does not fit its numbers: correct it, or its scale";
-        return if size_of(kind).contains(&(unit * extent)) { Ok(unit) } else { Err(wrong(line, remedy)) };
+        return match only.filter(|_| drawing) {
+            _ if fits(unit) => Ok(unit),
+            Some((other, name)) => {
+                let text = format!(
+                    "$INSUNITS of the drawing says a unit of {unit} m, in which it is {:.3} m across: taken as {name}, the only unit that fits",
+                    unit * extent
+                );
+                let finding = Finding::new(FindingKind::Unit, Action::Repaired, text);
+                findings.push(finding.on_lines(line, line).with_value(extent, name));
+                Ok(other)
+            }
+            None => {
+                let remedy = "the unit of the file does not fit its numbers: correct it, or its scale";
+                Err(wrong(line, remedy))
+            }
+        };
     }
-    let fits: Vec<(f64, &str)> = [(MILLIMETRE, "mm"), (1.0, "m")]
-        .into_iter()
-        .filter(|(unit, _)| size_of(kind).contains(&(unit * extent)))
-        .collect();
-    let [(unit, unit_name)] = fits[..] else {
+    let Some((unit, unit_name)) = only else {
         let remedy = "the unit is neither mm nor m: say it in the heading, such as y_in, z_in, or by $INSUNITS of a drawing";
         return Err(wrong(points[0].line, remedy));
     };

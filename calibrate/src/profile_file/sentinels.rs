@@ -1,0 +1,102 @@
+//! Rows that a scanner writes where it had no return: one value far off, repeated.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point2;
+
+use super::MeasuredPoint;
+use super::finding::{Action, Finding, FindingKind};
+
+/// Distance from the line of the neighbours from which a repeated value is none of the profile, as a part of the
+/// extent and in median steps.
+const FAR: f64 = 0.15;
+const FAR_TO_STEP: f64 = 8.0;
+/// Part of the values at either end that the extent leaves out.
+const TRIMMED: f64 = 0.1;
+/// Runs of rows that are listed.
+const MOST_LISTED: usize = 20;
+/// Largest share of the rows that are dropped.
+const MOST: f64 = 0.5;
+
+/// Drops rows that repeat one value of y or of z exactly and lie far off the line of the rows about them.
+pub(super) fn drop_sentinels(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
+    let mut steps: Vec<f64> = points.windows(2).map(|w| (w[1].point - w[0].point).norm()).collect();
+    steps.sort_unstable_by(f64::total_cmp);
+    let Some(step) = steps.get(steps.len() / 2) else { return };
+    let far = (FAR * trimmed_extent(points)).max(FAR_TO_STEP * step);
+    let mut dropped = vec![false; points.len()];
+    for axis in 0..2 {
+        let mut groups: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+        for (i, p) in points.iter().enumerate() {
+            groups.entry((p.point[axis] + 0.0).to_bits()).or_default().push(i);
+        }
+        for group in groups.values().filter(|group| group.len() > 1) {
+            let off = far_runs(points, group, far);
+            if off.len() > 1 {
+                off.into_iter().for_each(|i| dropped[i] = true);
+            }
+        }
+    }
+    let count = dropped.iter().filter(|dropped| **dropped).count();
+    if count == 0 || count as f64 > MOST * points.len() as f64 {
+        return;
+    }
+    let lost: Vec<usize> = (0..points.len()).filter(|i| dropped[*i]).collect();
+    let mut runs = lost.chunk_by(|a, b| b - a == 1);
+    for run in runs.by_ref().take(MOST_LISTED) {
+        let [first, last] = [points[run[0]], points[run[run.len() - 1]]];
+        let rows = if run.len() == 1 { "a row".into() } else { format!("{} rows", run.len()) };
+        let text = format!(
+            "{rows} with ({}, {}), a value that several rows repeat, far off their neighbours, as where a scanner had no return: dropped",
+            first.point.x, first.point.y
+        );
+        findings
+            .push(Finding::new(FindingKind::Spike, Action::Repaired, text).on_lines(first.line, last.line));
+    }
+    let more: Vec<usize> = runs.flatten().copied().collect();
+    if let (Some(first), Some(last)) = (more.first(), more.last()) {
+        let text = format!("{} more such rows: dropped", more.len());
+        let lines = (points[*first].line, points[*last].line);
+        findings.push(Finding::new(FindingKind::Spike, Action::Repaired, text).on_lines(lines.0, lines.1));
+    }
+    let mut dropped = dropped.into_iter();
+    points.retain(|_| !dropped.next().unwrap_or(false));
+}
+
+/// The points of a group that are in runs far from the line between the points before and after the run.
+fn far_runs(points: &[MeasuredPoint], group: &[usize], far: f64) -> Vec<usize> {
+    let runs = group.chunk_by(|a, b| b - a == 1);
+    let off = |i: usize, before: Option<usize>, after: Option<usize>| {
+        let at = |i: usize| points[i].point;
+        match (before, after) {
+            (Some(a), Some(b)) => to_segment(at(i), at(a), at(b)) > far,
+            (Some(a), None) | (None, Some(a)) => (at(i) - at(a)).norm() > far,
+            (None, None) => false,
+        }
+    };
+    runs.filter(|run| {
+        let before = run[0].checked_sub(1);
+        let after = Some(run[run.len() - 1] + 1).filter(|next| *next < points.len());
+        // A flat part of the profile goes on from where the line before it ended.
+        [run[0], run[run.len() - 1]].into_iter().all(|i| off(i, before, after))
+    })
+    .flatten()
+    .copied()
+    .collect()
+}
+
+fn to_segment(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f64 {
+    let chord = b - a;
+    let t = ((p - a).dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (p - (a + t * chord)).norm()
+}
+
+fn trimmed_extent(points: &[MeasuredPoint]) -> f64 {
+    let spread = |axis: usize| {
+        let mut values: Vec<f64> = points.iter().map(|p| p.point[axis]).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        let cut = (TRIMMED * values.len() as f64) as usize;
+        values[values.len() - 1 - cut] - values[cut]
+    };
+    spread(0).hypot(spread(1))
+}
