@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use railspring_calibrate::error::Error;
 use railspring_calibrate::profile_file::{
-    MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, prepare, read,
+    MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, Smoothing, prepare, read,
 };
 use railspring_calibrate::units::MILLIMETRE;
 
@@ -33,7 +33,7 @@ pub(super) struct FileArgs {
     /// Distance of a wheel's tape circle from its flange back, mm, where the file counts from there; 70 unless given
     #[arg(long, value_name = "MM", value_parser = tape_circle)]
     tape_circle_mm: Option<f64>,
-    /// Smooth: halve waves of this length, mm
+    /// Smooth: halve waves of this length, mm; 0 leaves the points where they are. Without it their scatter is measured, and smoothed as much as it takes
     #[arg(long, value_name = "MM")]
     smooth_mm: Option<f64>,
 }
@@ -92,6 +92,9 @@ impl FileArgs {
     }
 
     pub fn prepare(&self, profile: &MeasuredProfile) -> Result<Prepared, Error> {
-        prepare(profile, &PrepareOptions { smoothing: self.smooth_mm.map(|mm| mm * MILLIMETRE) })
+        prepare(
+            profile,
+            &PrepareOptions { smoothing: Smoothing::of(self.smooth_mm.map(|mm| mm * MILLIMETRE)) },
+        )
     }
 }

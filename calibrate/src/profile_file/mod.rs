@@ -18,6 +18,8 @@ mod check;
 mod kinks;
 mod shape;
 mod orient;
+mod scatter;
+mod wavelength;
 mod smooth;
 mod drawn;
 mod section;
@@ -36,7 +38,8 @@ use crate::profile::lines_and_arcs::{self, LinesAndArcs};
 
 pub use crate::profile::{ProfileKind, Sketch};
 pub use finding::{Action, Finding, FindingKind};
-pub use prepare::{PrepareOptions, Prepared, prepare, repaired};
+pub use prepare::{PrepareOptions, Prepared, Smoothing, prepare, repaired};
+pub use scatter::{Scatter, scatter};
 pub use section::{ClosedSection, parse_rail_section, parse_wheel_section, sketch_section};
 pub use smooth::{Smoothed, smooth};
 
