@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use railspring_calibrate::error::Error;
 use railspring_calibrate::profile_file::{
-    MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, Smoothing, prepare, read,
+    Finding, MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, Smoothing,
+    prepare, read,
 };
 use railspring_calibrate::units::MILLIMETRE;
 
@@ -89,6 +90,13 @@ impl FileArgs {
 
     pub fn read(&self) -> Result<MeasuredProfile, Error> {
         read(&self.file, &self.options())
+    }
+
+    /// The points for a file: repaired, and smoothed only if that was asked for, as whoever reads the file measures their scatter.
+    pub fn points(&self, profile: &MeasuredProfile) -> Result<(Vec<MeasuredPoint>, Vec<Finding>), Error> {
+        let wavelength = self.smooth_mm.unwrap_or(0.0) * MILLIMETRE;
+        let prepared = prepare(profile, &PrepareOptions { smoothing: Smoothing::of(Some(wavelength)) })?;
+        Ok((prepared.points, prepared.findings))
     }
 
     pub fn prepare(&self, profile: &MeasuredProfile) -> Result<Prepared, Error> {

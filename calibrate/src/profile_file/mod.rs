@@ -20,6 +20,7 @@ mod shape;
 mod orient;
 mod scatter;
 mod wavelength;
+mod corners;
 mod smooth;
 mod drawn;
 mod section;

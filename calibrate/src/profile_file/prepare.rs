@@ -3,6 +3,7 @@
 use nalgebra::Point2;
 
 use super::check::{remove_duplicates, remove_spikes, repair_steps_back, restore_order, thin_by_means};
+use super::corners::add_corners;
 use super::finding::{Action, Finding, FindingKind};
 use super::kinks::{find_kinks, report_gaps, report_range};
 use super::loops::cut_loops;
@@ -88,18 +89,18 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
     }
     let mut points = repaired(profile, &mut findings)?;
     report_gaps(&points, &mut findings);
-    let kinks = find_kinks(&points, &mut findings);
+    let mut kinks = find_kinks(&points, &mut findings);
     report_range(profile.kind, &points, &mut findings);
-    smooth_points(&mut points, &kinks, options.smoothing, &mut findings)?;
+    smooth_points(&mut points, &mut kinks, options.smoothing, &mut findings)?;
     let places: Vec<Point2<f64>> = points.iter().map(|p| p.point).collect();
     let curve = ProfileCurve::from_points(&places, &kinks).map_err(|error| in_file(name, &points, error))?;
     Ok(Prepared { points, kinks, curve, findings })
 }
 
-/// Smooths the points, and says what was measured and done.
+/// Smooths the points, and says what was measured and done; corners in the scatter are added to `kinks`.
 fn smooth_points(
     points: &mut Vec<MeasuredPoint>,
-    kinks: &[usize],
+    kinks: &mut Vec<usize>,
     smoothing: Smoothing,
     findings: &mut Vec<Finding>,
 ) -> Result<()> {
@@ -110,14 +111,18 @@ fn smooth_points(
     };
     let advised = wavelength(&measured);
     let halved = match (smoothing, advised) {
-        (Smoothing::Halves(wavelength), _) | (Smoothing::ByScatter, Some(wavelength)) => wavelength,
+        (Smoothing::Halves(wavelength), _) => wavelength,
+        (Smoothing::ByScatter, Some(wavelength)) => {
+            add_corners(points, kinks, &measured, wavelength, findings);
+            wavelength
+        }
         (Smoothing::Off, Some(advised)) => {
             let text = format!(
-                "scatter of the points across the profile, not smoothed as requested: curvatures and pressures are unsure; \
+                "scatter of the points across the profile, not smoothed, as requested: curvatures and pressures are unsure; \
                  it takes a smoothing that halves waves of {:.2} mm",
                 advised / MILLIMETRE
             );
-            findings.push(noise(Action::Left, text));
+            findings.push(noise(Action::Noted, text));
             return Ok(());
         }
         (_, None) => return Ok(()),

@@ -313,7 +313,7 @@ fn smoothing_and_scatter_are_said() {
     let prepared = |smoothing| prepare(&profile, &PrepareOptions { smoothing }).unwrap();
     for (smoothing, action, done) in [
         (Smoothing::default(), Action::Repaired, "halves waves of"),
-        (Smoothing::Off, Action::Left, "not smoothed as requested"),
+        (Smoothing::Off, Action::Noted, "not smoothed, as requested"),
     ] {
         let found = prepared(smoothing);
         assert_eq!(kinds(&found.findings), [(FindingKind::Noise, action)]);
