@@ -201,7 +201,7 @@ fn pressures_are_near_the_true_ones() {
                 let error = |smoothing| pressure_error(&prepared(&points, smoothing), shape, range);
                 let [with, without] = [Smoothing::default(), Smoothing::Off].map(error);
                 println!("{} {deviation} µm: {with:.0} MPa, {without:.0} MPa without smoothing", shape.name);
-                let allowed = MODEL * left.hypot(joint);
+                let allowed = MODEL * f64::hypot(left, joint);
                 assert!(
                     with < allowed && without > 1.5 * with,
                     "{} {deviation}: {with} {without}",
