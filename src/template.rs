@@ -12,9 +12,6 @@ const PAIR: &str = include_str!("../data/templates/pair.toml");
 /// A load case for any pair.
 const LOAD_CASE: &str = include_str!("../data/templates/load_case.toml");
 
-/// Waves of a measured profile that are halved, mm: the scatter of an instrument, which has no curvature, and nothing of wear.
-const SMOOTHING_MM: u32 = 3;
-
 /// A wheel or a rail.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Body {
@@ -48,15 +45,12 @@ impl Body {
         }
     }
 
-    /// Its keys with their values as TOML, without their section; the file relative to `folder`.
-    fn keys(&self, folder: &Path) -> Vec<(&'static str, String)> {
+    /// Its key without its section, and the value as TOML; the file relative to `folder`.
+    fn key(&self, folder: &Path) -> (&'static str, String) {
         match self {
-            Self::Standard(name) => vec![("profile", quoted(name))],
-            Self::File(file) => vec![
-                ("profile_file", quoted(&relative(file, folder).to_string_lossy())),
-                ("profile_smoothing_mm", SMOOTHING_MM.to_string()),
-            ],
-            Self::Section(file) => vec![("section_file", quoted(&relative(file, folder).to_string_lossy()))],
+            Self::Standard(name) => ("profile", quoted(name)),
+            Self::File(file) => ("profile_file", quoted(&relative(file, folder).to_string_lossy())),
+            Self::Section(file) => ("section_file", quoted(&relative(file, folder).to_string_lossy())),
         }
     }
 }
@@ -65,21 +59,24 @@ impl Pair {
     /// The keys of its study that differ from those of any other, `option` saying where each was given. Files are relative to the working folder.
     pub fn settings(&self, option: &dyn Fn(&str) -> String) -> Vec<Setting> {
         let here = Path::new("");
-        let of = |section: &'static str, body: &Body| {
-            body.keys(here).into_iter().map(move |(key, value)| (format!("{section}.{key}"), value))
+        let of = |section: &str, body: &Body| {
+            let (key, value) = body.key(here);
+            (format!("{section}.{key}"), value)
         };
-        let keys = of("wheel", &self.wheel).chain(of("rail", &self.rail));
-        let keys = [("name".to_owned(), quoted(&self.name))].into_iter().chain(keys);
-        keys.map(|(key, value)| Setting::new(option(&key), &key, &value).expect("a dotted key")).collect()
+        let keys =
+            [("name".to_owned(), quoted(&self.name)), of("wheel", &self.wheel), of("rail", &self.rail)];
+        keys.into_iter()
+            .map(|(key, value)| Setting::new(option(&key), &key, &value).expect("a dotted key"))
+            .collect()
     }
 
     /// The text of its study in `file`, with a load case or without, and with `settings` in the place of the keys.
     pub fn study(&self, file: &Path, load_case: bool, settings: &[Setting]) -> String {
         let folder = file.parent().unwrap_or(Path::new(""));
         let body = |body: &Body| {
-            let keys = body.keys(folder);
-            let value = |key: &str| keys.iter().find(|(name, _)| *name == key).map(|(_, value)| value);
-            context! { standard => value("profile"), file => value("profile_file") }
+            let (key, value) = body.key(folder);
+            let of = |name: &str| (key == name).then_some(&value);
+            context! { standard => of("profile"), file => of("profile_file") }
         };
         let title = format!("{} on {}", self.wheel.title(), self.rail.title());
         let filled = Environment::new().render_str(
@@ -91,7 +88,6 @@ impl Pair {
                 description => quoted(&format!("{title}.")),
                 rail => body(&self.rail),
                 wheel => body(&self.wheel),
-                smoothing => SMOOTHING_MM,
             },
         );
         let mut text = filled.expect("the template has these keys") + "\n";

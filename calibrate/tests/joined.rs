@@ -4,7 +4,8 @@
 use nalgebra::{Point2, Vector2};
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile_file::{
-    Finding, FindingKind, MeasuredPoint, MeasuredProfile, PrepareOptions, ProfileFormat, ProfileKind, prepare,
+    Finding, FindingKind, MeasuredPoint, MeasuredProfile, PrepareOptions, ProfileFormat, ProfileKind,
+    Smoothing, prepare,
 };
 use railspring_calibrate::section::{
     rail_section, rail_section_with_head, wheel_section, wheel_section_with_profile,
@@ -51,7 +52,7 @@ fn shorts() -> Vec<Short> {
 
 impl Short {
     /// The running surface of the section, measured with `depth` (m) of wear and a scatter of `scatter` (m).
-    fn joined(&self, depth: f64, scatter: f64, smoothing: Option<f64>) -> (ProfileCurve, Vec<Finding>) {
+    fn joined(&self, depth: f64, scatter: f64, smoothing: Smoothing) -> (ProfileCurve, Vec<Finding>) {
         let [from, to] = self.measured;
         let count = ((to - from) / STEP) as usize;
         let mut state = 7u64;
@@ -121,11 +122,15 @@ fn short_measurements_are_joined_without_a_jump() {
     const ROUNDOFF: f64 = 1e-6;
     const DISCRETISATION: f64 = 0.012 * MM;
     const SCATTER: f64 = 0.06 * MM;
-    let smooth = Some(3.0 * MM);
+    let (off, smooth) = (Smoothing::Off, Smoothing::ByScatter);
     for short in shorts() {
-        for (depth, scatter, smoothing) in
-            [(0.0, 0.0, None), (MM, 0.0, None), (0.0, 10e-6, None), (0.0, 10e-6, smooth), (MM, 10e-6, smooth)]
-        {
+        for (depth, scatter, smoothing) in [
+            (0.0, 0.0, smooth),
+            (MM, 0.0, smooth),
+            (0.0, 10e-6, off),
+            (0.0, 10e-6, smooth),
+            (MM, 10e-6, smooth),
+        ] {
             let (curve, findings) = short.joined(depth, scatter, smoothing);
             let [position, slope] = jumps(&curve);
             let off = farthest(&curve, &short.standard) - depth;

@@ -10,7 +10,8 @@ use railspring_calibrate::profile::rails::{RAIL_NAMES, rail_outline};
 use railspring_calibrate::profile::wheels::wheel_profile;
 use railspring_calibrate::profile::{ProfileKind, Segment};
 use railspring_calibrate::profile_file::{
-    Action, FindingKind, PrepareOptions, ProfileFormat, ReadOptions, format_of, parse as read_file, prepare,
+    Action, FindingKind, PrepareOptions, ProfileFormat, ReadOptions, Smoothing, format_of,
+    parse as read_file, prepare,
 };
 use railspring_calibrate::section::{rail_section, rail_section_of};
 use railspring_calibrate::section_analysis::rail_properties;
@@ -172,7 +173,7 @@ fn a_table_is_a_profile_file() {
             prepared.findings
         );
         assert!(prepared.findings.iter().all(|f| f.action != Action::Left && f.lines.is_some()), "{name}");
-        let smoothed = prepare(&profile, &PrepareOptions { smoothing: Some(5e-3) }).unwrap();
+        let smoothed = prepare(&profile, &PrepareOptions { smoothing: Smoothing::Halves(5e-3) }).unwrap();
         assert_eq!(smoothed.curve, prepared.curve);
         assert!(smoothed.findings.iter().any(|f| f.text.contains("not smoothed")));
         // The other side of the track, and what the caller knows of the kind.

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use railspring_calibrate::error::Error;
 use railspring_calibrate::profile_file::{
-    MeasuredPoint, PrepareOptions, ProfileFormat, ProfileKind, ReadOptions, parse, prepare, write,
+    MeasuredPoint, PrepareOptions, ProfileFormat, ProfileKind, ReadOptions, Smoothing, parse, prepare, write,
 };
 use railspring_calibrate::section::{rail_section, wheel_section};
 
@@ -212,7 +212,7 @@ fn survives(name: &str, bytes: &[u8]) -> Result<(), String> {
         // Memory is bounded by the file: a point takes at least four bytes of it, but on an arc or spline of a drawing.
         let curves = if profile.format == ProfileFormat::Dxf { 8 * bytes.len() + 20_000 } else { 0 };
         assert!(4 * profile.points.len() <= bytes.len() + 4 + curves);
-        prepare(&profile, &PrepareOptions { smoothing: Some(2e-3) })?;
+        prepare(&profile, &PrepareOptions { smoothing: Smoothing::Halves(2e-3) })?;
         prepare(&profile, &PrepareOptions::default())
     });
     if begin.elapsed() > HANGS {

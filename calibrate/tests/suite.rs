@@ -22,6 +22,7 @@ mod profile_drawings;
 mod profile_files;
 mod profile_mutation;
 mod profile_placement;
+mod profile_scatter;
 mod profile_slices;
 mod profiles;
 mod rigid_contact;

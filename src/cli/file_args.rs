@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::profile_file::{
-    MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, prepare, read,
+    Finding, MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, Smoothing,
+    prepare, read,
 };
 use railspring_calibrate::units::MILLIMETRE;
 
@@ -34,7 +35,7 @@ pub(super) struct FileArgs {
     /// Distance of a wheel's tape circle from its flange back, mm, where the file counts from there; 70 unless given
     #[arg(long, value_name = "MM", value_parser = tape_circle)]
     tape_circle_mm: Option<f64>,
-    /// Smooth: halve waves of this length, mm
+    /// Smooth: halve waves of this length, mm; 0 leaves the points where they are. Without it their scatter is measured, and smoothed as much as it takes
     #[arg(long, value_name = "MM")]
     smooth_mm: Option<f64>,
 }
@@ -114,7 +115,17 @@ impl FileArgs {
         read(&self.file, &self.options())
     }
 
+    /// The points for a file: repaired, and smoothed only if that was asked for, as whoever reads the file measures their scatter.
+    pub fn points(&self, profile: &MeasuredProfile) -> Result<(Vec<MeasuredPoint>, Vec<Finding>), Error> {
+        let wavelength = self.smooth_mm.unwrap_or(0.0) * MILLIMETRE;
+        let prepared = prepare(profile, &PrepareOptions { smoothing: Smoothing::of(Some(wavelength)) })?;
+        Ok((prepared.points, prepared.findings))
+    }
+
     pub fn prepare(&self, profile: &MeasuredProfile) -> Result<Prepared, Error> {
-        prepare(profile, &PrepareOptions { smoothing: self.smooth_mm.map(|mm| mm * MILLIMETRE) })
+        prepare(
+            profile,
+            &PrepareOptions { smoothing: Smoothing::of(self.smooth_mm.map(|mm| mm * MILLIMETRE)) },
+        )
     }
 }

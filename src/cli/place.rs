@@ -78,8 +78,9 @@ pub(super) fn place(args: &PlaceArgs) -> Result<bool, Failure> {
         args.output.join(format!("{stem}-placed.{ending}"))
     };
     let source = args.file.file.file_name().unwrap_or_default().to_string_lossy();
+    let (points, _) = args.file.points(&moved)?;
     let comment = format!("{source} placed on {}", reference.name);
-    write(&file("csv"), &profile_text(ProfileFormat::Csv, moved.kind, &prepared.points, &comment))?;
+    write(&file("csv"), &profile_text(ProfileFormat::Csv, moved.kind, &points, &comment))?;
     write(&file("svg"), &picture(&source, &moved, &prepared, &placed, &reference)?)?;
     say(&format!("{}\n{}", file("csv").display(), file("svg").display()))?;
     Ok(prepared.findings.iter().all(|finding| finding.action != Action::Left))

@@ -188,12 +188,8 @@ fn convert(file: &FileArgs, out: &Path, raw: bool) -> Result<bool, Error> {
         )
         .into());
     }
-    let (points, findings) = if raw {
-        (profile.points.clone(), profile.findings.clone())
-    } else {
-        let prepared = file.prepare(&profile)?;
-        (prepared.points, prepared.findings)
-    };
+    let (points, findings) =
+        if raw { (profile.points.clone(), profile.findings.clone()) } else { file.points(&profile)? };
     let source = file.file.file_name().unwrap_or_default().to_string_lossy();
     shapes::write(out, &write(format, profile.kind, &points, &format!("converted from {source}")))?;
     findings.iter().try_for_each(|finding| say(&finding.to_string()))?;

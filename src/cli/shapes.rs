@@ -117,7 +117,7 @@ fn measured(profile: &str) -> Result<(MeasuredProfile, Prepared), Error> {
         return Err(unknown_profile("profile", profile, &names).into());
     }
     let measured = read(path, &ReadOptions::default())?;
-    let prepared = prepare(&measured, &PrepareOptions { smoothing: None })?;
+    let prepared = prepare(&measured, &PrepareOptions::default())?;
     prepared.findings.iter().for_each(|finding| remark(&format!("{profile}: {finding}")));
     Ok((measured, prepared))
 }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::input;
-use railspring_calibrate::profile_file::{LARGEST_FILE, ProfileKind, ProfileSource, ReadOptions, parse};
+use railspring_calibrate::profile_file::{
+    LARGEST_FILE, ProfileKind, ProfileSource, ReadOptions, Smoothing, parse,
+};
 use railspring_calibrate::profile_placement::{PlaceOptions, in_words, resembled};
 use railspring_calibrate::units::MILLIMETRE;
 
@@ -123,7 +125,7 @@ impl SurfaceKeys<'_> {
             content: Arc::from(chosen.content),
             part: chosen.part,
             findings: chosen.findings,
-            smoothing: self.smoothing_mm.map(|mm| mm * MILLIMETRE),
+            smoothing: Smoothing::of(self.smoothing_mm.map(|mm| mm * MILLIMETRE)),
             aligned: self.aligned,
             unit: self.unit.map(ProfileUnitKey::metres),
             mirrored: self.mirrored,

@@ -24,7 +24,7 @@ use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::profile::rail_catalogue::RailDimensions;
 use railspring_calibrate::profile::wheels::Flange;
-use railspring_calibrate::profile_file::Finding;
+use railspring_calibrate::profile_file::{Finding, Smoothing};
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::{Material, Materials};
@@ -179,8 +179,8 @@ pub struct MeasuredSurface {
     pub part: Option<String>,
     /// What is said about the choice of a slice.
     pub findings: Vec<Finding>,
-    /// Wavelength that smoothing halves, m.
-    pub smoothing: Option<f64>,
+    /// What is done about the scatter of its points.
+    pub smoothing: Smoothing,
     /// Whether it is placed on the standard first; `None` takes it as it stands unless it is evidently misplaced.
     pub aligned: Option<bool>,
     /// Length of the file's unit, m; `None` leaves it to the file.

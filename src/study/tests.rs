@@ -306,7 +306,7 @@ fn measured_profiles_are_named_by_file_and_body() {
     let measured = read.rail.measured.as_ref().unwrap();
     assert_eq!(
         (read.rail.profile.as_deref(), measured.smoothing, measured.aligned),
-        (Some("60E1"), Some(2e-3), None)
+        (Some("60E1"), Smoothing::Halves(2e-3), None)
     );
     assert_eq!(&*measured.content, b"0,0\n");
 

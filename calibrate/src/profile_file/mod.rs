@@ -21,6 +21,9 @@ mod shape;
 mod heads;
 mod sentinels;
 mod orient;
+mod scatter;
+mod wavelength;
+mod corners;
 mod smooth;
 mod drawn;
 mod section;
@@ -39,7 +42,8 @@ use crate::profile::lines_and_arcs::{self, LinesAndArcs};
 
 pub use crate::profile::{ProfileKind, Sketch};
 pub use finding::{Action, Finding, FindingKind};
-pub use prepare::{PrepareOptions, Prepared, prepare, repaired};
+pub use prepare::{PrepareOptions, Prepared, Smoothing, prepare, repaired};
+pub use scatter::{Scatter, scatter};
 pub use section::{ClosedSection, parse_rail_section, parse_wheel_section, sketch_section};
 pub use smooth::{Smoothed, smooth};
 

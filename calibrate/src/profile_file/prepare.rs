@@ -3,11 +3,14 @@
 use nalgebra::Point2;
 
 use super::check::{remove_duplicates, remove_spikes, repair_steps_back, restore_order, thin_by_means};
+use super::corners::add_corners;
 use super::finding::{Action, Finding, FindingKind};
 use super::kinks::{find_kinks, report_gaps, report_range};
 use super::loops::cut_loops;
+use super::scatter::scatter;
 use super::smooth::smooth;
 use super::text::error_at;
+use super::wavelength::wavelength;
 use super::{MeasuredPoint, MeasuredProfile};
 use crate::error::{Error, Result};
 use crate::profile::ProfileCurve;
@@ -17,18 +20,37 @@ use crate::units::MILLIMETRE;
 const MICROMETRE: f64 = 1e-6;
 /// Least distance of the points that the curve runs through, m; closer ones tell nothing but their rounding.
 const LEAST_STEP: f64 = 0.01 * MILLIMETRE;
-/// Wavelength below which a departure counts as scatter, m.
-const SCATTER_WAVELENGTH: f64 = 2.0 * MILLIMETRE;
 /// Distance within which a point of lines and arcs is one of their joints, m.
 const SAME_PLACE: f64 = 1e-9;
-/// Scatter from which smoothing is advised, m.
-const SCATTER: f64 = 2.0 * MICROMETRE;
 
 /// How a profile is prepared.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PrepareOptions {
-    /// Wavelength (m) that the smoothing spline halves; `None` leaves the points where they are.
-    pub smoothing: Option<f64>,
+    /// What is done about the scatter of the points.
+    pub smoothing: Smoothing,
+}
+
+/// What is done about the scatter of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Smoothing {
+    /// It is measured, and as much smoothed as it takes.
+    #[default]
+    ByScatter,
+    /// A spline halves waves of this length, m.
+    Halves(f64),
+    /// The points stay where they are.
+    Off,
+}
+
+impl Smoothing {
+    /// Of the length of the waves that are halved as users give it, m: 0 leaves the points where they are, and without one the scatter decides.
+    pub fn of(wavelength: Option<f64>) -> Self {
+        match wavelength {
+            None => Self::ByScatter,
+            Some(0.0) => Self::Off,
+            Some(wavelength) => Self::Halves(wavelength),
+        }
+    }
 }
 
 /// A profile that has been checked and repaired.
@@ -54,7 +76,7 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
     let mut findings = profile.findings.clone();
     if let Some(drawing) = &profile.drawn {
         let points = profile.points.clone();
-        if options.smoothing.is_some() {
+        if let Smoothing::Halves(_) = options.smoothing {
             let text = "lines and arcs have no scatter: not smoothed";
             findings.push(Finding::new(FindingKind::Smoothed, Action::Noted, text));
         }
@@ -67,38 +89,83 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
     }
     let mut points = repaired(profile, &mut findings)?;
     report_gaps(&points, &mut findings);
-    let kinks = find_kinks(&points, &mut findings);
+    let mut kinks = find_kinks(&points, &mut findings);
     report_range(profile.kind, &points, &mut findings);
-    match options.smoothing {
-        Some(wavelength) => {
-            let smoothed = smooth(&points, &kinks, wavelength)?;
-            points = smoothed.points;
-            let line = smoothed.largest_line;
-            let text = format!(
-                "largest deviation of a smoothing spline that halves waves of {} mm, RMS {:.3} \u{b5}m",
-                wavelength / MILLIMETRE,
-                smoothed.rms / MICROMETRE
-            );
-            findings.push(
-                Finding::new(FindingKind::Smoothed, Action::Repaired, text)
-                    .on_lines(line, line)
-                    .with_value(smoothed.largest / MICROMETRE, "\u{b5}m"),
-            );
-        }
-        None => {
-            let scatter = smooth(&points, &kinks, SCATTER_WAVELENGTH)?.rms;
-            if scatter > SCATTER {
-                let text = "RMS of waves shorter than 2 mm: curvatures are unsure, smoothing is advised";
-                findings.push(
-                    Finding::new(FindingKind::Noise, Action::Left, text)
-                        .with_value(scatter / MICROMETRE, "\u{b5}m"),
-                );
-            }
-        }
-    }
+    smooth_points(&mut points, &mut kinks, options.smoothing, &mut findings)?;
     let places: Vec<Point2<f64>> = points.iter().map(|p| p.point).collect();
     let curve = ProfileCurve::from_points(&places, &kinks).map_err(|error| in_file(name, &points, error))?;
     Ok(Prepared { points, kinks, curve, findings })
+}
+
+/// Smooths the points, and says what was measured and done; corners in the scatter are added to `kinks`.
+fn smooth_points(
+    points: &mut Vec<MeasuredPoint>,
+    kinks: &mut Vec<usize>,
+    smoothing: Smoothing,
+    findings: &mut Vec<Finding>,
+) -> Result<()> {
+    let measured = scatter(&pieces(points, kinks));
+    let micrometres = |length: f64| format!("{:.3} \u{b5}m", length / MICROMETRE);
+    let noise = |action, text: String| {
+        Finding::new(FindingKind::Noise, action, text).with_value(measured.deviation / MICROMETRE, "\u{b5}m")
+    };
+    let advised = wavelength(&measured);
+    let halved = match (smoothing, advised) {
+        (Smoothing::Halves(wavelength), _) => wavelength,
+        (Smoothing::ByScatter, Some(wavelength)) => {
+            add_corners(points, kinks, &measured, wavelength, findings);
+            wavelength
+        }
+        (Smoothing::Off, Some(advised)) => {
+            let text = format!(
+                "scatter of the points across the profile, not smoothed, as requested: curvatures and pressures are unsure; \
+                 it takes a smoothing that halves waves of {:.2} mm",
+                advised / MILLIMETRE
+            );
+            findings.push(noise(Action::Noted, text));
+            return Ok(());
+        }
+        (_, None) => return Ok(()),
+    };
+    let smoothed = smooth(points, kinks, halved)?;
+    let (line, moved) = (smoothed.largest_line, smoothed.largest);
+    findings.push(match smoothing {
+        Smoothing::Halves(_) => {
+            let text = format!(
+                "largest deviation of a smoothing spline that halves waves of {} mm, RMS {}",
+                halved / MILLIMETRE,
+                micrometres(smoothed.rms)
+            );
+            Finding::new(FindingKind::Smoothed, Action::Repaired, text)
+                .on_lines(line, line)
+                .with_value(moved / MICROMETRE, "\u{b5}m")
+        }
+        _ => {
+            let text = format!(
+                "scatter of the points across the profile: smoothed by a spline that halves waves of {:.2} mm, which moves \
+                 them by {} (RMS), line {line} by {}",
+                halved / MILLIMETRE,
+                micrometres(smoothed.rms),
+                micrometres(moved)
+            );
+            noise(Action::Repaired, text)
+        }
+    });
+    *points = smoothed.points;
+    Ok(())
+}
+
+/// The points between the corners; those without weight are left out where others have one.
+fn pieces(points: &[MeasuredPoint], kinks: &[usize]) -> Vec<Vec<Point2<f64>>> {
+    let weightless = points.iter().all(|p| p.weight <= 0.0);
+    let mut start = 0;
+    let ends = kinks.iter().copied().chain([points.len() - 1]);
+    ends.map(|end| {
+        let piece = &points[start..=end];
+        start = end;
+        piece.iter().filter(|p| weightless || p.weight > 0.0).map(|p| p.point).collect()
+    })
+    .collect()
 }
 
 /// The points of a profile in order, without duplicates, spikes, steps back and loops; what was done is added to `findings`.

@@ -38,7 +38,7 @@ pub fn smooth(points: &[MeasuredPoint], kinks: &[usize], wavelength: f64) -> Res
             "smoothing",
             format!("{} mm", wavelength / MILLIMETRE),
             format!("a wavelength above 0 and up to {} mm", LONGEST / MILLIMETRE),
-            "2 mm suit most measurements",
+            "2 mm suit most measurements; 0 switches smoothing off, and without a value the scatter decides",
         )
         .into());
     }

@@ -10,7 +10,6 @@
 mod reference;
 mod fit;
 mod starts;
-mod noise;
 mod side;
 mod placed;
 mod own_frame;

@@ -3,11 +3,11 @@
 use nalgebra::{Matrix4, Point2, Rotation2, Vector2, Vector4};
 
 use super::fit::{Foot, Pose, Sample, covariance, feet_of, kept, settle};
-use super::noise::scatter;
 use super::reference::Reference;
 use super::side::{Side, side_of, worn_sides};
 use super::starts::{Candidate, candidates, mirrored, thinned};
 use crate::error::{InputError, Result};
+use crate::profile_file::scatter;
 use crate::units::MILLIMETRE;
 
 /// Points of the last fit.
@@ -148,7 +148,7 @@ impl Placed {
 /// [`InputError`] for fewer than ten points or points without extent.
 pub fn place(points: &[Point2<f64>], reference: &Reference, options: PlaceOptions) -> Result<Option<Placed>> {
     let (samples, centre) = samples(points)?;
-    let noise = scatter(points);
+    let noise = scatter(&[points.to_vec()]).deviation;
     let mirrors: &[bool] = if reference.symmetric { &[false] } else { &[false, true] };
     let mut scale = (SCALE_TO_NOISE * noise).clamp(LEAST_SCALE, GREATEST_SCALE);
     loop {

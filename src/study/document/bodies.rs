@@ -33,9 +33,9 @@ pub struct RailKeys {
     /// The body under a measured head of no `standard`: the name of a standard or of a catalogue's rail (`136RE`, `R65`, `CHN60`), or the dimensions of one. Left out, that of the nearest standard.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<RailBodyKey>,
-    /// Smoothing of the measured profile: waves of this length are halved, mm; left out, the points stay where they are.
+    /// Smoothing of the measured profile: waves of this length are halved, mm; with 0 the points stay where they are. Left out, their scatter is measured, and smoothed as much as it takes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.1, max = 20.0))]
+    #[schemars(range(min = 0.0, max = 20.0))]
     pub profile_smoothing_mm: Option<f64>,
     /// Unit of the profile file; left out, what the file says or what its size shows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -159,9 +159,9 @@ pub struct WheelKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub standard: Option<String>,
-    /// Smoothing of the measured profile: waves of this length are halved, mm; left out, the points stay where they are.
+    /// Smoothing of the measured profile: waves of this length are halved, mm; with 0 the points stay where they are. Left out, their scatter is measured, and smoothed as much as it takes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.1, max = 20.0))]
+    #[schemars(range(min = 0.0, max = 20.0))]
     pub profile_smoothing_mm: Option<f64>,
     /// Unit of the profile file; left out, what the file says or what its size shows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
