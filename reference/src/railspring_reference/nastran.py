@@ -12,7 +12,10 @@ GROUP = "nastran:ref"
 """What meshio calls the property of an element, and the coordinate system of a node."""
 ELEMENT = re.compile(r"C(HEX|TETR|PENT|PYR|QUAD|TRI|SHEAR|RAC)[A-Z0-9]*\*?", re.IGNORECASE)
 """Cards of solids and surface elements."""
-KNOWN = {"CHEXA", "CTETRA", "CPENTA", "CPYRAM", "CPYRA", "CQUAD4", "CQUAD8", "CQUAD9", "CQUADR", "CTRIA3", "CTRIA6", "CTRIAR", "CSHEAR"}
+KNOWN = {
+    *("CHEXA", "CTETRA", "CPENTA", "CPYRAM", "CPYRA"),
+    *("CQUAD4", "CQUAD8", "CQUAD9", "CQUADR", "CTRIA3", "CTRIA6", "CTRIAR", "CSHEAR"),
+}
 """Those that meshio reads."""
 
 
@@ -40,7 +43,7 @@ def check(path: Path) -> list[int]:
                     path,
                     number,
                     f"the card {found}",
-                    "nodes and elements on cards that are read: GRID, CHEXA, CQUAD4 and their like in capitals, elements in small fields",
+                    "GRID cards, and elements in small or free fields with names in capitals (CHEXA, CQUAD4)",
                     "write these cards in another form",
                 )
     return grids
