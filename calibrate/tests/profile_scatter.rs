@@ -213,6 +213,8 @@ fn pressures_are_near_the_true_ones() {
 }
 
 /// Goal: corners of 5, 20 and 45 degrees stay corners in a scatter of 0.5 and 2 µm, where they are within a step, mm; the joints of arcs are none.
+/// Accuracy: no point moves by more than twelve times the scatter and a quarter of a step times the turn, as the corner lies between two points; smoothed over, 20° would move
+/// by 40 µm.
 #[test]
 fn real_corners_stay_in_the_scatter() {
     for deviation in [0.5, 2.0] {
@@ -229,9 +231,10 @@ fn real_corners_stay_in_the_scatter() {
                 let places: Vec<f64> = found.kinks.iter().map(|&i| found.points[i].point.x / MM).collect();
                 let near = places.len() == 1 && (places[0] - 10.13).abs() < 0.3;
                 assert!(near, "{degrees}° {deviation} µm: {places:?}");
+                let allowed = 12.0 * deviation * UM + 0.25 * MM * degrees.to_radians() / 4.0;
                 let moved =
                     found.points.iter().zip(&points).map(|(p, q)| (p.point - q).norm()).fold(0.0, f64::max);
-                assert!(moved < 12.0 * deviation * UM, "{degrees}° {deviation} µm: {moved}");
+                assert!(moved < allowed, "{degrees}° {deviation} µm: {moved}");
             }
         }
     }
