@@ -42,6 +42,7 @@ const ELEMENTS: &[&str] = &["contact.field=elements"];
 const PENALTY: &[&str] = &["contact.field=elements", "contact.enforcement=penalty"];
 const PUBLISHED: &[&str] = &["simulation.element=published"];
 const RAIL: &[&str] = &["rail.profile_file=ROOT/data/profiles/worn-60e1.prr"];
+const BODY: &[&str] = &["rail.profile_file=ROOT/data/profiles/worn-60e1.prr", "rail.standard="];
 const WHEEL: &[&str] = &["wheel.profile_file=ROOT/data/profiles/worn-s1002.whl"];
 const CONICAL: &[&str] = &["wheel.body=conical-web"];
 const TORSION: &[&str] = &["scenario.b.rail_torsion.mean_kn_m=1"];
@@ -74,6 +75,7 @@ const CHANGED: &[Changed] = &[
     ("rail.length_m", PLAIN, "0.6"),
     ("rail.profile_file", PLAIN, "ROOT/data/profiles/worn-60e1.prr"),
     ("rail.standard", RAIL, "UIC60"),
+    ("rail.body", BODY, "136RE"),
     ("rail.profile_aligned", RAIL, "true"),
     ("rail.profile_smoothing_mm", RAIL, "3"),
     ("wheel.profile", PLAIN, "EN13715-1in40"),
@@ -84,6 +86,8 @@ const CHANGED: &[Changed] = &[
     ("wheel.bore_mm", PLAIN, "180"),
     ("wheel.hub_diameter_mm", PLAIN, "280"),
     ("wheel.rim_depth_mm", PLAIN, "60"),
+    ("wheel.web_thickness_mm", PLAIN, "26"),
+    ("wheel.new_diameter_m", PLAIN, "0.92"),
     ("wheel.flange_height_mm", PLAIN, "30"),
     ("wheel.flange_thickness_mm", PLAIN, "30"),
     ("wheel.profile_file", PLAIN, "ROOT/data/profiles/worn-s1002.whl"),

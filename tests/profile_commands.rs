@@ -436,12 +436,13 @@ fn contact_says_which_shift_it_needs_and_takes_keys_of_the_left_side() {
 #[test]
 fn messages_about_a_file_name_the_options_of_the_command() {
     let place = tempfile::tempdir().unwrap();
-    let rows: String = (0..60).map(|i| format!("{},{},{},{}\n", i, i * i, -i, i * i)).collect();
-    std::fs::write(place.path().join("lr.csv"), format!("y_left,z_left,y_right,z_right\n{rows}")).unwrap();
+    let rows: String =
+        (0..60).map(|i| format!("{}.5;{}.5;-{}.5;{}.5\n", i, i * i / 60, i, i * i / 60)).collect();
+    std::fs::write(place.path().join("lr.csv"), format!("y_left;z_left;y_right;z_right\n{rows}")).unwrap();
     let output = railspring(place.path(), &["check", "lr.csv", "--kind", "rail"]);
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("give `--part`") && said.contains("right"), "{said}");
-    let short: String = (0..60).map(|i| format!("{i}e3,{i}\n")).collect();
+    let short: String = (0..60).map(|i| format!("{i}e3;{i}\n")).collect();
     std::fs::write(place.path().join("far.csv"), short).unwrap();
     let output = railspring(place.path(), &["check", "far.csv"]);
     let said = String::from_utf8(output.stderr).unwrap();

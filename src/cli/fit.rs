@@ -83,11 +83,7 @@ fn assumed(study: &Study) -> String {
     let open = study.resolved.iter().filter(|key| {
         !key.given && ASSUMED.iter().any(|(section, name)| key.section == *section && key.key == *name)
     });
-    let mut open: Vec<String> =
-        open.map(|key| format!("{}.{} = {}", key.section, key.key, key.value)).collect();
-    if !study.rail.inclination_given {
-        open.push("rail.inclination = 1:40, or as a measured head has it".into());
-    }
+    let open: Vec<String> = open.map(|key| format!("{}.{} = {}", key.section, key.key, key.value)).collect();
     match open.is_empty() {
         true => "all of the pair is given".into(),
         false => format!("assumed: {}; --set gives others", open.join(", ")),

@@ -223,8 +223,8 @@ pub(super) fn on_reference(
             Checked::Elsewhere(text) => {
                 let (mut moved, placed) = placed(profile)?;
                 let text = format!(
-                    "{text}: placed there; `{}` = false takes it as it stands",
-                    fields(reference.kind).1
+                    "{text}: placed there; `{}.profile_aligned` = false takes it as it stands",
+                    reference.kind.name()
                 );
                 moved.findings.push(Finding::new(FindingKind::Aligned, Action::Noted, text));
                 (moved, Some(placed))

@@ -12,7 +12,7 @@ use railspring_calibrate::units::MILLIMETRE;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::document::StudyDocument;
+use super::document::{Inclination, StudyDocument};
 use super::{MeasuredSurface, MeshFile, Rail, SectionFile, Wheel};
 
 /// The hashes of a study.
@@ -50,6 +50,10 @@ impl Keys {
         numeric.wheel.section_file = wheel.section.as_ref().map(SectionFile::fingerprint);
         numeric.rail.profile_file = rail.measured.as_ref().map(MeasuredSurface::fingerprint);
         numeric.wheel.profile_file = wheel.measured.as_ref().map(MeasuredSurface::fingerprint);
+        // Of a standard rail the inclination by default is the same as given.
+        if rail.measured.is_none() {
+            numeric.rail.inclination.get_or_insert_with(Inclination::usual);
+        }
         // So does a slice, whose content that is.
         numeric.rail.profile_part = rail.measured.as_ref().and_then(|measured| measured.part.clone());
         numeric.wheel.profile_part = wheel.measured.as_ref().and_then(|measured| measured.part.clone());

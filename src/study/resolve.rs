@@ -19,8 +19,9 @@ use super::case_notes;
 use super::check::{Finding, nearest};
 use super::collect::Collector;
 use super::document::{
-    CalibrationKeys, ContactElementKey, ContactKeys, EnforcementKey, FieldKey, ForceKeys, LawKey, MeshKeys,
-    ReferenceKey, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys, TransientKey,
+    CalibrationKeys, ContactElementKey, ContactKeys, EnforcementKey, FieldKey, ForceKeys, Inclination,
+    LawKey, MeshKeys, ReferenceKey, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys,
+    TransientKey,
 };
 use super::fields::translate;
 use super::keys::Keys;
@@ -435,6 +436,8 @@ fn mesh_options(mesh: &MeshKeys) -> MeshOptions {
 }
 
 fn resolved_keys(document: &StudyDocument, source: &Source) -> Vec<ResolvedKey> {
+    let mut document = document.clone();
+    document.rail.inclination.get_or_insert_with(Inclination::usual);
     let value = serde_json::to_value(document).expect("a study is plain data");
     let mut keys = Vec::new();
     for section in SECTIONS {

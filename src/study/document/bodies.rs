@@ -101,6 +101,13 @@ pub enum Inclination {
     Ratio(String),
 }
 
+impl Inclination {
+    /// That of most tracks.
+    pub fn usual() -> Self {
+        Self::Ratio("1:40".into())
+    }
+}
+
 /// The body under a measured head.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]

@@ -1,7 +1,6 @@
 //! Rail and wheel of a study from their keys.
 
 use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::profile::rail_catalogue::{
     CATALOGUE_RAILS, RailDimensions, catalogue_rail, rail_of_dimensions,
@@ -70,7 +69,7 @@ pub(super) fn rail(
     };
     let (mesh, materials) =
         (mesh.resolve(source.path(), collector), mesh.materials(material, element, collector));
-    let body = collector.take(&["rail.body.*"], rail_body(keys));
+    let body = collector.take(&["rail.body", "rail.body.*"], rail_body(keys));
     let (profile, measured) = surface?;
     Some(Rail {
         profile,
@@ -89,7 +88,7 @@ pub(super) fn rail(
 fn rail_body(keys: &RailKeys) -> Result<Option<RailBody>, InputError> {
     let Some(body) = &keys.body else { return Ok(None) };
     let refuse = |value: String, expected: String, remedy: &str| {
-        Err(InputError::new(InputField::RailBody, value, expected, remedy))
+        Err(InputError::new("rail.body", value, expected, remedy))
     };
     let given = match body {
         RailBodyKey::Name(name) => format!("{name:?}"),
@@ -137,7 +136,7 @@ fn rail_body(keys: &RailKeys) -> Result<Option<RailBody>, InputError> {
             let name = format!("a rail {} mm high", keys.height_mm);
             match rail_of_dimensions(&dimensions) {
                 Ok(_) => Ok(Some(RailBody::Drawn(name, dimensions))),
-                Err(Error::Input(error)) => Err(error),
+                Err(Error::Input(error)) => Err(InputError { key: "rail.body".into(), ..error }),
                 Err(other) => refuse(given, other.to_string(), "check the dimensions"),
             }
         }
