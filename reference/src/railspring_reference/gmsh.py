@@ -74,7 +74,8 @@ class Source:
         """The text of a section from here to its end."""
         end = self.data.find(b"$End" + name, self.at)
         if end < 0:
-            raise self.refused(self.at - 2, f"${name.decode()} without an end", f"$End{name.decode()}")
+            begins = self.data.rfind(b"$" + name, 0, self.at)
+            raise self.refused(begins, f"${name.decode()} without an end", f"$End{name.decode()}")
         text = self.data[self.at : end]
         self.at = end
         self.line()
