@@ -34,6 +34,13 @@ struct Side {
     left: f64,
 }
 
+/// A corner: the index of its point, its turn in standard deviations, and the turn itself, rad.
+struct Corner {
+    at: usize,
+    sure: f64,
+    turn: f64,
+}
+
 /// Adds to `kinks` the corners in a `scatter` of which waves of the length `wavelength` (m) are to be halved.
 pub(super) fn add_corners(
     points: &[MeasuredPoint],
@@ -43,15 +50,15 @@ pub(super) fn add_corners(
     findings: &mut Vec<Finding>,
 ) {
     let n = FEWEST.max((wavelength.min(LONGEST) / scatter.step).ceil() as usize);
-    let mut candidates: Vec<(f64, usize, f64)> = Vec::new();
+    let mut candidates: Vec<Corner> = Vec::new();
     for i in n..points.len().saturating_sub(n) {
-        if let Some((sure, turn)) = turn(&points[i - n..=i + n], n, scatter) {
-            candidates.push((sure, i, turn));
+        if let Some(corner) = corner(&points[i - n..=i + n], n, scatter) {
+            candidates.push(Corner { at: i + corner.at - n, ..corner });
         }
     }
-    candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    candidates.sort_by(|a, b| b.sure.total_cmp(&a.sure).then(a.at.cmp(&b.at)));
     let mut found: Vec<(usize, f64)> = Vec::new();
-    for (_, i, turn) in candidates {
+    for Corner { at: i, turn, .. } in candidates {
         let apart = |j: usize| j.abs_diff(i) > n;
         if found.iter().all(|f| apart(f.0)) && kinks.iter().all(|&j| apart(j)) {
             found.push((i, turn));
@@ -72,8 +79,8 @@ pub(super) fn add_corners(
     kinks.sort_unstable();
 }
 
-/// How sure the corner at the middle of the `2n + 1` points is, in standard deviations, and by how much it turns, rad.
-fn turn(points: &[MeasuredPoint], n: usize, scatter: &Scatter) -> Option<(f64, f64)> {
+/// The corner about the middle one of `2n + 1` points, if there is one.
+fn corner(points: &[MeasuredPoint], n: usize, scatter: &Scatter) -> Option<Corner> {
     let here = points[n].point;
     let chord = points[2 * n].point - points[0].point;
     let length = chord.norm();
@@ -87,12 +94,14 @@ fn turn(points: &[MeasuredPoint], n: usize, scatter: &Scatter) -> Option<(f64, f
     let deviation = scatter.deviation * before.unsure.hypot(after.unsure);
     // The spread of a root mean square of n - 3 values, twice.
     let explained = scatter.deviation * (1.0 + 2.0 / ((n - 3) as f64).sqrt());
-    let meets =
-        (after.height - before.height).abs() < NEAR * scatter.step * (after.slope - before.slope).abs();
+    let meet = (before.height - after.height) / (after.slope - before.slope);
     let is_one = turn.abs() > (SURE * deviation).max(BY_JOINT * n as f64 * scatter.step)
         && before.left.max(after.left) < explained
-        && meets;
-    is_one.then(|| (turn.abs() / deviation, turn))
+        && meet.abs() < NEAR * scatter.step;
+    // The parabolas meet nearer to another one of the points, as may be.
+    let distance = |i: &usize| (place(&points[*i]).x - meet).abs();
+    let at = (n - 1..=n + 1).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    is_one.then(|| Corner { at, sure: turn.abs() / deviation, turn })
 }
 
 /// The parabola through points by least squares; `None` for points on top of each other.

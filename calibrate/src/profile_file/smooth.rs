@@ -3,8 +3,11 @@
 //! Minimises Σ w |p - g|² Δs + μ ∫ |g''|² ds over the curves g (Reinsch 1967): waves of the length λ are halved for
 //! μ = (λ/2π)⁴, longer ones are kept, shorter ones removed. On an arc of the radius R it moves the line by μ/R³:
 //! with λ = 2 mm and R = 13 mm by 0.005 µm.
+//!
+//! The spline has no curvature at its ends, which would move the end of an arc by κ·(λ/2π)²: with λ = 6 mm and R = 13 mm by 0.07 mm. So
+//! the line is carried on beyond its ends, corners included, by the parabola through the last points over the length λ.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Matrix3, Matrix3x2, Point2, Vector2, Vector3};
 
 use super::MeasuredPoint;
 use crate::error::{InputError, Result};
@@ -48,7 +51,17 @@ pub fn smooth(points: &[MeasuredPoint], kinks: &[usize], wavelength: f64) -> Res
     for end in kinks.iter().copied().chain([points.len().saturating_sub(1)]) {
         if end > start + 1 {
             let held = [start != 0, end + 1 != points.len()];
-            smooth_piece(&mut smoothed[start..=end], stiffness, held)?;
+            let piece = &mut smoothed[start..=end];
+            let reversed: Vec<MeasuredPoint> = piece.iter().rev().copied().collect();
+            let mut line = carried_on(piece, wavelength, held[0]);
+            line.reverse();
+            let first = line.len();
+            line.extend_from_slice(piece);
+            let last = line.len() - 1;
+            line.extend(carried_on(&reversed, wavelength, held[1]));
+            let fixed = [held[0].then_some(first), held[1].then_some(last)];
+            smooth_piece(&mut line, stiffness, fixed)?;
+            piece.copy_from_slice(&line[first..=last]);
         }
         start = end;
     }
@@ -62,6 +75,43 @@ pub fn smooth(points: &[MeasuredPoint], kinks: &[usize], wavelength: f64) -> Res
     })
 }
 
+/// Points that carry a line on beyond its first point, from there on; through that point if it is `held`. None for a line that is
+/// shorter than the wavelength or has few points over it.
+fn carried_on(points: &[MeasuredPoint], wavelength: f64, held: bool) -> Vec<MeasuredPoint> {
+    /// Fewest points of the parabola.
+    const FEWEST: usize = 6;
+    /// Length by which the line is carried on, in wavelengths: the end of the spline moves the line by e^(-2π/√2) there.
+    const BEYOND: f64 = 1.0;
+    let mut along = vec![0.0];
+    for w in points.windows(2) {
+        let next = along[along.len() - 1] + (w[1].point - w[0].point).norm();
+        if next > wavelength {
+            break;
+        }
+        along.push(next);
+    }
+    let n = along.len();
+    if n < FEWEST || n == points.len() {
+        return Vec::new();
+    }
+    let row = |t: f64| Vector3::new(1.0, t / wavelength, (t / wavelength).powi(2));
+    let (mut normal, mut right) = (Matrix3::zeros(), Matrix3x2::zeros());
+    for (i, (&t, p)) in along.iter().zip(points).enumerate() {
+        let weight = if i == 0 && held { HELD } else { 1.0 };
+        normal += weight * row(t) * row(t).transpose();
+        right += weight * row(t) * (p.point - points[0].point).transpose();
+    }
+    let Some(inverse) = normal.try_inverse() else { return Vec::new() };
+    let found = inverse * right;
+    let step = along[n - 1] / (n - 1) as f64;
+    let count = (BEYOND * wavelength / step).ceil() as usize;
+    let beyond = (1..=count).map(|k| {
+        let point = points[0].point + (row(-step * k as f64).transpose() * found).transpose();
+        MeasuredPoint { point, ..points[0] }
+    });
+    beyond.collect()
+}
+
 /// Lower band of a symmetric matrix with two sub-diagonals.
 struct Band {
     diagonal: Vec<f64>,
@@ -70,7 +120,7 @@ struct Band {
 }
 
 /// Smooths one piece in place; lengths in mm.
-fn smooth_piece(points: &mut [MeasuredPoint], stiffness: f64, held: [bool; 2]) -> Result<()> {
+fn smooth_piece(points: &mut [MeasuredPoint], stiffness: f64, held: [Option<usize>; 2]) -> Result<()> {
     let n = points.len();
     let p: Vec<Vector2<f64>> = points.iter().map(|p| p.point.coords / MILLIMETRE).collect();
     let h: Vec<f64> = p.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
@@ -89,7 +139,7 @@ fn smooth_piece(points: &mut [MeasuredPoint], stiffness: f64, held: [bool; 2]) -
         .map(|i| {
             // All points without weight means that weights are not in use.
             let own = if heaviest > 0.0 { (points[i].weight / heaviest).max(1e-6) } else { 1.0 };
-            let hold = if (i == 0 && held[0]) || (i + 1 == n && held[1]) { HELD } else { 1.0 };
+            let hold = if held.contains(&Some(i)) { HELD } else { 1.0 };
             1.0 / (own * hold * stretch(i))
         })
         .collect();
