@@ -308,8 +308,8 @@ fn smoothing_and_scatter_are_said() {
         .enumerate()
         .map(|(i, (y, z))| (*y, z + if i % 2 == 0 { 0.005 } else { -0.005 }))
         .collect();
-    let text = file(&rough);
-    let profile = parsed("x.txt", &text).unwrap();
+    // with its unit, so that nothing is found but the scatter
+    let profile = parsed("x.txt", &format!("y_mm z_mm\n{}", file(&rough))).unwrap();
     let prepared = |smoothing| prepare(&profile, &PrepareOptions { smoothing }).unwrap();
     for (smoothing, action, done) in [
         (Smoothing::default(), Action::Repaired, "halves waves of"),
