@@ -297,16 +297,19 @@ fn gaps_corners_and_missing_ends_are_reported() {
     assert!(short.iter().any(|f| f.lines == Some((190, 190))), "{short:?}");
 }
 
-/// Source: points that alternate by 5 µm every 0.25 mm, whose fourth differences are 16·5 µm/√70 = 9.56 µm each; as the
+/// Source: points that alternate by 5 µm along the normal, whose fourth differences are 16·5 µm/√70 = 9.56 µm each; as the
 /// three quarters of a normal variable that count have a mean square of 0.368, that is a scatter of 9.56/√0.368 = 15.8 µm.
 /// Goal: what was measured and done is said, µm: by default, with a length of one's own, and without smoothing.
 #[test]
 fn smoothing_and_scatter_are_said() {
-    // Alternating by 5 µm: waves of 0.5 mm.
+    let slope = |y: f64| (head(y + 1e-4) - head(y - 1e-4)) / 2e-4;
     let rough: Vec<_> = head_points()
         .iter()
         .enumerate()
-        .map(|(i, (y, z))| (*y, z + if i % 2 == 0 { 0.005 } else { -0.005 }))
+        .map(|(i, (y, z))| {
+            let height = if i % 2 == 0 { 0.005 } else { -0.005 } / slope(*y).hypot(1.0);
+            (y - slope(*y) * height, z + height)
+        })
         .collect();
     // with its unit, so that nothing is found but the scatter
     let profile = parsed("x.txt", &format!("y_mm z_mm\n{}", file(&rough))).unwrap();
