@@ -7,6 +7,7 @@ pub mod error;
 pub mod monitor;
 pub mod root;
 pub mod quadrature;
+mod parabola;
 pub mod law;
 pub mod analytic;
 pub mod newmark;

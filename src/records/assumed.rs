@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::rounding::significant;
+use crate::rounding::{significant, with_minus_signs};
 
 /// Name of the reference that is the approach of the surfaces alone.
 const LOCAL: &str = "local";
@@ -37,7 +37,8 @@ impl AssumedRecord {
     /// How far the springs may be off for that, with the law's reference and of the approach alone.
     pub fn range(&self, reference: &str) -> String {
         let signed = |value: f64| {
-            format!("{}{}", if value < 0.0 { "\u{2212}" } else { "+" }, significant(1e2 * value.abs(), 2))
+            let sign = if value < 0.0 { "-" } else { "+" };
+            with_minus_signs(&format!("{sign}{}", significant(1e2 * value.abs(), 2)))
         };
         let of = |reference: &str| {
             let of = self.of(reference)?;

@@ -9,8 +9,7 @@ use railspring_calibrate::calibration::{LoadPoint, Reference};
 use railspring_calibrate::error::{Result, or_reason};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::pair::{CondensedPair, Laws, Pair};
-use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::pair::{CondensedPair, Laws};
 use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::section::{
@@ -203,17 +202,7 @@ fn others(study: &Study, geometry: &Geometry, [rail, wheel, place]: [bool; 3]) -
             rail.unwrap_or_else(|| geometry.pair.rail.clone()),
             wheel.unwrap_or_else(|| geometry.pair.wheel.clone()),
         );
-        let track = TrackGeometry {
-            gauge: study.track.gauge,
-            gauge_height: study.track.gauge_height,
-            flange_back: study.track.flange_back,
-            inclination: slope,
-            lateral_shift: study.track.lateral_shift,
-        };
-        let pair = Pair::new(rail, wheel, &track)?;
-        let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
-        let (profiles, surfaces, assumed) = (Vec::new(), Vec::new(), [None, None]);
-        Ok(Geometry { pair, beam, profiles, surfaces, assumed })
+        Geometry::in_track(study, rail, wheel, slope)
     };
     let slope = -geometry.pair.placed.angle.tan();
     if let (true, Some(known)) = (wheel, &geometry.assumed[1]) {

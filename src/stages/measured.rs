@@ -3,14 +3,15 @@
 use nalgebra::Point2;
 use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::field::InputField;
+use railspring_calibrate::placement::lateral_extent;
 use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile_file::{
     Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, parse,
     prepare,
 };
 use railspring_calibrate::profile_placement::{
-    Motion, OwnFrame, PlaceOptions, Placed, Reference, Side, TURNED, UNSURE_ROLL, WIDTH_DEPTH, find_place,
-    in_words, place_profile, resembled, sides_of_head,
+    Misfit, Motion, OwnFrame, PlaceOptions, Placed, Reference, Side, TURNED, UNSURE_ROLL, WIDTH_DEPTH,
+    find_place, in_words, moved_there, place_profile, resembled, sides_of_head,
 };
 use railspring_calibrate::section::{RailSection, rail_section};
 use railspring_calibrate::units::MILLIMETRE;
@@ -39,12 +40,14 @@ pub(super) struct Surface {
     pub unsure_roll: f64,
 }
 
-/// The body that a measured profile is taken to belong to.
-pub(super) enum Nominal {
-    /// A standard, with what is said of its choice.
-    Standard(String, Finding),
-    /// None that is known: the standard that is most like it, with what is said of that.
-    Like(String, Finding),
+/// The standard that a measured profile is taken to belong to.
+pub(super) struct Nominal {
+    /// Its name.
+    pub name: String,
+    /// Whether the profile fits it; it is only the one that is most like it otherwise.
+    pub fits: bool,
+    /// What is said of the choice.
+    pub said: Finding,
 }
 
 /// Reads the profile of a study. `tape_circle` is the distance of a wheel's tape circle from its flange back, m.
@@ -97,7 +100,7 @@ pub(super) fn nominal(measured: &MeasuredSurface, profile: &MeasuredProfile) -> 
         };
         let text =
             format!("taken as measured on {}, the nearest of {}{also}; {how}", first.name, in_words(&near));
-        return Ok(Nominal::Standard(first.name.into(), noted(text)));
+        return Ok(Nominal { name: first.name.into(), fits: true, said: noted(text) });
     }
     of_its_kind(measured, profile)?;
     let like = match (near.first(), kind) {
@@ -117,7 +120,7 @@ pub(super) fn nominal(measured: &MeasuredSurface, profile: &MeasuredProfile) -> 
             "the rim, and a flange and a tread where the profile has none, are assumed to be like those of {like}; {how}"
         ),
     };
-    Ok(Nominal::Like(like.into(), noted(format!("{off}: {assumed}"))))
+    Ok(Nominal { name: like.into(), fits: false, said: noted(format!("{off}: {assumed}")) })
 }
 
 /// Refuses a profile that has the shape of the other body, or a size that none of its kind has.
@@ -125,11 +128,11 @@ fn of_its_kind(measured: &MeasuredSurface, profile: &MeasuredProfile) -> Result<
     let kind = profile.kind;
     of_a_size(measured, profile)?;
     let other = |f: &Finding| f.kind == FindingKind::Shape && f.action == Action::Left;
-    let options = place_options(measured);
-    let others = || resembled(profile, None, options).into_iter().find(|m| m.kind != kind && m.is_standard());
+    let other_kind = if kind == ProfileKind::Rail { ProfileKind::Wheel } else { ProfileKind::Rail };
+    let of_other = || resembled(profile, Some(other_kind), place_options(measured));
     let shape = match profile.findings.iter().find(|f| other(f)) {
         Some(found) => found.text.clone(),
-        None => match others() {
+        None => match of_other().into_iter().find(Misfit::is_standard) {
             Some(standard) => format!("it has the shape of {standard}"),
             None => return Ok(()),
         },
@@ -151,10 +154,8 @@ fn of_a_size(measured: &MeasuredSurface, profile: &MeasuredProfile) -> Result<()
             _ => return Ok(()),
         },
         ProfileKind::Wheel => {
-            let ends = points
-                .iter()
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| [low.min(p.x), high.max(p.x)]);
-            (ends[1] - ends[0], WIDEST[1])
+            let [low, high] = lateral_extent(points.iter().copied());
+            (high - low, WIDEST[1])
         }
     };
     if width <= widest {
@@ -203,12 +204,10 @@ pub(super) fn on_reference(
     reference: &Reference,
 ) -> Result<Option<Surface>> {
     let options = place_options(measured);
-    let placed = |profile: &MeasuredProfile| {
-        place_profile(profile, reference, options).map_err(|error| in_study(measured, reference.kind, error))
-    };
+    let of_file = |error| in_study(measured, reference.kind, error);
     let (in_place, placed) = match measured.aligned {
         Some(true) => {
-            let (moved, placed) = placed(profile)?;
+            let (moved, placed) = place_profile(profile, reference, options).map_err(of_file)?;
             (moved, Some(placed))
         }
         // Lines and arcs are no measurement: they say where they lie.
@@ -220,14 +219,14 @@ pub(super) fn on_reference(
                 (checked, None)
             }
             Checked::Unlike => return Ok(None),
-            Checked::Elsewhere(text) => {
-                let (mut moved, placed) = placed(profile)?;
+            Checked::Elsewhere(placed, text) => {
+                let mut moved = moved_there(profile, &placed, reference, options).map_err(of_file)?;
                 let text = format!(
                     "{text}: placed there; `{}.profile_aligned` = false takes it as it stands",
                     reference.kind.name()
                 );
                 moved.findings.push(Finding::new(FindingKind::Aligned, Action::Noted, text));
-                (moved, Some(placed))
+                (moved, Some(*placed))
             }
         },
     };
@@ -263,8 +262,8 @@ pub(super) fn by_itself(
 enum Checked {
     /// In the frame of its standard, or meant so; with what is said about it.
     AsItStands(Option<Finding>),
-    /// Evidently elsewhere.
-    Elsewhere(String),
+    /// Evidently elsewhere: the place, and how that shows.
+    Elsewhere(Box<Placed>, String),
     /// It does not have the shape of the standard.
     Unlike,
 }
@@ -324,7 +323,7 @@ fn checked_place(
         }
     };
     if placed.motion.mirrored && reference.kind == ProfileKind::Wheel && !meant {
-        return Ok(Checked::Elsewhere("with its flange at the field side".into()));
+        return Ok(Checked::Elsewhere(Box::new(placed), "with its flange at the field side".into()));
     }
     let swapped = match placed.side {
         Side::Outline if placed.motion.mirrored => Some("its two sides are swapped".to_owned()),
@@ -356,7 +355,7 @@ fn checked_place(
         Some(text) if meant => {
             noted(FindingKind::Aligned, format!("{text}: taken as it stands, as requested"))
         }
-        Some(text) => Ok(Checked::Elsewhere(text)),
+        Some(text) => Ok(Checked::Elsewhere(Box::new(placed), text)),
         None => Ok(Checked::AsItStands(None)),
     }
 }

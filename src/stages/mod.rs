@@ -49,6 +49,7 @@ use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{Orders, Pair};
 use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::section::{RailSection, WheelSection};
 use railspring_calibrate::solid::Formulation;
 use railspring_calibrate::units::MILLIMETRE;
 
@@ -99,25 +100,37 @@ pub fn geometry(study: &Study) -> Result<Geometry> {
     // a head that its file has inclined is laid as it is there
     let turned =
         rail_assumed.as_ref().and_then(|assumed| assumed.turned).filter(|_| !study.rail.inclination_given);
-    let track = TrackGeometry {
-        gauge: study.track.gauge,
-        gauge_height: study.track.gauge_height,
-        flange_back: study.track.flange_back,
-        inclination: turned.map_or(study.rail.inclination, f64::tan),
-        lateral_shift: study.track.lateral_shift,
-    };
-    let pair = Pair::new(rail, wheel, &track).map_err(|error| match error {
-        Error::Input(missed) if missed.key == InputField::LateralShift.name() => {
-            let value = format!("{} mm, {}", study.track.lateral_shift / MILLIMETRE, missed.value);
-            InputError { value, ..missed }.into()
-        }
-        other => other,
-    })?;
-    let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
+    let inclination = turned.map_or(study.rail.inclination, f64::tan);
+    let in_track = Geometry::in_track(study, rail, wheel, inclination)?;
     let profiles = rail_profiles.into_iter().chain(wheel_profiles).collect();
     let surfaces = head.into_iter().chain(surface).collect();
     let assumed = [rail_assumed, wheel_assumed];
-    Ok(Geometry { pair, beam, profiles, surfaces, assumed })
+    Ok(Geometry { profiles, surfaces, assumed, ..in_track })
+}
+
+impl Geometry {
+    /// Two sections in the track of a study, the rail inclined by a slope; nothing of them was measured.
+    ///
+    /// # Errors
+    /// A wheel that misses the rail.
+    fn in_track(study: &Study, rail: RailSection, wheel: WheelSection, inclination: f64) -> Result<Self> {
+        let track = TrackGeometry {
+            gauge: study.track.gauge,
+            gauge_height: study.track.gauge_height,
+            flange_back: study.track.flange_back,
+            inclination,
+            lateral_shift: study.track.lateral_shift,
+        };
+        let pair = Pair::new(rail, wheel, &track).map_err(|error| match error {
+            Error::Input(missed) if missed.key == InputField::LateralShift.name() => {
+                let value = format!("{} mm, {}", study.track.lateral_shift / MILLIMETRE, missed.value);
+                InputError { value, ..missed }.into()
+            }
+            other => other,
+        })?;
+        let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
+        Ok(Self { pair, beam, profiles: Vec::new(), surfaces: Vec::new(), assumed: [None, None] })
+    }
 }
 
 /// Meshes of both bodies: the tool's own with `options`, or those of the study's mesh files, which `interpreter` reads

@@ -5,10 +5,10 @@ use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile::rail_catalogue::rail_of_dimensions;
 use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
 use railspring_calibrate::profile_file::{
-    Action, ClosedSection, Finding, FindingKind, Prepared, ProfileKind, sketch_section,
+    Action, ClosedSection, Finding, FindingKind, MeasuredProfile, Prepared, ProfileKind, sketch_section,
 };
 use railspring_calibrate::profile_placement::{
-    Reference, TURNED, rail_in_own_frame, say_nearest, wheel_in_own_frame, with_nearest_to,
+    OwnFrame, Reference, TURNED, rail_in_own_frame, say_nearest, wheel_in_own_frame, with_nearest_to,
 };
 use railspring_calibrate::section::{
     RailSection, WheelSection, rail_section, rail_section_for_head, rail_section_of, rail_section_on,
@@ -70,41 +70,22 @@ pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
             (rail_section_of(name, rail_of_dimensions(dimensions)?), false)
         }
         (None, None, None) => {
-            let (name, found, known) = match measured::nominal(file, &profile)? {
-                Nominal::Standard(name, found) => (name, found, true),
-                Nominal::Like(name, found) => (name, found, false),
-            };
-            profile.findings.push(found);
-            (rail_section(&name)?, known)
+            let Nominal { name, fits, said } = measured::nominal(file, &profile)?;
+            profile.findings.push(said);
+            (rail_section(&name)?, fits)
         }
     };
-    let standard = base.name.clone();
     let reference = Reference::rail(&base);
-    let on_standard = if known { measured::on_reference(file, &profile, &reference)? } else { None };
-    if known && on_standard.is_none() {
-        profile.findings.push(measured::unlike(&standard));
-    }
-    let like = (on_standard.is_none() && keys.body.is_none() && !known).then(|| standard.clone());
-    let joins = on_standard.is_some();
-    let mut found = match on_standard {
-        Some(found) => found,
-        None => {
-            let width = measured::head_width(&base);
-            measured::by_itself(file, &profile, |profile| rail_in_own_frame(profile, width))?
-        }
-    };
-    let Prepared { curve, findings, .. } = &mut found.prepared;
-    let section = match joins {
-        true => joined(
-            findings,
-            |f| rail_section_with_head(base.clone(), curve, f),
-            |f| rail_section_for_head(base.clone(), curve, f),
-        ),
-        false => rail_section_for_head(base, curve, findings),
-    }?;
-    let seams = Seams::of_rail(&section);
-    let surface = found.on(file, &reference, seams, &standard, &mut records);
-    Ok(Sectioned { section, records, surface: Some(surface), assumed: Some(found.assumed(like, standard)) })
+    let frame = |profile: &MeasuredProfile| rail_in_own_frame(profile, measured::head_width(&base));
+    let (mut found, joins) = laid(file, profile, &reference, known, frame)?;
+    let section = found.section(
+        joins,
+        |curve, findings| rail_section_with_head(base.clone(), curve, findings),
+        |curve, findings| rail_section_for_head(base.clone(), curve, findings),
+    )?;
+    let surface = found.on(file, &reference, Seams::of_rail(&section), &mut records);
+    let assumed = Some(found.assumed(known || keys.body.is_some(), reference.name));
+    Ok(Sectioned { section, records, surface: Some(surface), assumed })
 }
 
 /// Section of the wheel.
@@ -129,61 +110,47 @@ pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
     let (base, known) = match own {
         Some(section) => (section, true),
         None => {
-            let (name, found, known) = match measured::nominal(file, &profile)? {
-                Nominal::Standard(name, found) => (name, found, true),
-                Nominal::Like(name, found) => (name, found, false),
-            };
+            let Nominal { name, fits, said } = measured::nominal(file, &profile)?;
             let base = generic(&name)?;
             // a standard may have its tape circle elsewhere
-            if known && keys.tape_circle.is_none() {
+            if fits && keys.tape_circle.is_none() {
                 profile = measured::read(file, ProfileKind::Wheel, Some(from_flange_back(&base)))?;
             }
-            profile.findings.push(found);
-            (base, known)
+            profile.findings.push(said);
+            (base, fits)
         }
     };
-    let standard = base.name.clone();
     let reference = Reference::wheel(&base);
-    let on_standard = if known { measured::on_reference(file, &profile, &reference)? } else { None };
-    if known && on_standard.is_none() {
-        profile.findings.push(measured::unlike(&standard));
-    }
-    let like = (on_standard.is_none() && !known).then(|| standard.clone());
-    let joins = on_standard.is_some();
-    let mut found = match on_standard {
-        Some(found) => found,
-        None => {
-            let tape_circle = keys.tape_circle.unwrap_or_else(|| from_flange_back(&base));
-            measured::by_itself(file, &profile, |profile| wheel_in_own_frame(profile, tape_circle))?
-        }
+    let frame = |profile: &MeasuredProfile| {
+        wheel_in_own_frame(profile, keys.tape_circle.unwrap_or_else(|| from_flange_back(&base)))
     };
-    let Prepared { curve, findings, .. } = &mut found.prepared;
-    let moved = |findings: &mut Vec<Finding>| wheel_section_for_profile(&base, curve, &keys.body, findings);
-    let section = match joins {
-        true => joined(findings, |f| wheel_section_with_profile(base.clone(), curve, f), moved),
-        false => moved(findings),
-    }?;
-    let seams = Seams::of_wheel(&section);
-    let surface = found.on(file, &reference, seams, &standard, &mut records);
-    Ok(Sectioned { section, records, surface: Some(surface), assumed: Some(found.assumed(like, standard)) })
+    let (mut found, joins) = laid(file, profile, &reference, known, frame)?;
+    let section = found.section(
+        joins,
+        |curve, findings| wheel_section_with_profile(base.clone(), curve, findings),
+        |curve, findings| wheel_section_for_profile(&base, curve, &keys.body, findings),
+    )?;
+    let surface = found.on(file, &reference, Seams::of_wheel(&section), &mut records);
+    let assumed = Some(found.assumed(known, reference.name));
+    Ok(Sectioned { section, records, surface: Some(surface), assumed })
 }
 
-/// The measured surface joined to its standard, or, where an end of it is too far from that, to a body moved to the measured ends.
-fn joined<S>(
-    findings: &mut Vec<Finding>,
-    join: impl FnOnce(&mut Vec<Finding>) -> Result<S>,
-    moved: impl FnOnce(&mut Vec<Finding>) -> Result<S>,
-) -> Result<S> {
-    let before = findings.len();
-    match join(findings) {
-        Err(Error::Input(error)) => {
-            findings.truncate(before);
-            let text = format!("{}: the body is moved to the measured ends", error.value);
-            findings.push(Finding::new(FindingKind::Joined, Action::Noted, text));
-            moved(findings)
+/// The profile in its place, and whether that is on a section which is `known` to be its own: on the `reference`, or by its own shape in the `frame` of a body
+/// like its own.
+fn laid(
+    file: &MeasuredSurface,
+    mut profile: MeasuredProfile,
+    reference: &Reference,
+    known: bool,
+    frame: impl Fn(&MeasuredProfile) -> Result<OwnFrame>,
+) -> Result<(Surface, bool)> {
+    if known {
+        if let Some(found) = measured::on_reference(file, &profile, reference)? {
+            return Ok((found, true));
         }
-        joined => joined,
+        profile.findings.push(measured::unlike(&reference.name));
     }
+    Ok((measured::by_itself(file, &profile, frame)?, false))
 }
 
 /// The section of a study's own file, with its record, if the study has one; the standards that are nearest to it are said.
@@ -211,8 +178,31 @@ fn own_section<'a>(
 }
 
 impl Surface {
-    /// What is assumed of its body on the section `base`, which is `like` that of a standard.
-    fn assumed(&self, like: Option<String>, base: String) -> Assumed {
+    /// Its section: joined to the section of its own where it `joins` that, or else, as where an end of it is too far from that, on a body moved to its ends.
+    fn section<S>(
+        &mut self,
+        joins: bool,
+        join: impl FnOnce(&ProfileCurve, &mut Vec<Finding>) -> Result<S>,
+        moved: impl FnOnce(&ProfileCurve, &mut Vec<Finding>) -> Result<S>,
+    ) -> Result<S> {
+        let Prepared { curve, findings, .. } = &mut self.prepared;
+        if joins {
+            let before = findings.len();
+            match join(curve, findings) {
+                Err(Error::Input(error)) => {
+                    findings.truncate(before);
+                    let text = format!("{}: the body is moved to the measured ends", error.value);
+                    findings.push(Finding::new(FindingKind::Joined, Action::Noted, text));
+                }
+                joined => return joined,
+            }
+        }
+        moved(curve, findings)
+    }
+
+    /// What is assumed of its body on the section `base`, whether that is `given` or only like it.
+    fn assumed(&self, given: bool, base: String) -> Assumed {
+        let like = (!given).then(|| base.clone());
         let turned = self.motion.map(|motion| motion.angle).filter(|angle| angle.abs() > TURNED);
         let (curve, unsure_roll) = (self.prepared.curve.clone(), self.unsure_roll);
         Assumed { like, base, curve, turned, unsure_roll }
@@ -224,7 +214,6 @@ impl Surface {
         measured: &MeasuredSurface,
         reference: &Reference,
         seams: Option<Seams<'_>>,
-        standard: &str,
         records: &mut Vec<ProfileRecord>,
     ) -> OnStandard {
         records.push(ProfileRecord {
@@ -232,7 +221,7 @@ impl Surface {
             file: measured.file.clone(),
             content_hash: Some(content_hash(&measured.content)),
             format: self.in_place.format.to_string(),
-            standard: standard.into(),
+            standard: reference.name.clone(),
             points: self.in_place.points.len(),
             findings: self.prepared.findings.iter().map(finding_record).collect(),
         });

@@ -6,6 +6,7 @@
 
 mod spline;
 mod curve;
+mod followed;
 mod segment;
 mod sketch;
 mod split;
@@ -17,6 +18,7 @@ pub mod lines_and_arcs;
 pub mod wheels;
 
 pub use curve::ProfileCurve;
+pub(crate) use followed::Followed;
 pub(crate) use segment::{EndlessLine, fillet};
 pub use segment::{Segment, polyline};
 pub use sketch::Sketch;

@@ -35,8 +35,6 @@ pub struct RailDimensions {
 pub struct CatalogueRail {
     /// Its name there.
     pub name: &'static str,
-    /// Where it is in use.
-    pub used: &'static str,
     dimensions: [f64; 4],
     depths: [Option<f64>; 2],
     /// Mass that the catalogue gives, kg/m.
@@ -45,35 +43,34 @@ pub struct CatalogueRail {
 
 const fn rail(
     name: &'static str,
-    used: &'static str,
     dimensions: [f64; 4],
     depths: [Option<f64>; 2],
     mass: Option<f64>,
 ) -> CatalogueRail {
-    CatalogueRail { name, used, dimensions, depths, mass }
+    CatalogueRail { name, dimensions, depths, mass }
 }
 
-/// Rails by their dimensions in mm: height, foot, head, web; depths of head and foot; mass in kg/m. From lists of suppliers; the drawings of the
-/// standards are not public.
+/// Rails by their dimensions in mm: height, foot, head, web; depths of head and foot; mass in kg/m. From lists of suppliers of AREMA's rails (RE), and of
+/// those of Australia (AS), Japan (JIS), China (CHN) and Russia (R); the drawings of the standards are not public.
 pub const CATALOGUE_RAILS: [CatalogueRail; 18] = [
-    rail("100RE", "AREMA", [152.40, 136.53, 68.26, 14.29], [None; 2], Some(50.35)),
-    rail("115RE", "AREMA", [168.28, 139.70, 69.06, 15.88], [Some(42.86), Some(28.58)], Some(56.80)),
-    rail("119RE", "AREMA", [173.04, 139.70, 67.47, 15.88], [None; 2], Some(58.86)),
-    rail("132RE", "AREMA", [180.98, 152.40, 76.20, 16.67], [None; 2], Some(65.33)),
-    rail("133RE", "AREMA", [179.39, 152.40, 76.20, 17.46], [None; 2], Some(66.10)),
-    rail("136RE", "AREMA", [185.74, 152.40, 74.61, 17.46], [Some(49.21), Some(30.16)], Some(67.42)),
-    rail("141RE", "AREMA", [188.91, 152.40, 77.79, 17.46], [Some(54.77), Some(30.16)], Some(69.80)),
-    rail("AS60", "Australia", [170.0, 146.0, 70.0, 16.5], [Some(49.0), Some(28.0)], Some(60.6)),
-    rail("AS68", "Australia", [185.7, 152.4, 74.6, 17.5], [Some(49.2), Some(30.2)], None),
-    rail("JIS-37A", "Japan", [122.24, 122.24, 62.71, 13.49], [Some(36.12), Some(21.43)], None),
-    rail("JIS-40N", "Japan", [140.0, 122.0, 64.0, 14.0], [Some(41.0), Some(25.5)], None),
-    rail("JIS-50N", "Japan", [153.0, 127.0, 65.0, 15.0], [Some(49.0), Some(30.0)], None),
-    rail("JIS-60", "Japan", [174.0, 145.0, 65.0, 16.5], [Some(49.0), Some(30.1)], None),
-    rail("CHN50", "China", [152.0, 132.0, 70.0, 15.5], [Some(42.0), None], Some(51.51)),
-    rail("CHN60", "China", [176.0, 150.0, 73.0, 16.5], [Some(48.5), None], Some(60.64)),
-    rail("CHN75", "China", [192.0, 150.0, 75.0, 20.0], [Some(55.3), None], Some(74.41)),
-    rail("R50", "Russia", [152.0, 132.0, 72.0, 16.0], [None; 2], Some(51.67)),
-    rail("R65", "Russia", [180.0, 150.0, 75.0, 18.0], [None; 2], Some(64.72)),
+    rail("100RE", [152.40, 136.53, 68.26, 14.29], [None; 2], Some(50.35)),
+    rail("115RE", [168.28, 139.70, 69.06, 15.88], [Some(42.86), Some(28.58)], Some(56.80)),
+    rail("119RE", [173.04, 139.70, 67.47, 15.88], [None; 2], Some(58.86)),
+    rail("132RE", [180.98, 152.40, 76.20, 16.67], [None; 2], Some(65.33)),
+    rail("133RE", [179.39, 152.40, 76.20, 17.46], [None; 2], Some(66.10)),
+    rail("136RE", [185.74, 152.40, 74.61, 17.46], [Some(49.21), Some(30.16)], Some(67.42)),
+    rail("141RE", [188.91, 152.40, 77.79, 17.46], [Some(54.77), Some(30.16)], Some(69.80)),
+    rail("AS60", [170.0, 146.0, 70.0, 16.5], [Some(49.0), Some(28.0)], Some(60.6)),
+    rail("AS68", [185.7, 152.4, 74.6, 17.5], [Some(49.2), Some(30.2)], None),
+    rail("JIS-37A", [122.24, 122.24, 62.71, 13.49], [Some(36.12), Some(21.43)], None),
+    rail("JIS-40N", [140.0, 122.0, 64.0, 14.0], [Some(41.0), Some(25.5)], None),
+    rail("JIS-50N", [153.0, 127.0, 65.0, 15.0], [Some(49.0), Some(30.0)], None),
+    rail("JIS-60", [174.0, 145.0, 65.0, 16.5], [Some(49.0), Some(30.1)], None),
+    rail("CHN50", [152.0, 132.0, 70.0, 15.5], [Some(42.0), None], Some(51.51)),
+    rail("CHN60", [176.0, 150.0, 73.0, 16.5], [Some(48.5), None], Some(60.64)),
+    rail("CHN75", [192.0, 150.0, 75.0, 20.0], [Some(55.3), None], Some(74.41)),
+    rail("R50", [152.0, 132.0, 72.0, 16.0], [None; 2], Some(51.67)),
+    rail("R65", [180.0, 150.0, 75.0, 18.0], [None; 2], Some(64.72)),
 ];
 
 impl CatalogueRail {

@@ -224,6 +224,13 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
+/// Distance of `p` from the straight line between `a` and `b`.
+pub(super) fn departure(a: Point2<f64>, p: Point2<f64>, b: Point2<f64>) -> f64 {
+    let chord = b - a;
+    let t = ((p - a).dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (p - (a + t * chord)).norm()
+}
+
 /// Removes up to three neighbouring points that jut out of a line which runs on straight without them.
 pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<Finding>) {
     /// How straight the line runs on without the spike, degrees.
@@ -239,11 +246,6 @@ pub(super) fn remove_spikes(points: &mut Vec<MeasuredPoint>, findings: &mut Vec<
     if points.len() < 6 {
         return;
     }
-    let departure = |a: Point2<f64>, p: Point2<f64>, b: Point2<f64>| {
-        let chord = b - a;
-        let t = ((p - a).dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        (p - (a + t * chord)).norm()
-    };
     let scatter = median(points.windows(3).map(|w| departure(w[0].point, w[1].point, w[2].point)).collect());
     let least = SMALLEST_SPIKE.max(SPIKE_TO_SCATTER * scatter);
     let mut spikes = Findings::new(findings, FindingKind::Spike);

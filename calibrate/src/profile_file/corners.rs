@@ -7,11 +7,12 @@
 //! 300 or 80 mm and 13 mm, which a corner has to exceed. Among points 0.25 mm apart that scatter by 2 µm corners from 4° on are found, by
 //! 10 µm from 5° on.
 
-use nalgebra::{Matrix3, Point2, Vector3};
+use nalgebra::{Point2, Vector2};
 
 use super::MeasuredPoint;
 use super::finding::{Action, Finding, FindingKind, Findings};
 use super::scatter::Scatter;
+use crate::parabola::Parabola;
 use crate::units::MILLIMETRE;
 
 /// Fewest points of a parabola.
@@ -107,17 +108,11 @@ fn corner(points: &[MeasuredPoint], n: usize, scatter: &Scatter) -> Option<Corne
 /// The parabola through points by least squares; `None` for points on top of each other.
 fn parabola(points: &[Point2<f64>]) -> Option<Side> {
     let extent = points.iter().map(|p| p.x.abs()).fold(0.0, f64::max);
-    let row = |p: &Point2<f64>| Vector3::new(1.0, p.x / extent, (p.x / extent).powi(2));
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for p in points {
-        normal += row(p) * row(p).transpose();
-        right += row(p) * p.y;
-    }
-    let inverse = normal.try_inverse()?;
-    let found = inverse * right;
-    let squares: f64 = points.iter().map(|p| (p.y - row(p).dot(&found)).powi(2)).sum();
+    let samples = points.iter().map(|p| (p.x / extent, 1.0, Vector2::new(p.y, 0.0)));
+    let found = Parabola::through(samples)?;
+    let squares: f64 = points.iter().map(|p| (p.y - found.at(p.x / extent).x).powi(2)).sum();
     let left = (squares / (points.len() - 3) as f64).sqrt();
-    let side =
-        Side { height: found[0], slope: found[1] / extent, unsure: inverse[(1, 1)].sqrt() / extent, left };
+    let [height, slope] = [0, 1].map(|i| found.coefficients[(i, 0)]);
+    let side = Side { height, slope: slope / extent, unsure: found.slope_deviation() / extent, left };
     (side.slope.is_finite() && side.unsure.is_finite() && left.is_finite()).then_some(side)
 }

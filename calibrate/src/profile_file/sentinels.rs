@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::Point2;
-
 use super::MeasuredPoint;
+use super::check::departure;
 use super::finding::{Action, Finding, FindingKind};
 
 /// Distance from the line of the neighbours from which a repeated value is none of the profile, as a part of the
@@ -69,7 +68,7 @@ fn far_runs(points: &[MeasuredPoint], group: &[usize], far: f64) -> Vec<usize> {
     let off = |i: usize, before: Option<usize>, after: Option<usize>| {
         let at = |i: usize| points[i].point;
         match (before, after) {
-            (Some(a), Some(b)) => to_segment(at(i), at(a), at(b)) > far,
+            (Some(a), Some(b)) => departure(at(a), at(i), at(b)) > far,
             (Some(a), None) | (None, Some(a)) => (at(i) - at(a)).norm() > far,
             (None, None) => false,
         }
@@ -83,12 +82,6 @@ fn far_runs(points: &[MeasuredPoint], group: &[usize], far: f64) -> Vec<usize> {
     .flatten()
     .copied()
     .collect()
-}
-
-fn to_segment(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f64 {
-    let chord = b - a;
-    let t = ((p - a).dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    (p - (a + t * chord)).norm()
 }
 
 fn trimmed_extent(points: &[MeasuredPoint]) -> f64 {

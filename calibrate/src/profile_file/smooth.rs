@@ -7,10 +7,11 @@
 //! The spline has no curvature at its ends, which would move the end of an arc by κ·(λ/2π)²: with λ = 6 mm and R = 13 mm by 0.07 mm. So
 //! the line is carried on beyond its ends, corners included, by the parabola through the last points over the length λ.
 
-use nalgebra::{Matrix3, Matrix3x2, Point2, Vector2, Vector3};
+use nalgebra::{Point2, Vector2};
 
 use super::MeasuredPoint;
 use crate::error::{InputError, Result};
+use crate::parabola::Parabola;
 use crate::units::MILLIMETRE;
 
 /// Weight of a point that holds its place, against one of an ordinary point.
@@ -94,19 +95,15 @@ fn carried_on(points: &[MeasuredPoint], wavelength: f64, held: bool) -> Vec<Meas
     if n < FEWEST || n == points.len() {
         return Vec::new();
     }
-    let row = |t: f64| Vector3::new(1.0, t / wavelength, (t / wavelength).powi(2));
-    let (mut normal, mut right) = (Matrix3::zeros(), Matrix3x2::zeros());
-    for (i, (&t, p)) in along.iter().zip(points).enumerate() {
+    let samples = along.iter().zip(points).enumerate().map(|(i, (t, p))| {
         let weight = if i == 0 && held { HELD } else { 1.0 };
-        normal += weight * row(t) * row(t).transpose();
-        right += weight * row(t) * (p.point - points[0].point).transpose();
-    }
-    let Some(inverse) = normal.try_inverse() else { return Vec::new() };
-    let found = inverse * right;
+        (t / wavelength, weight, p.point - points[0].point)
+    });
+    let Some(found) = Parabola::through(samples) else { return Vec::new() };
     let step = along[n - 1] / (n - 1) as f64;
     let count = (BEYOND * wavelength / step).ceil() as usize;
     let beyond = (1..=count).map(|k| {
-        let point = points[0].point + (row(-step * k as f64).transpose() * found).transpose();
+        let point = points[0].point + found.at(-step * k as f64 / wavelength);
         MeasuredPoint { point, ..points[0] }
     });
     beyond.collect()

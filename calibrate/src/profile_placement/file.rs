@@ -40,6 +40,19 @@ pub fn place_profile(
     options: PlaceOptions,
 ) -> Result<(MeasuredProfile, Placed)> {
     let placed = find_place(profile, reference, options)?;
+    Ok((moved_there(profile, &placed, reference, options)?, placed))
+}
+
+/// The profile in a place that was found for it ([`find_place`]), as [`place_profile`] gives it.
+///
+/// # Errors
+/// As [`place_profile`], but those of finding the place.
+pub fn moved_there(
+    profile: &MeasuredProfile,
+    placed: &Placed,
+    reference: &Reference,
+    options: PlaceOptions,
+) -> Result<MeasuredProfile> {
     if !placed.fits() {
         let expected = format!("a part that wear leaves alone: {}", unworn_parts(reference.kind));
         let remedy = "measure more of it, or give the profile in the frame of its standard";
@@ -54,8 +67,8 @@ pub fn place_profile(
     }
     let answered = [FindingKind::Mirrored, FindingKind::UpsideDown, FindingKind::Origin, FindingKind::Shape];
     moved.findings.retain(|f| f.action != Action::Left || !answered.contains(&f.kind));
-    moved.findings.extend(findings(&placed, reference, options));
-    Ok((moved, placed))
+    moved.findings.extend(findings(placed, reference, options));
+    Ok(moved)
 }
 
 /// The message about a profile that does not fit, with the standards that do.

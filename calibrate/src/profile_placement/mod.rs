@@ -17,7 +17,7 @@ mod nearest;
 mod file;
 mod wear;
 
-pub use file::{find_place, place_profile};
+pub use file::{find_place, moved_there, place_profile};
 pub use fit::missing;
 pub use nearest::{Misfit, in_words, nearest, resembled, say_nearest, with_nearest_to};
 pub use own_frame::{

@@ -14,16 +14,12 @@ use crate::units::MILLIMETRE;
 
 /// Depth at which the width of a head is measured, m.
 pub const WIDTH_DEPTH: f64 = 14.0 * MILLIMETRE;
-/// Half of the chord whose direction is that of the surface, m.
-const HALF_CHORD: f64 = 1.0 * MILLIMETRE;
-/// Step at which a profile is followed, m.
-const STEP: f64 = 0.25 * MILLIMETRE;
 /// Half of the least inclination in use, 1:40, rad: a head that is turned by less is taken as it stands.
 pub const TURNED: f64 = 0.0125;
 /// Roll of a head by which its place is unsure where its shape does not tell, rad: 1:40.
 pub const UNSURE_ROLL: f64 = 0.025;
 
-/// A profile in the frame of a body of its own.
+/// A profile placed by its own shape.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnFrame {
     /// The profile there, with findings that say how it got there.
@@ -57,20 +53,10 @@ fn lean(points: &[Point2<f64>], outwards: f64) -> Option<f64> {
     const STEEP: [f64; 2] = [78.0, 100.0];
     const SHORTEST: f64 = 5.0 * MILLIMETRE;
     let curve = ProfileCurve::from_points(points, &[]).ok()?;
-    let at = |s: f64| curve.point(s.clamp(0.0, curve.length()));
     let top = (0..points.len()).min_by(|&a, &b| points[a].y.total_cmp(&points[b].y))?;
-    let from = curve.closest(&points[top]).0;
-    let way = if outwards > 0.0 { curve.length() - from } else { from };
-    let count = (way / STEP) as usize;
-    let steep: Vec<Point2<f64>> = (0..count)
-        .map(|i| from + outwards * STEP * i as f64)
-        .filter(|s| {
-            let chord = at(s + outwards * HALF_CHORD) - at(s - outwards * HALF_CHORD);
-            let descent = chord.y.atan2(outwards * chord.x).to_degrees();
-            (STEEP[0]..=STEEP[1]).contains(&descent)
-        })
-        .map(at)
-        .collect();
+    let side = curve.followed(curve.closest(&points[top]).0, outwards);
+    let steep = side.iter().filter(|place| (STEEP[0]..=STEEP[1]).contains(&place.descent));
+    let steep: Vec<Point2<f64>> = steep.map(|place| place.point).collect();
     let [first, last] = [steep.first()?, steep.last()?];
     if last.y - first.y < SHORTEST {
         return None;

@@ -1,9 +1,10 @@
 //! A measured running surface on a standard body.
 
-use nalgebra::{Matrix3, Point2, Vector2, Vector3};
+use nalgebra::{Point2, Vector2};
 
 use crate::error::{InputError, Result};
 use crate::field::InputField;
+use crate::parabola::Parabola;
 use crate::profile::{Piece, ProfileCurve};
 use crate::profile_file::{Action, Finding, FindingKind};
 use crate::units::MILLIMETRE;
@@ -205,16 +206,12 @@ fn without_scatter(curve: &ProfileCurve, s: f64, side: Side) -> Vector2<f64> {
     let Some(along) = (points[COUNT - 1] - points[0]).try_normalize(f64::MIN_POSITIVE) else { return own };
     let along = along * inwards.signum();
     let across = Vector2::new(-along.y, along.x);
-    let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for p in &points {
+    let samples = points.iter().map(|p| {
         let offset = (p - points[0]) / LENGTH;
-        let x = offset.dot(&along);
-        let row = Vector3::new(1.0, x, x * x);
-        matrix += row * row.transpose();
-        right += offset.dot(&across) * row;
-    }
-    let Some(fitted) = matrix.cholesky().map(|factor| factor.solve(&right)) else { return own };
-    let tangent = (along + fitted.y * across).normalize();
+        (offset.dot(&along), 1.0, Vector2::new(offset.dot(&across), 0.0))
+    });
+    let Some(fitted) = Parabola::through(samples) else { return own };
+    let tangent = (along + fitted.coefficients[(1, 0)] * across).normalize();
     if tangent.angle(&own) < OWN { own } else { tangent }
 }
 

@@ -18,14 +18,12 @@ use super::wheel::{WheelSection, wheel_section_on, wheel_section_with_profile};
 use super::wheel_body::WheelBody;
 use crate::error::{InputError, Result};
 use crate::field::InputField;
-use crate::profile::{ProfileCurve, Segment, polyline};
+use crate::profile::{Followed, ProfileCurve, Segment, polyline};
 use crate::profile_file::Finding;
 use crate::units::MILLIMETRE;
 
 /// Step at which surfaces are followed, m.
 const STEP: f64 = 0.25 * MILLIMETRE;
-/// Half of the chord whose direction is that of the surface, m: scatter of 20 µm turns it by less than a degree.
-const HALF_CHORD: f64 = 1.0 * MILLIMETRE;
 /// Directions that count as the same, degrees: with scatter, on a side that may be inclined by 1:20 or not.
 const SAME_DIRECTION: f64 = 3.0;
 /// Descent from which the side of a head, or its corner, is seen, degrees.
@@ -41,31 +39,8 @@ const BACK: f64 = 85.0;
 /// Height above the tip up to which the back of a flange is part of the running surface, m.
 const BACK_HEIGHT: f64 = 20.0 * MILLIMETRE;
 
-/// A place of a surface.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    s: f64,
-    point: Point2<f64>,
-    /// Direction in which the surface goes on outwards, degrees from the horizontal, positive downwards.
-    descent: f64,
-}
-
 /// A displacement at an arc length.
 type Displaced = (f64, Vector2<f64>);
-
-/// Places from `start` on towards an end of the curve; `sign` is the sense in which s changes, and y too where the surface is level.
-fn places(curve: &ProfileCurve, start: f64, sign: f64) -> Vec<Place> {
-    let way = if sign > 0.0 { curve.length() - start } else { start };
-    let count = (way / STEP).ceil().max(1.0) as usize;
-    let at = |s: f64| curve.point(s.clamp(0.0, curve.length()));
-    (0..=count)
-        .map(|i| {
-            let s = start + sign * way * i as f64 / count as f64;
-            let chord = at(s + sign * HALF_CHORD) - at(s - sign * HALF_CHORD);
-            Place { s, point: at(s), descent: chord.y.atan2(sign * chord.x).to_degrees() }
-        })
-        .collect()
-}
 
 /// Arc length of the highest point, of several in a row the middle one.
 fn top(curve: &ProfileCurve) -> f64 {
@@ -79,11 +54,11 @@ fn top(curve: &ProfileCurve) -> f64 {
 }
 
 /// The place among `places` that corresponds to `end`: of those with its direction the nearest in height.
-fn counterpart(places: &[Place], end: &Place) -> Place {
-    let turn = |place: &Place| (place.descent - end.descent).abs();
+fn counterpart(places: &[Followed], end: &Followed) -> Followed {
+    let turn = |place: &Followed| (place.descent - end.descent).abs();
     let least = places.iter().map(turn).fold(f64::INFINITY, f64::min);
     let near = places.iter().filter(|place| turn(place) <= least.max(SAME_DIRECTION));
-    let height = |place: &&Place| (place.point.y - end.point.y).abs();
+    let height = |place: &&Followed| (place.point.y - end.point.y).abs();
     *near.min_by(|a, b| height(a).total_cmp(&height(b))).expect("one has the least turn")
 }
 
@@ -122,11 +97,11 @@ struct HeadSide {
 }
 
 fn head_side(base: &ProfileCurve, head: &ProfileCurve, sign: f64) -> HeadSide {
-    let own = places(base, top(base), sign);
+    let own = base.followed(top(base), sign);
     let lowest = own[own.len() - 1].point.y;
-    let seen = places(head, top(head), sign);
+    let seen = head.followed(top(head), sign);
     let ends =
-        |place: &Place| place.descent > 90.0 + UNDERCUT || place.descent < -90.0 || place.point.y > lowest;
+        |place: &Followed| place.descent > 90.0 + UNDERCUT || place.descent < -90.0 || place.point.y > lowest;
     let used = seen.iter().position(ends).unwrap_or(seen.len()).max(1);
     let end = seen[used - 1];
     if end.descent < SIDE_SEEN {
@@ -229,8 +204,8 @@ pub fn wheel_section_for_profile(
         .into());
     };
     // towards the flange
-    let own = places(like, own_middle, -1.0);
-    let seen = places(profile, seen_middle, -1.0);
+    let own = like.followed(own_middle, -1.0);
+    let seen = profile.followed(seen_middle, -1.0);
     let tip = (0..seen.len()).max_by(|&a, &b| seen[a].point.y.total_cmp(&seen[b].point.y)).unwrap_or(0);
     let back = |i: usize| {
         let place = &seen[i];
@@ -244,15 +219,15 @@ pub fn wheel_section_for_profile(
     // the back is where the origin says, unless it was measured
     let back_at = if flange.descent < -BACK { by_flange.x } else { 0.0 };
     // towards the field side
-    let out = places(profile, seen_middle, 1.0);
-    let at_chamfer = |p: &Place| p.point.x > FIELD_SIDE && p.descent.abs() > CHAMFER;
+    let out = profile.followed(seen_middle, 1.0);
+    let at_chamfer = |p: &Followed| p.point.x > FIELD_SIDE && p.descent.abs() > CHAMFER;
     let chamfer = out.iter().position(at_chamfer);
     let tread = out[chamfer.map_or(out.len() - 1, |at| at.max(1) - 1)];
-    let own_out = places(like, own_middle, 1.0);
+    let own_out = like.followed(own_middle, 1.0);
     let own_chamfer = own_out.iter().position(at_chamfer);
     let own_out = &own_out[..own_chamfer.unwrap_or(own_out.len()).max(1)];
     let own_end = own_out[own_out.len() - 1];
-    let across = |place: &Place| (place.point.x - tread.point.x).abs();
+    let across = |place: &Followed| (place.point.x - tread.point.x).abs();
     let at_tread = match chamfer.is_some() || tread.point.x > own_end.point.x {
         true => own_end,
         false => *own_out.iter().min_by(|a, b| across(a).total_cmp(&across(b))).unwrap_or(&own_end),
