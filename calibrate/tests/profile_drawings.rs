@@ -202,7 +202,7 @@ fn measured_polylines_keep_their_points() {
 fn several_lines_are_listed_and_one_is_chosen_by_layer_or_number() {
     let segments = segments(&head());
     let frame = "0\nLINE\n8\nFRAME\n10\n-60\n20\n10\n11\n60\n21\n10\n0\nLINE\n8\nFRAME\n10\n60\n20\n10\n11\n60\n21\n-50\n";
-    let rest = "0\nTEXT\n8\nhead\n10\n0\n20\n0\n40\n3\n1\n60E1\n0\nDIMENSION\n8\nFRAME\n0\nINSERT\n8\nhead\n2\nBOLT\n10\n0\n20\n0\n\
+    let rest = "0\nTEXT\n8\nhead\n10\n0\n20\n0\n40\n3\n1\n60E1\n0\nDIMENSION\n8\nFRAME\n0\nELLIPSE\n8\nhead\n10\n0\n20\n0\n\
                 0\nLINE\n8\nhead\n67\n1\n10\n0\n20\n0\n11\n5\n21\n5\n";
     let text = drawing("", &format!("{frame}{}{rest}", lightweight(&segments, "")));
     let message = refused(&text, None);
@@ -218,10 +218,10 @@ fn several_lines_are_listed_and_one_is_chosen_by_layer_or_number() {
         let profile = read(&text, Some(part)).unwrap();
         assert!(profile.points.len() > 500);
         let said: String = profile.findings.iter().map(|finding| format!("{finding}\n")).collect();
-        for text in ["x of the drawing is y", "1 INSERT: not read", "TEXT: no lines of the profile"] {
+        for text in ["x of the drawing is y", "1 ELLIPSE: not read", "TEXT: no lines of the profile"] {
             assert!(said.contains(text), "{text}: {said}");
         }
-        assert!(profile.findings.iter().any(|f| f.action == Action::Left && f.text.contains("INSERT")));
+        assert!(profile.findings.iter().any(|f| f.action == Action::Left && f.text.contains("ELLIPSE")));
     }
     let by_layer = read(&text, Some("head")).unwrap();
     assert!(by_layer.findings.iter().any(|f| f.text.contains("1 DIMENSION, 2 curves: on other layers")));

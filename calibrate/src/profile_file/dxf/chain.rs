@@ -59,6 +59,7 @@ fn follow(
 ) -> Chain {
     let mut chain = Chain { path: Path::default(), closed: false, largest_gap: 0.0 };
     let mut at = Some(begin);
+    let mut least = usize::MAX;
     while let Some((index, entered)) = at {
         if taken[index] {
             chain.closed = true;
@@ -68,6 +69,10 @@ fn follow(
         let mut path = paths[index].clone();
         if entered == 1 {
             path.reverse();
+        }
+        // The layer of the entity that comes first in the file.
+        if index < least {
+            (least, chain.path.layer) = (index, path.layer);
         }
         chain.path.pieces.extend(path.pieces);
         at = partners[index][1 - entered];

@@ -1,8 +1,10 @@
 //! Lines, arcs and splines, and paths of them.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use nalgebra::{Point2, Vector2};
+
+use super::placement::Placement;
 
 /// Greatest turn between neighbouring points of a curve, rad: a cubic through points on an arc of 13 mm radius that are
 /// as far apart is off it by R·φ⁴/384 = 0.2 nm.
@@ -80,13 +82,24 @@ impl Piece {
         by_length.max(by_turn).clamp(1.0, 1e9) as usize
     }
 
-    fn mirror(&mut self) {
+    /// The piece under a map of the plane; an arc that becomes part of an ellipse is a spline afterwards.
+    fn placed(&self, placement: &Placement) -> Self {
         match self {
-            Self::Line(a, b) => (a.x, b.x) = (-a.x, -b.x),
-            Self::Arc { centre, start, sweep, .. } => {
-                (centre.x, *start, *sweep) = (-centre.x, PI - *start, -*sweep);
-            }
-            Self::Spline(curve) => curve.points.iter_mut().for_each(|p| p.x = -p.x),
+            Self::Line(a, b) => Self::Line(placement.of(*a), placement.of(*b)),
+            Self::Arc { centre, radius, start, sweep } => match placement.similarity() {
+                Some(scale) => {
+                    let (sin, cos) = start.sin_cos();
+                    let from = placement.linear * Vector2::new(cos, sin);
+                    Self::Arc {
+                        centre: placement.of(*centre),
+                        radius: radius * scale.abs(),
+                        start: from.y.atan2(from.x),
+                        sweep: sweep * scale.signum(),
+                    }
+                }
+                None => Self::Spline(Nurbs::arc(*centre, *radius, *start, *sweep).placed(placement)),
+            },
+            Self::Spline(curve) => Self::Spline(curve.placed(placement)),
         }
     }
 
@@ -103,11 +116,13 @@ impl Piece {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Path {
     pub pieces: Vec<(Piece, usize)>,
+    /// Layer of the drawing.
+    pub layer: String,
 }
 
 impl Path {
     pub fn of(piece: Piece, line: usize) -> Self {
-        Self { pieces: vec![(piece, line)] }
+        Self { pieces: vec![(piece, line)], layer: String::new() }
     }
 
     pub fn add(&mut self, piece: Piece, line: usize) {
@@ -118,9 +133,10 @@ impl Path {
         Some([self.pieces.first()?.0.ends()[0], self.pieces.last()?.0.ends()[1]])
     }
 
-    /// Turns x over.
-    pub fn mirror(&mut self) {
-        self.pieces.iter_mut().for_each(|(piece, _)| piece.mirror());
+    /// The path under a map of the plane.
+    pub fn placed(&self, placement: &Placement) -> Self {
+        let pieces = self.pieces.iter().map(|(piece, line)| (piece.placed(placement), *line)).collect();
+        Self { pieces, layer: self.layer.clone() }
     }
 
     /// Runs through the path from its end.
@@ -157,6 +173,30 @@ impl Nurbs {
             && self.knots[self.degree] < self.knots[n]
             && self.weights.len() == n
             && self.weights.iter().all(|weight| *weight > 0.0)
+    }
+
+    /// An arc as rational pieces of degree 2, none longer than a quarter of a turn.
+    fn arc(centre: Point2<f64>, radius: f64, start: f64, sweep: f64) -> Self {
+        let pieces = (sweep.abs() / (0.25 * TAU)).ceil().max(1.0) as usize;
+        let half = 0.5 * sweep / pieces as f64;
+        let control = |i: usize| {
+            let out = if i.is_multiple_of(2) { radius } else { radius / half.cos() };
+            let (sin, cos) = (start + i as f64 * half).sin_cos();
+            centre + out * Vector2::new(cos, sin)
+        };
+        let knots =
+            (0..=pieces).flat_map(|i| vec![i as f64; if i.is_multiple_of(pieces) { 3 } else { 2 }]).collect();
+        let weight = |i: usize| if i.is_multiple_of(2) { 1.0 } else { half.cos() };
+        Self {
+            degree: 2,
+            knots,
+            points: (0..=2 * pieces).map(control).collect(),
+            weights: (0..=2 * pieces).map(weight).collect(),
+        }
+    }
+
+    fn placed(&self, placement: &Placement) -> Self {
+        Self { points: self.points.iter().map(|p| placement.of(*p)).collect(), ..self.clone() }
     }
 
     /// Number of polynomial pieces at most.
@@ -196,6 +236,8 @@ impl Nurbs {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     /// ROUNDOFF: a few operations on numbers of the size of one.
@@ -236,6 +278,27 @@ mod tests {
         assert!(quarter.is_sound());
         let back: Vec<_> = (0..=10).rev().map(|i| quarter.point(f64::from(i) / 10.0)).collect();
         assert!(forth.iter().zip(&back).all(|(p, q)| (p - q).norm() < ROUNDOFF));
+    }
+
+    /// An arc of 200° is three pieces; under an uneven scale it is that part of the ellipse.
+    #[test]
+    fn an_arc_under_an_uneven_scale_is_part_of_an_ellipse() {
+        let arc = Piece::Arc { centre: Point2::new(0.5, -1.0), radius: 2.0, start: 0.3, sweep: -3.5 };
+        let wide = Placement {
+            linear: nalgebra::Matrix2::new(0.5, 0.0, 0.0, -0.25),
+            shift: Vector2::new(0.125, 1.0),
+        };
+        let ellipse = arc.placed(&wide);
+        let Piece::Spline(curve) = &ellipse else { panic!("{ellipse:?}") };
+        assert!(curve.is_sound() && curve.points.len() == 7, "{curve:?}");
+        for (end, angle) in ellipse.ends().into_iter().zip([0.3f64, -3.2]) {
+            let expected = Point2::new(0.375 + angle.cos(), 1.25 - 0.5 * angle.sin());
+            assert!((end - expected).norm() < 4.0 * ROUNDOFF, "{end} {expected}");
+        }
+        for i in 0..=20 {
+            let p = ellipse.point(f64::from(i) / 20.0);
+            assert!(((p.x - 0.375).hypot((p.y - 1.25) / 0.5) - 1.0).abs() < 4.0 * ROUNDOFF, "{p}");
+        }
     }
 
     /// A cubic with inner knots: its pieces are those of the polynomial t³ that it is made of.

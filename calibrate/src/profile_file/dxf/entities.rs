@@ -1,15 +1,19 @@
-//! The entities of a DXF file: pairs of lines, a group code and its value.
+//! The entities of a DXF file, and what else of it is read.
 
 use std::collections::BTreeMap;
 
 use nalgebra::Point2;
 
 use super::curves::{Nurbs, Path, Piece};
-use crate::error::{Error, Result};
+use super::groups::{Groups, groups};
+use super::inserts::{Blocks, Insert};
+use super::placement::Placement;
+use crate::error::Result;
 use crate::profile::ProfileCurve;
-use crate::profile_file::text::{DecimalMark, error_at, lines, number};
+use crate::profile_file::text::error_at;
 
 /// An entity that can be part of a profile.
+#[derive(Clone)]
 pub(super) struct Entity {
     pub layer: String,
     pub line: usize,
@@ -17,9 +21,12 @@ pub(super) struct Entity {
 }
 
 /// What an entity is.
+#[derive(Clone)]
 pub(super) enum Shape {
     /// A curve in the plane of the drawing.
     Path(Path),
+    /// A block at a place, until its entities are put there.
+    Insert(Insert),
     /// A curve that leaves the plane of the drawing, or is of a kind that is not read.
     Unread(String),
     /// A point, which is one of a measured profile where the drawing has no curves.
@@ -29,95 +36,18 @@ pub(super) enum Shape {
 }
 
 /// What is read of a drawing.
-pub(super) struct Drawing {
+pub(super) struct Drawing<'a> {
     pub entities: Vec<Entity>,
+    pub blocks: Blocks<'a>,
     /// Length of the unit, m, and the line that says so.
     pub unit: Option<(f64, usize)>,
     /// The last line of a file that ends among its entities.
     pub cut_off: Option<usize>,
 }
 
-/// A group: its code, its value and the line of the value.
-#[derive(Clone, Copy)]
-struct Group<'a> {
-    code: i32,
-    value: &'a str,
-    line: usize,
-}
-
-/// The groups of an entity after its name.
-struct Groups<'a> {
-    file: &'a str,
-    name: &'a str,
-    line: usize,
-    of: Vec<Group<'a>>,
-}
-
-impl Groups<'_> {
-    fn number_of(&self, group: &Group) -> Result<f64> {
-        number(group.value.trim(), DecimalMark::Point).ok_or_else(|| {
-            let expected = format!("a finite number (group {} of {})", group.code, self.name);
-            error_at(self.file, group.line, 1, group.value, expected, "export the drawing again")
-        })
-    }
-
-    fn last(&self, code: i32) -> Result<Option<f64>> {
-        self.of.iter().rev().find(|group| group.code == code).map(|group| self.number_of(group)).transpose()
-    }
-
-    fn required(&self, code: i32) -> Result<f64> {
-        self.last(code)?.ok_or_else(|| self.missing(code))
-    }
-
-    fn missing(&self, code: i32) -> Error {
-        let expected = format!("{} with group {code}", self.name);
-        error_at(self.file, self.line, 1, self.name, expected, "export the drawing again")
-    }
-
-    fn all(&self, code: i32) -> Result<Vec<f64>> {
-        self.of.iter().filter(|group| group.code == code).map(|group| self.number_of(group)).collect()
-    }
-
-    fn flags(&self, code: i32) -> Result<i64> {
-        Ok(self.last(code)?.unwrap_or(0.0) as i64)
-    }
-
-    fn layer(&self) -> String {
-        self.of.iter().find(|group| group.code == 8).map_or("0", |group| group.value.trim()).to_owned()
-    }
-
-    /// Points whose x has this group, with their z, and their lines.
-    fn points(&self, code: i32) -> Result<Vec<(Point2<f64>, f64, usize)>> {
-        let mut points: Vec<(Point2<f64>, f64, usize)> = Vec::new();
-        for group in &self.of {
-            if group.code == code {
-                points.push((Point2::new(self.number_of(group)?, f64::NAN), 0.0, group.line));
-            } else if let Some(last) = points.last_mut() {
-                if group.code == code + 10 {
-                    last.0.y = self.number_of(group)?;
-                } else if group.code == code + 20 {
-                    last.1 = self.number_of(group)?;
-                }
-            }
-        }
-        if points.iter().any(|(p, _, _)| p.y.is_nan()) { Err(self.missing(code + 10)) } else { Ok(points) }
-    }
-
-    /// Whether the entity's own axes are those of the drawing (`Some(false)`), have x turned over (`Some(true)`), or
-    /// lie in another plane.
-    fn mirrored(&self) -> Result<Option<bool>> {
-        /// Largest sine of an angle that is rounding.
-        const ROUNDING: f64 = 1e-9;
-        let normal =
-            [self.last(210)?.unwrap_or(0.0), self.last(220)?.unwrap_or(0.0), self.last(230)?.unwrap_or(1.0)];
-        let across = normal[0].hypot(normal[1]);
-        Ok((across <= ROUNDING * normal[2].abs()).then_some(normal[2] < 0.0))
-    }
-}
-
-/// Reads the entities of the drawing itself; those of blocks and of paper layouts are no part of it.
-pub(super) fn read(name: &str, text: &str) -> Result<Drawing> {
-    let mut drawing = Drawing { entities: Vec::new(), unit: None, cut_off: None };
+/// Reads the entities of the drawing itself, and the blocks that it may insert; those of paper layouts are no part of it.
+pub(super) fn read<'a>(name: &'a str, text: &'a str) -> Result<Drawing<'a>> {
+    let mut drawing = Drawing { entities: Vec::new(), blocks: Blocks::default(), unit: None, cut_off: None };
     let mut section = "";
     let mut named = false;
     let mut variable = "";
@@ -139,21 +69,23 @@ pub(super) fn read(name: &str, text: &str) -> Result<Drawing> {
             }
             continue;
         }
-        if let Some(groups) = entity.take() {
-            finish(groups, &mut polyline, &mut drawing.entities)?;
+        match entity.take() {
+            Some(groups) if section == "BLOCKS" => drawing.blocks.add(groups),
+            Some(groups) => finish(&groups, &mut polyline, &mut drawing.entities)?,
+            None => {}
         }
         let word = group.value.trim();
         match word {
             "SECTION" => (section, named) = ("", true),
             "ENDSEC" | "EOF" => (section, named) = ("", false),
-            _ if section == "ENTITIES" => {
+            _ if ["ENTITIES", "BLOCKS"].contains(&section) => {
                 entity = Some(Groups { file: name, name: word, line: group.line, of: Vec::new() });
             }
             _ => {}
         }
     }
-    if let Some(groups) = entity.take() {
-        finish(groups, &mut polyline, &mut drawing.entities)?;
+    if let Some(groups) = entity.take().filter(|_| section == "ENTITIES") {
+        finish(&groups, &mut polyline, &mut drawing.entities)?;
     }
     if let Some(polyline) = polyline {
         drawing.entities.push(polyline.finish()?);
@@ -162,43 +94,12 @@ pub(super) fn read(name: &str, text: &str) -> Result<Drawing> {
     Ok(drawing)
 }
 
-/// The groups of a file. Comments (999) are left out; empty lines at the end are none.
-fn groups<'a>(name: &'a str, text: &'a str) -> impl Iterator<Item = Result<Group<'a>>> {
-    let mut lines = lines(text);
-    std::iter::from_fn(move || {
-        loop {
-            let (n, code) = lines.next()?;
-            let value = lines.next();
-            if code.trim().is_empty() && value.is_none_or(|(_, value)| value.trim().is_empty()) {
-                return None;
-            }
-            let Ok(code) = code.trim().parse::<i32>() else {
-                let expected = "a group code, a whole number alone on its line";
-                return Some(Err(error_at(
-                    name,
-                    n,
-                    1,
-                    code.trim(),
-                    expected,
-                    "export the drawing as ASCII DXF again",
-                )));
-            };
-            let Some((line, value)) = value else {
-                let expected = "a value after the group code";
-                return Some(Err(error_at(
-                    name,
-                    n,
-                    1,
-                    "",
-                    expected,
-                    "the file is cut off: export the drawing again",
-                )));
-            };
-            if code != 999 {
-                return Some(Ok(Group { code, value, line }));
-            }
-        }
-    })
+/// The entities of a block.
+pub(super) fn entities_of(groups: &[Groups]) -> Result<Vec<Entity>> {
+    let (mut entities, mut polyline) = (Vec::new(), None);
+    groups.iter().try_for_each(|groups| finish(groups, &mut polyline, &mut entities))?;
+    entities.extend(polyline.map(Polyline::finish).transpose()?);
+    Ok(entities)
 }
 
 /// Length of the unit of `$INSUNITS`, m.
@@ -232,7 +133,7 @@ struct Vertex {
 }
 
 /// Turns the groups of an entity into one, or adds them to the polyline that is open.
-fn finish(groups: Groups, polyline: &mut Option<Polyline>, entities: &mut Vec<Entity>) -> Result<()> {
+fn finish(groups: &Groups, polyline: &mut Option<Polyline>, entities: &mut Vec<Entity>) -> Result<()> {
     if let Some(open) = polyline {
         match groups.name {
             "VERTEX" => {
@@ -259,7 +160,7 @@ fn finish(groups: Groups, polyline: &mut Option<Polyline>, entities: &mut Vec<En
         let Some(mirrored) = mirrored else { return Ok(unread()) };
         let Some(mut path) = path()? else { return Ok(unread()) };
         if mirrored {
-            path.mirror();
+            path = path.placed(&Placement::mirror());
         }
         Ok(Shape::Path(path))
     };
@@ -288,21 +189,26 @@ fn finish(groups: Groups, polyline: &mut Option<Polyline>, entities: &mut Vec<En
             add(in_plane(groups.mirrored()?, &|| Ok(Some(Path::of(arc.clone(), line))))?);
         }
         "LWPOLYLINE" => {
-            let vertices = lightweight(&groups)?;
+            let vertices = lightweight(groups)?;
             let closed = groups.flags(70)? & 1 == 1;
             add(in_plane(groups.mirrored()?, &|| Ok(Some(path_of(&vertices, closed))))?);
         }
-        "SPLINE" => add(match spline(&groups)? {
+        "SPLINE" => add(match spline(groups)? {
             Some(curve) => Shape::Path(Path::of(Piece::Spline(curve), line)),
-            None => fitted(&groups)?
+            None => fitted(groups)?
                 .map_or_else(|| Shape::Unread("SPLINE in space or without points".into()), Shape::Path),
         }),
         "POINT" => {
             let (at, _, _) = *groups.points(10)?.first().ok_or_else(|| groups.missing(10))?;
             add(Shape::Point(at));
         }
-        "CIRCLE" | "ELLIPSE" | "INSERT" | "MLINE" | "HELIX" | "3DFACE" | "REGION" | "3DSOLID" | "BODY"
-        | "TRACE" => {
+        "INSERT" => add(match Insert::of(groups)? {
+            Some(insert) => Shape::Insert(insert),
+            None => Shape::Unread("INSERT in another plane".into()),
+        }),
+        // The end of the attributes of an insertion.
+        "SEQEND" => {}
+        "CIRCLE" | "ELLIPSE" | "MLINE" | "HELIX" | "3DFACE" | "REGION" | "3DSOLID" | "BODY" | "TRACE" => {
             add(Shape::Unread(groups.name.into()));
         }
         other => add(Shape::Other(other.into())),
@@ -322,7 +228,7 @@ impl Polyline {
                 let mut path = path_of(&vertices, flags & 1 == 1);
                 // A polyline in space (bit 3) has the axes of the drawing.
                 if mirrored && flags & 8 == 0 {
-                    path.mirror();
+                    path = path.placed(&Placement::mirror());
                 }
                 Shape::Path(path)
             }

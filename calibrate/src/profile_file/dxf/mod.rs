@@ -1,11 +1,14 @@
-//! Drawings as ASCII DXF: lines, arcs, polylines and splines of the drawing's plane, joined to one line.
+//! Drawings as ASCII DXF: lines, arcs, polylines and splines of the drawing's plane and of its blocks, joined to one line.
 //!
 //! x of the drawing is y of the profile, y of the drawing is z. Measured polylines are taken by their vertices, drawn
 //! lines and arcs by points close enough for the curve.
 
+mod placement;
 mod curves;
 mod chain;
+mod groups;
 mod entities;
+mod inserts;
 
 use std::fmt::Write;
 
@@ -53,25 +56,16 @@ pub(super) fn refuse_binary(name: &str, bytes: &[u8]) -> Result<()> {
 /// The lines of a drawing, joined where they meet.
 struct Joined {
     chains: Vec<Chain>,
-    /// Line of the file and layer of each entity.
-    layers: Vec<(usize, String)>,
     /// Length of the unit, m, and the line that says so.
     unit: Option<(f64, usize)>,
     findings: Vec<Finding>,
 }
 
 impl Joined {
-    fn layer_of(&self, chain: &Chain) -> &str {
-        let line = chain.path.pieces.iter().map(|(_, line)| *line).min().unwrap_or(1);
-        let before = self.layers.iter().rev().find(|(at, _)| *at <= line).or(self.layers.first());
-        before.map_or("", |(_, layer)| layer.as_str())
-    }
-
     /// What the chains are, for messages.
     fn list(&self) -> String {
         let described = self.chains.iter().enumerate().take(LISTED);
-        let mut list: Vec<String> =
-            described.map(|(i, chain)| describe(i, chain, self.layer_of(chain))).collect();
+        let mut list: Vec<String> = described.map(|(i, chain)| describe(i, chain)).collect();
         if self.chains.len() > LISTED {
             list.push(format!("and {} more", self.chains.len() - LISTED));
         }
@@ -89,18 +83,20 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
     }
     let on_layer =
         |entity: &Entity| part.name.is_some_and(|wanted| entity.layer.eq_ignore_ascii_case(wanted.trim()));
-    let by_layer = drawing.entities.iter().any(on_layer);
+    let (entities, inserted) = drawing.blocks.in_place(name, drawing.entities)?;
+    let without_blocks = inserted.is_none();
+    findings.extend(inserted);
+    let by_layer = entities.iter().any(on_layer);
     let (wanted, others): (Vec<Entity>, Vec<Entity>) =
-        drawing.entities.into_iter().partition(|entity| !by_layer || on_layer(entity));
+        entities.into_iter().partition(|entity| !by_layer || on_layer(entity));
     pass_over(&others, Action::Noted, "on other layers", &mut findings);
     let mut paths = Vec::new();
-    let mut layers = Vec::new();
     let (mut unread, mut texts, mut points) = (Vec::new(), Vec::new(), Vec::new());
     for entity in wanted {
         match entity.shape {
-            Shape::Path(path) if path.pieces.iter().all(|(piece, _)| is_finite(piece)) => {
+            Shape::Path(mut path) if path.pieces.iter().all(|(piece, _)| is_finite(piece)) => {
                 if !path.pieces.is_empty() {
-                    layers.push((entity.line, entity.layer));
+                    path.layer = entity.layer;
                     paths.push(path);
                 }
             }
@@ -116,17 +112,16 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
             }
             Shape::Point(at) if at.iter().all(|v| v.is_finite()) => points.push((at, entity)),
             Shape::Point(_) => texts.push(entity),
-            Shape::Unread(_) => unread.push(entity),
+            Shape::Unread(_) | Shape::Insert(_) => unread.push(entity),
             Shape::Other(_) => texts.push(entity),
         }
     }
     // Points alone are a measured profile in their order; beside curves they mark something.
     if paths.is_empty() && points.len() >= MEASURED {
-        let mut path = Path::default();
+        let mut path = Path { layer: points[0].1.layer.clone(), ..Path::default() };
         for pair in points.windows(2) {
             path.add(Piece::Line(pair[0].0, pair[1].0), pair[0].1.line);
         }
-        layers.push((points[0].1.line, points[0].1.layer.clone()));
         paths.push(path);
         let text = format!("{} POINT entities: taken in their order as the profile", points.len());
         findings.push(Finding::new(FindingKind::Columns, Action::Noted, text));
@@ -144,7 +139,12 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
     let (chains, left_out) = join(name, paths)?;
     if chains.is_empty() {
         let expected = "lines, arcs, polylines or splines among the entities of the drawing";
-        let remedy = "explode blocks, and export the drawing as ASCII DXF";
+        let idle = drawing.blocks.list();
+        let remedy = if without_blocks && !idle.is_empty() {
+            format!("insert the block that has the profile, the drawing inserts none of {idle}")
+        } else {
+            "draw the profile with these, and export the drawing as ASCII DXF".to_owned()
+        };
         let found = if nothing {
             count(unread.iter().chain(&texts).map(kind_of))
         } else {
@@ -157,7 +157,7 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
         let text = format!("{count} on top of another, or shorter than a gap: left out");
         findings.push(Finding::new(FindingKind::PassedOver, Action::Noted, text).on_lines(*first, *last));
     }
-    Ok((Joined { chains, layers, unit: drawing.unit, findings }, by_layer))
+    Ok((Joined { chains, unit: drawing.unit, findings }, by_layer))
 }
 
 /// The points of the open line of a drawing that is the profile; of lines that are refused because they do not meet, all are put into `sketch`.
@@ -191,7 +191,7 @@ pub(super) fn parse(name: &str, text: &str, part: &Part, sketch: &mut Sketch) ->
             ));
         }
     };
-    let said = describe(chosen, &chains[chosen], joined.layer_of(&chains[chosen]));
+    let said = describe(chosen, &chains[chosen]);
     let left = chains.len() - 1;
     let chain = joined.chains.swap_remove(chosen);
     let mut findings = joined.findings;
@@ -263,7 +263,7 @@ pub(super) fn closed_line(name: &str, text: &str, remedy: &str, sketch: &mut Ske
         let line = first_line(&joined.chains[closed[1]]);
         return Err(InputError::new(format!("{name}:{line}"), value, expected, remedy).into());
     };
-    let said = describe(chosen, &joined.chains[chosen], joined.layer_of(&joined.chains[chosen]));
+    let said = describe(chosen, &joined.chains[chosen]);
     let left = joined.chains.len() - 1;
     let chain = joined.chains.swap_remove(chosen);
     let mut findings = joined.findings;
@@ -340,14 +340,16 @@ fn kind_of(entity: &Entity) -> String {
     match &entity.shape {
         Shape::Unread(kind) | Shape::Other(kind) => kind.clone(),
         Shape::Point(_) => "POINT".into(),
+        Shape::Insert(_) => "INSERT".into(),
         Shape::Path(_) => "curves".into(),
     }
 }
 
 fn pass_over(entities: &[Entity], action: Action, why: &str, findings: &mut Vec<Finding>) {
-    let (Some(first), Some(last)) = (entities.first(), entities.last()) else { return };
+    let lines = entities.iter().map(|entity| entity.line);
+    let Some((first, last)) = lines.clone().min().zip(lines.max()) else { return };
     let text = format!("{}: {why}", shown_long(&count(entities.iter().map(kind_of))));
-    findings.push(Finding::new(FindingKind::PassedOver, action, text).on_lines(first.line, last.line));
+    findings.push(Finding::new(FindingKind::PassedOver, action, text).on_lines(first, last));
 }
 
 /// A list of kinds, of bounded length.
@@ -362,7 +364,7 @@ fn first_line(chain: &Chain) -> usize {
     chain.path.pieces[0].1
 }
 
-fn describe(index: usize, chain: &Chain, layer: &str) -> String {
+fn describe(index: usize, chain: &Chain) -> String {
     let pieces = chain.path.pieces.len();
     let place = |p: Point2<f64>| format!("({:.3}, {:.3})", p.x, p.y);
     let course = match chain.path.ends() {
@@ -371,7 +373,7 @@ fn describe(index: usize, chain: &Chain, layer: &str) -> String {
         None => String::new(),
     };
     let pieces = if pieces == 1 { "1 piece".into() } else { format!("{pieces} pieces") };
-    format!("{} (layer \"{}\", {pieces}, {course})", index + 1, shown(layer))
+    format!("{} (layer \"{}\", {pieces}, {course})", index + 1, shown(&chain.path.layer))
 }
 
 fn closed(name: &str, chain: &Chain, part: &Part) -> Error {
