@@ -75,6 +75,7 @@ impl Short {
             points: points.collect(),
             findings: Vec::new(),
             drawn: None,
+            side_by_groove: false,
         };
         let curve = prepare(&profile, &PrepareOptions { smoothing }).unwrap().curve;
         let mut findings = Vec::new();

@@ -125,6 +125,7 @@ fn measured(
         points,
         findings: Vec::new(),
         drawn: None,
+        side_by_groove: false,
     }
 }
 

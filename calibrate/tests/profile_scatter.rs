@@ -103,6 +103,7 @@ fn prepared(points: &[Point2<f64>], smoothing: Smoothing) -> Prepared {
         points: points.map(|(i, &point)| MeasuredPoint { point, line: i + 1, weight: 1.0 }).collect(),
         findings: Vec::new(),
         drawn: None,
+        side_by_groove: false,
     };
     prepare(&profile, &PrepareOptions { smoothing }).unwrap()
 }

@@ -112,7 +112,7 @@ fn nearest_standard(
         read(&args.file.file, &ReadOptions { kind: Some(ProfileKind::Rail), ..options.clone() })
     })?;
     let points: Vec<Point2<f64>> = repaired(&profile, &mut Vec::new())?.iter().map(|p| p.point).collect();
-    let found = nearest(&points, options.kind, place_options)?;
+    let found = nearest(&points, options.kind, place_options.of(&profile))?;
     say("standard       RMS off what wear leaves alone mm   worn or unlike %")?;
     for misfit in found.iter().take(LISTED) {
         let unlike = if misfit.placed.fits() { "" } else { "   another shape" };

@@ -47,6 +47,7 @@ pub(super) fn read(
         points: points.collect(),
         findings: joints(&drawn),
         drawn: Some(drawn),
+        side_by_groove: false,
     })
 }
 

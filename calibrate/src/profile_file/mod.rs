@@ -134,6 +134,8 @@ pub struct MeasuredProfile {
     pub findings: Vec<Finding>,
     /// The lines and arcs of a file of that format, of which `points` are samples.
     pub drawn: Option<LinesAndArcs>,
+    /// Whether a groove beside the head, which was set aside, told which side of a rail is that of the gauge.
+    pub side_by_groove: bool,
 }
 
 /// Reads a profile file.

@@ -3,7 +3,7 @@
 use super::blocks::extent;
 use super::check::{remove_duplicates, remove_spikes};
 use super::finding::{Action, Finding, FindingKind, Findings};
-use super::heads::groove;
+use super::heads::{Groove, groove, open_groove};
 use super::sentinels::drop_sentinels;
 use super::shape::Shape;
 use super::text::error_at;
@@ -50,14 +50,16 @@ pub(super) fn orient(name: &str, mut raw: Raw, options: &ReadOptions) -> Result<
         let expected = format!("a point within {FARTHEST} m of the origin");
         return Err(error_at(name, p.line, 1, &value, expected, "check the shifts and the unit of the file"));
     }
-    let kind = recognise(name, &mut raw, options)?;
-    turn_over(kind, &mut raw, options);
+    let groove_at_large_y = leave_running_head(name, &mut raw, options)?;
+    let kind = recognise(name, &mut raw, options, groove_at_large_y.is_some())?;
+    turn_over(kind, &mut raw, options, groove_at_large_y);
     put_in_order(kind, &mut raw);
     if kind == ProfileKind::Wheel {
         place_wheel(&mut raw, options.tape_circle_distance());
     }
     let Raw { format, points, findings, .. } = raw;
-    Ok(MeasuredProfile { name: name.to_owned(), format, kind, points, findings, drawn: None })
+    let side_by_groove = groove_at_large_y.is_some();
+    Ok(MeasuredProfile { name: name.to_owned(), format, kind, points, findings, drawn: None, side_by_groove })
 }
 
 fn scale(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<()> {
@@ -201,26 +203,54 @@ fn drop_far_off(name: &str, raw: &mut Raw) -> Result<()> {
     Ok(())
 }
 
-fn recognise(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<ProfileKind> {
+/// Sets a groove beside the running head of a rail aside, and what is beyond it; whether it lay at the end of large y.
+///
+/// # Errors
+/// Two heads of which neither is evidently the running head.
+fn leave_running_head(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<Option<bool>> {
+    let said = options.kind.or(raw.kind);
+    if said == Some(ProfileKind::Wheel) {
+        return Ok(None);
+    }
+    let found = groove(&raw.points).or_else(|| {
+        let shape = Shape::of(&raw.points)?;
+        said.or(shape.kind()).filter(|kind| *kind == ProfileKind::Rail)?;
+        let upwards = match (raw.convention, options.mirror_z) {
+            (Convention::Stated, _) => false,
+            (_, Some(upwards)) => upwards,
+            _ => shape.upside_down(ProfileKind::Rail)?,
+        };
+        open_groove(&raw.points, if upwards { 1.0 } else { -1.0 })
+    });
+    let Some(found) = found else { return Ok(None) };
+    let Groove { width, depth, .. } = found;
+    let depth = format!("{:.0} mm deep", depth / MILLIMETRE);
+    let size = match width {
+        Some(width) => format!("{:.0} mm wide at half its depth and {depth}", width / MILLIMETRE),
+        None => depth,
+    };
+    let Some(aside) = found.set_aside(&mut raw.points) else {
+        let value = format!("two heads with a groove {size} between them");
+        let remedy = "give the heads of a crossing one by one; of a grooved rail, or of a rail with a check rail, the running head alone";
+        return Err(InputError::new(name, value, "the profile of one head", remedy).into());
+    };
+    let what = if width.is_some() { "and the keeper or check rail beyond it" } else { "beside the head" };
+    let text = format!("a groove {size} {what}: set aside, the running head is taken");
+    let finding = Finding::new(FindingKind::PassedOver, Action::Repaired, text);
+    raw.findings
+        .push(finding.on_lines(aside.lines.0, aside.lines.1).with_value(aside.count as f64, "points"));
+    Ok(Some(aside.at_large_y))
+}
+
+fn recognise(name: &str, raw: &mut Raw, options: &ReadOptions, grooved: bool) -> Result<ProfileKind> {
     let seen = Shape::of(&raw.points).and_then(|shape| shape.kind());
+    let seen = if grooved { Some(ProfileKind::Rail) } else { seen };
     let said = options.kind.or(raw.kind);
     if let (Some(said), Some(seen)) = (said, seen)
         && said != seen
     {
         let text = format!("given as a {}, but it has the shape of a {}", said.name(), seen.name());
         raw.findings.push(Finding::new(FindingKind::Shape, Action::Left, text));
-    }
-    if said != Some(ProfileKind::Wheel)
-        && let Some((width, depth)) = groove(&raw.points)
-    {
-        let value = format!(
-            "two heads with a groove {:.0} mm wide and {:.0} mm deep between them",
-            width / MILLIMETRE,
-            depth / MILLIMETRE
-        );
-        let expected = "the profile of one head";
-        let remedy = "give the heads of a crossing one by one; of a grooved rail, or of a rail with a check rail, the running head alone";
-        return Err(InputError::new(name, value, expected, remedy).into());
     }
     said.or(seen).ok_or_else(|| {
         InputError::new(
@@ -233,7 +263,7 @@ fn recognise(name: &str, raw: &mut Raw, options: &ReadOptions) -> Result<Profile
     })
 }
 
-fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
+fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions, groove_at_large_y: Option<bool>) {
     let shape = Shape::of(&raw.points);
     let upside_down = shape.and_then(|shape| shape.upside_down(kind));
     let flange_wrong = match kind {
@@ -245,7 +275,7 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
     let mirror_y = match (stated, options.mirror_y, kind) {
         (true, mirror, _) => mirror.unwrap_or(false),
         (_, Some(mirror), _) => mirror,
-        (_, _, ProfileKind::Rail) => miniprof,
+        (_, _, ProfileKind::Rail) => groove_at_large_y.unwrap_or(miniprof),
         (_, _, ProfileKind::Wheel) => flange_wrong.unwrap_or(false),
     };
     let mirror_z = match (stated, options.mirror_z) {
@@ -258,6 +288,9 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
     let flange_out = flange_wrong.is_some_and(|wrong| wrong != mirror_y);
     if mirror_y {
         let why = match kind {
+            ProfileKind::Rail if groove_at_large_y == Some(true) && !stated && options.mirror_y.is_none() => {
+                "the groove is at the end of large y, and belongs to the gauge side: turned over"
+            }
             ProfileKind::Rail if options.mirror_y.is_none() => {
                 "y of a MiniProf rail counts towards the track centre: turned over"
             }
@@ -265,6 +298,18 @@ fn turn_over(kind: ProfileKind, raw: &mut Raw, options: &ReadOptions) {
             _ => "the flange is at the end of large y: turned over",
         };
         note(FindingKind::Mirrored, Action::Repaired, why);
+    }
+    // Of kind header: no place on a standard answers it.
+    if groove_at_large_y.is_some_and(|large| large != mirror_y) {
+        let text = if stated && options.mirror_y.is_none() {
+            "the groove is at the field side, as the header has it, and belongs to the gauge side: the rail of the other side, or check mirror.y"
+        } else {
+            "the groove is at the field side, as requested, and belongs to the gauge side: the rail of the other side"
+        };
+        note(FindingKind::Header, Action::Left, text);
+    } else if groove_at_large_y == Some(false) && miniprof && options.mirror_y.is_none() {
+        let text = "the groove is at the end of small y, and belongs to the gauge side: not turned over as MiniProf rails are";
+        note(FindingKind::Mirrored, Action::Noted, text);
     }
     if flange_out {
         note(

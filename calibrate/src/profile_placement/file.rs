@@ -22,7 +22,7 @@ pub fn find_place(profile: &MeasuredProfile, reference: &Reference, options: Pla
     }
     // The curve is made in place: here its points are enough.
     let points: Vec<Point2<f64>> = repaired(profile, &mut Vec::new())?.iter().map(|p| p.point).collect();
-    match place(&points, reference, options)? {
+    match place(&points, reference, options.of(profile))? {
         Some(placed) if placed.resembles() => Ok(placed),
         _ => Err(refused(profile, reference, options)),
     }
@@ -67,7 +67,7 @@ pub fn moved_there(
     }
     let answered = [FindingKind::Mirrored, FindingKind::UpsideDown, FindingKind::Origin, FindingKind::Shape];
     moved.findings.retain(|f| f.action != Action::Left || !answered.contains(&f.kind));
-    moved.findings.extend(findings(placed, reference, options));
+    moved.findings.extend(findings(placed, reference, options.of(profile)));
     Ok(moved)
 }
 
@@ -152,9 +152,10 @@ fn findings(placed: &Placed, reference: &Reference, options: PlaceOptions) -> Ve
                     Action::Repaired,
                     "deeper wear of the side that was to the field: it is that of the gauge, turned over",
                 ),
-                (false, true) => {
-                    (Action::Noted, "deeper wear of one side of the head; which one is the gauge's was given")
-                }
+                (false, true) => (
+                    Action::Noted,
+                    "deeper wear of one side of the head; which one is the gauge's was given or seen",
+                ),
                 (false, false) => {
                     (Action::Noted, "deeper wear of the side to the track centre, as it is expected")
                 }

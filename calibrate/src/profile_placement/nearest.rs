@@ -96,7 +96,7 @@ impl fmt::Display for Misfit {
 pub fn resembled(profile: &MeasuredProfile, kind: Option<ProfileKind>, options: PlaceOptions) -> Vec<Misfit> {
     let Ok(repaired) = repaired(profile, &mut Vec::new()) else { return Vec::new() };
     let points: Vec<Point2<f64>> = repaired.iter().map(|p| p.point).collect();
-    let found = nearest(&points, kind, options).unwrap_or_default();
+    let found = nearest(&points, kind, options.of(profile)).unwrap_or_default();
     found.into_iter().filter(|misfit| misfit.placed.fits()).take(NAMED).collect()
 }
 

@@ -7,7 +7,7 @@ use super::reference::Reference;
 use super::side::{Side, side_of, worn_sides};
 use super::starts::{Candidate, candidates, mirrored, thinned};
 use crate::error::{InputError, Result};
-use crate::profile_file::scatter;
+use crate::profile_file::{MeasuredProfile, scatter};
 use crate::units::MILLIMETRE;
 
 /// Points of the last fit.
@@ -36,6 +36,14 @@ const MOST_UNEXPLAINED: f64 = 0.1;
 pub struct PlaceOptions {
     /// The side is known: the profile is not turned over for where a head is worn.
     pub side_known: bool,
+}
+
+impl PlaceOptions {
+    /// The same for a profile whose side a groove may tell.
+    #[must_use]
+    pub fn of(self, profile: &MeasuredProfile) -> Self {
+        Self { side_known: self.side_known || profile.side_by_groove }
+    }
 }
 
 /// p' = R(angle) · (±y, z) + translation.

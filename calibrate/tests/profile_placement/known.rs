@@ -73,6 +73,51 @@ fn files_of_the_other_body_are_refused() {
     }
 }
 
+/// Source: 60E1 with a check rail, its head 20 mm wide, 20 mm above the running surface and 41 mm from the gauge face, drawn here; 1 mm is worn off the
+/// field side alone. Goal: the running head lies where it was drawn and is not turned over, as the check rail tells the gauge side; without it
+/// the wear does. Accuracy: DISCRETISATION, points 0.2 mm apart.
+#[test]
+fn a_check_rail_tells_the_gauge_side() {
+    const DISCRETISATION: f64 = 0.005 * MM;
+    let rail = Reference::standard("60E1").unwrap();
+    let length = (rail.running[1] - rail.running[0]) / MM;
+    let worn = |p: Point2<f64>| {
+        let t = ((p.x / MM - 30.0) / 5.0).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t) * MM
+    };
+    let head = measured(&rail, [0.0, length], worn);
+    let outline = [
+        [-97.0, 10.0],
+        [-97.0, -18.0],
+        [-95.0, -20.0],
+        [-79.0, -20.0],
+        [-77.0, -18.0],
+        [-77.0, 60.0],
+        [-38.0, 60.0],
+    ];
+    let mut points = vec![Point2::from(outline[0]) * MM];
+    for pair in outline.windows(2) {
+        let [a, b] = [Point2::from(pair[0]), Point2::from(pair[1])];
+        let parts = ((b - a).norm() / 0.2).ceil();
+        points.extend((1..=parts as u32).map(|i| (a + (b - a) * f64::from(i) / parts) * MM));
+    }
+    points.extend(&head);
+    for across in [1.0, -1.0] {
+        let turned = |points: &[Point2<f64>]| -> Vec<Point2<f64>> {
+            points.iter().map(|p| Point2::new(across * p.x, p.y)).collect()
+        };
+        let profile = as_file(ProfileKind::Rail, &turned(&points));
+        assert!(profile.side_by_groove && profile.points.len() == head.len(), "{:?}", profile.findings);
+        let (_, placed) = place_profile(&profile, &rail, PlaceOptions::default()).unwrap();
+        let moved = placed.motion.translation.norm();
+        println!("{across}: moved by {:.5} mm, turned by {:.1e}", moved / MM, placed.motion.angle);
+        assert!(moved < DISCRETISATION && !placed.motion.mirrored, "{:?} {:?}", placed.motion, placed.side);
+        let alone = as_file(ProfileKind::Rail, &turned(&head));
+        let (_, placed) = place_profile(&alone, &rail, PlaceOptions::default()).unwrap();
+        assert_eq!(placed.motion.mirrored, across > 0.0, "{:?}", placed.side);
+    }
+}
+
 /// Source: EN 13715, S1002: flange height 28 mm, thickness 32.5 mm, qR 10.79 mm (from its own arcs); a rail lowered by 2 mm
 /// over its crown and moved in by 1.5 mm at its gauge side. Goal: what is read off. Accuracy: DISCRETISATION, points
 /// 0.2 mm apart.
