@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::MeasuredPoint;
 use super::check::departure;
-use super::finding::{Action, Finding, FindingKind};
+use super::finding::{Action, Finding, FindingKind, Findings};
 
 /// Distance from the line of the neighbours from which a repeated value is none of the profile, as a part of the
 /// extent and in median steps.
@@ -12,8 +12,6 @@ const FAR: f64 = 0.15;
 const FAR_TO_STEP: f64 = 8.0;
 /// Part of the values at either end that the extent leaves out.
 const TRIMMED: f64 = 0.1;
-/// Runs of rows that are listed.
-const MOST_LISTED: usize = 20;
 /// Largest share of the rows that are dropped.
 const MOST: f64 = 0.5;
 
@@ -41,23 +39,17 @@ pub(super) fn drop_sentinels(points: &mut Vec<MeasuredPoint>, findings: &mut Vec
         return;
     }
     let lost: Vec<usize> = (0..points.len()).filter(|i| dropped[*i]).collect();
-    let mut runs = lost.chunk_by(|a, b| b - a == 1);
-    for run in runs.by_ref().take(MOST_LISTED) {
+    let mut spikes = Findings::new(findings, FindingKind::Spike);
+    for run in lost.chunk_by(|a, b| b - a == 1) {
         let [first, last] = [points[run[0]], points[run[run.len() - 1]]];
-        let rows = if run.len() == 1 { "a row".into() } else { format!("{} rows", run.len()) };
         let text = format!(
-            "{rows} with ({}, {}), a value that several rows repeat, far off their neighbours, as where a scanner had no return: dropped",
+            "({}, {}), a value that several rows repeat, far off their neighbours, as where a scanner had no return: dropped",
             first.point.x, first.point.y
         );
-        findings
-            .push(Finding::new(FindingKind::Spike, Action::Repaired, text).on_lines(first.line, last.line));
+        let rows = if run.len() == 1 { "row" } else { "rows" };
+        spikes.add((first.line, last.line), (run.len() as f64, rows), Action::Repaired, &text);
     }
-    let more: Vec<usize> = runs.flatten().copied().collect();
-    if let (Some(first), Some(last)) = (more.first(), more.last()) {
-        let text = format!("{} more such rows: dropped", more.len());
-        let lines = (points[*first].line, points[*last].line);
-        findings.push(Finding::new(FindingKind::Spike, Action::Repaired, text).on_lines(lines.0, lines.1));
-    }
+    drop(spikes);
     let mut dropped = dropped.into_iter();
     points.retain(|_| !dropped.next().unwrap_or(false));
 }
