@@ -1,16 +1,17 @@
 //! A wheel and a rail as the command line names them: standards or profile files.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::input;
 use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile::wheels::WHEEL_NAMES;
-use railspring_calibrate::profile_file::{LARGEST_FILE, ProfileKind, sketch_section};
+use railspring_calibrate::profile_file::{ClosedSection, LARGEST_FILE, ProfileKind, sketch_section};
 
 use super::Failure;
 use super::shapes::unknown_profile;
-use crate::study::{SECTIONS, Setting, Study};
+use crate::study::{SECTIONS, SectionFile, Setting, Study};
 use crate::template::{Body, Pair};
 
 /// A pair, and its study without load cases.
@@ -39,25 +40,42 @@ impl<'a> Given<'a> {
         Self { kind: ProfileKind::Rail, argument, text }
     }
 
-    /// The body: a standard, or a file, whose standard is found where none is set.
-    fn body(&self) -> Result<Body, InputError> {
+    /// The body: a standard, or a file, whose standard is found where none is set; with the section in a file of one.
+    fn body(&self) -> Result<(Body, Option<Read>), InputError> {
         let names: &[&str] = if self.kind == ProfileKind::Rail { &RAIL_NAMES } else { &WHEEL_NAMES };
         if names.contains(&self.text) {
-            return Ok(Body::Standard(self.text.into()));
+            return Ok((Body::Standard(self.text.into()), None));
         }
         let path = Path::new(self.text);
-        match path.exists() {
-            true if is_closed_section(path, self.kind) => Ok(Body::Section(path.to_path_buf())),
-            true => Ok(Body::File(path.to_path_buf())),
-            false => Err(unknown_profile(self.argument, self.text, names)),
+        if !path.exists() {
+            return Err(unknown_profile(self.argument, self.text, names));
+        }
+        let read = closed_section(path, self.kind);
+        let path = path.to_path_buf();
+        Ok((if read.is_some() { Body::Section(path) } else { Body::File(path) }, read))
+    }
+}
+
+/// The content of a file, and the closed section in it.
+struct Read {
+    content: Vec<u8>,
+    section: ClosedSection,
+}
+
+impl Read {
+    /// Leaves the section to the study that names the file, unless its settings name another one.
+    fn leave_to(self, file: &mut SectionFile) {
+        if *file.content == *self.content {
+            file.read = Some(Arc::new(self.section));
         }
     }
 }
 
-/// Whether a file holds the closed section of a body and no running surface alone.
-fn is_closed_section(path: &Path, kind: ProfileKind) -> bool {
-    let name = path.display().to_string();
-    input::read(path, LARGEST_FILE).is_ok_and(|content| sketch_section(&name, &content, kind, None).1.is_ok())
+/// The closed section of a body, if a file holds one and no running surface alone.
+fn closed_section(path: &Path, kind: ProfileKind) -> Option<Read> {
+    let content = input::read(path, LARGEST_FILE).ok()?;
+    let section = sketch_section(&path.display().to_string(), &content, kind, None).1.ok()?;
+    Some(Read { content, section })
 }
 
 /// The pair of the command line, with `settings` in the place of other keys of its study; its name is `name` or that of wheel and rail.
@@ -69,7 +87,7 @@ pub(super) fn named(
     [wheel, rail]: [Given<'_>; 2],
     settings: &[Setting],
 ) -> Result<Named, Failure> {
-    let (wheel_body, rail_body) = (wheel.body()?, rail.body()?);
+    let ((wheel_body, wheel_read), (rail_body, rail_read)) = (wheel.body()?, rail.body()?);
     let name = name.map_or_else(|| format!("{}-on-{}", plain(wheel.text), plain(rail.text)), str::to_owned);
     let pair = Pair { name, wheel: wheel_body, rail: rail_body };
     let option = |key: &str| match key.split('.').next() {
@@ -79,7 +97,13 @@ pub(super) fn named(
     };
     let mut all = pair.settings(&option);
     all.extend_from_slice(settings);
-    let study = Study::parse_with(Path::new(""), "", &all)?;
+    let mut study = Study::parse_with(Path::new(""), "", &all)?;
+    // What was read to see what the files hold is not read again.
+    for (file, read) in [(&mut study.wheel.section, wheel_read), (&mut study.rail.section, rail_read)] {
+        if let Some((file, read)) = file.as_mut().zip(read) {
+            read.leave_to(file);
+        }
+    }
     Ok(Named { pair, study })
 }
 

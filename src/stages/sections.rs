@@ -162,8 +162,13 @@ fn own_section<'a>(
 ) -> Result<Option<(&'a str, ClosedSection)>> {
     let Some(own) = own else { return Ok(None) };
     let name = own.path.display().to_string();
-    let (sketch, section) = sketch_section(&name, &own.content, kind, tape_circle);
-    let mut section = section.map_err(|error| with_nearest_to(&sketch, kind, error))?;
+    let mut section = match &own.read {
+        Some(read) if tape_circle.is_none() => ClosedSection::clone(read),
+        _ => {
+            let (sketch, section) = sketch_section(&name, &own.content, kind, tape_circle);
+            section.map_err(|error| with_nearest_to(&sketch, kind, error))?
+        }
+    };
     say_nearest(&mut section);
     records.push(ProfileRecord {
         body: format!("{} section", kind.name()),

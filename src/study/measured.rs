@@ -178,7 +178,7 @@ impl SurfaceKeys<'_> {
         }
         let (path, content) = self.read("section_file", file, source);
         let content = collector.take(&[&key("section_file")], content)?;
-        Some(SectionFile { file: file.to_owned(), path, content: Arc::from(content) })
+        Some(SectionFile { file: file.to_owned(), path, content: Arc::from(content), read: None })
     }
 
     /// A file that a key names relative to the study: where it lies, and its content.

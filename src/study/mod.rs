@@ -24,7 +24,7 @@ use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::profile::rail_catalogue::RailDimensions;
 use railspring_calibrate::profile::wheels::Flange;
-use railspring_calibrate::profile_file::{Finding, Smoothing};
+use railspring_calibrate::profile_file::{ClosedSection, Finding, Smoothing};
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::section::WheelBody;
 use railspring_calibrate::solid::{Material, Materials};
@@ -164,6 +164,8 @@ pub struct SectionFile {
     pub path: PathBuf,
     /// Its content.
     pub content: Arc<[u8]>,
+    /// The section in it, where it was read already to see whether the file holds one: of a wheel with a tape circle 70 mm from the flange back.
+    pub read: Option<Arc<ClosedSection>>,
 }
 
 /// A measured profile: the content of its file, and how it is prepared.
