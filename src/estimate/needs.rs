@@ -97,7 +97,7 @@ pub struct Estimate {
 /// Memory of stages at the same time, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Beside {
-    /// All bodies of the calibration factored together, and those of coarser meshes.
+    /// All bodies of the calibration factored together.
     pub condensing: f64,
     /// The fields and the error bands of the calibration, its laws by contact angle, and runs on the solids.
     pub stages: f64,
@@ -138,14 +138,11 @@ impl Estimate {
                 stages.push(by_angle(study, geometry, meshes, [&rail, &wheel], candidates, base)?);
             }
             if study.wants_error_band() {
-                let band = error_band(study, geometry, meshes, [&rail, &wheel], base)?;
-                // the coarser bodies with the others
-                beside.condensing += band.memory - base;
-                stages.push(band);
+                stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
             }
             let ways = ways_held(study);
             let modes = study.modes() as f64;
-            beside.condensing +=
+            beside.condensing =
                 base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
             beside.stages = stages.iter().map(|stage| stage.memory).sum();
             if study.target_error.is_some() && meshes_are_ours(study) {
