@@ -145,6 +145,7 @@ impl Estimate {
             beside.condensing =
                 base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
             beside.stages = stages.iter().map(|stage| stage.memory).sum();
+            stages.extend(others(study, geometry, [&rail, &wheel], base));
             if study.target_error.is_some() && meshes_are_ours(study) {
                 let options = meshes.options().refined(FINER);
                 let [finer_rail, finer_wheel] = resized(study, geometry, [&rail, &wheel], &options)?;
@@ -427,6 +428,20 @@ fn resized(
 ) -> Result<[Body; 2]> {
     let on_rail = rail_size(&geometry.pair.rail, study.rail.length, options)?;
     Ok([rail.resized(on_rail), wheel.resized(wheel_size(&geometry.pair.wheel, options)?)])
+}
+
+/// The pair with others in the place of the bodies and places that are assumed, one after the other, if any are.
+fn others(study: &Study, geometry: &Geometry, [rail, wheel]: [&Body; 2], base: f64) -> Option<StageEstimate> {
+    let [rails, wheels] = stages::others_by_body(study, geometry).map(|count| count as f64);
+    if rails + wheels == 0.0 {
+        return None;
+    }
+    let (_, of_a_load) = changed(study);
+    let loads = study.calibration.loads.len().min(LOADS_COARSER) as f64;
+    let pressed = (rails + wheels) * loads * of_a_load;
+    let seconds = rails * rail.seconds() + wheels * wheel.seconds() + pressed;
+    let memory = base + rail.dense() + wheel.dense() + condensing(wheel, rail, 0.0, 0.0);
+    Some(StageEstimate { stage: "other bodies and places".into(), memory, seconds })
 }
 
 /// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.

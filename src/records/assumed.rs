@@ -79,7 +79,7 @@ impl AssumedRecord {
 /// A body or a place in the place of the assumed one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OtherRecord {
-    /// `rail`, `wheel` or `place`.
+    /// `rail`, `wheel`, `roll` of the head or lateral `shift` of the wheel.
     pub part: String,
     /// What it is.
     pub name: String,

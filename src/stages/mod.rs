@@ -20,7 +20,7 @@ mod sections;
 mod other_solids;
 mod simulate;
 
-pub use assumed::assumed;
+pub use assumed::{assumed, others_by_body};
 pub use bodies::{MovingBodies, solids};
 pub use by_angle::{PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y, with_element};
 pub use calibrate::{

@@ -8,7 +8,7 @@ use railspring_calibrate::profile_file::{
     Action, ClosedSection, Finding, FindingKind, MeasuredProfile, Prepared, ProfileKind, sketch_section,
 };
 use railspring_calibrate::profile_placement::{
-    OwnFrame, Reference, TURNED, rail_in_own_frame, say_nearest, wheel_in_own_frame, with_nearest_to,
+    OwnFrame, Reference, TURNED, Unsure, rail_in_own_frame, say_nearest, wheel_in_own_frame, with_nearest_to,
 };
 use railspring_calibrate::section::{
     RailSection, WheelSection, rail_section, rail_section_for_head, rail_section_of, rail_section_on,
@@ -53,8 +53,8 @@ pub struct Assumed {
     pub curve: ProfileCurve,
     /// How the profile was turned from its file, rad, if it was.
     pub turned: Option<f64>,
-    /// By how much its roll is unsure, rad.
-    pub unsure_roll: f64,
+    /// By how much its place is unsure.
+    pub unsure: Unsure,
 }
 
 /// Section of the rail.
@@ -221,8 +221,7 @@ impl Surface {
     fn assumed(&self, given: bool, base: String) -> Assumed {
         let like = (!given).then(|| base.clone());
         let turned = self.motion.map(|motion| motion.angle).filter(|angle| angle.abs() > TURNED);
-        let (curve, unsure_roll) = (self.prepared.curve.clone(), self.unsure_roll);
-        Assumed { like, base, curve, turned, unsure_roll }
+        Assumed { like, base, curve: self.prepared.curve.clone(), turned, unsure: self.unsure }
     }
 
     /// The surface on its section, for the picture; its record is added.
