@@ -105,7 +105,7 @@ fn a_wanted_band_refines_the_meshes() {
     assert!(output.status.success() && text.contains("wanted error band of 0.01 %: not reached"), "{text}");
     let (_, beyond) = band(&out);
     let reason = beyond.target.unwrap().not_reached.unwrap();
-    assert!(reason.contains("the grid of the contact alone is"), "{reason}");
+    assert!(reason.contains("of which the grid of the contact and the scatter"), "{reason}");
 }
 
 /// Source: the estimate of the study's meshes, GiB. Goal: a wanted band ends where the next finer meshes have no room in a memory that those of

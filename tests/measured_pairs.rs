@@ -25,14 +25,17 @@ const REFUSALS: [&str; 3] =
 /// Loads, kN.
 const LOADS: [f64; 4] = [20.0, 40.0, 70.0, 100.0];
 
-/// A place with the two files of a pair, and a study of them whose law is that of the approach.
-fn place(pair: &MeasuredPair) -> Place {
+/// What the meshes of the two computations differ by, relative: both have elements of the same size, in other places (docs/verdict.md: statics of 1 %).
+const MESHES: f64 = 0.01;
+
+/// A place with the two files of a pair, and a study of them whose law is that of the approach, with its `bands` or without.
+fn place(pair: &MeasuredPair, bands: bool) -> Place {
     let place = Place::new(env!("CARGO_BIN_EXE_railspring"), "store");
     for (name, text, _) in [&pair.wheel, &pair.rail] {
         place.write(name, text);
     }
     let study = format!(
-        "name = \"m\"\n[rail]\nprofile_file = \"{}\"\n[wheel]\nprofile_file = \"{}\"\ntape_diameter_m = {}\n[calibration]\nloads_kn = {LOADS:?}\nhorizontal_preloads_kn = [60, 80]\nshifts_mm = []\nerror_band = false\nreference = \"local\"\n",
+        "name = \"m\"\n[rail]\nprofile_file = \"{}\"\n[wheel]\nprofile_file = \"{}\"\ntape_diameter_m = {}\n[calibration]\nloads_kn = {LOADS:?}\nhorizontal_preloads_kn = [60, 80]\nshifts_mm = []\nerror_band = {bands}\nreference = \"local\"\n",
         pair.rail.0,
         pair.wheel.0,
         pair.classes.0.diameter / 1000.0,
@@ -94,49 +97,79 @@ fn approach(table: &str) -> Vec<(f64, f64)> {
     .collect()
 }
 
-/// How a pair came out: its largest deviation from the truth if there is one.
-fn outcome(seed: u64) -> Result<Option<f64>, String> {
+/// How far the truth may be from the law: the band of its error, and what others in the place of the assumed bodies and places change.
+fn band(stiffness: &serde_json::Value) -> [f64; 2] {
+    let local = |of: &serde_json::Value| {
+        let all = of["references"].as_array()?;
+        all.iter().find(|reference| reference["reference"] == "local").cloned()
+    };
+    let half =
+        local(&stiffness["error_band"]).and_then(|local| local["displacement"].as_f64()).unwrap_or(0.0);
+    let assumed = local(&stiffness["assumed"]);
+    let end =
+        |at: usize| assumed.as_ref().and_then(|local| local["displacement"][at].as_f64()).unwrap_or(0.0);
+    [end(0) - half, end(1) + half]
+}
+
+/// How a pair came out.
+struct Outcome {
+    name: String,
+    /// The least and the greatest change from the law to the truth over the loads; none where one of the two has no law.
+    off: Option<[f64; 2]>,
+    /// What they may be.
+    band: [f64; 2],
+}
+
+impl Outcome {
+    fn is_inside(&self) -> bool {
+        self.off.is_none_or(|[low, high]| low >= self.band[0] - MESHES && high <= self.band[1] + MESHES)
+    }
+}
+
+/// How a pair comes out, or what is said where it should have a law and has none.
+fn outcome(seed: u64, bands: bool) -> Result<Outcome, String> {
     let pair = measured_pair(seed);
-    let place = place(&pair);
+    let place = place(&pair, bands);
     let output = place.run(&["calibrate", "m.toml", "-o", "o", "-q"]);
     let said = railspring_testing::message(&output);
     if !place.path("o/load_curve.csv").exists() {
         return match REFUSALS.iter().any(|part| said.contains(part)) {
-            true => Ok(None),
+            true => Ok(Outcome { name: format!("{}: refused", pair.name), off: None, band: [0.0; 2] }),
             false => Err(format!("{}: {said}", pair.name)),
         };
     }
-    let Some(truth) = truth(&pair) else { return Ok(None) };
-    let off = approach(&place.read("o/load_curve.csv")).into_iter().filter_map(|(force, mm)| {
-        let (_, metres) = truth.iter().find(|(own, _)| (own / (1e3 * force) - 1.0).abs() < 1e-6)?;
-        Some((1e-3 * mm / metres - 1.0).abs())
+    let stiffness = serde_json::from_str(&place.read("o/stiffness.json")).unwrap();
+    let changes = truth(&pair).map(|truth| {
+        let off = approach(&place.read("o/load_curve.csv")).into_iter().filter_map(|(force, mm)| {
+            let (_, metres) = truth.iter().find(|(own, _)| (own / (1e3 * force) - 1.0).abs() < 1e-6)?;
+            Some(metres / (1e-3 * mm) - 1.0)
+        });
+        off.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], change| {
+            [low.min(change), high.max(change)]
+        })
     });
-    let off = off.fold(0.0, f64::max);
-    println!("{off:.4} {}", pair.name);
-    Ok(Some(off))
+    let found = Outcome { name: pair.name, off: changes, band: band(&stiffness) };
+    println!("{} {:.4?} in {:.4?} {}", found.is_inside(), found.off, found.band, found.name);
+    Ok(found)
 }
 
 /// Some pairs of the corpus come to a law at the first command, or are refused for a reason that leaves no reading.
 #[test]
 fn measured_pairs_have_a_law() {
     for seed in [9, 11, 12] {
-        outcome(seed).unwrap();
+        outcome(seed, false).unwrap();
     }
 }
 
-/// All forty, ten minutes: counts, and how far each is from the law of its true surfaces.
+/// All forty: each has a law or is refused for a reason that leaves no reading, and the law of the true surfaces is within its band.
 #[test]
-#[ignore = "ten minutes: cargo measured-pairs"]
+#[ignore = "half an hour: cargo measured-pairs"]
 fn forty_measured_pairs() {
-    let outcomes: Vec<_> = (0..40).map(outcome).collect();
-    let failed: Vec<&String> = outcomes.iter().filter_map(|o| o.as_ref().err()).collect();
-    let compared: Vec<f64> = outcomes.iter().filter_map(|o| o.as_ref().ok().copied().flatten()).collect();
-    let mut sorted = compared.clone();
-    sorted.sort_by(f64::total_cmp);
-    println!(
-        "{} compared, {} without a law: {failed:#?}; off the truth: {sorted:.4?}",
-        compared.len(),
-        failed.len()
-    );
-    assert!(failed.is_empty(), "{failed:#?}");
+    let outcomes: Vec<_> = (0..40).map(|seed| outcome(seed, true)).collect();
+    let without: Vec<&String> = outcomes.iter().filter_map(|o| o.as_ref().err()).collect();
+    assert!(without.is_empty(), "{without:#?}");
+    let compared: Vec<&Outcome> = outcomes.iter().flatten().filter(|o| o.off.is_some()).collect();
+    let outside: Vec<&str> = compared.iter().filter(|o| !o.is_inside()).map(|o| o.name.as_str()).collect();
+    println!("{} of 40 compared, {} outside their band", compared.len(), outside.len());
+    assert!(outside.is_empty() && compared.len() > 30, "{outside:#?}");
 }

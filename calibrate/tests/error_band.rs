@@ -63,11 +63,11 @@ fn the_band_holds_what_a_finer_computation_changes() {
     let pair = pair();
     let [coarser, base, fine] = [2.0 * COARSER, 2.0, 1.0].map(|factor| condensed(&pair, &sizes(factor)));
     let of_base = laws(&pair, &base, ContactField::Hybrid);
-    let solid = Solid::of_calibration(&pair, &base, contact(ContactField::Hybrid), &of_base);
+    let solid = Solid::of_calibration(&pair, &base, contact(ContactField::Hybrid), &of_base, &[]);
     let grid = solid.grid_changes(&Silent).unwrap();
     let [to_coarser, to_equal, to_fine] =
         [&coarser, &base, &fine].map(|bodies| solid.mesh_changes(bodies, &Silent).unwrap());
-    let to_fine = error_bands(&solid.points, None, Some(&to_fine));
+    let to_fine = error_bands(&solid.points, None, Some(&to_fine), None);
     let contact = contact(ContactField::Hybrid);
     let stiffness = |bodies: &CondensedPair| {
         let pressed = bodies.press(&pair, contact, &LOADS, &Silent).unwrap();
@@ -81,8 +81,8 @@ fn the_band_holds_what_a_finer_computation_changes() {
         println!("horizontal at {} N: band {half:.5}, change {change:.5}", point.preload);
         assert!(change <= half && half < 8.0 * change, "{changes:?}, {change}");
     }
-    let bands = error_bands(&solid.points, grid.as_ref(), Some(&to_coarser));
-    let of_equal = error_bands(&solid.points, grid.as_ref(), Some(&to_equal));
+    let bands = error_bands(&solid.points, grid.as_ref(), Some(&to_coarser), None);
+    let of_equal = error_bands(&solid.points, grid.as_ref(), Some(&to_equal), None);
     assert_eq!(bands.len(), 3);
     for ((band, change), equal) in bands.iter().zip(&to_fine).zip(&of_equal) {
         let (half, found, equal) = (band.largest(), change.largest(), equal.largest());
@@ -103,11 +103,11 @@ fn the_contact_between_elements_has_no_grid() {
     let pair = pair();
     let [coarser, base] = [2.0 * COARSER, 2.0].map(|factor| condensed(&pair, &sizes(factor)));
     let of_base = laws(&pair, &base, ContactField::Elements);
-    let solid = Solid::of_calibration(&pair, &base, contact(ContactField::Elements), &of_base);
+    let solid = Solid::of_calibration(&pair, &base, contact(ContactField::Elements), &of_base, &[]);
     let changed = solid.changed(Some(&coarser), &Silent).unwrap();
     assert!(changed.grid.as_ref().unwrap().is_none());
     let mesh = changed.mesh.unwrap();
-    let bands = error_bands(&solid.points, None, mesh.as_ref());
+    let bands = error_bands(&solid.points, None, mesh.as_ref(), None);
     // the staircase of nodes: tangents change by per cents from mesh to mesh
     assert!(bands.iter().all(|band| (0.01..1.0).contains(&band.largest().tangent)), "{bands:?}");
 }
@@ -141,13 +141,13 @@ fn the_band_on_the_flange_holds_what_a_finer_computation_changes() {
         let settings = AngleSettings { contact, direction, loads: &ANGLE_LOADS, fixed_loads };
         let laws = by_shift(&pair, &base, &settings, &shifts);
         let finer = by_shift(&pair, &fine, &settings, &shifts);
-        let changed = changed_by_shift(&pair, &base, Some(&coarser), &settings, &laws, &Silent).unwrap();
+        let changed = changed_by_shift(&pair, &base, Some(&coarser), &[], &settings, &laws, &Silent).unwrap();
         for (((shift, entry), finer), changed) in shifts.iter().zip(&laws).zip(&finer).zip(changed) {
             let case = format!("{shift} m, friction {friction}");
             let (points, changed) = changed.unwrap();
             let (grid, mesh) = (changed.grid.unwrap(), changed.mesh.unwrap());
             assert!(grid.is_some() && mesh.is_some(), "{case}");
-            let bands = error_bands(&points, grid.as_ref(), mesh.as_ref());
+            let bands = error_bands(&points, grid.as_ref(), mesh.as_ref(), None);
             assert_eq!(bands.len(), 3);
             for band in &bands {
                 assert_eq!(band.points.len(), FIXED.len());
@@ -189,7 +189,7 @@ fn the_place_of_the_calibration_has_its_bands() {
     let [coarser, base] = [2.0 * COARSER, 2.0].map(|factor| condensed(&pair, &sizes(factor)));
     let conditions = contact(ContactField::Hybrid);
     let of_base = laws(&pair, &base, ContactField::Hybrid);
-    let solid = Solid::of_calibration(&pair, &base, conditions, &of_base);
+    let solid = Solid::of_calibration(&pair, &base, conditions, &of_base, &[]);
     let calibration = solid.changed(Some(&coarser), &Silent).unwrap();
     let fixed_loads = &LOADS[1..];
     let settings = AngleSettings {
@@ -199,7 +199,7 @@ fn the_place_of_the_calibration_has_its_bands() {
         fixed_loads,
     };
     let entries = by_shift(&pair, &base, &settings, &[0.0]);
-    let changed = changed_by_shift(&pair, &base, Some(&coarser), &settings, &entries, &Silent).unwrap();
+    let changed = changed_by_shift(&pair, &base, Some(&coarser), &[], &settings, &entries, &Silent).unwrap();
     let [Some((points, changed))] = &changed[..] else { panic!("one band") };
     let (mesh, wanted) = (changed.mesh.as_ref().unwrap(), calibration.mesh.unwrap());
     let (mesh, wanted) = (mesh.as_ref().unwrap(), wanted.unwrap());

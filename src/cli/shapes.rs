@@ -6,6 +6,7 @@ use nalgebra::Point2;
 use railspring_calibrate::error::{Error, InputError};
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::profile::lines_and_arcs::LinesAndArcs;
+use railspring_calibrate::profile::rail_catalogue::CATALOGUE_RAILS;
 use railspring_calibrate::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
 use railspring_calibrate::profile::wheels::{STANDARD_WHEELS, WHEEL_NAMES, wheel_profile};
 use railspring_calibrate::profile_file::{
@@ -44,6 +45,11 @@ pub(super) fn list(figure: Option<&Path>) -> Result<(), Error> {
     for name in RAIL_NAMES.iter().chain(&WHEEL_NAMES) {
         say(&format!("{name:14} {}", meaning(name)))?;
     }
+    let rails: Vec<&str> = CATALOGUE_RAILS.iter().map(|rail| rail.name).collect();
+    say(&format!(
+        "rail bodies    {}: drawn from six dimensions, for `rail.body` in a study",
+        rails.join(", ")
+    ))?;
     say(
         "wheel bodies   straight-web, s-web, conical-web: generic, with bore, hub and rim to be set in a study",
     )?;

@@ -99,6 +99,8 @@ mod tests {
             grid_tangent: None,
             mesh_displacement: None,
             mesh_tangent: None,
+            scatter_displacement: None,
+            scatter_tangent: None,
             displacement: Some(0.01 * (n + 1) as f64),
             tangent: (n != 2).then_some(0.1 * (n + 1) as f64),
         };

@@ -97,7 +97,7 @@ pub struct Estimate {
 /// Memory of stages at the same time, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Beside {
-    /// All bodies of the calibration factored together, and those of coarser meshes.
+    /// All bodies of the calibration factored together.
     pub condensing: f64,
     /// The fields and the error bands of the calibration, its laws by contact angle, and runs on the solids.
     pub stages: f64,
@@ -138,16 +138,14 @@ impl Estimate {
                 stages.push(by_angle(study, geometry, meshes, [&rail, &wheel], candidates, base)?);
             }
             if study.wants_error_band() {
-                let band = error_band(study, geometry, meshes, [&rail, &wheel], base)?;
-                // the coarser bodies with the others
-                beside.condensing += band.memory - base;
-                stages.push(band);
+                stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
             }
             let ways = ways_held(study);
             let modes = study.modes() as f64;
-            beside.condensing +=
+            beside.condensing =
                 base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
             beside.stages = stages.iter().map(|stage| stage.memory).sum();
+            stages.extend(others(study, geometry, [&rail, &wheel], base));
             if study.target_error.is_some() && meshes_are_ours(study) {
                 let options = meshes.options().refined(FINER);
                 let [finer_rail, finer_wheel] = resized(study, geometry, [&rail, &wheel], &options)?;
@@ -430,6 +428,20 @@ fn resized(
 ) -> Result<[Body; 2]> {
     let on_rail = rail_size(&geometry.pair.rail, study.rail.length, options)?;
     Ok([rail.resized(on_rail), wheel.resized(wheel_size(&geometry.pair.wheel, options)?)])
+}
+
+/// The pair with others in the place of the bodies and places that are assumed, one after the other, if any are.
+fn others(study: &Study, geometry: &Geometry, [rail, wheel]: [&Body; 2], base: f64) -> Option<StageEstimate> {
+    let [rails, wheels] = stages::others_by_body(study, geometry).map(|count| count as f64);
+    if rails + wheels == 0.0 {
+        return None;
+    }
+    let (_, of_a_load) = changed(study);
+    let loads = study.calibration.loads.len().min(LOADS_COARSER) as f64;
+    let pressed = (rails + wheels) * loads * of_a_load;
+    let seconds = rails * rail.seconds() + wheels * wheel.seconds() + pressed;
+    let memory = base + rail.dense() + wheel.dense() + condensing(wheel, rail, 0.0, 0.0);
+    Some(StageEstimate { stage: "other bodies and places".into(), memory, seconds })
 }
 
 /// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.

@@ -35,8 +35,6 @@ pub(super) struct FoundOn {
     meshes: Meshes,
     condensed: Arc<CondensedPair>,
     pressed: PressedStudy,
-    /// The bodies of coarser meshes, if they were condensed beside the others.
-    coarser: Option<CoarserBodies>,
     /// Their bands, where these have said that the meshes are fine enough.
     band: Option<Band>,
     /// Whether larger contact zones were refused.
@@ -60,8 +58,8 @@ impl FoundOn {
 /// The error bands of laws and horizontal stiffness.
 type Band = (ErrorBandRecord, Option<HorizontalBandRecord>);
 
-/// Bodies with the springs that they have, and those of coarser meshes.
-type Pressed = (Arc<CondensedPair>, PressedStudy, Option<CoarserBodies>);
+/// Bodies with the springs that they have.
+type Pressed = (Arc<CondensedPair>, PressedStudy);
 
 /// What goes when springs or fields change: also the fields under other loads.
 const OF_THE_CALIBRATION: [&str; 5] = [VERIFICATION, REPORT, REPORT_PDF, FIGURES, stages::FIELDS];
@@ -87,15 +85,13 @@ impl Stage for Calibrate {
             Some(springs) => springs,
             None => at.found_springs()?,
         };
-        let FoundOn { meshes, condensed, pressed, coarser, band, refused, watch } = springs;
+        let FoundOn { meshes, condensed, pressed, band, refused, watch } = springs;
         at.resources.monitor.notice(&stages::law_so_far(at.study, pressed.found()));
         at.watch = watch.or(at.watch.take());
         let (study, geometry) = (at.study, at.geometry()?);
         let fields = || stages::calibrate(study, &geometry, &meshes, &condensed, &pressed);
         let band = || match band {
-            None if study.wants_error_band() => {
-                at.band(&geometry, &meshes, &condensed, &pressed, coarser).map(Some)
-            }
+            None if study.wants_error_band() => at.band(&geometry, &meshes, &condensed, &pressed).map(Some),
             band => Ok(band),
         };
         let (fields, band) = if at.room.stages { rayon::join(fields, band) } else { (fields(), band()) };
@@ -176,34 +172,28 @@ impl Pipeline<'_> {
         };
         let press = |meshes: &Meshes| {
             let solids = stages::solids(study, &geometry, meshes);
-            let condensed = || source.condensed(&solids, "", modes);
-            let (condensed, coarser) = if source.together && study.wants_error_band() {
-                let (condensed, coarser) = rayon::join(condensed, || self.coarser(&geometry, meshes));
-                (condensed?, Some(coarser?))
-            } else {
-                (condensed()?, None)
-            };
+            let condensed = source.condensed(&solids, "", modes)?;
             let pressed = stages::press(study, &geometry, &condensed, monitor)?;
-            Ok((Arc::new(condensed), pressed, coarser))
+            Ok((Arc::new(condensed), pressed))
         };
-        let reached = |(_, pressed, _): &Pressed| match pressed.ended() {
+        let reached = |(_, pressed): &Pressed| match pressed.ended() {
             Some(Error::Numerics(cause)) => Reached::by(cause),
             _ => None,
         };
         loop {
-            let Within { result: (condensed, pressed, coarser), refused } =
+            let Within { result: (condensed, pressed), refused } =
                 stages::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
                     .map_err(|error| uncarried(study, error))?;
             let mut band = None;
             if study.wants_error_band() && study.target_error.is_some() {
-                let (band, _) = band.insert(self.band(&geometry, &meshes, &condensed, &pressed, None)?);
+                let (band, _) = band.insert(self.band(&geometry, &meshes, &condensed, &pressed)?);
                 if let Some(finer) = stages::finer_meshes(study, &geometry, &meshes, band, accept, monitor)? {
                     meshes = finer;
                     continue;
                 }
             }
             let watch = self.watch.take();
-            return Ok(FoundOn { meshes, condensed, pressed, coarser, band, refused, watch });
+            return Ok(FoundOn { meshes, condensed, pressed, band, refused, watch });
         }
     }
 
@@ -227,16 +217,15 @@ impl Pipeline<'_> {
         stages::assumed(study, geometry, own, found, condense, monitor)
     }
 
-    /// The error bands; `coarser` are the bodies of coarser meshes, if they are there.
+    /// The error bands. The bodies of coarser meshes that they need are condensed here, not beside the others: the law comes first.
     fn band(
         &self,
         geometry: &Geometry,
         meshes: &Meshes,
         bodies: &CondensedPair,
         pressed: &PressedStudy,
-        coarser: Option<CoarserBodies>,
     ) -> Result<Band> {
-        let coarser = coarser.map_or_else(|| self.coarser(geometry, meshes), Ok)?;
+        let coarser = self.coarser(geometry, meshes)?;
         let monitor = self.resources.monitor;
         stages::error_band(self.study, geometry, meshes, bodies, pressed.found(), &coarser, monitor)
     }

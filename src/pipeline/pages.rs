@@ -95,6 +95,7 @@ impl<'a> Stage for Report<'a> {
             by_angle: self.by_angle,
             profiles: &profiles,
             surfaces: &geometry.surfaces,
+            bodies: &geometry.outlines(),
             scenarios,
             ratio_window: at.study.limits.ratio_window_s,
             verdict: self.verdict,

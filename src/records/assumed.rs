@@ -34,8 +34,13 @@ impl AssumedRecord {
         format!("assumed: {}", self.assumed.join("; "))
     }
 
-    /// How far the springs may be off for that, with the law's reference and of the approach alone.
+    /// How far the springs may be off for that, in a sentence.
     pub fn range(&self, reference: &str) -> String {
+        format!("other bodies and places: {}", self.ranges(reference))
+    }
+
+    /// The same without what it is about: with the law's reference, of the approach alone, and the horizontal stiffness.
+    pub fn ranges(&self, reference: &str) -> String {
         let signed = |value: f64| {
             let sign = if value < 0.0 { "-" } else { "+" };
             with_minus_signs(&format!("{sign}{}", significant(1e2 * value.abs(), 2)))
@@ -57,7 +62,7 @@ impl AssumedRecord {
         parts.extend(self.horizontal_kn_per_m.map(|[least, most]| {
             format!("k_h between {} and {} kN/m", significant(least, 2), significant(most, 2))
         }));
-        format!("other bodies and places: {}", parts.join("; "))
+        parts.join("; ")
     }
 
     /// The keys that say it otherwise, in a sentence.
@@ -74,7 +79,7 @@ impl AssumedRecord {
 /// A body or a place in the place of the assumed one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OtherRecord {
-    /// `rail`, `wheel` or `place`.
+    /// `rail`, `wheel`, `roll` of the head or lateral `shift` of the wheel.
     pub part: String,
     /// What it is.
     pub name: String,

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How far the laws of a calibration change with the grid of the contact and with the meshes of the bodies. All changes and bands are
-/// relative.
+/// How far the laws of a calibration change with the grid of the contact and with the meshes of the bodies, and how far the scatter of measured profiles makes
+/// them unsure. All changes and bands are relative.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ErrorBandRecord {
     /// Edge of the contact elements of the meshes of the laws, mm.
@@ -96,6 +96,12 @@ pub struct BandPointRecord {
     pub mesh_displacement: Option<f64>,
     /// The same of the tangent.
     pub mesh_tangent: Option<f64>,
+    /// Twice the standard uncertainty of the displacement by the scatter of measured profiles; none without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter_displacement: Option<f64>,
+    /// The same of the tangent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter_tangent: Option<f64>,
     /// Band of the displacement; none where a part is missing.
     pub displacement: Option<f64>,
     /// Band of the tangent.

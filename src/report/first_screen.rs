@@ -90,7 +90,7 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
     let [a, b, c] = constants_in(law, " kN/m");
     let band = stiffness.error_band.as_ref().and_then(|band| band.of(&stiffness.reference));
     let row = |name: &str, value: String| [name.to_string(), value];
-    vec![
+    let mut rows = vec![
         row("a", a),
         row("b", b),
         row("c", c),
@@ -107,7 +107,12 @@ fn springs(stiffness: &StiffnessRecord) -> Vec<[String; 2]> {
             ),
         ),
         row("horizontal stiffness", horizontal(stiffness)),
-    ]
+    ];
+    let assumed = stiffness.assumed.as_ref();
+    rows.extend(
+        assumed.map(|assumed| row("with other bodies and places", assumed.ranges(&stiffness.reference))),
+    );
+    rows
 }
 
 /// The limits that fail, the worst first: text, reason and place in the table of all.

@@ -19,6 +19,7 @@ mod positions;
 mod patches;
 mod patch_section;
 pub mod measured;
+pub mod bodies;
 pub mod catalogue;
 pub mod scaling;
 pub mod step_times;
@@ -88,6 +89,8 @@ pub struct ReportData<'a> {
     pub profiles: &'a ProfilePair,
     /// The measured profiles on their standards.
     pub surfaces: &'a [measured::OnStandard],
+    /// The outlines of both bodies, rail first.
+    pub bodies: &'a [bodies::BodyOutline; 2],
     /// The load cases.
     pub scenarios: Vec<ScenarioRun<'a>>,
     /// Time over which Q and P are averaged, s.
@@ -171,6 +174,10 @@ pub fn build(data: &ReportData<'_>) -> Report {
     let scenarios: Vec<Value> =
         data.scenarios.iter().map(|run| scenario(run, data, &mut collected)).collect();
     let chapter = crosscheck::chapter(&data.crosscheck, &mut collected);
+    let assumed_bodies = stiffness.assumed.as_ref().map(|record| {
+        let caption = bodies::caption(&record.sentence());
+        collected.add("assumed-bodies", bodies::figure(figures::WIDTH, data.bodies), caption)
+    });
     let surfaces: Vec<Value> = data.surfaces.iter().map(|of| surface(of, &mut collected)).collect();
     let html = html::render(
         "report.html",
@@ -188,6 +195,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
             "shortened": stiffness.shortened(),
             "worth": tables::worth(&stiffness),
             "assumed": tables::assumed(&stiffness),
+            "assumed_bodies": assumed_bodies,
             "worth_by_angle": data.by_angle.and_then(by_angle::worth),
             "scenarios": scenarios,
             "crosscheck": chapter,

@@ -16,7 +16,7 @@ mod crosscheck;
 mod measured;
 
 pub(crate) use crosscheck::{crosscheck, sections};
-pub(crate) use measured::surface;
+pub(crate) use measured::{bodies, surface};
 pub(crate) use patches::patches;
 pub(crate) use springs::{by_angle, load_curve, stiffness};
 

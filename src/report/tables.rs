@@ -217,8 +217,8 @@ pub(super) fn law_caption(stiffness: &StiffnessRecord) -> String {
 pub(super) struct Worth {
     /// Sentences.
     lines: Vec<String>,
-    /// Load, kN, and in per cent: grid, meshes and band of the displacement, the same of the tangent.
-    rows: Vec<[String; 7]>,
+    /// Load, kN, and in per cent: grid, meshes, scatter and band of the displacement, the same of the tangent.
+    rows: Vec<[String; 9]>,
 }
 
 /// What was assumed of measured profiles, as the page shows it.
@@ -258,17 +258,19 @@ pub(super) fn assumed(stiffness: &StiffnessRecord) -> Option<AssumedRows> {
 pub(super) fn worth(stiffness: &StiffnessRecord) -> Option<Worth> {
     let band = stiffness.error_band.as_ref()?;
     let row = |p: &BandPointRecord| {
-        let [grid, mesh, band] = percent_of_band([p.grid_displacement, p.mesh_displacement], p.displacement);
-        let [tangent_grid, tangent_mesh, tangent_band] =
-            percent_of_band([p.grid_tangent, p.mesh_tangent], p.tangent);
-        [number(p.force_kn), grid, mesh, band, tangent_grid, tangent_mesh, tangent_band]
+        let displacement = [p.grid_displacement, p.mesh_displacement, p.scatter_displacement];
+        let [grid, mesh, scatter, band] = percent_of_band(displacement, p.displacement);
+        let tangent = [p.grid_tangent, p.mesh_tangent, p.scatter_tangent];
+        let [tangent_grid, tangent_mesh, tangent_scatter, tangent_band] = percent_of_band(tangent, p.tangent);
+        let force = number(p.force_kn);
+        [force, grid, mesh, scatter, band, tangent_grid, tangent_mesh, tangent_scatter, tangent_band]
     };
     let rows = band.of(&stiffness.reference)?.points.iter().map(row).collect();
     Some(Worth { lines: stiffness.worth(), rows })
 }
 
 /// Relative changes and the band of their sum in per cent, all with the decimals of the band's second digit: a change below that is 0 without a sign.
-fn percent_of_band(changes: [Option<f64>; 2], band: Option<f64>) -> [String; 3] {
+fn percent_of_band(changes: [Option<f64>; 3], band: Option<f64>) -> [String; 4] {
     let widest = band.or_else(|| changes.into_iter().flatten().map(f64::abs).max_by(f64::total_cmp));
     let power =
         widest.filter(|widest| *widest > 0.0).map_or(-2, |widest| (1e2 * widest).log10().floor() as i32 - 1);
@@ -281,7 +283,8 @@ fn percent_of_band(changes: [Option<f64>; 2], band: Option<f64>) -> [String; 3] 
             format!("{}{text}", if value < 0.0 && !zero { "\u{2212}" } else { "" })
         }
     };
-    [text(changes[0]), text(changes[1]), text(band)]
+    let [grid, mesh, scatter] = changes.map(text);
+    [grid, mesh, scatter, text(band)]
 }
 
 /// A number with four significant digits, without an exponent where it can be read without.
@@ -323,12 +326,14 @@ mod tests {
     /// Goal: changes have the decimals that their band has, and none is written as a negative zero.
     #[test]
     fn changes_have_the_digits_of_their_band() {
-        let of = |grid: f64, mesh: f64, band: f64| percent_of_band([Some(grid), Some(mesh)], Some(band));
-        assert_eq!(of(-0.000_04, 0.0086, 0.008_64), ["0.00", "0.86", "0.86"]);
-        assert_eq!(of(-0.0012, 0.0231, 0.0243), ["\u{2212}0.1", "2.3", "2.4"]);
-        assert_eq!(of(0.0, 0.0, 0.0), ["0.00", "0.00", "0.00"]);
-        assert_eq!(of(-3e-6, 1e-6, 4e-6), ["\u{2212}0.00030", "0.00010", "0.00040"]);
-        assert_eq!(percent_of_band([None, Some(-0.02)], None), ["\u{2013}", "\u{2212}2.0", "\u{2013}"]);
+        let of =
+            |grid: f64, mesh: f64, band: f64| percent_of_band([Some(grid), Some(mesh), None], Some(band));
+        assert_eq!(of(-0.000_04, 0.0086, 0.008_64), ["0.00", "0.86", "\u{2013}", "0.86"]);
+        assert_eq!(of(-0.0012, 0.0231, 0.0243), ["\u{2212}0.1", "2.3", "\u{2013}", "2.4"]);
+        assert_eq!(of(0.0, 0.0, 0.0), ["0.00", "0.00", "\u{2013}", "0.00"]);
+        assert_eq!(of(-3e-6, 1e-6, 4e-6), ["\u{2212}0.00030", "0.00010", "\u{2013}", "0.00040"]);
+        let without = percent_of_band([None, Some(-0.02), Some(0.01)], None);
+        assert_eq!(without, ["\u{2013}", "\u{2212}2.0", "1.0", "\u{2013}"]);
     }
 
     #[test]

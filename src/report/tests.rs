@@ -30,6 +30,7 @@ fn build_with(crosscheck: Crosscheck<'_>) -> Report {
         by_angle: Some(&laws),
         profiles: &profiles,
         surfaces: &[samples::surface()],
+        bodies: &samples::bodies(),
         scenarios: vec![ScenarioRun {
             name: "sample",
             description: "Constant lateral force.",

@@ -3,7 +3,7 @@
 //!
 //! A wheel of which only the profile is known may have any web, rim and hub; a rail of which only the head is known any web and foot; a head whose
 //! sides do not show it may be inclined in its file. The others are the ends of what is in use: a thin straight web under a thin rim, a thick one
-//! under a thick rim with a large hub, and an S web; the standard rails next lighter and next heavier than what was assumed; the roll to either side by as much as it is unsure.
+//! under a thick rim with a large hub, and an S web; the standard rails next lighter and next heavier than what was assumed; roll and lateral place to either side by as much as they are unsure.
 
 use railspring_calibrate::calibration::{LoadPoint, Reference};
 use railspring_calibrate::error::{Result, or_reason};
@@ -35,17 +35,19 @@ const WHEEL_KEYS: [&str; 4] =
 enum Part {
     Rail,
     Wheel,
-    Place,
+    Roll,
+    Shift,
 }
 
 impl Part {
-    const ALL: [Self; 3] = [Self::Rail, Self::Wheel, Self::Place];
+    const ALL: [Self; 4] = [Self::Rail, Self::Wheel, Self::Roll, Self::Shift];
 
     fn name(self) -> &'static str {
         match self {
             Self::Rail => "rail",
             Self::Wheel => "wheel",
-            Self::Place => "place",
+            Self::Roll => "roll",
+            Self::Shift => "shift",
         }
     }
 }
@@ -58,7 +60,7 @@ struct Other {
 }
 
 /// What was assumed, and the keys that say it otherwise; none where all of the pair is known, or the study wants no bands.
-fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, Vec<String>, [bool; 3]) {
+fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, Vec<String>, Open) {
     let (mut said, mut keys) = (Vec::new(), Vec::new());
     let [rail, wheel] = &geometry.assumed;
     let own_wheel = study.wheel.mesh.is_none() && study.wheel.section.is_none();
@@ -78,7 +80,7 @@ fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, Vec<String>,
         said.push(format!("the rail has web and foot like those of {like}, which were not given"));
         keys.push("rail.body".into());
     }
-    let unsure = rail.as_ref().map_or(0.0, |rail| rail.unsure_roll);
+    let unsure = rail.as_ref().map_or(0.0, |rail| rail.unsure.roll);
     let roll_open = unsure > LEAST_ROLL && study.rail.mesh.is_none();
     if roll_open {
         said.push(format!(
@@ -88,11 +90,34 @@ fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, Vec<String>,
         ));
         keys.extend(["rail.inclination".into(), "rail.standard".into()]);
     }
-    (said, keys, [like.is_some(), wheel_open, roll_open])
+    let unsure = wheel.as_ref().map_or(0.0, |wheel| wheel.unsure.shift);
+    let shift_open = unsure > LEAST_SHIFT && study.wheel.mesh.is_none();
+    if shift_open {
+        said.push(format!(
+            "the wheel's distance from the flange back is known to \u{b1}{:.1} mm, since that was not measured",
+            unsure / MILLIMETRE
+        ));
+        keys.push("track.lateral_shift_mm".into());
+    }
+    (said, keys, Open { rail: like.is_some(), wheel: wheel_open, roll: roll_open, shift: shift_open })
 }
 
-/// Roll that is as good as known, rad.
+/// What is open of a pair.
+#[derive(Debug, Clone, Copy)]
+struct Open {
+    /// The body of the rail.
+    rail: bool,
+    /// The body of the wheel.
+    wheel: bool,
+    /// The roll of the head.
+    roll: bool,
+    /// The lateral place of the wheel.
+    shift: bool,
+}
+
+/// Roll that is as good as known, rad, and lateral place, m.
 const LEAST_ROLL: f64 = 0.002;
+const LEAST_SHIFT: f64 = 0.2 * MILLIMETRE;
 
 /// The springs of `bodies` with others in the place of what was assumed, if anything was. `condense` has the bodies of a pair on its meshes. All are pressed
 /// with the same few loads, since the approach is integrated over the loads.
@@ -188,6 +213,19 @@ pub fn assumed(
     }))
 }
 
+/// How many others there are whose rail, and whose wheel, is condensed for them.
+pub fn others_by_body(study: &Study, geometry: &Geometry) -> [usize; 2] {
+    let (_, _, open) = assumptions(study, geometry);
+    if !study.wants_error_band() {
+        return [0; 2];
+    }
+    let rails =
+        geometry.assumed[0].as_ref().filter(|_| open.rail).map_or(0, |known| other_rails(&known.base).len());
+    let [roll, shift] = [open.roll, open.shift].map(|open| 2 * usize::from(open));
+    let wheels = if open.wheel { other_wheels(&study.wheel.body).len() } else { 0 };
+    [rails + roll + shift, wheels + shift]
+}
+
 /// The horizontal stiffness of the springs at a preload, N/m.
 fn own_horizontal(found: &FoundSprings, preload: f64) -> Option<f64> {
     let points = &found.horizontal.as_ref()?.points;
@@ -195,7 +233,7 @@ fn own_horizontal(found: &FoundSprings, preload: f64) -> Option<f64> {
 }
 
 /// The pairs with others in the place of the `open` parts of rail, wheel and place.
-fn others(study: &Study, geometry: &Geometry, [rail, wheel, place]: [bool; 3]) -> Vec<Other> {
+fn others(study: &Study, geometry: &Geometry, open: Open) -> Vec<Other> {
     let mut others = Vec::new();
     let with = |rail: Option<RailSection>, wheel: Option<WheelSection>, slope: f64| {
         let (rail, wheel) = (
@@ -205,7 +243,7 @@ fn others(study: &Study, geometry: &Geometry, [rail, wheel, place]: [bool; 3]) -
         Geometry::in_track(study, rail, wheel, slope)
     };
     let slope = -geometry.pair.placed.angle.tan();
-    if let (true, Some(known)) = (wheel, &geometry.assumed[1]) {
+    if let (true, Some(known)) = (open.wheel, &geometry.assumed[1]) {
         for (name, body) in other_wheels(&study.wheel.body) {
             let section = wheel_profile_with_flange(&known.base, &study.wheel.flange)
                 .and_then(|running| wheel_section_on(running, &known.base, study.wheel.tape_diameter, &body))
@@ -214,7 +252,7 @@ fn others(study: &Study, geometry: &Geometry, [rail, wheel, place]: [bool; 3]) -
             others.push(Other { part: Part::Wheel, name: format!("wheel with {name}"), geometry });
         }
     }
-    if let (true, Some(known)) = (rail, &geometry.assumed[0]) {
+    if let (true, Some(known)) = (open.rail, &geometry.assumed[0]) {
         for name in other_rails(&known.base) {
             let section = rail_section(name)
                 .and_then(|base| rail_section_for_head(base, &known.curve, &mut Vec::new()));
@@ -222,11 +260,20 @@ fn others(study: &Study, geometry: &Geometry, [rail, wheel, place]: [bool; 3]) -
             others.push(Other { part: Part::Rail, name: format!("rail with a body like {name}"), geometry });
         }
     }
-    if let (true, Some(known)) = (place, &geometry.assumed[0]) {
-        for sign in [-1.0, 1.0] {
-            let turned = slope + sign * known.unsure_roll;
-            let name = format!("head rolled by {:+.1} degrees", (sign * known.unsure_roll).to_degrees());
-            others.push(Other { part: Part::Place, name, geometry: with(None, None, turned) });
+    if let (true, Some(known)) = (open.roll, &geometry.assumed[0]) {
+        for roll in [-known.unsure.roll, known.unsure.roll] {
+            let name = format!("head rolled by {:+.1} degrees", roll.to_degrees());
+            others.push(Other { part: Part::Roll, name, geometry: with(None, None, slope + roll) });
+        }
+    }
+    if let (true, Some(known)) = (open.shift, &geometry.assumed[1]) {
+        for shift in [-known.unsure.shift, known.unsure.shift] {
+            let name = format!("wheel {:+.1} mm to the field side", shift / MILLIMETRE);
+            let geometry = with(None, None, slope).and_then(|own| {
+                let pair = own.pair.with_wheel_at(own.pair.tape_y + shift)?;
+                Ok(Geometry { pair, ..own })
+            });
+            others.push(Other { part: Part::Shift, name, geometry });
         }
     }
     others

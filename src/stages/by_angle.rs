@@ -70,7 +70,7 @@ pub fn by_angle(
     let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
     let bands = if study.wants_error_band() {
         let (element, coarser) = coarser()?;
-        bands(pair, bodies, (element, &coarser), &settings, &laws, monitor)?
+        bands(geometry, bodies, (element, &coarser), &settings, &laws, monitor)?
     } else {
         vec![None; laws.len()]
     };
@@ -140,24 +140,26 @@ pub fn place(
     let loads = &study.calibration.loads;
     let settings = AngleSettings { contact: contact_conditions(study), direction, loads, fixed_loads };
     let laws = law_by_shift(pair, bodies, &settings, &[tape_y(study, pair, shift)], monitor)?;
-    let bands = coarser.map(|coarser| bands(pair, bodies, coarser, &settings, &laws, monitor)).transpose()?;
+    let bands =
+        coarser.map(|coarser| bands(geometry, bodies, coarser, &settings, &laws, monitor)).transpose()?;
     let law = laws.into_iter().next().expect("one place has one law");
     Ok(shift_record(study, shift, law, bands.and_then(|mut bands| bands.remove(0))))
 }
 
-/// What laws at the fixed loads are worth, on a finer grid and on the bodies of coarser meshes.
+/// What laws at the fixed loads are worth, on a finer grid, on the bodies of coarser meshes and by the scatter of measured profiles.
 ///
 /// # Errors
 /// An interruption.
 fn bands(
-    pair: &Pair,
+    geometry: &Geometry,
     bodies: &CondensedPair,
     (element, coarser): (f64, &CoarserBodies),
     settings: &AngleSettings,
     laws: &[ShiftLaw],
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<ErrorBandRecord>>> {
-    let changed = changed_by_shift(pair, bodies, bodies_of(coarser), settings, laws, monitor)?;
+    let Geometry { pair, replicates, .. } = geometry;
+    let changed = changed_by_shift(pair, bodies, bodies_of(coarser), replicates, settings, laws, monitor)?;
     let band = |(points, changed): (_, _)| band_record(&points, changed, element, coarser);
     Ok(changed.into_iter().map(|changed| changed.map(band)).collect())
 }

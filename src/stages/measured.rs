@@ -10,8 +10,8 @@ use railspring_calibrate::profile_file::{
     prepare,
 };
 use railspring_calibrate::profile_placement::{
-    Misfit, Motion, OwnFrame, PlaceOptions, Placed, Reference, Side, TURNED, UNSURE_ROLL, WIDTH_DEPTH,
-    find_place, in_words, moved_there, place_profile, resembled, sides_of_head,
+    Misfit, Motion, OwnFrame, PlaceOptions, Placed, Reference, Side, TURNED, UNSURE_ROLL, UNSURE_SHIFT,
+    Unsure, WIDTH_DEPTH, find_place, in_words, moved_there, place_profile, resembled, sides_of_head,
 };
 use railspring_calibrate::section::{RailSection, rail_section};
 use railspring_calibrate::units::MILLIMETRE;
@@ -36,8 +36,8 @@ pub(super) struct Surface {
     pub placed: Option<Placed>,
     /// How it was moved from its file, if it was.
     pub motion: Option<Motion>,
-    /// By how much its roll is unsure, rad.
-    pub unsure_roll: f64,
+    /// By how much its place is unsure.
+    pub unsure: Unsure,
 }
 
 /// The standard that a measured profile is taken to belong to.
@@ -232,8 +232,13 @@ pub(super) fn on_reference(
     };
     let prepared = prepare(&in_place, &PrepareOptions { smoothing: measured.smoothing })?;
     let motion = placed.as_ref().map(|placed| placed.motion);
-    let unsure_roll = placed.as_ref().map_or(0.0, |placed| 2.0 * placed.spread.angle).min(UNSURE_ROLL);
-    Ok(Some(Surface { in_place, prepared, placed, motion, unsure_roll }))
+    let unsure = placed.as_ref().map_or_else(Unsure::default, |placed| {
+        let twice = |uncertainty: f64, most: f64| (2.0 * uncertainty).min(most);
+        let wheel = reference.kind == ProfileKind::Wheel;
+        let (roll, shift) = (twice(placed.spread.angle, UNSURE_ROLL), twice(placed.spread.y, UNSURE_SHIFT));
+        if wheel { Unsure { roll: 0.0, shift } } else { Unsure { roll, shift: 0.0 } }
+    });
+    Ok(Some(Surface { in_place, prepared, placed, motion, unsure }))
 }
 
 /// The profile of a study of which no standard is known, prepared, in the frame of a body like its own: by its own shape, or as it stands where the study
@@ -246,16 +251,16 @@ pub(super) fn by_itself(
     profile: &MeasuredProfile,
     frame: impl Fn(&MeasuredProfile) -> Result<OwnFrame>,
 ) -> Result<Surface> {
-    let (in_place, motion, unsure_roll) = match measured.aligned {
-        Some(false) => (profile.clone(), None, 0.0),
-        _ if profile.drawn.is_some() => (profile.clone(), None, 0.0),
+    let (in_place, motion, unsure) = match measured.aligned {
+        Some(false) => (profile.clone(), None, Unsure::default()),
+        _ if profile.drawn.is_some() => (profile.clone(), None, Unsure::default()),
         _ => {
-            let OwnFrame { profile, motion, unsure_roll } = frame(profile)?;
-            (profile, Some(motion), unsure_roll)
+            let OwnFrame { profile, motion, unsure } = frame(profile)?;
+            (profile, Some(motion), unsure)
         }
     };
     let prepared = prepare(&in_place, &PrepareOptions { smoothing: measured.smoothing })?;
-    Ok(Surface { in_place, prepared, placed: None, motion, unsure_roll })
+    Ok(Surface { in_place, prepared, placed: None, motion, unsure })
 }
 
 /// Where a profile lies that the study does not place.

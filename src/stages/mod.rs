@@ -20,7 +20,7 @@ mod sections;
 mod other_solids;
 mod simulate;
 
-pub use assumed::assumed;
+pub use assumed::{assumed, others_by_body};
 pub use bodies::{MovingBodies, solids};
 pub use by_angle::{PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y, with_element};
 pub use calibrate::{
@@ -49,12 +49,15 @@ use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{Orders, Pair};
 use railspring_calibrate::placement::TrackGeometry;
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::profile_file::ProfileKind;
 use railspring_calibrate::section::{RailSection, WheelSection};
 use railspring_calibrate::solid::Formulation;
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::records::ProfileRecord;
 use crate::report::ProfilePair;
+use crate::report::bodies::BodyOutline;
 use crate::report::measured::OnStandard;
 use crate::study::{ElementKey, EnforcementKey, FieldKey, MeshFile, Study};
 
@@ -70,6 +73,8 @@ pub struct Geometry {
     pub surfaces: Vec<OnStandard>,
     /// What is assumed of the bodies of measured profiles, of the rail and of the wheel.
     pub assumed: [Option<Assumed>; 2],
+    /// The pair with surfaces without a quarter of their measured points each; none where nothing scatters.
+    pub replicates: Vec<Pair>,
 }
 
 /// The meshes of both bodies.
@@ -93,19 +98,17 @@ pub struct Meshes {
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(study: &Study) -> Result<Geometry> {
-    let sections::Sectioned { section: rail, records: rail_profiles, surface: head, assumed: rail_assumed } =
-        sections::rail(study)?;
-    let sections::Sectioned { section: wheel, records: wheel_profiles, surface, assumed: wheel_assumed } =
-        sections::wheel(study)?;
+    let (rail, wheel) = (sections::rail(study)?, sections::wheel(study)?);
     // a head that its file has inclined is laid as it is there
     let turned =
-        rail_assumed.as_ref().and_then(|assumed| assumed.turned).filter(|_| !study.rail.inclination_given);
+        rail.assumed.as_ref().and_then(|assumed| assumed.turned).filter(|_| !study.rail.inclination_given);
     let inclination = turned.map_or(study.rail.inclination, f64::tan);
-    let in_track = Geometry::in_track(study, rail, wheel, inclination)?;
-    let profiles = rail_profiles.into_iter().chain(wheel_profiles).collect();
-    let surfaces = head.into_iter().chain(surface).collect();
-    let assumed = [rail_assumed, wheel_assumed];
-    Ok(Geometry { profiles, surfaces, assumed, ..in_track })
+    let in_track = Geometry::in_track(study, rail.section, wheel.section, inclination)?;
+    let replicates = in_track.replicates(study, &rail.replicates, &wheel.replicates, inclination)?;
+    let profiles = rail.records.into_iter().chain(wheel.records).collect();
+    let surfaces = rail.surface.into_iter().chain(wheel.surface).collect();
+    let assumed = [rail.assumed, wheel.assumed];
+    Ok(Geometry { profiles, surfaces, assumed, replicates, ..in_track })
 }
 
 impl Geometry {
@@ -114,13 +117,7 @@ impl Geometry {
     /// # Errors
     /// A wheel that misses the rail.
     fn in_track(study: &Study, rail: RailSection, wheel: WheelSection, inclination: f64) -> Result<Self> {
-        let track = TrackGeometry {
-            gauge: study.track.gauge,
-            gauge_height: study.track.gauge_height,
-            flange_back: study.track.flange_back,
-            inclination,
-            lateral_shift: study.track.lateral_shift,
-        };
+        let track = track(study, inclination);
         let pair = Pair::new(rail, wheel, &track).map_err(|error| match error {
             Error::Input(missed) if missed.key == InputField::LateralShift.name() => {
                 let value = format!("{} mm, {}", study.track.lateral_shift / MILLIMETRE, missed.value);
@@ -129,7 +126,66 @@ impl Geometry {
             other => other,
         })?;
         let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
-        Ok(Self { pair, beam, profiles: Vec::new(), surfaces: Vec::new(), assumed: [None, None] })
+        let (profiles, surfaces, replicates) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self { pair, beam, profiles, surfaces, assumed: [None, None], replicates })
+    }
+
+    /// The outlines of rail and wheel in the track, the wheel where it first touches, with what of them was measured.
+    pub fn outlines(&self) -> [BodyOutline; 2] {
+        /// Distance of the points on the running surfaces, m.
+        const STEP: f64 = 1.0 * MILLIMETRE;
+        let Pair { rail, wheel, placed, .. } = &self.pair;
+        let tape = self.pair.tape();
+        let outline = |running: &ProfileCurve, body: &[Point2<f64>]| -> Vec<Point2<f64>> {
+            running.sample(STEP).into_iter().chain(body.iter().skip(1).copied()).collect()
+        };
+        let measured = |running: &ProfileCurve, seams: Option<[f64; 4]>, was: bool| -> Vec<Point2<f64>> {
+            let [_, from, to, _] = seams.unwrap_or([0.0, 0.0, running.length(), running.length()]);
+            let inside = |s: &f64| was && (from..=to).contains(s);
+            running.sample_parameters(STEP).into_iter().filter(inside).map(|s| running.point(s)).collect()
+        };
+        let was = |body: &str| self.surfaces.iter().any(|surface| surface.body == body);
+        let of_rail = [
+            outline(&rail.running, &rail.body),
+            measured(&rail.running, rail.seams, was(ProfileKind::Rail.name())),
+        ];
+        let of_wheel = [
+            outline(&wheel.running, &wheel.body),
+            measured(&wheel.running, wheel.seams, was(ProfileKind::Wheel.name())),
+        ];
+        let [outline, measured] = of_rail.map(|points| points.iter().map(|p| placed.to_world(p)).collect());
+        let on_rail = BodyOutline { body: ProfileKind::Rail.name(), outline, measured };
+        let [outline, measured] = of_wheel.map(|points| points.iter().map(|p| p + tape).collect());
+        [on_rail, BodyOutline { body: ProfileKind::Wheel.name(), outline, measured }]
+    }
+
+    /// The pair with the surfaces of rails and wheels without a quarter of their measured points each, in the same track; none where neither has any.
+    fn replicates(
+        &self,
+        study: &Study,
+        rails: &[RailSection],
+        wheels: &[WheelSection],
+        inclination: f64,
+    ) -> Result<Vec<Pair>> {
+        let track = track(study, inclination);
+        let count = rails.len().max(wheels.len());
+        let of = |i: usize| {
+            let rail = rails.get(i).unwrap_or(&self.pair.rail).clone();
+            let wheel = wheels.get(i).unwrap_or(&self.pair.wheel).clone();
+            self.pair.with_surfaces(rail, wheel, &track)
+        };
+        (0..count).map(of).collect()
+    }
+}
+
+/// The track of a study, the rail inclined by a slope.
+fn track(study: &Study, inclination: f64) -> TrackGeometry {
+    TrackGeometry {
+        gauge: study.track.gauge,
+        gauge_height: study.track.gauge_height,
+        flange_back: study.track.flange_back,
+        inclination,
+        lateral_shift: study.track.lateral_shift,
     }
 }
 

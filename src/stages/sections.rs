@@ -8,7 +8,7 @@ use railspring_calibrate::profile_file::{
     Action, ClosedSection, Finding, FindingKind, MeasuredProfile, Prepared, ProfileKind, sketch_section,
 };
 use railspring_calibrate::profile_placement::{
-    OwnFrame, Reference, TURNED, rail_in_own_frame, say_nearest, wheel_in_own_frame, with_nearest_to,
+    OwnFrame, Reference, TURNED, Unsure, rail_in_own_frame, say_nearest, wheel_in_own_frame, with_nearest_to,
 };
 use railspring_calibrate::section::{
     RailSection, WheelSection, rail_section, rail_section_for_head, rail_section_of, rail_section_on,
@@ -31,6 +31,15 @@ pub(super) struct Sectioned<S> {
     pub surface: Option<OnStandard>,
     /// What is assumed of a measured body.
     pub assumed: Option<Assumed>,
+    /// The section without a quarter of the measured points each; none where nothing scatters.
+    pub replicates: Vec<S>,
+}
+
+impl<S> Sectioned<S> {
+    /// A section of which nothing was measured.
+    fn known(section: S, records: Vec<ProfileRecord>) -> Self {
+        Self { section, records, surface: None, assumed: None, replicates: Vec::new() }
+    }
 }
 
 /// What is assumed of the body of a measured profile.
@@ -44,8 +53,8 @@ pub struct Assumed {
     pub curve: ProfileCurve,
     /// How the profile was turned from its file, rad, if it was.
     pub turned: Option<f64>,
-    /// By how much its roll is unsure, rad.
-    pub unsure_roll: f64,
+    /// By how much its place is unsure.
+    pub unsure: Unsure,
 }
 
 /// Section of the rail.
@@ -59,7 +68,7 @@ pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
             Some((_, section)) => section,
             None => rail_section(keys.profile.as_deref().unwrap_or_default())?,
         };
-        return Ok(Sectioned { section, records, surface: None, assumed: None });
+        return Ok(Sectioned::known(section, records));
     };
     let mut profile = measured::read(file, ProfileKind::Rail, None)?;
     let (base, known) = match (own, &keys.profile, &keys.body) {
@@ -78,14 +87,14 @@ pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
     let reference = Reference::rail(&base);
     let frame = |profile: &MeasuredProfile| rail_in_own_frame(profile, measured::head_width(&base));
     let (mut found, joins) = laid(file, profile, &reference, known, frame)?;
-    let section = found.section(
+    let (section, replicates) = found.sections(
         joins,
         |curve, findings| rail_section_with_head(base.clone(), curve, findings),
         |curve, findings| rail_section_for_head(base.clone(), curve, findings),
     )?;
     let surface = found.on(file, &reference, Seams::of_rail(&section), &mut records);
     let assumed = Some(found.assumed(known || keys.body.is_some(), reference.name));
-    Ok(Sectioned { section, records, surface: Some(surface), assumed })
+    Ok(Sectioned { section, records, surface: Some(surface), assumed, replicates })
 }
 
 /// Section of the wheel.
@@ -103,7 +112,7 @@ pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
     };
     let Some(file) = &keys.measured else {
         let section = own.map_or_else(|| generic(""), Ok)?;
-        return Ok(Sectioned { section, records, surface: None, assumed: None });
+        return Ok(Sectioned::known(section, records));
     };
     let tape_circle = keys.tape_circle.or_else(|| own.as_ref().map(from_flange_back));
     let mut profile = measured::read(file, ProfileKind::Wheel, tape_circle)?;
@@ -125,14 +134,14 @@ pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
         wheel_in_own_frame(profile, keys.tape_circle.unwrap_or_else(|| from_flange_back(&base)))
     };
     let (mut found, joins) = laid(file, profile, &reference, known, frame)?;
-    let section = found.section(
+    let (section, replicates) = found.sections(
         joins,
         |curve, findings| wheel_section_with_profile(base.clone(), curve, findings),
         |curve, findings| wheel_section_for_profile(&base, curve, &keys.body, findings),
     )?;
     let surface = found.on(file, &reference, Seams::of_wheel(&section), &mut records);
     let assumed = Some(found.assumed(known, reference.name));
-    Ok(Sectioned { section, records, surface: Some(surface), assumed })
+    Ok(Sectioned { section, records, surface: Some(surface), assumed, replicates })
 }
 
 /// The profile in its place, and whether that is on a section which is `known` to be its own: on the `reference`, or by its own shape in the `frame` of a body
@@ -183,14 +192,16 @@ fn own_section<'a>(
 }
 
 impl Surface {
-    /// Its section: joined to the section of its own where it `joins` that, or else, as where an end of it is too far from that, on a body moved to its ends.
-    fn section<S>(
+    /// Its section: joined to the section of its own where it `joins` that, or else, as where an end of it is too far from that, on a body moved to its ends. The
+    /// same of its replicates.
+    fn sections<S>(
         &mut self,
         joins: bool,
-        join: impl FnOnce(&ProfileCurve, &mut Vec<Finding>) -> Result<S>,
-        moved: impl FnOnce(&ProfileCurve, &mut Vec<Finding>) -> Result<S>,
-    ) -> Result<S> {
-        let Prepared { curve, findings, .. } = &mut self.prepared;
+        join: impl Fn(&ProfileCurve, &mut Vec<Finding>) -> Result<S>,
+        moved: impl Fn(&ProfileCurve, &mut Vec<Finding>) -> Result<S>,
+    ) -> Result<(S, Vec<S>)> {
+        let Prepared { curve, replicates, findings, .. } = &mut self.prepared;
+        let mut joined = None;
         if joins {
             let before = findings.len();
             match join(curve, findings) {
@@ -199,18 +210,23 @@ impl Surface {
                     let text = format!("{}: the body is moved to the measured ends", error.value);
                     findings.push(Finding::new(FindingKind::Joined, Action::Noted, text));
                 }
-                joined => return joined,
+                section => joined = Some(section?),
             }
         }
-        moved(curve, findings)
+        let again = |curve: &ProfileCurve| match joined {
+            Some(_) => join(curve, &mut Vec::new()),
+            None => moved(curve, &mut Vec::new()),
+        };
+        let replicates = replicates.iter().map(again).collect::<Result<_>>()?;
+        let section = joined.map_or_else(|| moved(curve, findings), Ok)?;
+        Ok((section, replicates))
     }
 
     /// What is assumed of its body on the section `base`, whether that is `given` or only like it.
     fn assumed(&self, given: bool, base: String) -> Assumed {
         let like = (!given).then(|| base.clone());
         let turned = self.motion.map(|motion| motion.angle).filter(|angle| angle.abs() > TURNED);
-        let (curve, unsure_roll) = (self.prepared.curve.clone(), self.unsure_roll);
-        Assumed { like, base, curve, turned, unsure_roll }
+        Assumed { like, base, curve: self.prepared.curve.clone(), turned, unsure: self.unsure }
     }
 
     /// The surface on its section, for the picture; its record is added.

@@ -208,8 +208,8 @@ pub struct WheelClass {
     pub slopes: [f64; 2],
     /// Where the outer slope begins, and where the rim ends.
     pub ends: [f64; 2],
-    /// Where the throat begins.
-    pub throat_y: f64,
+    /// Thickness of the flange 10 mm above the tape circle.
+    pub thickness: f64,
     /// Radii of the throat: at the tread, and at the flange.
     pub throat: [f64; 2],
     /// Inclination of the flange face, degrees.
@@ -228,7 +228,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "AAR freight",
         slopes: [0.05, 0.05],
         ends: [45.0, 68.0],
-        throat_y: -18.0,
+        thickness: 31.0,
         throat: [38.0, 14.3],
         face: 75.0,
         flange: [25.4, 17.5, 12.0],
@@ -239,7 +239,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "Russia freight",
         slopes: [0.1, 0.286],
         ends: [30.0, 54.0],
-        throat_y: -21.0,
+        thickness: 33.0,
         throat: [15.0, 15.0],
         face: 60.0,
         flange: [30.0, 14.0, 16.0],
@@ -250,7 +250,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "China freight",
         slopes: [0.06, 0.125],
         ends: [25.0, 60.0],
-        throat_y: -16.0,
+        thickness: 32.0,
         throat: [100.0, 14.0],
         face: 70.0,
         flange: [27.0, 18.0, 12.0],
@@ -261,7 +261,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "Japan, arc tread",
         slopes: [0.04, 0.05],
         ends: [30.0, 60.0],
-        throat_y: -14.0,
+        thickness: 30.0,
         throat: [120.0, 15.0],
         face: 70.0,
         flange: [30.0, 16.0, 13.0],
@@ -272,7 +272,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "India, worn tread",
         slopes: [0.05, 0.1],
         ends: [32.0, 57.0],
-        throat_y: -15.0,
+        thickness: 29.4,
         throat: [100.0, 14.0],
         face: 68.2,
         flange: [28.5, 14.5, 14.5],
@@ -283,7 +283,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "metro, cylindrical",
         slopes: [0.0, 0.0],
         ends: [40.0, 62.0],
-        throat_y: -22.0,
+        thickness: 31.0,
         throat: [16.0, 16.0],
         face: 70.0,
         flange: [28.0, 15.0, 12.0],
@@ -294,7 +294,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "metro, 1:20",
         slopes: [0.05, 0.1],
         ends: [35.0, 60.0],
-        throat_y: -20.0,
+        thickness: 31.0,
         throat: [40.0, 14.0],
         face: 70.0,
         flange: [29.0, 15.0, 12.0],
@@ -305,7 +305,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "tram",
         slopes: [0.025, 0.025],
         ends: [25.0, 40.0],
-        throat_y: -18.0,
+        thickness: 24.0,
         throat: [13.0, 13.0],
         face: 72.0,
         flange: [23.0, 10.0, 9.0],
@@ -316,7 +316,7 @@ pub const WHEELS: [WheelClass; 9] = [
         name: "light rail",
         slopes: [0.033, 0.066],
         ends: [30.0, 50.0],
-        throat_y: -17.0,
+        thickness: 27.0,
         throat: [40.0, 12.0],
         face: 75.0,
         flange: [26.0, 12.0, 11.0],
@@ -330,23 +330,36 @@ impl WheelClass {
     pub fn profile(&self) -> Vec<Point> {
         // from the tape circle towards the flange, mirrored: y' = -y, so that the pen goes to positive y'
         let tread = self.slopes[0].atan();
-        let mut inner = Pen::at([0.0, 0.0], tread);
-        inner.straight((-self.throat_y).max(1.0) * 0.98);
-        let face = self.face.to_radians();
-        // half of the turn by the flatter radius
-        let between = tread + 0.35 * (face - tread);
-        if self.throat[0] > self.throat[1] {
-            let flat = (between - tread).min(10.0_f64.to_radians());
-            inner.arc(self.throat[0], tread + flat);
+        let to_back = |straight: f64| {
+            let mut inner = Pen::at([0.0, 0.0], tread);
+            inner.straight(straight);
+            let face = self.face.to_radians();
+            // half of the turn by the flatter radius
+            let between = tread + 0.35 * (face - tread);
+            if self.throat[0] > self.throat[1] {
+                let flat = (between - tread).min(10.0_f64.to_radians());
+                inner.arc(self.throat[0], tread + flat);
+            }
+            inner.arc(self.throat[1], face);
+            // the tip's outer arc ends at the height of the flange
+            let rise = self.flange[1] * (1.0 - face.cos());
+            let [_, z] = inner.last();
+            inner.straight(((self.flange[0] - rise - z) / face.sin()).max(0.5));
+            inner.arc(self.flange[1], 0.0);
+            inner.arc(self.flange[2], -FRAC_PI_2);
+            inner.straight(15.0 - self.flange[2].min(10.0) * 0.5);
+            inner
+        };
+        // the throat begins where the flange gets its thickness
+        let (mut low, mut high) = (0.1, self.tape);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            let points = to_back(middle).points;
+            let at = points.iter().position(|p| p[1] >= 10.0);
+            let face = at.map_or(f64::INFINITY, |at| points[at][0]);
+            if self.tape - face > self.thickness { low = middle } else { high = middle }
         }
-        inner.arc(self.throat[1], face);
-        // the tip's outer arc ends at the height of the flange
-        let rise = self.flange[1] * (1.0 - face.cos());
-        let [_, z] = inner.last();
-        inner.straight(((self.flange[0] - rise - z) / face.sin()).max(0.5));
-        inner.arc(self.flange[1], 0.0);
-        inner.arc(self.flange[2], -FRAC_PI_2);
-        inner.straight(15.0 - self.flange[2].min(10.0) * 0.5);
+        let inner = to_back(low);
         // the back lies where the tape circle has it: the tip is stretched or pressed level
         let back = inner.last()[0];
         let top = inner.points.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max);

@@ -3,7 +3,8 @@
 //! Twice as large elements change a law by what it is still away from its limit if the error is of first order in the size of the
 //! elements, and by three times as much if it is of second order. The error of the bodies lies between (order 1.35 was seen, from their
 //! corners and their elements of unlike shape), so that the change holds it. Half the spacing of the grid, whose error is of second order, changes
-//! the law by three quarters of it. Where the bodies are meshes alone there is no finer grid, and the coarser mesh has the steps from
+//! the law by three quarters of it. What the scatter of measured profiles leaves in the law is twice the standard uncertainty by the jackknife
+//! ([`standard_uncertainty`]), with their surfaces without a quarter of the points on the same bodies. Where the bodies are meshes alone there is no finer grid, and the coarser mesh has the steps from
 //! node to node in it as well.
 
 use super::bodies::{CondensedPair, ContactConditions, Laws};
@@ -16,6 +17,7 @@ use crate::calibration::{
 };
 use crate::error::{Result, unless_interrupted};
 use crate::monitor::Monitor;
+use crate::profile_file::{REPLICATES, standard_uncertainty};
 use nalgebra::{Unit, Vector2};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -83,13 +85,15 @@ pub struct BandPoint {
     pub grid: Option<Change>,
     /// Change with a coarser mesh of both bodies; none where there is none.
     pub mesh: Option<Change>,
+    /// Twice the standard uncertainty by the scatter of measured profiles; none without any.
+    pub scatter: Option<Change>,
 }
 
 impl BandPoint {
-    /// Half the width of the band: the sizes of both changes together.
+    /// Half the width of the band: the sizes of all changes together.
     pub fn band(&self) -> Change {
-        let sum =
-            |of: fn(Change) -> f64| [self.grid, self.mesh].into_iter().flatten().map(|c| of(c).abs()).sum();
+        let changes = [self.grid, self.mesh, self.scatter];
+        let sum = |of: fn(Change) -> f64| changes.into_iter().flatten().map(|c| of(c).abs()).sum();
         Change { displacement: sum(|c| c.displacement), tangent: sum(|c| c.tangent) }
     }
 }
@@ -113,14 +117,20 @@ impl ErrorBand {
     }
 }
 
-/// The bands of the solid under its loads, reference by reference, from its changes with the grid and with the meshes.
-pub fn error_bands(points: &SolidPoints, grid: Option<&Changes>, mesh: Option<&Changes>) -> Vec<ErrorBand> {
+/// The bands of the solid under its loads, reference by reference, from its changes with the grid, with the meshes and by the scatter.
+pub fn error_bands(
+    points: &SolidPoints,
+    grid: Option<&Changes>,
+    mesh: Option<&Changes>,
+    scatter: Option<&Changes>,
+) -> Vec<ErrorBand> {
     let band = |(reference, points): (Reference, &Vec<LoadPoint>)| {
         let at = |changes: Option<&Changes>, load: usize| changes?.get(reference)?.get(load).copied();
         let point = |(load, p): (usize, &LoadPoint)| BandPoint {
             force: p.force,
             grid: at(grid, load),
             mesh: at(mesh, load),
+            scatter: at(scatter, load),
         };
         ErrorBand { reference, points: points.iter().enumerate().map(point).collect() }
     };
@@ -181,8 +191,10 @@ pub struct Solid<'a> {
     pub in_turn: Vec<f64>,
     /// Numbers of the loads at which the grid is halved, ascending.
     pub halved: Vec<usize>,
-    /// Numbers of the loads that coarser meshes carry, ascending.
+    /// Numbers of the loads that coarser meshes carry, ascending; the surfaces of the replicates too.
     pub coarser: Vec<usize>,
+    /// The pair with surfaces from which a quarter of the measured points is left out each; [`REPLICATES`] or none.
+    pub replicates: Vec<Pair>,
 }
 
 /// How far a solid changes; a part that has not come to an answer says why.
@@ -192,6 +204,8 @@ pub struct Changed {
     pub grid: Result<Option<Changes>>,
     /// With coarser meshes; none without them.
     pub mesh: Result<Option<Changes>>,
+    /// Twice the standard uncertainty by the scatter of measured profiles; none without any.
+    pub scatter: Result<Option<Changes>>,
 }
 
 impl<'a> Solid<'a> {
@@ -201,6 +215,7 @@ impl<'a> Solid<'a> {
         bodies: &'a CondensedPair,
         contact: ContactConditions,
         laws: &Laws,
+        replicates: &[Pair],
     ) -> Self {
         let points = laws.map(|law| law.points.clone());
         let count = points.beam.len();
@@ -215,6 +230,7 @@ impl<'a> Solid<'a> {
             in_turn,
             halved: spread(count, LOADS_HALVED),
             coarser: spread(count, LOADS_COARSER),
+            replicates: replicates.to_vec(),
         }
     }
 
@@ -228,6 +244,7 @@ impl<'a> Solid<'a> {
         along: Unit<Vector2<f64>>,
         law: &AngleLaw,
         mut loads: Vec<f64>,
+        replicates: Vec<Pair>,
     ) -> Self {
         let at = |of: fn(&ByReference<LoadPoint>) -> Option<LoadPoint>| -> Vec<LoadPoint> {
             law.fixed.iter().filter_map(|fixed| of(&fixed.points)).collect()
@@ -242,7 +259,7 @@ impl<'a> Solid<'a> {
         let coarser = spread(points.beam.len(), FIXED_LOADS_CHANGED);
         let halved = spread(smaller, FIXED_LOADS_CHANGED);
         loads.retain(|load| *load <= largest);
-        Self { pair, bodies, contact, along, points, in_turn: loads, halved, coarser }
+        Self { pair, bodies, contact, along, points, in_turn: loads, halved, coarser, replicates }
     }
 
     /// How far it changes with the grid, and with the meshes of the `coarser` bodies.
@@ -250,11 +267,15 @@ impl<'a> Solid<'a> {
     /// # Errors
     /// An interruption.
     pub fn changed(&self, coarser: Option<&CondensedPair>, monitor: &dyn Monitor) -> Result<Changed> {
-        let (mesh, grid) = rayon::join(
+        let (mesh, (grid, scatter)) = rayon::join(
             || coarser.map(|coarser| self.mesh_changes(coarser, monitor)).transpose(),
-            || self.grid_changes(monitor),
+            || (self.grid_changes(monitor), self.scatter_changes(monitor)),
         );
-        Ok(Changed { grid: unless_interrupted(grid)?, mesh: unless_interrupted(mesh)? })
+        Ok(Changed {
+            grid: unless_interrupted(grid)?,
+            mesh: unless_interrupted(mesh)?,
+            scatter: unless_interrupted(scatter)?,
+        })
     }
 
     /// Changes to a grid of half the spacing; none for a contact on the nodes of the meshes.
@@ -326,6 +347,48 @@ impl<'a> Solid<'a> {
         Ok(changes(&self.points, among, &from?, &to?))
     }
 
+    /// What the scatter of measured profiles is worth: twice the standard uncertainty by their replicates, pressed without friction and with the section
+    /// held; none without replicates.
+    ///
+    /// # Errors
+    /// Those of [`press_loads`](crate::calibration::press_loads) and of the tangents.
+    pub fn scatter_changes(&self, monitor: &dyn Monitor) -> Result<Option<Changes>> {
+        let Ok(replicates) = <&[Pair; REPLICATES]>::try_from(self.replicates.as_slice()) else {
+            return Ok(None);
+        };
+        let loads = self.forces(&self.coarser);
+        let contact = ContactConditions { friction: 0.0, ..self.contact };
+        let points = |pair: &Pair| -> Result<SolidPoints> {
+            let placed = self.bodies.wheel_on_rail(pair, Reference::Beam, contact)?;
+            let placed = WheelOnRail { along: self.along, ..placed };
+            let states = press_loads_apart(&placed, &loads, "error by scatter", monitor)?;
+            let beam = load_points(&placed, &states, Reference::Beam)?;
+            let local = load_points(&placed, &states, Reference::Local)?;
+            Ok(SolidPoints { foot: self.points.foot.as_ref().map(|_| beam.clone()), beam, local })
+        };
+        let from = points(self.pair)?;
+        let of: Vec<Changes> = replicates
+            .iter()
+            .map(|pair| Ok(changes(&self.points, &self.coarser, &from, &points(pair)?)))
+            .collect::<Result<_>>()?;
+        let uncertainty = |reference: Reference| {
+            let of: Vec<&Vec<Change>> = of.iter().filter_map(|changes| changes.get(reference)).collect();
+            let at = |load: usize, part: fn(&Change) -> f64| {
+                2.0 * standard_uncertainty(std::array::from_fn(|i| part(&of[i][load])))
+            };
+            (of.len() == REPLICATES).then(|| {
+                (0..of[0].len())
+                    .map(|load| Change {
+                        displacement: at(load, |c| c.displacement),
+                        tangent: at(load, |c| c.tangent),
+                    })
+                    .collect::<Vec<_>>()
+            })
+        };
+        let [beam, local] = [Reference::Beam, Reference::Local].map(|r| uncertainty(r).unwrap_or_default());
+        Ok(Some(Changes { foot: uncertainty(Reference::Foot), beam, local }))
+    }
+
     /// The loads with some numbers, N.
     fn forces(&self, numbers: &[usize]) -> Vec<f64> {
         numbers.iter().map(|&load| self.points.beam[load].force).collect()
@@ -342,7 +405,7 @@ impl<'a> Solid<'a> {
 }
 
 /// How far the solid of each of the `laws` by contact angle changes at its fixed loads, on the bodies of the laws and on `coarser` ones, with
-/// its points; none for one without a fixed load. As for a calibration, but at fewer of the loads. The places share the threads; the
+/// its points; none for one without a fixed load. `replicates` as in [`Solid`]. As for a calibration, but at fewer of the loads. The places share the threads; the
 /// answer does not depend on how many there are.
 ///
 /// # Errors
@@ -351,6 +414,7 @@ pub fn changed_by_shift(
     pair: &Pair,
     bodies: &CondensedPair,
     coarser: Option<&CondensedPair>,
+    replicates: &[Pair],
     settings: &AngleSettings,
     laws: &[ShiftLaw],
     monitor: &dyn Monitor,
@@ -363,10 +427,15 @@ pub fn changed_by_shift(
         .map(|entry| {
             let changed = match (&entry.law, &entry.touch) {
                 (Ok(law), Some(touch)) if !law.fixed.is_empty() => {
+                    let by = entry.tape_y - pair.tape_y;
+                    let beside = |own: &Pair| own.with_wheel_at(own.tape_y + by);
+                    // micrometres beside a place that touches; one that does not tells nothing of the scatter
+                    let replicates = replicates.iter().map(beside).collect::<Result<_>>().unwrap_or_default();
                     let pair = pair.with_wheel_at(entry.tape_y)?;
                     let loads = loads_in_turn(settings.loads, settings.fixed_loads);
+                    let contact = settings.contact;
                     let solid =
-                        Solid::of_fixed_loads(&pair, bodies, settings.contact, touch.along, law, loads);
+                        Solid::of_fixed_loads(&pair, bodies, contact, touch.along, law, loads, replicates);
                     let changed = solid.changed(coarser, &going_on)?;
                     Some((solid.points, changed))
                 }
@@ -442,10 +511,11 @@ mod tests {
         let (mesh, grid) = (to(points(1.01, 0.97)), to(points(0.996, 1.02)));
         let near = |a: f64, b: f64| (a - b).abs() < ROUNDOFF;
         for (bands, displacement, tangent) in [
-            (error_bands(&base, Some(&grid), Some(&mesh)), 0.014, 0.05),
-            (error_bands(&base, None, Some(&mesh)), 0.01, 0.03),
-            (error_bands(&base, Some(&grid), None), 0.004, 0.02),
-            (error_bands(&base, None, None), 0.0, 0.0),
+            (error_bands(&base, Some(&grid), Some(&mesh), None), 0.014, 0.05),
+            (error_bands(&base, None, Some(&mesh), None), 0.01, 0.03),
+            (error_bands(&base, Some(&grid), None, None), 0.004, 0.02),
+            (error_bands(&base, None, None, Some(&grid)), 0.004, 0.02),
+            (error_bands(&base, None, None, None), 0.0, 0.0),
         ] {
             for band in bands {
                 let (largest, first) = (band.largest(), band.points[0].band());

@@ -61,6 +61,22 @@ impl Pair {
         Ok(Self { tape_y, touch, ..self.clone() })
     }
 
+    /// Other surfaces on the same bodies, which differ from these by micrometres: the rail as a beam stays, the places are found anew.
+    ///
+    /// # Errors
+    /// A wheel that misses the rail.
+    pub fn with_surfaces(
+        &self,
+        rail: RailSection,
+        wheel: WheelSection,
+        track: &TrackGeometry,
+    ) -> Result<Self> {
+        let placed = place_rail(&rail, track)?;
+        let tape_y = track.tape_y(&wheel.running);
+        let touch = touch(&placed, &wheel.running, tape_y)?;
+        Ok(Self { rail, wheel, placed, tape_y, touch, ..self.clone() })
+    }
+
     /// The rail as a beam of a length (m), fixed at both ends, of so many elements.
     ///
     /// # Errors

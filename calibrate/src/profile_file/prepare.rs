@@ -7,6 +7,7 @@ use super::corners::add_corners;
 use super::finding::{Action, Finding, FindingKind};
 use super::kinks::{find_kinks, report_gaps, report_range};
 use super::loops::cut_loops;
+use super::replicates::replicates;
 use super::scatter::scatter;
 use super::smooth::smooth;
 use super::text::error_at;
@@ -62,6 +63,8 @@ pub struct Prepared {
     pub kinks: Vec<usize>,
     /// The curve through them, with the corners.
     pub curve: ProfileCurve,
+    /// The same without a quarter of the points each ([`REPLICATES`](super::REPLICATES)); none where no scatter was smoothed.
+    pub replicates: Vec<ProfileCurve>,
     /// All findings, the reader's first.
     pub findings: Vec<Finding>,
 }
@@ -85,25 +88,26 @@ pub fn prepare(profile: &MeasuredProfile, options: &PrepareOptions) -> Result<Pr
         let corners: Vec<Point2<f64>> = curve.kinks().iter().map(|&s| curve.point(s)).collect();
         let same = |p: &MeasuredPoint, corner: &Point2<f64>| (p.point - corner).norm() < SAME_PLACE;
         let kinks = (0..points.len()).filter(|&i| corners.iter().any(|c| same(&points[i], c))).collect();
-        return Ok(Prepared { points, kinks, curve, findings });
+        return Ok(Prepared { points, kinks, curve, replicates: Vec::new(), findings });
     }
     let mut points = repaired(profile, &mut findings)?;
     report_gaps(&points, &mut findings);
     let mut kinks = find_kinks(&points, &mut findings);
     report_range(profile.kind, &points, &mut findings);
-    smooth_points(&mut points, &mut kinks, options.smoothing, &mut findings)?;
+    let replicates = smooth_points(&mut points, &mut kinks, options.smoothing, &mut findings)?;
     let places: Vec<Point2<f64>> = points.iter().map(|p| p.point).collect();
     let curve = ProfileCurve::from_points(&places, &kinks).map_err(|error| in_file(name, &points, error))?;
-    Ok(Prepared { points, kinks, curve, findings })
+    Ok(Prepared { points, kinks, curve, replicates, findings })
 }
 
-/// Smooths the points, and says what was measured and done; corners in the scatter are added to `kinks`.
+/// Smooths the points, and says what was measured and done; corners in the scatter are added to `kinks`. Returns the smoothed curves without a quarter of the
+/// points each.
 fn smooth_points(
     points: &mut Vec<MeasuredPoint>,
     kinks: &mut Vec<usize>,
     smoothing: Smoothing,
     findings: &mut Vec<Finding>,
-) -> Result<()> {
+) -> Result<Vec<ProfileCurve>> {
     let measured = scatter(&pieces(points, kinks));
     let micrometres = |length: f64| format!("{:.3} \u{b5}m", length / MICROMETRE);
     let noise = |action, text: String| {
@@ -123,10 +127,11 @@ fn smooth_points(
                 advised / MILLIMETRE
             );
             findings.push(noise(Action::Noted, text));
-            return Ok(());
+            return Ok(Vec::new());
         }
-        (_, None) => return Ok(()),
+        (_, None) => return Ok(Vec::new()),
     };
+    let without_quarters = replicates(points, kinks, measured.together, halved)?;
     let smoothed = smooth(points, kinks, halved)?;
     let (line, moved) = (smoothed.largest_line, smoothed.largest);
     findings.push(match smoothing {
@@ -152,7 +157,7 @@ fn smooth_points(
         }
     });
     *points = smoothed.points;
-    Ok(())
+    Ok(without_quarters)
 }
 
 /// The points between the corners; those without weight are left out where others have one.

@@ -22,6 +22,8 @@ const LONGEST_MEAN: f64 = 0.5 * MILLIMETRE;
 const COUNTED: f64 = 0.75;
 /// ... and the mean square of that share of a normal variable of unit variance: 1 − 2q·φ(q)/0.75 with q = 1.1503.
 const MEAN_SQUARE_OF_COUNTED: f64 = 0.368;
+/// How much larger the density of means is where their points err alike: the densities of white scatter differ by a tenth and less.
+const ALIKE: f64 = 1.5;
 /// Points of a difference.
 const WINDOW: usize = 5;
 /// Fewest differences of means from which their deviation is taken.
@@ -36,6 +38,8 @@ pub struct Scatter {
     pub density: f64,
     /// Usual distance of the points, m.
     pub step: f64,
+    /// Neighbours that err alike, as far as the means of so many tell.
+    pub together: usize,
 }
 
 /// Measures the scatter of a profile that consists of `pieces` of points (m, in order along it), between which it has corners.
@@ -49,7 +53,8 @@ pub fn scatter(pieces: &[Vec<Point2<f64>>]) -> Scatter {
     steps.sort_unstable_by(f64::total_cmp);
     let step = steps[steps.len() / 2];
     let (deviation, _) = of_points(pieces);
-    let mut found = Scatter { deviation, density: deviation * deviation * step, step };
+    let of_point = deviation * deviation * step;
+    let mut found = Scatter { deviation, density: of_point, step, together: 1 };
     let mut count = 2;
     while count as f64 * step <= LONGEST_MEAN {
         let means: Vec<Vec<Point2<f64>>> = pieces.iter().map(|piece| means(piece, count)).collect();
@@ -58,7 +63,11 @@ pub fn scatter(pieces: &[Vec<Point2<f64>>]) -> Scatter {
             break;
         }
         found.deviation = found.deviation.max(deviation);
-        found.density = found.density.max(deviation * deviation * step * count as f64);
+        let density = deviation * deviation * step * count as f64;
+        if density > found.density && density > ALIKE * of_point {
+            found.together = count;
+        }
+        found.density = found.density.max(density);
         count *= 2;
     }
     found

@@ -21,7 +21,8 @@ pub use file::{find_place, moved_there, place_profile};
 pub use fit::missing;
 pub use nearest::{Misfit, in_words, nearest, resembled, say_nearest, with_nearest_to};
 pub use own_frame::{
-    OwnFrame, TURNED, UNSURE_ROLL, WIDTH_DEPTH, rail_in_own_frame, sides_of_head, wheel_in_own_frame,
+    OwnFrame, TURNED, UNSURE_ROLL, UNSURE_SHIFT, Unsure, WIDTH_DEPTH, rail_in_own_frame, sides_of_head,
+    wheel_in_own_frame,
 };
 pub use placed::{Motion, PlaceOptions, Placed, PlacedPoint, Size, Spread, place};
 pub use reference::Reference;

@@ -19,6 +19,19 @@ pub const TURNED: f64 = 0.0125;
 /// Roll of a head by which its place is unsure where its shape does not tell, rad: 1:40.
 pub const UNSURE_ROLL: f64 = 0.025;
 
+/// Lateral place of a wheel by which it is unsure where its flange back was not measured, m: tape circles lie 62 to 73 mm from it, most of them
+/// within this about 70 mm.
+pub const UNSURE_SHIFT: f64 = 3.0 * MILLIMETRE;
+
+/// By how much a place is unsure, to either side.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Unsure {
+    /// The roll of a rail's head, rad.
+    pub roll: f64,
+    /// The lateral place of a wheel, m. That of a rail follows from its gauge point.
+    pub shift: f64,
+}
+
 /// A profile placed by its own shape.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnFrame {
@@ -26,8 +39,8 @@ pub struct OwnFrame {
     pub profile: MeasuredProfile,
     /// How it was moved.
     pub motion: Motion,
-    /// By how much its roll is unsure, rad.
-    pub unsure_roll: f64,
+    /// By how much the place is unsure.
+    pub unsure: Unsure,
 }
 
 /// y at which a head crosses the level `depth` (m) below its highest point on the gauge side (first) and on the field side, m; `None` for a side that the
@@ -105,7 +118,7 @@ pub fn rail_in_own_frame(profile: &MeasuredProfile, width: f64) -> Result<OwnFra
         }
     };
     let motion = Motion { mirrored: false, angle, translation: Vector2::new(-across, -top) };
-    let unsure_roll = if seen.is_some() { 0.5 * TURNED } else { UNSURE_ROLL };
+    let unsure = Unsure { roll: if seen.is_some() { 0.5 * TURNED } else { UNSURE_ROLL }, shift: 0.0 };
     let mut placed = moved(profile, &motion);
     let how = match seen {
         Some(_) if angle != 0.0 => format!(
@@ -119,10 +132,10 @@ pub fn rail_in_own_frame(profile: &MeasuredProfile, width: f64) -> Result<OwnFra
         "{how}; moved by ({:.3}, {:.3}) mm to the top and the axis of the body that is assumed; the roll is unsure by \u{b1}{:.1} degrees",
         motion.translation.x / MILLIMETRE,
         motion.translation.y / MILLIMETRE,
-        unsure_roll.to_degrees()
+        unsure.roll.to_degrees()
     );
     placed.findings.push(Finding::new(FindingKind::Aligned, Action::Noted, text));
-    Ok(OwnFrame { profile: placed, motion, unsure_roll })
+    Ok(OwnFrame { profile: placed, motion, unsure })
 }
 
 /// The wheel with its tape circle, which is `tape_circle` (m) from the flange back, at y = 0: where the back was measured, from there, and else as
@@ -131,11 +144,9 @@ pub fn rail_in_own_frame(profile: &MeasuredProfile, width: f64) -> Result<OwnFra
 /// # Errors
 /// [`crate::error::InputError`] for a profile that cannot be repaired.
 pub fn wheel_in_own_frame(profile: &MeasuredProfile, tape_circle: f64) -> Result<OwnFrame> {
-    /// How far the origin of a file may be from where the back says, m: another definition of the tape circle is a millimetre or two off.
-    const SAME_ORIGIN: f64 = 3.0 * MILLIMETRE;
     let points: Vec<Point2<f64>> = repaired(profile, &mut Vec::new())?.iter().map(|p| p.point).collect();
     let off = flange_back(&points).map(|back| -tape_circle - back);
-    let across = off.filter(|off| off.abs() > SAME_ORIGIN).unwrap_or(0.0);
+    let across = off.filter(|off| off.abs() > UNSURE_SHIFT).unwrap_or(0.0);
     let shifted: Vec<Point2<f64>> = points.iter().map(|p| Point2::new(p.x + across, p.y)).collect();
     // a tread that lies elsewhere only because y did
     let down = if across == 0.0 { 0.0 } else { -height_at_tape_circle(&shifted).unwrap_or(0.0) };
@@ -152,8 +163,9 @@ pub fn wheel_in_own_frame(profile: &MeasuredProfile, tape_circle: f64) -> Result
             "the flange back was not measured: the origin of the file is taken for the tape circle".to_owned()
         }
     };
+    let shift = if off.is_none() { UNSURE_SHIFT } else { 0.0 };
     placed.findings.push(Finding::new(FindingKind::Aligned, Action::Noted, text));
-    Ok(OwnFrame { profile: placed, motion, unsure_roll: 0.0 })
+    Ok(OwnFrame { profile: placed, motion, unsure: Unsure { roll: 0.0, shift } })
 }
 
 /// y of the back of a flange: the median over its vertical part behind the tip; `None` where less than 3 mm of it were measured.

@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Point2, Rotation2, Vector2, Vector4};
 use super::fit::{Foot, Pose, Sample, covariance, feet_of, kept, settle};
 use super::reference::Reference;
 use super::side::{Side, side_of, worn_sides};
-use super::starts::{Candidate, candidates, mirrored, thinned};
+use super::starts::{Candidate, mirrored, starts, thinned};
 use crate::error::{InputError, Result};
 use crate::profile_file::{MeasuredProfile, scatter};
 use crate::units::MILLIMETRE;
@@ -159,8 +159,9 @@ pub fn place(points: &[Point2<f64>], reference: &Reference, options: PlaceOption
     let noise = scatter(&[points.to_vec()]).deviation;
     let mirrors: &[bool] = if reference.symmetric { &[false] } else { &[false, true] };
     let mut scale = (SCALE_TO_NOISE * noise).clamp(LEAST_SCALE, GREATEST_SCALE);
+    let starts = starts(reference, &samples, mirrors);
     loop {
-        let found = candidates(reference, &samples, mirrors, scale);
+        let found = starts.candidates(reference, scale);
         let Some(&best) = found.first() else { return Ok(None) };
         let placed = finish(points, &samples, centre, reference, best, scale, noise, options);
         if placed.1 >= ENOUGH || scale >= GREATEST_SCALE {

@@ -19,6 +19,9 @@ const FOLLOWED: usize = 8;
 const REFINED: usize = 2;
 /// How deep below its top the sides of a head are looked for, m.
 const HEAD: f64 = 35.0 * MILLIMETRE;
+/// Scale at which starts are compared, m, and that at which coarse poses are.
+const FIRST_SCALE: f64 = 3.0 * MILLIMETRE;
+const COARSE_SCALE: f64 = 0.4 * MILLIMETRE;
 /// Greatest rotation of a measurement, whichever side is up, rad.
 const MOST_TURNED: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Places about a coarse pose from which it is refined.
@@ -57,16 +60,14 @@ pub(super) fn thinned(samples: &[Sample], count: usize) -> Vec<Sample> {
     thinned
 }
 
-/// Poses by their cost at the scale `finest` (m), the best first, those that are the same left out. `mirrors` are the mirror
-/// images that are tried.
-pub(super) fn candidates(
-    reference: &Reference,
-    samples: &[Sample],
-    mirrors: &[bool],
-    finest: f64,
-) -> Vec<Candidate> {
-    const FIRST_SCALE: f64 = 3.0 * MILLIMETRE;
-    const COARSE_SCALE: f64 = 0.4 * MILLIMETRE;
+/// Places from which poses are refined, on the thinned measurement and on its mirror image.
+pub(super) struct Starts {
+    images: [Vec<Sample>; 2],
+    starts: Vec<Candidate>,
+}
+
+/// Where the fit begins. `mirrors` are the mirror images that are tried.
+pub(super) fn starts(reference: &Reference, samples: &[Sample], mirrors: &[bool]) -> Starts {
     let mut begun: Vec<Candidate> = Vec::new();
     for &mirror in mirrors {
         let all = if mirror { mirrored(samples) } else { samples.to_vec() };
@@ -96,16 +97,22 @@ pub(super) fn candidates(
         .filter(|candidate| candidate.pose.angle.sin().abs() < MOST_TURNED.sin())
         .collect();
     let coarse = distinct(coarse, MILLIMETRE);
-    let mut fine = Vec::new();
-    for candidate in coarse.iter().take(REFINED) {
-        for start in places_about(reference, image(candidate), candidate) {
-            let (pose, cost) = sharpen(reference, image(candidate), start.pose, [COARSE_SCALE, finest], 4);
-            if pose.angle.sin().abs() < MOST_TURNED.sin() {
-                fine.push(Candidate { pose, cost, ..*candidate });
-            }
-        }
+    let near = coarse.iter().take(REFINED);
+    let starts = near.flat_map(|candidate| places_about(reference, image(candidate), candidate)).collect();
+    Starts { images, starts }
+}
+
+impl Starts {
+    /// Poses by their cost at the scale `finest` (m), the best first, those that are the same left out.
+    pub fn candidates(&self, reference: &Reference, finest: f64) -> Vec<Candidate> {
+        let refined = self.starts.iter().map(|start| {
+            let image = &self.images[usize::from(start.mirrored)];
+            let (pose, cost) = sharpen(reference, image, start.pose, [COARSE_SCALE, finest], 4);
+            Candidate { pose, cost, ..*start }
+        });
+        let upright = refined.filter(|candidate| candidate.pose.angle.sin().abs() < MOST_TURNED.sin());
+        distinct(upright.collect(), 0.02 * MILLIMETRE)
     }
-    distinct(fine, 0.02 * MILLIMETRE)
 }
 
 /// The best poses of a grid about a coarse one, and the coarse one itself.

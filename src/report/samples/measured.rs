@@ -2,7 +2,22 @@
 
 use nalgebra::Point2;
 
+use crate::report::bodies::BodyOutline;
 use crate::report::measured::{Changed, OffStandard, OnStandard, Origin, Part};
+
+/// A square rail of 100 mm under a square wheel of 400 mm; the upper side of the rail was measured.
+pub(crate) fn bodies() -> [BodyOutline; 2] {
+    let square = |left: f64, top: f64, side: f64| -> Vec<Point2<f64>> {
+        let corners = [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side), (0.0, 0.0)];
+        corners.map(|(y, z)| Point2::new((left + y) * 1e-3, (top + z) * 1e-3)).to_vec()
+    };
+    let rail = square(700.0, 0.0, 100.0);
+    let measured = rail[..2].to_vec();
+    [
+        BodyOutline { body: "rail", outline: rail, measured },
+        BodyOutline { body: "wheel", outline: square(600.0, -400.0, 400.0), measured: Vec::new() },
+    ]
+}
 
 /// A measured head worn by 1 mm on an even standard, which goes on at its field side, with one point that was changed.
 pub(crate) fn surface() -> OnStandard {

@@ -57,6 +57,8 @@ fn error_band(loads: &[f64]) -> ErrorBandRecord {
                     grid_tangent: Some(2.0 * grid),
                     mesh_displacement: Some(0.004),
                     mesh_tangent: Some(-0.01),
+                    scatter_displacement: None,
+                    scatter_tangent: None,
                     displacement: Some(grid + 0.004),
                     tangent: Some(2.0 * grid + 0.01),
                 }
