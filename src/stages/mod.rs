@@ -128,7 +128,7 @@ impl Geometry {
             }
             other => other,
         })?;
-        let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
+        let beam = pair.beam(&study.rail.material, study.rail.length, study.simulation.rail_elements)?;
         Ok(Self { pair, beam, profiles: Vec::new(), surfaces: Vec::new(), assumed: [None, None] })
     }
 }
