@@ -43,7 +43,7 @@ fn main() -> Result<()> {
     let beam = pair.beam(&steel, 0.555, 20)?;
     let beam = beam.corrected(&SeriesBeam::new(&pair, &bodies, &beam)?.correction)?;
     let springs = WheelSprings { horizontal, normal: normal.into(), longitudinal: horizontal };
-    let simple = MovingModel::of_pair(&pair, beam, &steel, springs, bodies.wheel.mass);
+    let simple = MovingModel::of_pair(&pair, beam, [&steel; 2], springs, bodies.wheel.mass);
     let simple = simple.run(&scenario, &Silent)?.history;
     let solids = [&bodies.rail_on_ends, &bodies.wheel];
     let contact = (contact.enforcement, contact.field);

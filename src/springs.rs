@@ -163,7 +163,7 @@ fn wheel_is_known(study: &Study) -> bool {
 
 /// Mass of the study's wheel as a body of revolution, kg.
 fn revolved_mass(study: &Study, geometry: &Geometry) -> f64 {
-    body_of_revolution(&geometry.pair.wheel, study.material.density).mass
+    body_of_revolution(&geometry.pair.wheel, study.wheel.material.density).mass
 }
 
 fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {

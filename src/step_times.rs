@@ -210,7 +210,7 @@ fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Ve
         add(BRIDGE, elements, &cases::bridge(elements)?, cases::crossing())?;
     }
     for elements in RAILS.into_iter().filter(|elements| *elements <= most) {
-        let beam = geometry.pair.beam(&study.material, 0.1 * elements as f64, elements)?;
+        let beam = geometry.pair.beam(&study.rail.material, 0.1 * elements as f64, elements)?;
         add(RAIL, elements, &beam, cases::rolling())?;
     }
     Ok(cases)
@@ -220,10 +220,10 @@ fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Ve
 fn models(study: &Study, geometry: &Geometry, beam: &RailBeam, element: Option<&PairElement>) -> Vec<Model> {
     let normal = StiffnessLaw::published().into();
     let springs = WheelSprings { horizontal: HORIZONTAL, normal, longitudinal: HORIZONTAL };
-    let (pair, material) = (&geometry.pair, &study.material);
-    let published = MovingModel::of_pair(pair, beam.clone(), material, springs, WHEEL_MASS);
+    let (pair, materials) = (&geometry.pair, study.materials());
+    let published = MovingModel::of_pair(pair, beam.clone(), materials, springs, WHEEL_MASS);
     let condensed = element.map(|element| {
-        let model = CondensedModel::of_pair(pair, beam.clone(), material, element.clone());
+        let model = CondensedModel::of_pair(pair, beam.clone(), materials, element.clone());
         Model::Condensed(Box::new(model))
     });
     [Model::Published(Box::new(published))].into_iter().chain(condensed).collect()

@@ -70,7 +70,7 @@ fn steps_of_a_study_are_worth_half_of_the_solids() {
         let study = parsed((name, text));
         let geometry = stages::geometry(&study).unwrap();
         let beam = geometry.beam.corrected(&springs.beam).unwrap();
-        let model = CondensedModel::of_pair(&geometry.pair, beam, &study.material, element.clone());
+        let model = CondensedModel::of_pair(&geometry.pair, beam, study.materials(), element.clone());
         for &(key, of_solid) in cases {
             let case = &study.scenarios[key];
             let (history, tried) = stages::simulate(&study, &geometry, &springs, case, &Silent).unwrap();

@@ -120,7 +120,7 @@ fn a_wrong_modulus_and_a_flipped_element_are_found() {
     }
     let mut exchange = prepared().exchange.clone();
     exchange.cases.clear();
-    let Study { material, .. } = study();
+    let material = study().rail.material;
     let wrong = Material { young: 1.01 * material.young, ..material };
     exchange.bodies[0].materials = wrong.into();
     let middle = exchange.bodies[1].mesh.hexes.len() / 2;

@@ -209,7 +209,7 @@ fn a_change_remakes_what_depends_on_it() {
     let springs = [calibration, simple_one, simple_two];
     // what was changed, stages that are made again, and bodies that are; the calibration asks for all of them, a run on the solids
     // for the two that move, unless the calibration has just had them
-    let table: [(&str, String, &[&str], &[&str]); 20] = [
+    let table: [(&str, String, &[&str], &[&str]); 22] = [
         ("name", change("\"coarse\"", "\"renamed\""), &[], &[]),
         ("description", format!("description = \"words\"\n{base}"), &[], &[]),
         ("limit", add("[verification]\nlaw_max = 0.5\n"), &[], &[]),
@@ -227,6 +227,8 @@ fn a_change_remakes_what_depends_on_it() {
         ("fields", add("[output]\nvertical = \"up\"\n"), &[calibration], &[]),
         ("beam elements", add("[simulation]\nrail_elements = 24\n"), &springs, &[]),
         ("damping", add("[material]\ndamping_ratio = 0.03\n"), &[simple_one, simple_two, solid_one], &[]),
+        ("material of the wheel", add("[wheel.material]\nyoung_gpa = 110\n"), &STAGES, &BODIES[..1]),
+        ("the same material", add("[rail.material]\nyoung_gpa = 210\n"), &[], &[]),
         ("modes", add("[solid]\nmodes = 20\n"), &[solid_one], &BODIES),
         ("full order", add("[solid]\ntransient = \"full\"\n"), &[solid_one], &[]),
         ("friction", change("friction = 0.5", "friction = 0.4"), &STAGES, &[]),

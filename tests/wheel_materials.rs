@@ -3,6 +3,7 @@
 //!
 //! Needs Python 3.11 or newer with `venv`, as `tests/reference.rs` does.
 
+mod bodies;
 mod layered;
 
 use std::f64::consts::PI;
@@ -399,7 +400,7 @@ fn wrong_groups_and_materials_are_refused() {
         &[
             "wheel.materials = ",
             " hexahedra in none of the groups named, the first around (",
-            "without keys has the study's [material]",
+            "without keys has the material of its body",
         ],
     );
     refused(
@@ -435,7 +436,7 @@ fn wrong_groups_and_materials_are_refused() {
         &rail("middle"),
         &[
             "rail.materials = \"middle\" in the section of the rail, around (",
-            "the study's [material] in the whole section",
+            "the material of the rail in the whole section",
         ],
     );
     place.done(&["mesh", "-o", "ends"], &rail("ends"));

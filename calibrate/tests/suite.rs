@@ -34,3 +34,4 @@ mod solids;
 mod standards;
 mod transient_ending;
 mod transient_hybrid;
+mod two_materials;

@@ -48,8 +48,8 @@ impl Models {
         let springs =
             WheelSprings { horizontal: 6e8, normal: StiffnessLaw::published().into(), longitudinal: 6e8 };
         Self {
-            published: MovingModel::of_pair(pair, beam.clone(), &steel(), springs, MASS),
-            condensed: CondensedModel::of_pair(pair, beam, &steel(), element(pair)),
+            published: MovingModel::of_pair(pair, beam.clone(), [&steel(); 2], springs, MASS),
+            condensed: CondensedModel::of_pair(pair, beam, [&steel(); 2], element(pair)),
         }
     }
 

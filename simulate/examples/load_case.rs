@@ -17,7 +17,7 @@ fn main() -> Result<()> {
     let beam = pair.beam(&steel, 0.555, 20)?; // 0.555 m of rail in 20 elements
     let springs =
         WheelSprings { horizontal: 80e6, normal: StiffnessLaw::published().into(), longitudinal: 80e6 };
-    let model = MovingModel::of_pair(&pair, beam, &steel, springs, 283.0); // mass of the wheel, kg
+    let model = MovingModel::of_pair(&pair, beam, [&steel; 2], springs, 283.0); // mass of the wheel, kg
     let scenario = Scenario {
         vertical_force: HarmonicForce { amplitude: 30e3, frequency: 10.0, ..HarmonicForce::constant(60e3) },
         lateral_force: HarmonicForce::constant(20e3),

@@ -73,7 +73,7 @@ fn element(pair: &Pair, rail: CondensedBody, wheel: CondensedBody) -> (PairEleme
     let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
     let beam = pair.beam(&steel(), LENGTH, 20).unwrap();
     let parts = ElementBodies::new(pair, &bodies, LENGTH).unwrap();
-    let element = fitted_element(&parts, (&beam, &steel()), places, CONTACT.friction).unwrap();
+    let element = fitted_element(&parts, (&beam, [&steel(); 2]), places, CONTACT.friction).unwrap();
     let correction = SeriesBeam::new(pair, &bodies, &beam).unwrap().correction;
     (element, beam.corrected(&correction).unwrap())
 }
@@ -110,7 +110,7 @@ fn a_wheel_near_a_held_end_follows_the_solids_there() {
     let solid = solid.run(&adaptive, &Silent).unwrap().history;
     let middle = condensed(&pair, &mesh, 0.5 * LENGTH, PairBody::RailOnEnds);
     let (element, beam) = element(&pair, middle, wheel);
-    let model = CondensedModel::of_pair(&pair, beam, &steel(), element);
+    let model = CondensedModel::of_pair(&pair, beam, [&steel(); 2], element);
     let run = |speed: f64, from: f64| {
         let inner_steps = InnerSteps::Equal(16);
         let scenario = Scenario { start_x: Some(from), speed, inner_steps, ..sine() };

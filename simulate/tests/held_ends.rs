@@ -59,7 +59,7 @@ fn track() -> Track {
     let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
     let beam = pair.beam(&steel, LENGTH, 20).unwrap();
     let parts = ElementBodies::new(&pair, &bodies, LENGTH).unwrap();
-    let element = fitted_element(&parts, (&beam, &steel), places, contact().friction).unwrap();
+    let element = fitted_element(&parts, (&beam, [&steel; 2]), places, contact().friction).unwrap();
     let correction = SeriesBeam::new(&pair, &bodies, &beam).unwrap().correction;
     Track { pair, options, bodies, element, correction }
 }
@@ -86,7 +86,7 @@ fn the_hub_stands_as_on_the_solids_wherever_the_wheel_is() {
     for shift in [0.0, 6e-3] {
         let pair = track.pair.with_wheel_at(track.pair.tape_y + shift).unwrap();
         let beam = pair.beam(&Material::STEEL, LENGTH, 20).unwrap().corrected(&track.correction).unwrap();
-        let model = CondensedModel::of_pair(&pair, beam, &Material::STEEL, track.element.clone());
+        let model = CondensedModel::of_pair(&pair, beam, [&Material::STEEL; 2], track.element.clone());
         for x in [0.5 * LENGTH, 0.2, 0.12, 0.06] {
             let solid = of_solids(&track, &pair, x);
             let found = model.pressed_at(x, Vector2::y(), LOAD, FRICTION).unwrap().flexibility;

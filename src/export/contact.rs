@@ -148,7 +148,7 @@ fn cases(
         &spring.heading("Wheel on rail for CONTACT, module 1, with rail.prr and wheel.prw", &own),
     );
     let (study, pair) = (surfaces.study, &surfaces.geometry.pair);
-    let [shear, nu] = constants(study.material.young, study.material.poisson);
+    let [shear, nu] = constants(study.rail.material.young, study.rail.material.poisson);
     let track = &study.track;
     let [gauge, height, backs, shift, radius, back] = [
         track.gauge,

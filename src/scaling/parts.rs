@@ -178,8 +178,7 @@ pub(super) fn contact(
     })?;
     let modes = ModeCount::Given(size_of_modes(rail, wheel));
     let contact = (conditions.enforcement, conditions.field);
-    let model =
-        TransientModel::reduced(&geometry.pair, [rail, wheel], modes, study.material.damping, contact);
+    let model = TransientModel::reduced(&geometry.pair, [rail, wheel], modes, study.damping(), contact);
     let scenario = scenario(study);
     one(size, ("one step", "transient solid model"), monitor, |clock| {
         model.run(&scenario, clock).map(|_| 0.0)

@@ -76,7 +76,7 @@ pub fn by_angle(
     };
     let element = study.wants_condensed().then(|| {
         let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
-        let beam = (&geometry.beam, &study.material);
+        let beam = (&geometry.beam, study.materials());
         fitted_element(
             &ElementBodies::new(pair, bodies, geometry.beam.length())?,
             beam,
@@ -354,15 +354,15 @@ fn enter_statics(
     element: Option<&PairElement>,
     published: Option<(&WheelSprings, f64)>,
 ) -> Result<()> {
-    let (material, friction) = (&study.material, study.contact.friction);
+    let (materials, friction) = (study.materials(), study.contact.friction);
     for (record, tape_y) in records.iter_mut().zip(places).filter(|(record, _)| record.touch.is_some()) {
         let pair = geometry.pair.with_wheel_at(*tape_y)?;
         let along = *PressDirection::Normal.at(&pair);
         let beam = || geometry.beam.clone();
         let condensed =
-            element.map(|element| CondensedModel::of_pair(&pair, beam(), material, element.clone()));
+            element.map(|element| CondensedModel::of_pair(&pair, beam(), materials, element.clone()));
         let published = published
-            .map(|(springs, mass)| MovingModel::of_pair(&pair, beam(), material, springs.clone(), mass));
+            .map(|(springs, mass)| MovingModel::of_pair(&pair, beam(), materials, springs.clone(), mass));
         for load in &mut record.loads {
             let force = load.force_kn * KILONEWTON;
             let of = condensed.as_ref().and_then(|model| model.pressed(along, force, friction).ok());

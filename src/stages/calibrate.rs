@@ -170,7 +170,7 @@ pub fn calibrate(
     };
     let fields = field_files(&pressed_solids, geometry, meshes, &study.output)?;
     let stiffness = horizontal.as_ref().map(|h| h.stiffness);
-    let poisson = study.material.poisson;
+    let poisson = study.rail.material.poisson;
     let below: Vec<Option<Subsurface>> =
         states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
     let record = StiffnessRecord {

@@ -62,7 +62,7 @@ impl<'a> Files<'a> {
         let (materials, pair) = (&study.rail.materials, &geometry.pair);
         materials.check_layers(&mesh, &file.groups, InputField::RailMaterials)?;
         let samples = pair.shear_stresses.iter().map(|sample| pair.placed.to_world(&sample.point));
-        materials.check_section(&mesh, samples, &study.material, &file.groups)?;
+        materials.check_section(&mesh, samples, &study.rail.material, &file.groups)?;
         check_touch("rail", &mesh, curve, geometry.pair.touch.rail_s)?;
         self.monitor.notice(&what_was_read("rail", &mesh, file));
         Ok(mesh)

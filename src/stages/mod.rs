@@ -125,7 +125,7 @@ impl Geometry {
             }
             other => other,
         })?;
-        let beam = pair.beam(&study.material, study.rail.length, study.simulation.rail_elements)?;
+        let beam = pair.beam(&study.rail.material, study.rail.length, study.simulation.rail_elements)?;
         let (profiles, surfaces, replicates) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self { pair, beam, profiles, surfaces, assumed: [None, None], replicates })
     }

@@ -109,7 +109,7 @@ impl OtherSolids<'_> {
         let path = path_on(study, geometry, options, (bodies[0], scenario, modes))?;
         let contact = (enforcement(study), field);
         let count = ModeCount::Given(modes);
-        let model = TransientModel::reduced(&geometry.pair, bodies, count, study.material.damping, contact);
+        let model = TransientModel::reduced(&geometry.pair, bodies, count, study.damping(), contact);
         let model = match &path {
             Some(path) => model.along(path),
             None => model,
@@ -128,6 +128,6 @@ pub(super) fn path_on(
     let length = study.rail.length;
     let wanted = RailPath::is_wanted(scenario, length);
     let of = (length, modes);
-    let path = || RailPath::new(&geometry.pair, rail, options, &study.material, formulation(study), of);
+    let path = || RailPath::new(&geometry.pair, rail, options, &study.rail.material, formulation(study), of);
     wanted.then(path).transpose()
 }

@@ -52,10 +52,10 @@ enum SimpleModel {
 impl SimpleModel {
     /// The model on a rail `beam`, which is corrected to the solid rail.
     fn new(study: &Study, geometry: &Geometry, beam: &RailBeam, springs: &Springs) -> Result<Self> {
-        let (pair, material) = (&geometry.pair, &study.material);
+        let (pair, materials) = (&geometry.pair, study.materials());
         let beam = beam.corrected(&springs.beam)?;
         if let Some(element) = &springs.element {
-            let model = CondensedModel::of_pair(pair, beam, material, element.clone());
+            let model = CondensedModel::of_pair(pair, beam, materials, element.clone());
             return Ok(Self::Condensed(Box::new(model)));
         }
         let wheel_springs = WheelSprings {
@@ -63,7 +63,7 @@ impl SimpleModel {
             normal: springs.normal.clone(),
             longitudinal: springs.horizontal,
         };
-        let mut model = MovingModel::of_pair(pair, beam, material, wheel_springs, springs.wheel_mass);
+        let mut model = MovingModel::of_pair(pair, beam, materials, wheel_springs, springs.wheel_mass);
         model.penalty = study.simulation.contact_penalty;
         model.node_spacing = study.simulation.rail_node_spacing;
         model.sliding = match study.simulation.sliding_matrix {
@@ -188,7 +188,7 @@ pub fn simulate(
     let run = |scenario: &Scenario| model.run(scenario, &progress.share());
     let finer = || {
         let elements = FINER_BEAM * study.simulation.rail_elements;
-        let beam = geometry.pair.beam(&study.material, study.rail.length, elements)?;
+        let beam = geometry.pair.beam(&study.rail.material, study.rail.length, elements)?;
         Ok::<_, Error>((elements, SimpleModel::new(study, geometry, &beam, springs)?))
     };
     let (elements, finer) = finer()?;
@@ -251,7 +251,7 @@ pub fn simulate_solid(
     let with = |modes, count| {
         let bodies = bodies(modes)?;
         let path = path_on(study, geometry, meshes.options(), (bodies.both()[0], &scenario, modes))?;
-        let model = TransientModel::reduced(pair, bodies.both(), count, study.material.damping, contact);
+        let model = TransientModel::reduced(pair, bodies.both(), count, study.damping(), contact);
         let model = match &path {
             Some(path) => model.along(path),
             None => model,

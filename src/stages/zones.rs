@@ -158,7 +158,7 @@ fn longest_window(study: &Study, geometry: &Geometry) -> f64 {
 }
 
 /// The load with the longest Hertz patch along the track at the first touch: its field, the load (N) and the
-/// semi-axis (m), of the study's material: the groups of a mesh are not known before it is read. Pressed down on a slope, the contact carries the load over the cosine of the contact angle.
+/// semi-axis (m), of the study's materials: the groups of a mesh are not known before it is read. Pressed down on a slope, the contact carries the load over the cosine of the contact angle.
 fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64, f64)> {
     let [along, across] = geometry.pair.relative_radii();
     let largest = |loads: &[f64]| loads.iter().copied().fold(0.0, f64::max);
@@ -170,8 +170,13 @@ fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64,
     .into_iter()
     .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let normal = load / geometry.pair.touch.contact_angle.cos();
-    let patch = point_contact(normal, along, across, study.material.contact_modulus(&study.material)).ok()?;
+    let patch = point_contact(normal, along, across, contact_modulus(study)).ok()?;
     Some((field, load, patch.semi_axis_x))
+}
+
+/// Contact modulus of the study's materials, Pa.
+fn contact_modulus(study: &Study) -> f64 {
+    study.rail.material.contact_modulus(&study.wheel.material)
 }
 
 /// The end of a contact zone that a contact has reached.
@@ -443,9 +448,7 @@ mod tests {
         study.calibration.loads = vec![85e3];
         let geometry = stages::geometry(&study).unwrap();
         let [along, across] = geometry.pair.relative_radii();
-        let hertz = |load| {
-            point_contact(load, along, across, study.material.contact_modulus(&study.material)).unwrap()
-        };
+        let hertz = |load| point_contact(load, along, across, contact_modulus(&study)).unwrap();
         let patch = hertz(85e3 / geometry.pair.touch.contact_angle.cos()).semi_axis_x;
         assert!(patch > 1.3 * hertz(85e3).semi_axis_x, "{patch}");
         let notes = Notes::default();

@@ -5,6 +5,7 @@
 //! against that schema, so that a key, its range and its description are said
 //! once. [`super::Study`] holds the same values in SI units.
 
+mod material;
 mod bodies;
 mod output;
 mod scenario;
@@ -17,9 +18,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use bodies::{
-    GroupMaterialKeys, Inclination, MeshUnitKey, ProfileUnitKey, RailBodyKey, RailDimensionKeys, RailKeys,
-    WebKey, WheelKeys,
+    Inclination, MeshUnitKey, ProfileUnitKey, RailBodyKey, RailDimensionKeys, RailKeys, WebKey, WheelKeys,
 };
+pub use material::{BodyMaterialKeys, GroupMaterialKeys, MaterialKeys};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
 pub use scenario::{ForceKeys, ScenarioKeys, SuspensionKeys, TorsionKeys};
 pub use solid::{SolidKeys, TransientKey};
@@ -43,7 +44,7 @@ pub struct StudyDocument {
     /// Where the wheel is on the track.
     #[serde(default)]
     pub track: TrackKeys,
-    /// The material of both bodies.
+    /// The material of both bodies; `[rail.material]` and `[wheel.material]` give one of them another.
     #[serde(default)]
     pub material: MaterialKeys,
     /// The solid meshes.
@@ -93,41 +94,6 @@ pub struct TrackKeys {
 impl Default for TrackKeys {
     fn default() -> Self {
         Self { gauge_mm: 1435.0, gauge_height_mm: 14.0, flange_back_mm: 1360.0, lateral_shift_mm: 0.0 }
-    }
-}
-
-/// The linear elastic material of both bodies.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct MaterialKeys {
-    /// Young's modulus, GPa.
-    #[schemars(range(min = 1.0, max = 1000.0))]
-    pub young_gpa: f64,
-    /// Poisson's ratio.
-    #[schemars(range(min = 0.0, max = 0.49))]
-    pub poisson: f64,
-    /// Density, kg/m³.
-    #[schemars(range(min = 100.0, max = 30000.0))]
-    pub density_kg_per_m3: f64,
-    /// Damping ratio of the steel, proportional to frequency, at `damping_frequency_hz`. The publication
-    /// names none; but an undamped rail leaves the wheel at every step of its highest modes, and the motion
-    /// then depends on the time step.
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub damping_ratio: f64,
-    /// Frequency at which the damping ratio holds, Hz.
-    #[schemars(range(min = 1.0, max = 1e6))]
-    pub damping_frequency_hz: f64,
-}
-
-impl Default for MaterialKeys {
-    fn default() -> Self {
-        Self {
-            young_gpa: 210.0,
-            poisson: 0.3,
-            density_kg_per_m3: 7850.0,
-            damping_ratio: 0.02,
-            damping_frequency_hz: 1000.0,
-        }
     }
 }
 

@@ -12,8 +12,11 @@ use railspring_calibrate::units::MILLIMETRE;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::document::{Inclination, StudyDocument};
+use super::document::{BodyMaterialKeys, Inclination, MaterialKeys, StudyDocument};
 use super::{MeasuredSurface, MeshFile, Rail, SectionFile, Wheel};
+
+/// The keys of a material that its statics do not see.
+const OF_DAMPING: [&str; 2] = ["damping_ratio", "damping_frequency_hz"];
 
 /// The hashes of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +63,8 @@ impl Keys {
         numeric.rail.mesh_file = rail.mesh.as_ref().map(MeshFile::fingerprint);
         numeric.wheel.mesh_file = wheel.mesh.as_ref().map(MeshFile::fingerprint);
         numeric.description.clear();
+        let own = of_their_own(&numeric);
+        one_form(&mut numeric);
         // Layers count as they are, given or following from the contact element; those under the default one by being left out.
         let (layers, first_layer) = mesh.layering();
         let usual = MeshOptions::default().layering();
@@ -83,7 +88,7 @@ impl Keys {
         // The deflection of the beam is part of the calibration, and the beam is that of the simulation.
         let calibrated = |sections: &Value| hash(&(sections, numeric.simulation.rail_elements, window_given));
         let mut springs = without(&whole, &["name", "scenario", "simulation", "solid", "verification"]);
-        for key in ["damping_ratio", "damping_frequency_hz"] {
+        for key in OF_DAMPING {
             remove(&mut springs, "material", key);
         }
         // the reference solvers have the nodes of the meshes
@@ -102,8 +107,7 @@ impl Keys {
             "law_max": 0.15, "law_displacement": 0.03, "beam_missing": 0.02,
             "horizontal_spread": 0.10, "published_stiffness": 1.0,
         });
-        let settings = without(&springs, &["wheel", "rail"]);
-        let parts = [hash(&springs["wheel"]), hash(&springs["rail"]), hash(&settings)];
+        let parts = parts(&springs, &own, &document.material);
         let springs = calibrated(&springs);
         let mut pair = without(
             &whole,
@@ -126,6 +130,10 @@ impl Keys {
             ("material", "damping_frequency_hz"),
         ] {
             remove(&mut pair, section, key);
+        }
+        remove(&mut pair["wheel"], "material", "density_kg_per_m3");
+        if pair["wheel"]["material"].as_object().is_some_and(serde_json::Map::is_empty) {
+            remove(&mut pair, "wheel", "material");
         }
         for body in ["rail", "wheel"] {
             let groups = pair[body].get_mut("materials").and_then(Value::as_object_mut);
@@ -170,6 +178,39 @@ impl Keys {
     pub fn solid(&self, scenario: &str) -> String {
         hash(&("solid", self.solid.get(scenario)))
     }
+}
+
+/// What the wheel and the rail have of their own of the keys of their materials.
+fn of_their_own(document: &StudyDocument) -> [BodyMaterialKeys; 2] {
+    let both = &document.material;
+    [&document.wheel.material, &document.rail.material]
+        .map(|own| BodyMaterialKeys::between(both, &own.over(both)))
+}
+
+/// Gives a study whose bodies have the same materials as those of another one the same keys: `[material]` is that of the rail, and
+/// the wheel has what differs. Which of the tables gives a value changes no result.
+fn one_form(document: &mut StudyDocument) {
+    let [rail, wheel] =
+        [&document.rail.material, &document.wheel.material].map(|own| own.over(&document.material));
+    document.rail.material = BodyMaterialKeys::default();
+    document.wheel.material = BodyMaterialKeys::between(&rail, &wheel);
+    document.material = rail;
+}
+
+/// The wheel, the rail and the rest of what `springs` depend on, each body with what is its `own` of its material and the rest with that `of_both`:
+/// a change is that of the section in which it was made.
+fn parts(springs: &Value, own: &[BodyMaterialKeys; 2], of_both: &MaterialKeys) -> [String; 3] {
+    let body = |name: &str, own: &BodyMaterialKeys| {
+        let mut body = without(&springs[name], &["material"]);
+        if !own.is_empty() {
+            body["material"] = serde_json::json!(own);
+        }
+        hash(&body)
+    };
+    let mut settings = without(springs, &["wheel", "rail"]);
+    settings["material"] = without(&serde_json::json!(of_both), &OF_DAMPING);
+    let [wheel, rail] = own;
+    [body("wheel", wheel), body("rail", rail), hash(&settings)]
 }
 
 /// An object without some of its keys.

@@ -104,21 +104,23 @@ impl MeshFileKeys<'_> {
         }))
     }
 
-    /// The materials of the body in the order of its groups; that of the study without any.
+    /// The materials of the body in the order of its groups; without any, that `of_body`.
     pub fn materials(
         &self,
-        of_study: &Material,
+        of_body: &Material,
         element: ElementKey,
         collector: &mut Collector,
     ) -> Option<Materials> {
         if self.materials.is_empty() {
-            return Some((*of_study).into());
+            return Some((*of_body).into());
         }
         let mut found = Vec::new();
         for (group, keys) in self.materials {
             let here = format!("{}.materials.{group}", self.section);
-            let material = group_material(&here, keys, of_study, element);
-            found.extend(collector.take(&[&format!("{here}.*"), "material.*", "mesh.element"], material));
+            let material = group_material(&here, keys, of_body, element);
+            let own = format!("{}.material.*", self.section);
+            let reads = [&format!("{here}.*"), &own, "material.*", "mesh.element"];
+            found.extend(collector.take(&reads, material));
         }
         (found.len() == self.materials.len()).then(|| found.into())
     }
@@ -128,12 +130,12 @@ impl MeshFileKeys<'_> {
 fn group_material(
     here: &str,
     keys: &GroupMaterialKeys,
-    of_study: &Material,
+    of_body: &Material,
     element: ElementKey,
 ) -> Result<Material, InputError> {
     let GroupMaterialKeys { young_gpa, poisson, density_kg_per_m3 } = keys;
     let (young, poisson, density) = match (young_gpa, poisson, density_kg_per_m3) {
-        (None, None, None) => (of_study.young, of_study.poisson, of_study.density),
+        (None, None, None) => (of_body.young, of_body.poisson, of_body.density),
         (Some(young), Some(poisson), Some(density)) => (young * GIGAPASCAL, *poisson, *density),
         _ => {
             let all = [
@@ -146,7 +148,7 @@ fn group_material(
                 format!("{here}.{missing}"),
                 MISSING,
                 "a number",
-                format!("add this key to [{here}], or leave the section empty for the study's [material]"),
+                format!("add this key to [{here}], or leave the section empty for the material of the body"),
             ));
         }
     };
@@ -160,7 +162,7 @@ fn group_material(
             "set mesh.element = \"incompatible-modes\", which takes up to 0.4995, or a smaller ratio",
         ));
     }
-    Ok(Material { young, poisson, density, damping: of_study.damping })
+    Ok(Material { young, poisson, density, damping: of_body.damping })
 }
 
 impl MeshUnitKey {

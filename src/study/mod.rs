@@ -66,8 +66,6 @@ pub struct Study {
     pub wheel: Wheel,
     /// Where the wheel is on the track.
     pub track: Track,
-    /// Material of the rail's section and its beam, and of both bodies where the groups of a mesh have no others.
-    pub material: Material,
     /// The solid meshes.
     pub mesh: MeshOptions,
     /// Formulation of the eight-node brick.
@@ -117,7 +115,9 @@ pub struct Rail {
     pub length: f64,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
-    /// Its materials.
+    /// Its material, which its section and its beam have, and of a mesh the groups without another.
+    pub material: Material,
+    /// The materials of its mesh's groups, or its own alone.
     pub materials: Materials,
 }
 
@@ -151,7 +151,9 @@ pub struct Wheel {
     pub body_given: bool,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
-    /// Its materials.
+    /// Its material, which its axle has, and of a mesh the groups without another.
+    pub material: Material,
+    /// The materials of its mesh's groups, or its own alone.
     pub materials: Materials,
 }
 
@@ -319,6 +321,16 @@ pub const SECTIONS: [&str; 12] = [
 ];
 
 impl Study {
+    /// Materials of rail and wheel.
+    pub fn materials(&self) -> [&Material; 2] {
+        [&self.rail.material, &self.wheel.material]
+    }
+
+    /// Damping of both bodies, s ([`Material::damping`]), which is the same.
+    pub fn damping(&self) -> f64 {
+        self.rail.material.damping
+    }
+
     /// Whether there are to be laws by contact angle.
     pub fn wants_by_angle(&self) -> bool {
         self.calibration.shifts.as_ref().is_none_or(|shifts| !shifts.is_empty())

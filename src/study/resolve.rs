@@ -4,15 +4,13 @@
 mod bodies;
 
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 
 use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
-use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::transient::RailPath;
-use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
+use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
 use super::case_notes;
@@ -48,13 +46,7 @@ pub(super) fn resolve(
 ) -> std::result::Result<Study, Vec<LocatedError>> {
     let mut collector = Collector::new(&source, findings, mistakes);
     collector.take(&["name"], check_name(&document.name));
-    let material = Material {
-        young: document.material.young_gpa * GIGAPASCAL,
-        poisson: document.material.poisson,
-        density: document.material.density_kg_per_m3,
-        damping: document.material.damping_ratio / (PI * document.material.damping_frequency_hz),
-    };
-    let solid = (&material, document.mesh.element);
+    let solid = (&document.material, document.mesh.element);
     let rail = rail(&document.rail, solid, &source, &mut collector);
     let wheel = wheel(&document.wheel, solid, &source, &mut collector);
     let calibration = collector.take(&["calibration.*"], calibration(&document.calibration));
@@ -104,7 +96,6 @@ pub(super) fn resolve(
             flange_back: document.track.flange_back_mm * MILLIMETRE,
             lateral_shift: document.track.lateral_shift_mm * MILLIMETRE,
         },
-        material,
         mesh,
         element: document.mesh.element,
         target_error: document.mesh.target_error,

@@ -103,7 +103,7 @@ impl Materials {
         Err(InputError::new(
             InputField::RailMaterials,
             format!("{name:?} in the section of the rail, around {}", place(mesh, other)),
-            "the study's [material] in the whole section: stiffness and shear stresses of the rail's beam are those of one material",
+            "the material of the rail in the whole section: stiffness and shear stresses of the rail's beam are those of one material",
             "leave the section of that group empty, or take the elements of the rail into a group without another material",
         )
         .into())

@@ -334,7 +334,7 @@ def materials(mesh: meshio.Mesh, points: Floats, hexes: Ints, names: list[str]) 
             f"{len(without)} of {len(hexes)} hexahedra in none of the groups named, the first around "
             f"{place(without[0])}",
             "a material for every hexahedron",
-            "add the groups that are missing; one without keys has the study's [material]. The file has "
+            "add the groups that are missing; one without keys has the material of its body. The file has "
             + ", ".join(f'"{other}"' for other in sorted(known)),
         )
     return of

@@ -44,18 +44,19 @@ impl CondensedModel {
     pub const STEPS: InnerSteps = InnerSteps::Adaptive(StepControl { least: 8, most: 128, tolerance: 0.01 });
 
     /// The wheel of a calibrated pair on its rail as a beam; a beam with both ends fixed is the rail of the pair between held ends.
-    pub fn of_pair(pair: &Pair, beam: RailBeam, material: &Material, element: PairElement) -> Self {
+    /// `materials`: of rail and wheel; the axle has that of the wheel.
+    pub fn of_pair(pair: &Pair, beam: RailBeam, [rail, wheel]: [&Material; 2], element: PairElement) -> Self {
         let end = element.held_end.as_ref().filter(|_| beam.ends() == [End::Fixed; 2]);
-        let held = end.map(|end| HeldRail::new(&pair.properties, material, beam.length(), end.inset));
+        let held = end.map(|end| HeldRail::new(&pair.properties, rail, beam.length(), end.inset));
         Self {
             held,
             rail: pair.placed.clone(),
             wheel: pair.wheel.running.clone(),
             tape: Point2::from(pair.tape()),
-            support: RailSupport::Beam { beam, node_line: pair.node_line(), damping: material.damping },
+            support: RailSupport::Beam { beam, node_line: pair.node_line(), damping: rail.damping },
             element,
-            axle: axle(pair, material),
-            damping: material.damping,
+            axle: axle(pair, wheel),
+            damping: wheel.damping,
             initial: InitialMotion::default(),
         }
     }

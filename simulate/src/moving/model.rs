@@ -173,20 +173,21 @@ impl MovingModel {
         }
     }
 
-    /// The wheel of a calibrated pair on its rail as a beam, the wheel's inertia that of a solid body of `wheel_mass` (kg).
+    /// The wheel of a calibrated pair on its rail as a beam, of the materials of `rail` and `wheel`; the wheel's inertia is that of a
+    /// solid body of `wheel_mass` (kg).
     pub fn of_pair(
         pair: &Pair,
         beam: RailBeam,
-        material: &Material,
+        [of_rail, of_wheel]: [&Material; 2],
         springs: WheelSprings,
         wheel_mass: f64,
     ) -> Self {
-        let support = RailSupport::Beam { beam, node_line: pair.node_line(), damping: material.damping };
+        let support = RailSupport::Beam { beam, node_line: pair.node_line(), damping: of_rail.damping };
         let (rail, wheel) = (pair.placed.clone(), pair.wheel.running.clone());
         let radius = pair.wheel.radius;
         let mut model =
             Self::new(rail, wheel, radius, pair.tape_y, &pair.touch, support, springs, wheel_mass);
-        let body = body_of_revolution(&pair.wheel, material.density);
+        let body = body_of_revolution(&pair.wheel, of_wheel.density);
         let scale = wheel_mass / body.mass;
         model.wheel_inertia =
             [body.diameter_inertia, body.axle_inertia, body.diameter_inertia].map(|i| i * scale);

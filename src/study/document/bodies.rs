@@ -6,6 +6,8 @@ use railspring_calibrate::units::MILLIMETRE;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::material::{BodyMaterialKeys, GroupMaterialKeys};
+
 /// The rail: its standard section, how it is laid and how long a piece is modelled.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -68,27 +70,12 @@ pub struct RailKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub held_nodes: Option<String>,
-    /// Materials of the rail mesh by the names of its groups of hexahedra (Gmsh physical volumes, Abaqus element sets, masks of cells): `[rail.materials.NAME]`. Every hexahedron is in one of them. The section of the rail has the study's `[material]`, which is that of its beam; other groups are what is joined to it, pads for instance. Left out, all has `[material]`.
+    /// Materials of the rail mesh by the names of its groups of hexahedra (Gmsh physical volumes, Abaqus element sets, masks of cells): `[rail.materials.NAME]`. Every hexahedron is in one of them. The section of the rail has the rail's material, which is that of its beam; other groups are what is joined to it, pads for instance. Left out, all has the rail's material.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, GroupMaterialKeys>,
-}
-
-/// The linear elastic material of a group of a mesh; without keys it is the study's `[material]`. The damping is that of `[material]` for all.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct GroupMaterialKeys {
-    /// Young's modulus, GPa; rubber has some thousandths. The three keys go together.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1e-4, max = 1000.0))]
-    pub young_gpa: Option<f64>,
-    /// Poisson's ratio; above 0.49 with `mesh.element = "incompatible-modes"` only, for other elements lock there.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 0.4995))]
-    pub poisson: Option<f64>,
-    /// Density, kg/m³.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 100.0, max = 30000.0))]
-    pub density_kg_per_m3: Option<f64>,
+    /// The material of the rail, of its beam, and of the groups of its mesh that have none of their own.
+    #[serde(default, skip_serializing_if = "BodyMaterialKeys::is_empty")]
+    pub material: BodyMaterialKeys,
 }
 
 /// A rail inclination.
@@ -241,9 +228,12 @@ pub struct WheelKeys {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub held_nodes: Option<String>,
-    /// Materials of the wheel mesh by the names of its groups of hexahedra (Gmsh physical volumes, Abaqus element sets, masks of cells): `[wheel.materials.NAME]`, for the rubber of a resilient wheel or the cast iron of its brake discs. Every hexahedron is in one of them, and one of them is under the running surface. Left out, all has `[material]`.
+    /// Materials of the wheel mesh by the names of its groups of hexahedra (Gmsh physical volumes, Abaqus element sets, masks of cells): `[wheel.materials.NAME]`, for the rubber of a resilient wheel or the cast iron of its brake discs. Every hexahedron is in one of them, and one of them is under the running surface. Left out, all has the wheel's material.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, GroupMaterialKeys>,
+    /// The material of the wheel, of its axle, and of the groups of its mesh that have none of their own.
+    #[serde(default, skip_serializing_if = "BodyMaterialKeys::is_empty")]
+    pub material: BodyMaterialKeys,
 }
 
 /// Course of a wheel's web.

@@ -8,21 +8,22 @@ use railspring_calibrate::profile::rail_catalogue::{
 use railspring_calibrate::profile::rails::RAIL_NAMES;
 use railspring_calibrate::profile::wheels::{Flange, WHEEL_NAMES, wheel_profile_with_flange};
 use railspring_calibrate::section::{WebShape, WheelBody, wheel_section_on};
-use railspring_calibrate::solid::Material;
 use railspring_calibrate::units::MILLIMETRE;
 
 use crate::study::check::nearest;
 use crate::study::collect::Collector;
-use crate::study::document::{ElementKey, Inclination, RailBodyKey, RailKeys, WebKey, WheelKeys};
+use crate::study::document::{
+    ElementKey, Inclination, MaterialKeys, RailBodyKey, RailKeys, WebKey, WheelKeys,
+};
 use crate::study::fields::translate;
 use crate::study::measured::SurfaceKeys;
 use crate::study::mesh_file::MeshFileKeys;
 use crate::study::{Rail, RailBody, Source, Wheel};
 
-/// `material` and `element`: those of the study.
+/// `material` and `element`: those of the study for both bodies.
 pub(super) fn rail(
     keys: &RailKeys,
-    (material, element): (&Material, ElementKey),
+    (material, element): (&MaterialKeys, ElementKey),
     source: &Source,
     collector: &mut Collector,
 ) -> Option<Rail> {
@@ -67,8 +68,9 @@ pub(super) fn rail(
         held: keys.held_nodes.as_deref(),
         materials: &keys.materials,
     };
+    let material = keys.material.over(material).material();
     let (mesh, materials) =
-        (mesh.resolve(source.path(), collector), mesh.materials(material, element, collector));
+        (mesh.resolve(source.path(), collector), mesh.materials(&material, element, collector));
     let body = collector.take(&["rail.body", "rail.body.*"], rail_body(keys));
     let (profile, measured) = surface?;
     Some(Rail {
@@ -80,6 +82,7 @@ pub(super) fn rail(
         inclination_given: keys.inclination.is_some(),
         length: keys.length_m,
         mesh: mesh?,
+        material,
         materials: materials?,
     })
 }
@@ -146,7 +149,7 @@ fn rail_body(keys: &RailKeys) -> Result<Option<RailBody>, InputError> {
 /// As [`rail`].
 pub(super) fn wheel(
     keys: &WheelKeys,
-    (material, element): (&Material, ElementKey),
+    (material, element): (&MaterialKeys, ElementKey),
     source: &Source,
     collector: &mut Collector,
 ) -> Option<Wheel> {
@@ -206,8 +209,9 @@ pub(super) fn wheel(
         held: keys.held_nodes.as_deref(),
         materials: &keys.materials,
     };
+    let material = keys.material.over(material).material();
     let (mesh, materials) =
-        (mesh.resolve(source.path(), collector), mesh.materials(material, element, collector));
+        (mesh.resolve(source.path(), collector), mesh.materials(&material, element, collector));
     let (profile, measured) = surface?;
     if keys.body != WebKey::ConicalWeb {
         for key in ["wheel.web_hub_y_mm", "wheel.web_rim_y_mm"].into_iter().filter(|key| source.gives(key)) {
@@ -248,6 +252,7 @@ pub(super) fn wheel(
         body,
         body_given: BODY_KEYS.iter().any(|key| source.gives(key)),
         mesh: mesh?,
+        material,
         materials: materials?,
     })
 }

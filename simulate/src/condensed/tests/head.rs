@@ -98,7 +98,7 @@ fn a_wheel_that_rolls_over_held_ends_keeps_its_energy() {
     let (pair, beam) = beam(LENGTH);
     let mut element = elastic().element;
     element.held_end = Some(end());
-    let mut model = CondensedModel::of_pair(&pair, beam, &Material::STEEL, element);
+    let mut model = CondensedModel::of_pair(&pair, beam, [&Material::STEEL; 2], element);
     model.damping = 0.0;
     let scenario = Scenario {
         friction: 0.0,
