@@ -9,8 +9,13 @@ use railspring_calibrate::pair::{
     law_by_shift,
 };
 use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::profile_file::{
+    MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileFormat, ProfileKind, REPLICATES, prepare,
+};
+use railspring_calibrate::section::{rail_section, rail_section_with_head, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
+use railspring_testing::Random;
 
 /// N.
 const LOADS: [f64; 4] = [10e3, 30e3, 60e3, 100e3];
@@ -217,5 +222,70 @@ fn the_place_of_the_calibration_has_its_bands() {
         println!("{reference:?}: grid {found:.6?}, calibration {wanted:.6?}");
         assert!((found.displacement - wanted.displacement).abs() < SOLVER, "{found:?} {wanted:?}");
         assert!((found.tangent - wanted.tangent).abs() < SOLVER, "{found:?} {wanted:?}");
+    }
+}
+
+/// Points of the head of 60E1 every 0.25 mm that scatter by 2 µm across it, prepared.
+fn measured_head(head: &ProfileCurve, seed: u64) -> Prepared {
+    const STEP: f64 = 0.25e-3;
+    const SCATTER: f64 = 2e-6;
+    let mut random = Random::new(seed);
+    let count = (head.length() / STEP) as usize;
+    let points = (0..=count).map(|i| {
+        let s = STEP * i as f64;
+        let point = head.point(s) + SCATTER * random.normal() * head.upward_normal(s);
+        MeasuredPoint { point, line: i + 1, weight: 1.0 }
+    });
+    let profile = MeasuredProfile {
+        name: "made".into(),
+        format: ProfileFormat::Text,
+        kind: ProfileKind::Rail,
+        points: points.collect(),
+        findings: Vec::new(),
+        drawn: None,
+        side_by_groove: false,
+    };
+    prepare(&profile, &PrepareOptions::default()).unwrap()
+}
+
+/// Source: the displacements and tangents of 30 measurements of the same head, whose standard deviation is what the jackknife estimates from each of them. Goal:
+/// the root mean square of the estimates is that standard deviation, at every load. Accuracy: STATISTICS, three times √(1/(2·29) + 1/(2·90)): the deviation of
+/// 30 values, and 30 estimates of three degrees of freedom.
+#[test]
+fn the_scatter_of_measurements_is_in_the_band() {
+    const STATISTICS: f64 = 0.45;
+    const COUNT: u64 = 30;
+    let pair = pair();
+    let track = TrackGeometry::standard();
+    let bodies = condensed(&pair, &sizes(2.0));
+    let conditions = contact(ContactField::Hybrid);
+    let (mut found, mut estimates) = (Vec::new(), Vec::new());
+    for seed in 0..COUNT {
+        let measured = measured_head(&pair.rail.running, seed);
+        let on = |curve: &ProfileCurve| {
+            let section = rail_section_with_head(pair.rail.clone(), curve, &mut Vec::new()).unwrap();
+            pair.with_surfaces(section, pair.wheel.clone(), &track).unwrap()
+        };
+        let own = on(&measured.curve);
+        let replicates: Vec<Pair> = measured.replicates.iter().map(on).collect();
+        assert_eq!(replicates.len(), REPLICATES);
+        let laws = laws(&own, &bodies, ContactField::Hybrid);
+        let solid = Solid::of_calibration(&own, &bodies, conditions, &laws, &replicates);
+        let scatter = solid.scatter_changes(&Silent).unwrap().unwrap();
+        // twice the standard uncertainty
+        estimates
+            .push(scatter.beam.iter().map(|c| [0.5 * c.displacement, 0.5 * c.tangent]).collect::<Vec<_>>());
+        found.push(laws.beam.points.iter().map(|p| [p.displacement, p.solid_tangent]).collect::<Vec<_>>());
+    }
+    let count = COUNT as f64;
+    for load in 0..LOADS.len() {
+        for part in 0..2 {
+            let mean = found.iter().map(|all| all[load][part]).sum::<f64>() / count;
+            let squares: f64 = found.iter().map(|all| (all[load][part] / mean - 1.0).powi(2)).sum();
+            let deviation = (squares / (count - 1.0)).sqrt();
+            let estimate = (estimates.iter().map(|all| all[load][part].powi(2)).sum::<f64>() / count).sqrt();
+            println!("{} kN, {part}: {deviation:.5}, estimated {estimate:.5}", LOADS[load] / 1e3);
+            assert!((estimate / deviation - 1.0).abs() < STATISTICS, "{load} {part}: {deviation} {estimate}");
+        }
     }
 }

@@ -58,11 +58,11 @@ mod tests {
     use super::*;
     use crate::report::samples;
 
-    /// Goal: both outlines and the measured part are drawn and named, and a millimetre is as long one way as the other. Accuracy: 3 %, for the labels
-    /// whose width is not known before.
+    /// Goal: both outlines and the measured part are drawn and named, and a millimetre is as long one way as the other. Accuracy: LABELS, which
+    /// take up to 40 of 760 px more or less than the figure reckons with.
     #[test]
     fn scales_are_equal() {
-        const LABELS: f64 = 0.03;
+        const LABELS: f64 = 0.05;
         let svg = figure(760, &samples::bodies());
         assert!(svg.contains("assumed") && svg.contains("measured"), "{svg}");
         // the longest line is the wheel's: a square
