@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use nalgebra::Point2;
 
+use super::blocks::{Blocks, Insert};
 use super::curves::{Nurbs, Path, Piece};
 use super::groups::{Groups, groups};
-use super::inserts::{Blocks, Insert};
 use super::placement::Placement;
 use crate::error::Result;
 use crate::profile::ProfileCurve;

@@ -7,6 +7,7 @@ mod placement;
 mod curves;
 mod chain;
 mod groups;
+mod blocks;
 mod entities;
 mod inserts;
 
@@ -83,7 +84,7 @@ fn joined(name: &str, text: &str, part: &Part) -> Result<(Joined, bool)> {
     }
     let on_layer =
         |entity: &Entity| part.name.is_some_and(|wanted| entity.layer.eq_ignore_ascii_case(wanted.trim()));
-    let (entities, inserted) = drawing.blocks.in_place(name, drawing.entities)?;
+    let (entities, inserted) = inserts::in_place(&drawing.blocks, name, drawing.entities)?;
     let without_blocks = inserted.is_none();
     findings.extend(inserted);
     let by_layer = entities.iter().any(on_layer);
