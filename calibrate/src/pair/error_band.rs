@@ -292,7 +292,7 @@ impl<'a> Solid<'a> {
         let (loads, stage) = (self.forces(&self.halved), "error of the grid");
         let on = |field| {
             let contact = ContactConditions { field, friction: 0.0, ..self.contact };
-            self.placed(self.bodies, Reference::Beam, contact)
+            self.placed(self.pair, self.bodies, Reference::Beam, contact)
         };
         let (on_grid, on_halved) = (on(ContactField::Hybrid)?, on(ContactField::HybridHalved)?);
         let states = press_loads_apart(&on_grid, &loads, stage, monitor)?;
@@ -303,12 +303,7 @@ impl<'a> Solid<'a> {
             halved.push(on_halved.press(state.load, Some(state)).map_err(|error| error.at_step(i + 1))?);
         }
         monitor.progress(stage, loads.len(), loads.len())?;
-        let points = |placed: &WheelOnRail, states: &[Pressed]| -> Result<SolidPoints> {
-            let beam = load_points(placed, states, Reference::Beam)?;
-            let local = load_points(placed, states, Reference::Local)?;
-            Ok(SolidPoints { foot: self.points.foot.as_ref().map(|_| beam.clone()), beam, local })
-        };
-        let (from, to) = (points(&on_grid, &states)?, points(&on_halved, &halved)?);
+        let (from, to) = (self.points_of(&on_grid, &states)?, self.points_of(&on_halved, &halved)?);
         Ok(Some(changes(&self.points, &self.halved, &from, &to)))
     }
 
@@ -325,7 +320,7 @@ impl<'a> Solid<'a> {
         let on = |bodies: &CondensedPair| -> Result<SolidPoints> {
             let pressed = |reference| {
                 points_apart(
-                    &self.placed(bodies, reference, self.contact)?,
+                    &self.placed(self.pair, bodies, reference, self.contact)?,
                     loads,
                     "error of the meshes",
                     monitor,
@@ -359,12 +354,9 @@ impl<'a> Solid<'a> {
         let loads = self.forces(&self.coarser);
         let contact = ContactConditions { friction: 0.0, ..self.contact };
         let points = |pair: &Pair| -> Result<SolidPoints> {
-            let placed = self.bodies.wheel_on_rail(pair, Reference::Beam, contact)?;
-            let placed = WheelOnRail { along: self.along, ..placed };
+            let placed = self.placed(pair, self.bodies, Reference::Beam, contact)?;
             let states = press_loads_apart(&placed, &loads, "error by scatter", monitor)?;
-            let beam = load_points(&placed, &states, Reference::Beam)?;
-            let local = load_points(&placed, &states, Reference::Local)?;
-            Ok(SolidPoints { foot: self.points.foot.as_ref().map(|_| beam.clone()), beam, local })
+            self.points_of(&placed, &states)
         };
         let from = points(self.pair)?;
         let of: Vec<Changes> = replicates
@@ -394,13 +386,21 @@ impl<'a> Solid<'a> {
         numbers.iter().map(|&load| self.points.beam[load].force).collect()
     }
 
+    /// Displacement and tangent of states without friction and with the section held: against the foot they change as against the section.
+    fn points_of(&self, placed: &WheelOnRail, states: &[Pressed]) -> Result<SolidPoints> {
+        let beam = load_points(placed, states, Reference::Beam)?;
+        let local = load_points(placed, states, Reference::Local)?;
+        Ok(SolidPoints { foot: self.points.foot.as_ref().map(|_| beam.clone()), beam, local })
+    }
+
     fn placed<'b>(
-        &'b self,
+        &self,
+        pair: &'b Pair,
         bodies: &'b CondensedPair,
         reference: Reference,
         contact: ContactConditions,
     ) -> Result<WheelOnRail<'b>> {
-        Ok(WheelOnRail { along: self.along, ..bodies.wheel_on_rail(self.pair, reference, contact)? })
+        Ok(WheelOnRail { along: self.along, ..bodies.wheel_on_rail(pair, reference, contact)? })
     }
 }
 

@@ -16,6 +16,7 @@ use crate::profile_file::text::error_at;
 const DEEPEST: usize = 16;
 /// Most entities that the blocks of a drawing come to where they are inserted.
 const MOST: usize = 1_000_000;
+
 /// The entities with those of the blocks in the place of their insertions, and a finding that names the blocks. On layer
 /// 0 of a block they are on the layer of its insertion.
 ///
