@@ -342,8 +342,8 @@ impl<'a> Solid<'a> {
         Ok(changes(&self.points, among, &from?, &to?))
     }
 
-    /// What the scatter of measured profiles is worth: twice the standard uncertainty by their replicates, pressed without friction and with the section
-    /// held; none without replicates.
+    /// Twice the standard uncertainty by the scatter of measured profiles, from their replicates, pressed without friction and with the section held; none
+    /// without replicates.
     ///
     /// # Errors
     /// Those of [`press_loads`](crate::calibration::press_loads) and of the tangents.
