@@ -25,6 +25,7 @@ mod scatter;
 mod wavelength;
 mod corners;
 mod smooth;
+mod local_wavelength;
 mod replicates;
 mod drawn;
 mod section;

@@ -6,6 +6,7 @@ use super::check::{remove_duplicates, remove_spikes, repair_steps_back, restore_
 use super::corners::add_corners;
 use super::finding::{Action, Finding, FindingKind};
 use super::kinks::{find_kinks, report_gaps, report_range};
+use super::local_wavelength::local_wavelengths;
 use super::loops::cut_loops;
 use super::replicates::replicates;
 use super::scatter::scatter;
@@ -114,11 +115,11 @@ fn smooth_points(
         Finding::new(FindingKind::Noise, action, text).with_value(measured.deviation / MICROMETRE, "\u{b5}m")
     };
     let advised = wavelength(&measured);
-    let halved = match (smoothing, advised) {
-        (Smoothing::Halves(wavelength), _) => wavelength,
+    let (longest, wavelengths) = match (smoothing, advised) {
+        (Smoothing::Halves(wavelength), _) => (wavelength, vec![wavelength; points.len()]),
         (Smoothing::ByScatter, Some(wavelength)) => {
             add_corners(points, kinks, &measured, wavelength, findings);
-            wavelength
+            (wavelength, local_wavelengths(points, kinks, &measured, wavelength)?)
         }
         (Smoothing::Off, Some(advised)) => {
             let text = format!(
@@ -131,14 +132,14 @@ fn smooth_points(
         }
         (_, None) => return Ok(Vec::new()),
     };
-    let without_quarters = replicates(points, kinks, measured.together, halved)?;
-    let smoothed = smooth(points, kinks, halved)?;
+    let without_quarters = replicates(points, kinks, measured.together, &wavelengths)?;
+    let smoothed = smooth(points, kinks, &wavelengths)?;
     let (line, moved) = (smoothed.largest_line, smoothed.largest);
     findings.push(match smoothing {
         Smoothing::Halves(_) => {
             let text = format!(
                 "largest deviation of a smoothing spline that halves waves of {} mm, RMS {}",
-                halved / MILLIMETRE,
+                longest / MILLIMETRE,
                 micrometres(smoothed.rms)
             );
             Finding::new(FindingKind::Smoothed, Action::Repaired, text)
@@ -146,10 +147,15 @@ fn smooth_points(
                 .with_value(moved / MICROMETRE, "\u{b5}m")
         }
         _ => {
+            let shortest = wavelengths.iter().copied().fold(longest, f64::min);
+            let less = match shortest < longest {
+                true => format!(", of {:.2} mm and more where they show shorter shapes", shortest / MILLIMETRE),
+                false => String::new(),
+            };
             let text = format!(
-                "scatter of the points across the profile: smoothed by a spline that halves waves of {:.2} mm, which moves \
+                "scatter of the points across the profile: smoothed by a spline that halves waves of {:.2} mm{less}, which moves \
                  them by {} (RMS), line {line} by {}",
-                halved / MILLIMETRE,
+                longest / MILLIMETRE,
                 micrometres(smoothed.rms),
                 micrometres(moved)
             );

@@ -18,7 +18,7 @@ pub const REPLICATES: usize = 4;
 const FEWEST: usize = 40;
 
 /// The curves without a part of the `points` each. Both ends and the corners, `kinks`, stay. Points that are left out together are `together` neighbours;
-/// waves of the length `wavelength` (m) are halved. Empty where there are too few points.
+/// waves of the length that `wavelengths` (m) has at each point are halved. Empty where there are too few points.
 ///
 /// # Errors
 /// As [`smooth`], and points that make no curve.
@@ -26,7 +26,7 @@ pub(super) fn replicates(
     points: &[MeasuredPoint],
     kinks: &[usize],
     together: usize,
-    wavelength: f64,
+    wavelengths: &[f64],
 ) -> Result<Vec<ProfileCurve>> {
     if points.len() < FEWEST * together {
         return Ok(Vec::new());
@@ -34,15 +34,17 @@ pub(super) fn replicates(
     let stays = |i: usize| i == 0 || i + 1 == points.len() || kinks.contains(&i);
     let without = |part: usize| {
         let (mut kept, mut corners) = (Vec::with_capacity(points.len()), Vec::with_capacity(kinks.len()));
+        let mut waves = Vec::with_capacity(points.len());
         for (i, point) in points.iter().enumerate() {
             if kinks.contains(&i) {
                 corners.push(kept.len());
             }
             if stays(i) || i / together % REPLICATES != part {
                 kept.push(*point);
+                waves.push(wavelengths[i]);
             }
         }
-        let smoothed = smooth(&kept, &corners, wavelength)?;
+        let smoothed = smooth(&kept, &corners, &waves)?;
         let places: Vec<Point2<f64>> = smoothed.points.iter().map(|p| p.point).collect();
         ProfileCurve::from_points(&places, &corners)
     };
@@ -96,7 +98,7 @@ mod tests {
             })
             .collect();
         for together in [1, 2] {
-            let curves = replicates(&points, &[81], together, 2.0 * MILLIMETRE).unwrap();
+            let curves = replicates(&points, &[81], together, &[2.0 * MILLIMETRE; 161]).unwrap();
             assert_eq!(curves.len(), REPLICATES);
             for curve in curves {
                 let off = points.iter().map(|p| curve.closest(&p.point).1).fold(0.0, f64::max);
@@ -104,6 +106,6 @@ mod tests {
                 assert!((curve.point(0.0) - points[0].point).norm() < ROUNDOFF);
             }
         }
-        assert!(replicates(&points, &[], 8, 2.0 * MILLIMETRE).unwrap().is_empty());
+        assert!(replicates(&points, &[], 8, &[2.0 * MILLIMETRE; 161]).unwrap().is_empty());
     }
 }

@@ -1,8 +1,8 @@
 //! The smoothing spline.
 //!
-//! Minimises Σ w |p - g|² Δs + μ ∫ |g''|² ds over the curves g (Reinsch 1967): waves of the length λ are halved for
+//! Minimises Σ w |p - g|² Δs + ∫ μ |g''|² ds over the curves g (Reinsch 1967): waves of the length λ are halved for
 //! μ = (λ/2π)⁴, longer ones are kept, shorter ones removed. On an arc of the radius R it moves the line by μ/R³:
-//! with λ = 2 mm and R = 13 mm by 0.005 µm.
+//! with λ = 2 mm and R = 13 mm by 0.005 µm. The wavelength may change along the line.
 //!
 //! The spline has no curvature at its ends, which would move the end of an arc by κ·(λ/2π)²: with λ = 6 mm and R = 13 mm by 0.07 mm. So
 //! the line is carried on beyond its ends, corners included, by the parabola through the last points over the length λ.
@@ -30,14 +30,15 @@ pub struct Smoothed {
     pub rms: f64,
 }
 
-/// Smooths a profile; waves of the length `wavelength` (m) are halved. The points of `kinks` keep their places, so
+/// Smooths a profile; waves of the length that `wavelengths` (m) has at each point are halved there. The points of `kinks` keep their places, so
 /// that corners stay sharp.
 ///
 /// # Errors
 /// [`InputError`] for a wavelength that is not positive or above 20 mm, and points on top of each other.
-pub fn smooth(points: &[MeasuredPoint], kinks: &[usize], wavelength: f64) -> Result<Smoothed> {
+pub fn smooth(points: &[MeasuredPoint], kinks: &[usize], wavelengths: &[f64]) -> Result<Smoothed> {
     const LONGEST: f64 = 20.0 * MILLIMETRE;
-    if !(wavelength > 0.0 && wavelength <= LONGEST) {
+    let suits = |wavelength: f64| wavelength > 0.0 && wavelength <= LONGEST;
+    if let Some(wavelength) = wavelengths.iter().find(|&&wavelength| !suits(wavelength)) {
         return Err(InputError::new(
             "smoothing",
             format!("{} mm", wavelength / MILLIMETRE),
@@ -46,7 +47,7 @@ pub fn smooth(points: &[MeasuredPoint], kinks: &[usize], wavelength: f64) -> Res
         )
         .into());
     }
-    let stiffness = (wavelength / MILLIMETRE / std::f64::consts::TAU).powi(4);
+    let stiffness = |wavelength: &f64| (wavelength / MILLIMETRE / std::f64::consts::TAU).powi(4);
     let mut smoothed = points.to_vec();
     let mut start = 0;
     for end in kinks.iter().copied().chain([points.len().saturating_sub(1)]) {
@@ -54,14 +55,16 @@ pub fn smooth(points: &[MeasuredPoint], kinks: &[usize], wavelength: f64) -> Res
             let held = [start != 0, end + 1 != points.len()];
             let piece = &mut smoothed[start..=end];
             let reversed: Vec<MeasuredPoint> = piece.iter().rev().copied().collect();
-            let mut line = carried_on(piece, wavelength, held[0]);
+            let mut line = carried_on(piece, wavelengths[start], held[0]);
             line.reverse();
             let first = line.len();
             line.extend_from_slice(piece);
             let last = line.len() - 1;
-            line.extend(carried_on(&reversed, wavelength, held[1]));
+            line.extend(carried_on(&reversed, wavelengths[end], held[1]));
             let fixed = [held[0].then_some(first), held[1].then_some(last)];
-            smooth_piece(&mut line, stiffness, fixed)?;
+            let own = (0..line.len()).map(|i| (start + i).saturating_sub(first).clamp(start, end));
+            let stiffness: Vec<f64> = own.map(|i| stiffness(&wavelengths[i])).collect();
+            smooth_piece(&mut line, &stiffness, fixed)?;
             piece.copy_from_slice(&line[first..=last]);
         }
         start = end;
@@ -116,8 +119,8 @@ struct Band {
     second: Vec<f64>,
 }
 
-/// Smooths one piece in place; lengths in mm.
-fn smooth_piece(points: &mut [MeasuredPoint], stiffness: f64, held: [Option<usize>; 2]) -> Result<()> {
+/// Smooths one piece in place with the `stiffness` μ at its points; lengths in mm.
+fn smooth_piece(points: &mut [MeasuredPoint], stiffness: &[f64], held: [Option<usize>; 2]) -> Result<()> {
     let n = points.len();
     let p: Vec<Vector2<f64>> = points.iter().map(|p| p.point.coords / MILLIMETRE).collect();
     let h: Vec<f64> = p.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
@@ -143,20 +146,22 @@ fn smooth_piece(points: &mut [MeasuredPoint], stiffness: f64, held: [Option<usiz
     // Row k of Qᵀ takes the second difference about the inner point k + 1.
     let q = |k: usize| [1.0 / h[k], -1.0 / h[k] - 1.0 / h[k + 1], 1.0 / h[k + 1]];
     let m = n - 2;
+    // The unknowns are μ·g'' at the inner points.
+    let soft = |k: usize| 1.0 / stiffness[k + 1];
     let mut band = Band { diagonal: vec![0.0; m], first: vec![0.0; m], second: vec![0.0; m] };
     let mut rhs = vec![Vector2::zeros(); m];
     for k in 0..m {
         let own = q(k);
         rhs[k] = own[0] * p[k] + own[1] * p[k + 1] + own[2] * p[k + 2];
         let penalty: f64 = (0..3).map(|i| own[i] * own[i] * inverse_weight[k + i]).sum();
-        band.diagonal[k] = (h[k] + h[k + 1]) / 3.0 + stiffness * penalty;
+        band.diagonal[k] = (h[k] + h[k + 1]) / 3.0 * soft(k) + penalty;
         if k + 1 < m {
             let next = q(k + 1);
             let shared = own[1] * next[0] * inverse_weight[k + 1] + own[2] * next[1] * inverse_weight[k + 2];
-            band.first[k] = h[k + 1] / 6.0 + stiffness * shared;
+            band.first[k] = h[k + 1] / 6.0 * (soft(k) * soft(k + 1)).sqrt() + shared;
         }
         if k + 2 < m {
-            band.second[k] = stiffness * own[2] * q(k + 2)[0] * inverse_weight[k + 2];
+            band.second[k] = own[2] * q(k + 2)[0] * inverse_weight[k + 2];
         }
     }
     solve(&mut band, &mut rhs);
@@ -167,7 +172,7 @@ fn smooth_piece(points: &mut [MeasuredPoint], stiffness: f64, held: [Option<usiz
                 pull += q(row)[place] * rhs[row];
             }
         }
-        let smooth = p[i] - stiffness * inverse_weight[i] * pull;
+        let smooth = p[i] - inverse_weight[i] * pull;
         points[i].point = Point2::from(smooth * MILLIMETRE);
     }
     Ok(())
@@ -228,7 +233,7 @@ mod tests {
         let amplitude = 1e-3 * MILLIMETRE;
         for (ratio, left) in [(1.0f64, 0.5), (2.0, 16.0 / 17.0), (0.5, 1.0 / 17.0)] {
             let wavelength = 2.0 * MILLIMETRE;
-            let smoothed = smooth(&wave(ratio * wavelength, amplitude), &[], wavelength).unwrap();
+            let smoothed = smooth(&wave(ratio * wavelength, amplitude), &[], &[wavelength; 4001]).unwrap();
             let middle = &smoothed.points[1500..2500];
             let seen = middle.iter().map(|p| p.point.y).fold(0.0, f64::max);
             assert!(
@@ -249,9 +254,9 @@ mod tests {
                 MeasuredPoint { point: Point2::new(y, z), line: i + 1, weight: 1.0 }
             })
             .collect();
-        let kept = smooth(&points, &[40], 2.0 * MILLIMETRE).unwrap();
+        let kept = smooth(&points, &[40], &[2.0 * MILLIMETRE; 81]).unwrap();
         assert!(kept.largest < 1e-12, "{}", kept.largest);
-        let rounded = smooth(&points, &[], 2.0 * MILLIMETRE).unwrap();
+        let rounded = smooth(&points, &[], &[2.0 * MILLIMETRE; 81]).unwrap();
         assert!(rounded.largest > 0.05 * MILLIMETRE && rounded.largest_line == 41, "{rounded:?}");
     }
 }
