@@ -129,6 +129,10 @@ pub enum StopReason {
     /// A value became infinite or not a number.
     #[error("a value is not finite")]
     NotFinite,
+    /// Bodies whose compliance is not positive definite move against the load: their contact elements are coarse beside the patch and the curvature of
+    /// the profiles.
+    #[error("the bodies move against the load: their contact elements are too coarse for the patch")]
+    Indefinite,
     /// The iterations that a run may take are used up.
     #[error(
         "the bound on the iterations of a run was reached; the load case is beyond what its time step can follow"

@@ -26,6 +26,8 @@ const NEAR_LOADS: f64 = 2.5;
 /// Intermediate loads tried, and the least step between them, of the whole.
 const LOAD_LEVELS: usize = 12;
 const LEAST_RISE: f64 = 1.0 / 32.0;
+/// How far against the load the iteration may place a hub, m: by the gaps that pairing changes. Elastic bodies give way to a load.
+const AGAINST_THE_LOAD: f64 = 1e-4;
 
 impl WheelOnRail<'_> {
     /// Presses the wheel with the `load` (N, > 0) along its direction, the hub held across it; `before` is the state
@@ -159,6 +161,9 @@ impl WheelOnRail<'_> {
             }
             moved = way;
             active = solution.active();
+            if hub.dot(&along) + way < -AGAINST_THE_LOAD {
+                return Err(failure(iteration, way, active, StopReason::Indefinite));
+            }
             let settled = way.abs() < tolerance && previous.is_some();
             if settled {
                 hub += along * way;
