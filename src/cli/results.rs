@@ -70,7 +70,7 @@ struct Springs {
     /// What was assumed of measured profiles.
     #[serde(skip_serializing_if = "Option::is_none")]
     assumed: Option<AssumedRecord>,
-    /// Why loads of the study are left out, or the horizontal stiffness is missing.
+    /// Why loads of the study are left out, or why the horizontal stiffness or the error band is missing.
     missing: Vec<String>,
 }
 
@@ -236,6 +236,8 @@ impl Springs {
         let ends = horizontal.and_then(|h| Some((h.points.first()?, h.points.last()?)));
         let missing =
             stiffness.horizontal_missing.iter().map(|why| format!("no horizontal stiffness: {why}"));
+        let unbanded = stiffness.error_band.iter().flat_map(|band| &band.missing);
+        let unbanded = unbanded.map(|part| format!("no error band: {part}"));
         let band = stiffness.error_band.as_ref().map(|band| band.of(&stiffness.reference));
         Self {
             reference: stiffness.reference.clone(),
@@ -248,7 +250,7 @@ impl Springs {
                 horizontal: horizontal.and_then(|h| h.error_band.as_ref()?.band),
             }),
             assumed: stiffness.assumed.clone(),
-            missing: stiffness.shortened().into_iter().chain(missing).collect(),
+            missing: stiffness.shortened().into_iter().chain(missing).chain(unbanded).collect(),
         }
     }
 

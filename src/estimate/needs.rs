@@ -426,8 +426,11 @@ fn resized(
     [rail, wheel]: [&Body; 2],
     options: &MeshOptions,
 ) -> Result<[Body; 2]> {
-    let on_rail = rail_size(&geometry.pair.rail, study.rail.length, options)?;
-    Ok([rail.resized(on_rail), wheel.resized(wheel_size(&geometry.pair.wheel, options)?)])
+    let (on_rail, on_wheel) = rayon::join(
+        || rail_size(&geometry.pair.rail, study.rail.length, options),
+        || wheel_size(&geometry.pair.wheel, options),
+    );
+    Ok([rail.resized(on_rail?), wheel.resized(on_wheel?)])
 }
 
 /// The pair with others in the place of the bodies and places that are assumed, one after the other, if any are.

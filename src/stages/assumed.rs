@@ -94,7 +94,7 @@ fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, Vec<String>,
     let shift_open = unsure > LEAST_SHIFT && study.wheel.mesh.is_none();
     if shift_open {
         said.push(format!(
-            "the wheel's distance from the flange back is known to \u{b1}{:.1} mm, since that was not measured",
+            "the wheel's distance from the flange back is known to \u{b1}{:.1} mm",
             unsure / MILLIMETRE
         ));
         keys.push("track.lateral_shift_mm".into());

@@ -247,13 +247,9 @@ impl Meshes {
         let contact_elements = [edge(&rail), edge(&wheel)];
         let own_rail = || mesh_rail(&geometry.pair.rail, &geometry.pair.placed, study.rail.length, &options);
         let own_wheel = || mesh_wheel(&geometry.pair.wheel, &options);
-        Ok(Self {
-            rail: rail.map_or_else(own_rail, Ok)?,
-            wheel: wheel.map_or_else(own_wheel, Ok)?,
-            contact_elements,
-            options,
-            orders: Orders::default(),
-        })
+        let (rail, wheel) =
+            rayon::join(|| rail.map_or_else(own_rail, Ok), || wheel.map_or_else(own_wheel, Ok));
+        Ok(Self { rail: rail?, wheel: wheel?, contact_elements, options, orders: Orders::default() })
     }
 
     /// Sizes and contact zones of the tool's own meshes.

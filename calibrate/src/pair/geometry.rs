@@ -91,10 +91,11 @@ impl Pair {
     /// # Errors
     /// Settings that give an inverted or flat element.
     pub fn mesh(&self, rail_length: f64, options: &MeshOptions) -> Result<PairMeshes> {
-        Ok(PairMeshes {
-            rail: mesh_rail(&self.rail, &self.placed, rail_length, options)?,
-            wheel: mesh_wheel(&self.wheel, options)?,
-        })
+        let (rail, wheel) = rayon::join(
+            || mesh_rail(&self.rail, &self.placed, rail_length, options),
+            || mesh_wheel(&self.wheel, options),
+        );
+        Ok(PairMeshes { rail: rail?, wheel: wheel? })
     }
 
     /// World position (y, z) of the wheel profile's origin when it just touches, m.

@@ -205,7 +205,7 @@ fn enough(name: &str, points: &[MeasuredPoint]) -> Result<()> {
         return Ok(());
     }
     let line = points.first().map_or(1, |p| p.line);
-    let value = format!("{} points", points.len());
+    let value = if points.len() == 1 { "1 point".into() } else { format!("{} points", points.len()) };
     Err(error_at(name, line, 1, &value, "at least 4 different points", "give the whole profile"))
 }
 

@@ -8,6 +8,7 @@ use crate::pair::{ContactConditions, Pair, PairBody};
 use crate::placement::TrackGeometry;
 use crate::section::{rail_section, wheel_section};
 use crate::solid::{Formulation, Material};
+use faer::Mat;
 
 /// Source: the load pressed from the one before at once. Goal: by way of loads in between the displacement and the tangent of the hub are the same,
 /// with friction, whose slips count from the load before; a near load has none in between. Accuracy: SOLVER, the hub's last step of 1 nm on its way of 0.1 mm
@@ -37,4 +38,25 @@ fn loads_in_between_only_give_starts() {
     {
         assert!((b / a - 1.0).abs() < SOLVER, "{a} {b}");
     }
+}
+
+/// Source: a body that moves towards the other one under a load, as contact elements do that are coarse beside patch and curvature; here the compliance of a
+/// wheel less four times itself. Goal: it is refused for that, and not iterated. Seen without the check: minutes of iterations.
+#[test]
+fn bodies_that_move_against_the_load_are_refused() {
+    let (rail, wheel) = (rail_section("60E1").unwrap(), wheel_section("S1002", 0.858).unwrap());
+    let pair = Pair::new(rail, wheel, &TrackGeometry::standard()).unwrap();
+    let options = MeshOptions { window_half_length: 14e-3, ..MeshOptions::default().refined(0.5) };
+    let bodies = [PairBody::Wheel, PairBody::RailOnEnds];
+    let meshes = pair.mesh(0.555, &options).unwrap();
+    let bodies =
+        meshes.condense(&pair, &bodies, Material::STEEL, Formulation::IncompatibleModes, &Silent).unwrap();
+    let contact =
+        ContactConditions { friction: 0.5, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
+    let mut placed = bodies.wheel_on_rail(&pair, Reference::Beam, contact).unwrap();
+    let towards =
+        Mat::from_fn(placed.wheel.nrows(), placed.wheel.ncols(), |i, j| -3.0 * placed.wheel[(i, j)]);
+    placed.wheel = &towards;
+    let error = placed.press(20e3, None).map(drop).unwrap_err();
+    assert!(matches!(&error, Error::Numerics(e) if e.reason == StopReason::Indefinite), "{error}");
 }
