@@ -3,7 +3,8 @@
 //!
 //! A wheel of which only the profile is known may have any web, rim and hub; a rail of which only the head is known any web and foot; a head whose
 //! sides do not show it may be inclined in its file. The others are the ends of what is in use: a thin straight web under a thin rim, a thick one
-//! under a thick rim with a large hub, and an S web; the standard rails next lighter and next heavier than what was assumed; roll and lateral place to either side by as much as they are unsure.
+//! under a thick rim with a large hub, and an S web; the standard rails next lighter and next heavier than what was assumed; roll and lateral place to either side by as much as
+//! they are unsure, and in between.
 
 use railspring_calibrate::calibration::{LoadPoint, Reference};
 use railspring_calibrate::error::{Result, or_reason};
@@ -19,6 +20,7 @@ use railspring_calibrate::section::{
 use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::calibrate::{FoundSprings, contact_conditions};
+use super::sections::Assumed;
 use super::zones::mesh_options;
 use super::{Geometry, Meshes};
 use crate::records::{AssumedRecord, AssumedReference, OtherRecord};
@@ -172,8 +174,16 @@ pub fn assumed(
                 contact_half_length: meshes.options().contact_half_length,
                 ..mesh_options(study, &other)
             };
-            let meshes = Meshes::with_own(study, &other, None, None, options)?;
-            let bodies = condense(&other, &meshes)?;
+            // a wheel in another place has the same body, unless it touches where that has no fine elements
+            let own = (part == Part::Shift && options == *meshes.options()).then_some(bodies);
+            let condensed;
+            let bodies = match own {
+                Some(bodies) => bodies,
+                None => {
+                    condensed = condense(&other, &Meshes::with_own(study, &other, None, None, options)?)?;
+                    &condensed
+                }
+            };
             let pressed = bodies.press(&other.pair, contact, &loads, monitor)?;
             let horizontal = pressed.horizontal(reference, preload, monitor).map(|h| h.stiffness);
             Ok((pressed.laws()?, horizontal))
@@ -221,9 +231,29 @@ pub fn others_by_body(study: &Study, geometry: &Geometry) -> [usize; 2] {
     }
     let rails =
         geometry.assumed[0].as_ref().filter(|_| open.rail).map_or(0, |known| other_rails(&known.base).len());
-    let [roll, shift] = [open.roll, open.shift].map(|open| 2 * usize::from(open));
+    let rolls = geometry.assumed[0].as_ref().filter(|_| open.roll).map_or(0, |known| rolls(known).len());
     let wheels = if open.wheel { other_wheels(&study.wheel.body).len() } else { 0 };
-    [rails + roll + shift, wheels + shift]
+    [rails + rolls, wheels]
+}
+
+/// Other rolls of a head, rad, both ways up to that by which it is unsure.
+fn rolls(known: &Assumed) -> Vec<f64> {
+    const STEP: f64 = 0.0125;
+    both_ways(known.unsure.roll, STEP)
+}
+
+/// Other places of a wheel, m, both ways up to that by which it is unsure. On worn surfaces, where the contact goes from one place to another, the law is no
+/// monotonic function of the lateral place.
+fn shifts(known: &Assumed) -> Vec<f64> {
+    const STEP: f64 = 0.75 * MILLIMETRE;
+    both_ways(known.unsure.shift, STEP)
+}
+
+/// Values both ways up to the `most`, `step` apart at most.
+fn both_ways(most: f64, step: f64) -> Vec<f64> {
+    let count = (most / step - 1e-9).ceil() as i32;
+    let values = (-count..=count).filter(|&i| i != 0).map(|i| most * f64::from(i) / f64::from(count));
+    values.collect()
 }
 
 /// The horizontal stiffness of the springs at a preload, N/m.
@@ -261,14 +291,14 @@ fn others(study: &Study, geometry: &Geometry, open: Open) -> Vec<Other> {
         }
     }
     if let (true, Some(known)) = (open.roll, &geometry.assumed[0]) {
-        for roll in [-known.unsure.roll, known.unsure.roll] {
+        for roll in rolls(known) {
             let name = format!("head rolled by {:+.1} degrees", roll.to_degrees());
             others.push(Other { part: Part::Roll, name, geometry: with(None, None, slope + roll) });
         }
     }
     if let (true, Some(known)) = (open.shift, &geometry.assumed[1]) {
-        for shift in [-known.unsure.shift, known.unsure.shift] {
-            let name = format!("wheel {:+.1} mm to the field side", shift / MILLIMETRE);
+        for shift in shifts(known) {
+            let name = format!("wheel {:+.2} mm to the field side", shift / MILLIMETRE);
             let geometry = with(None, None, slope).and_then(|own| {
                 let pair = own.pair.with_wheel_at(own.pair.tape_y + shift)?;
                 Ok(Geometry { pair, ..own })
@@ -353,5 +383,24 @@ fn range(reference: &str, others: &[OtherRecord]) -> AssumedReference {
         reference: reference.into(),
         displacement: of(|other| &other.displacement),
         tangent: of(|other| &other.tangent),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: values both ways, the ends among them and no two farther apart than the step. Accuracy: ROUNDOFF.
+    #[test]
+    fn values_both_ways_have_their_ends() {
+        for (most, count) in [(3.0, 4), (0.75, 1), (0.5, 1), (0.76, 2)] {
+            let values = both_ways(most, 0.75);
+            assert_eq!((values.len(), values[0], values[2 * count - 1]), (2 * count, -most, most));
+            assert!(
+                values
+                    .windows(2)
+                    .all(|w| w[1] - w[0] <= if w[0] < 0.0 && w[1] > 0.0 { 1.5 } else { 0.75 } + 1e-12)
+            );
+        }
     }
 }

@@ -92,7 +92,7 @@ pub(super) fn nominal(measured: &MeasuredSurface, profile: &MeasuredProfile) -> 
     };
     let noted = |text: String| Finding::new(FindingKind::Shape, Action::Noted, text);
     let how = format!("`{}.standard` gives another", kind.name());
-    if let Some(first) = near.first().filter(|first| first.is_standard()) {
+    if let Some(first) = near.first().filter(|first| first.is_standard() && first.tells_the_roll()) {
         let tied: Vec<&str> = near[1..].iter().filter(|m| m.ties_with(first)).map(|m| m.name).collect();
         let also = match tied.is_empty() {
             true => String::new(),
@@ -109,6 +109,12 @@ pub(super) fn nominal(measured: &MeasuredSurface, profile: &MeasuredProfile) -> 
         (None, ProfileKind::Wheel) => ANY_WHEEL,
     };
     let off = match near.first() {
+        Some(first) if first.is_standard() => {
+            let angle = first.placed.motion.angle.to_degrees();
+            format!(
+                "too little of it would lie on {first}, turned by {angle:.1} degrees, to tell that it is that"
+            )
+        }
         Some(first) => format!("it fits no standard within its tolerance; the nearest is {first}"),
         None => "it resembles no standard".to_owned(),
     };

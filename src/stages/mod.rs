@@ -98,7 +98,8 @@ pub struct Meshes {
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
 pub fn geometry(study: &Study) -> Result<Geometry> {
-    let (rail, wheel) = (sections::rail(study)?, sections::wheel(study)?);
+    let (rail, wheel) = rayon::join(|| sections::rail(study), || sections::wheel(study));
+    let (rail, wheel) = (rail?, wheel?);
     // a head that its file has inclined is laid as it is there
     let turned =
         rail.assumed.as_ref().and_then(|assumed| assumed.turned).filter(|_| !study.rail.inclination_given);

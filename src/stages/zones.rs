@@ -24,13 +24,31 @@ const LONGER: f64 = 4e-3;
 /// Distance that a zone keeps from the end of a profile and from the top of a flange, m.
 const FROM_THE_END: f64 = 0.5e-3;
 
-/// The study's mesh sizes, with a zone that holds the Hertz patch of the largest load; a worn flange is steeper and
+/// Length of a zone beyond the first touch, m: that of wide patches, and what the touch moves by under load.
+const AROUND: f64 = 8e-3;
+/// Distance of the first touch from the end of a zone from which it needs more, m: half the width of a usual patch.
+const NEAR_THE_END: f64 = 3e-3;
+
+/// The study's mesh sizes, with a zone that holds the Hertz patch of the largest load and goes on beyond the first touch; a worn flange is steeper and
 /// touches deeper, so beside measured profiles the zones go on further down the two faces.
 pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
     const DEEPER: f64 = 6e-3;
     let mut options = study.mesh.clone();
     if study.rail.measured.is_some() || study.wheel.measured.is_some() {
         options.rail_zone.face_depth += DEEPER;
+    }
+    if meshes_are_ours(study) {
+        let touch = &geometry.pair.touch;
+        let sections = [
+            (&mut options.rail_zone, &geometry.pair.rail.running, touch.rail_s),
+            (&mut options.wheel_zone, &geometry.pair.wheel.running, touch.wheel_s),
+        ];
+        for (zone, curve, s) in sections {
+            let y = curve.point(s).x;
+            if y > zone.field_y - NEAR_THE_END {
+                zone.field_y = (y + AROUND).min(reach(curve).1).max(zone.field_y);
+            }
+        }
     }
     if let Some((_, _, patch)) = longest_patch(study, geometry)
         && patch > options.window_half_length

@@ -154,7 +154,7 @@ pub fn wheel_in_own_frame(profile: &MeasuredProfile, tape_circle: f64) -> Result
     let mut placed = moved(profile, &motion);
     let text = match off {
         Some(off) if across != 0.0 => format!(
-            "the flange back is {:.2} mm from where a tape circle {} mm off it has it: moved there",
+            "the flange back is {:.2} mm from where a tape circle {:.2} mm off it has it: moved there",
             off / MILLIMETRE,
             tape_circle / MILLIMETRE
         ),
