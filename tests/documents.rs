@@ -157,11 +157,10 @@ fn the_book_has_every_page() {
     let listed = summary();
     let unique: BTreeSet<&String> = listed.iter().collect();
     assert_eq!(unique.len(), listed.len(), "a page stands twice");
-    let files = std::fs::read_dir(root().join("docs"))
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let pages = pages();
+    let files = pages.keys().filter_map(|path| path.strip_prefix(root().join("docs")).ok());
     let files: BTreeSet<String> =
-        files.filter(|name| name.ends_with(".md") && name != "SUMMARY.md").collect();
+        files.map(|path| path.display().to_string()).filter(|name| name != "SUMMARY.md").collect();
     assert_eq!(files, listed.into_iter().collect());
 }
 
@@ -289,14 +288,15 @@ fn the_book_is_built() {
     let book = root().join("book");
     let mut dead = Vec::new();
     for name in summary() {
-        let page = book.join(name.replace(".md", ".html"));
+        // of a folder's README mdBook makes its index
+        let page = book.join(name.replace("README.md", "index.md").replace(".md", ".html"));
         let text = std::fs::read_to_string(&page).unwrap_or_else(|e| panic!("{}: {e}", page.display()));
         for part in text.split(" href=\"").chain(text.split(" src=\"")).skip(1) {
             let link = part.split('"').next().unwrap_or_default();
             let file = link.split('#').next().unwrap_or_default();
             let outside =
                 file.is_empty() || link.contains("://") || link.starts_with('<') || link.starts_with("data:");
-            if !outside && !part.starts_with('<') && !book.join(file).exists() {
+            if !outside && !part.starts_with('<') && !page.parent().unwrap().join(file).exists() {
                 dead.push(format!("{name}: {link}"));
             }
         }
