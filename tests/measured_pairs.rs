@@ -161,15 +161,26 @@ fn measured_pairs_have_a_law() {
     }
 }
 
+/// The pairs to be done: those of `RAILSPRING_PAIRS`, numbers with commas, or else all forty.
+fn seeds() -> Vec<u64> {
+    match std::env::var("RAILSPRING_PAIRS") {
+        Ok(pairs) => pairs.split(',').map(|seed| seed.trim().parse().expect("numbers of pairs")).collect(),
+        Err(_) => (0..40).collect(),
+    }
+}
+
 /// All forty: each has a law or is refused for a reason that leaves no reading, and the law of the true surfaces is within its band.
 #[test]
-#[ignore = "half an hour: cargo measured-pairs"]
+#[ignore = "forty minutes: cargo measured-pairs"]
 fn forty_measured_pairs() {
-    let outcomes: Vec<_> = (0..40).map(|seed| outcome(seed, true)).collect();
+    let seeds = seeds();
+    let outcomes: Vec<_> = seeds.iter().map(|&seed| outcome(seed, true)).collect();
     let without: Vec<&String> = outcomes.iter().filter_map(|o| o.as_ref().err()).collect();
     assert!(without.is_empty(), "{without:#?}");
     let compared: Vec<&Outcome> = outcomes.iter().flatten().filter(|o| o.off.is_some()).collect();
     let outside: Vec<&str> = compared.iter().filter(|o| !o.is_inside()).map(|o| o.name.as_str()).collect();
-    println!("{} of 40 compared, {} outside their band", compared.len(), outside.len());
-    assert!(outside.is_empty() && compared.len() > 30, "{outside:#?}");
+    println!("{} of {} compared, {} outside their band", compared.len(), seeds.len(), outside.len());
+    assert!(outside.is_empty(), "{outside:#?}");
+    // of all forty some are refused, as left or right
+    assert!(4 * compared.len() > 3 * seeds.len(), "{} of {}", compared.len(), seeds.len());
 }

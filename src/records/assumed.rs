@@ -62,6 +62,9 @@ impl AssumedRecord {
         parts.extend(self.horizontal_kn_per_m.map(|[least, most]| {
             format!("k_h between {} and {} kN/m", significant(least, 2), significant(most, 2))
         }));
+        if !self.missing.is_empty() {
+            parts.push(format!("without {} that came to no answer", self.missing.join(" and ")));
+        }
         parts.join("; ")
     }
 

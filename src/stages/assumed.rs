@@ -232,7 +232,8 @@ pub fn others_by_body(study: &Study, geometry: &Geometry) -> [usize; 2] {
     let rails =
         geometry.assumed[0].as_ref().filter(|_| open.rail).map_or(0, |known| other_rails(&known.base).len());
     let rolls = geometry.assumed[0].as_ref().filter(|_| open.roll).map_or(0, |known| rolls(known).len());
-    let wheels = if open.wheel { other_wheels(&study.wheel.body).len() } else { 0 };
+    let wheels =
+        if open.wheel { other_wheels(&study.wheel.body, study.wheel.tape_diameter).len() } else { 0 };
     [rails + rolls, wheels]
 }
 
@@ -274,7 +275,7 @@ fn others(study: &Study, geometry: &Geometry, open: Open) -> Vec<Other> {
     };
     let slope = -geometry.pair.placed.angle.tan();
     if let (true, Some(known)) = (open.wheel, &geometry.assumed[1]) {
-        for (name, body) in other_wheels(&study.wheel.body) {
+        for (name, body) in other_wheels(&study.wheel.body, study.wheel.tape_diameter) {
             let section = wheel_profile_with_flange(&known.base, &study.wheel.flange)
                 .and_then(|running| wheel_section_on(running, &known.base, study.wheel.tape_diameter, &body))
                 .and_then(|base| wheel_section_for_profile(&base, &known.curve, &body, &mut Vec::new()));
@@ -309,15 +310,23 @@ fn others(study: &Study, geometry: &Geometry, open: Open) -> Vec<Other> {
     others
 }
 
-/// The ends of what wheels have under their rim.
-fn other_wheels(body: &WheelBody) -> [(&'static str, WheelBody); 3] {
-    let rim = |mm: f64| mm * MILLIMETRE;
-    let thin = WheelBody { web_thickness: Some(rim(17.0)), rim_depth: rim(38.0), ..*body };
-    let hub = (body.hub_diameter + rim(70.0)).max(rim(330.0));
-    let thick =
-        WheelBody { web_thickness: Some(rim(31.0)), rim_depth: rim(75.0), hub_diameter: hub, ..*body };
-    let curved =
-        WheelBody { web: WebShape::S, web_thickness: Some(rim(18.0)), rim_depth: rim(45.0), ..*body };
+/// The ends of what wheels have under their rim: webs of 16 to 32 mm, rims 35 to 80 mm deep, hubs up to 340 mm as far as the wheel has room for them.
+fn other_wheels(body: &WheelBody, tape_diameter: f64) -> [(&'static str, WheelBody); 3] {
+    /// Radial length that web and fillets need, and the least wall of a hub, m.
+    const WEB: f64 = 85.0 * MILLIMETRE;
+    const WALL: f64 = 11.0 * MILLIMETRE;
+    let mm = |mm: f64| mm * MILLIMETRE;
+    let (rim, least) = (mm(80.0), body.bore_diameter + 2.0 * WALL);
+    let thin = WheelBody {
+        web_thickness: Some(mm(16.0)),
+        rim_depth: mm(35.0),
+        hub_diameter: least.min(body.hub_diameter),
+        ..*body
+    };
+    let room = (tape_diameter - 2.0 * (rim + WEB)).max(least);
+    let hub = body.hub_diameter.max(mm(340.0)).min(room);
+    let thick = WheelBody { web_thickness: Some(mm(32.0)), rim_depth: rim, hub_diameter: hub, ..*body };
+    let curved = WheelBody { web: WebShape::S, web_thickness: Some(mm(16.0)), rim_depth: mm(38.0), ..*body };
     [
         ("a thin straight web and rim", thin),
         ("a thick straight web, rim and hub", thick),

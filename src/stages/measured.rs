@@ -46,6 +46,8 @@ pub(super) struct Nominal {
     pub name: String,
     /// Whether the profile fits it; it is only the one that is most like it otherwise.
     pub fits: bool,
+    /// Whether most of it does, so that its body is that of the standard.
+    pub sure: bool,
     /// What is said of the choice.
     pub said: Finding,
 }
@@ -100,7 +102,12 @@ pub(super) fn nominal(measured: &MeasuredSurface, profile: &MeasuredProfile) -> 
         };
         let text =
             format!("taken as measured on {}, the nearest of {}{also}; {how}", first.name, in_words(&near));
-        return Ok(Nominal { name: first.name.into(), fits: true, said: noted(text) });
+        return Ok(Nominal {
+            name: first.name.into(),
+            fits: true,
+            sure: first.tells_the_body(),
+            said: noted(text),
+        });
     }
     of_its_kind(measured, profile)?;
     let like = match (near.first(), kind) {
@@ -126,7 +133,7 @@ pub(super) fn nominal(measured: &MeasuredSurface, profile: &MeasuredProfile) -> 
             "the rim, and a flange and a tread where the profile has none, are assumed to be like those of {like}; {how}"
         ),
     };
-    Ok(Nominal { name: like.into(), fits: false, said: noted(format!("{off}: {assumed}")) })
+    Ok(Nominal { name: like.into(), fits: false, sure: false, said: noted(format!("{off}: {assumed}")) })
 }
 
 /// Refuses a profile that has the shape of the other body, or a size that none of its kind has.

@@ -71,17 +71,17 @@ pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
         return Ok(Sectioned::known(section, records));
     };
     let mut profile = measured::read(file, ProfileKind::Rail, None)?;
-    let (base, known) = match (own, &keys.profile, &keys.body) {
-        (Some((_, section)), ..) => (section, true),
-        (None, Some(standard), _) => (rail_section(standard)?, true),
-        (None, None, Some(RailBody::Standard(name))) => (rail_section(name)?, false),
+    let (base, known, given) = match (own, &keys.profile, &keys.body) {
+        (Some((_, section)), ..) => (section, true, true),
+        (None, Some(standard), _) => (rail_section(standard)?, true, true),
+        (None, None, Some(RailBody::Standard(name))) => (rail_section(name)?, false, true),
         (None, None, Some(RailBody::Drawn(name, dimensions))) => {
-            (rail_section_of(name, rail_of_dimensions(dimensions)?), false)
+            (rail_section_of(name, rail_of_dimensions(dimensions)?), false, true)
         }
         (None, None, None) => {
-            let Nominal { name, fits, said } = measured::nominal(file, &profile)?;
+            let Nominal { name, fits, sure, said } = measured::nominal(file, &profile)?;
             profile.findings.push(said);
-            (rail_section(&name)?, fits)
+            (rail_section(&name)?, fits, sure)
         }
     };
     let reference = Reference::rail(&base);
@@ -93,7 +93,7 @@ pub(super) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
         |curve, findings| rail_section_for_head(base.clone(), curve, findings),
     )?;
     let surface = found.on(file, &reference, Seams::of_rail(&section), &mut records);
-    let assumed = Some(found.assumed(known || keys.body.is_some(), reference.name));
+    let assumed = Some(found.assumed(given, reference.name));
     Ok(Sectioned { section, records, surface: Some(surface), assumed, replicates })
 }
 
@@ -119,7 +119,7 @@ pub(super) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
     let (base, known) = match own {
         Some(section) => (section, true),
         None => {
-            let Nominal { name, fits, said } = measured::nominal(file, &profile)?;
+            let Nominal { name, fits, said, .. } = measured::nominal(file, &profile)?;
             let base = generic(&name)?;
             // a standard may have its tape circle elsewhere
             if fits && keys.tape_circle.is_none() {

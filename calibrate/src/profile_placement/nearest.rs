@@ -61,7 +61,13 @@ impl Misfit {
     /// Whether the measurement lies on this standard as it stands in its file, or most of it does once it is turned. A small part of a head that is no standard's
     /// fits one by being turned: up to a quarter of it within 0.1 mm by 1.7 and 2.9 degrees.
     pub fn tells_the_roll(&self) -> bool {
-        self.placed.motion.angle.abs() <= TURNED || self.share <= MOSTLY
+        self.placed.motion.angle.abs() <= TURNED || self.tells_the_body()
+    }
+
+    /// Whether most of the measurement lies on this standard, so that what was not measured is that of the standard as well. Heads of other rails may lie on it in
+    /// part.
+    pub fn tells_the_body(&self) -> bool {
+        self.share <= MOSTLY
     }
 
     /// Whether nothing tells this standard from a `better` one: both lie as near to what wear leaves alone, and as much of the profile.
