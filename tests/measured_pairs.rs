@@ -67,7 +67,14 @@ fn truth(pair: &MeasuredPair) -> Option<Vec<(f64, f64)>> {
     let inclination = if cant > 0.0125 { cant } else { 1.0 / 40.0 };
     let track = TrackGeometry { inclination, ..TrackGeometry::standard() };
     let pair = Pair::new(section, wheel, &track).ok()?;
-    let meshes = pair.mesh(0.555, &MeshOptions::default()).ok()?;
+    let mut options = MeshOptions::default();
+    // small wheels touch at the field corner of some heads
+    let running = &pair.rail.running;
+    let [touch, end] = [pair.touch.rail_s, running.length()].map(|s| running.point(s).x);
+    if touch > options.rail_zone.field_y - 3e-3 {
+        options.rail_zone.field_y = (touch + 8e-3).min(end - 0.5e-3);
+    }
+    let meshes = pair.mesh(0.555, &options).ok()?;
     let material = Material { young: 210e9, poisson: 0.3, density: 7850.0, damping: 0.0 };
     let bodies = meshes
         .condense(&pair, PairBody::of_pair(false), material, Formulation::IncompatibleModes, &Silent)
@@ -161,6 +168,20 @@ fn measured_pairs_have_a_law() {
     }
 }
 
+/// Goal: where contact elements are coarse beside patch and curvature, here those of 12 mm under a worn gauge corner of 13 mm, the error band says that
+/// their bodies move against the load, and the law stands. Seen before: the iteration on them had no end within minutes.
+#[test]
+fn bodies_too_coarse_for_a_band_are_said() {
+    let pair = measured_pair(1);
+    let place = place(&pair, true);
+    let text = place.read("m.toml").replace("[wheel]", "standard = \"60E1\"\n[wheel]");
+    place.write("m.toml", &(text + "[mesh]\ncontact_element_mm = 6\n"));
+    let output = place.run(&["calibrate", "m.toml", "-o", "o"]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && said.contains("move against the load"), "{said}");
+    assert!(approach(&place.read("o/load_curve.csv")).len() >= LOADS.len());
+}
+
 /// The pairs to be done: those of `RAILSPRING_PAIRS`, numbers with commas, or else all forty.
 fn seeds() -> Vec<u64> {
     match std::env::var("RAILSPRING_PAIRS") {
@@ -181,6 +202,7 @@ fn forty_measured_pairs() {
     let outside: Vec<&str> = compared.iter().filter(|o| !o.is_inside()).map(|o| o.name.as_str()).collect();
     println!("{} of {} compared, {} outside their band", compared.len(), seeds.len(), outside.len());
     assert!(outside.is_empty(), "{outside:#?}");
-    // of all forty some are refused, as left or right
-    assert!(4 * compared.len() > 3 * seeds.len(), "{} of {}", compared.len(), seeds.len());
+    // some are refused as left or right
+    let with_law = outcomes.iter().flatten().filter(|o| !o.name.ends_with("refused")).count();
+    assert!(compared.len() == with_law && 4 * with_law > 3 * seeds.len(), "{with_law} of {}", seeds.len());
 }

@@ -3,6 +3,9 @@
 //! the report and the later stages use. Files and clocks are in
 //! [`crate::pipeline`].
 
+mod measured;
+mod on_standard;
+mod sections;
 mod bodies;
 mod patches;
 mod fields;
@@ -14,9 +17,6 @@ mod error_band;
 mod assumed;
 mod by_angle;
 mod crosscheck;
-mod measured;
-mod on_standard;
-mod sections;
 mod other_solids;
 mod simulate;
 
