@@ -37,7 +37,8 @@ pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
     if study.rail.measured.is_some() || study.wheel.measured.is_some() {
         options.rail_zone.face_depth += DEEPER;
     }
-    if meshes_are_ours(study) {
+    // a shift that is given may be wrong, and is refused where it leads out of the zone
+    if meshes_are_ours(study) && !study.source.gives("track.lateral_shift_mm") {
         let touch = &geometry.pair.touch;
         let sections = [
             (&mut options.rail_zone, &geometry.pair.rail.running, touch.rail_s),
