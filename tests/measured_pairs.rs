@@ -1,6 +1,6 @@
 //! Measured pairs of wheels and rails that the tool does not know, through the program at the first command.
 //!
-//! Source: surfaces drawn from the public dimensions of freight, passenger, metro and tram practice (`railspring_testing::shapes`), worn, scattered, cut off,
+//! Source: surfaces drawn from the public dimensions of freight, passenger, metro and tram practice (`railspring_testing::measured`), worn, scattered, cut off,
 //! canted and written in seven dialects; none of them is a standard of the tool. Goal: every pair has a law or is refused for one of the reasons that leave no
 //! reading, and the law of the approach (`local`) is that of the true surfaces within its band.
 
@@ -17,7 +17,8 @@ use railspring_calibrate::section::{
 };
 use railspring_calibrate::solid::{Formulation, Material};
 use railspring_testing::Place;
-use railspring_testing::shapes::{MeasuredPair, Point, measured_pair};
+use railspring_testing::measured::{MeasuredPair, measured_pair};
+use railspring_testing::shapes::Point;
 
 /// What refuses a pair that has no reading, or two.
 const REFUSALS: [&str; 3] =

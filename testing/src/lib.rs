@@ -10,6 +10,7 @@ mod place;
 mod programs;
 mod random;
 pub mod shapes;
+pub mod measured;
 
 use std::collections::BTreeSet;
 use std::io::Write;
