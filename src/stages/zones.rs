@@ -8,7 +8,7 @@ use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::error::{Error, InputError, NumericsError, Result};
 use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::{Ending, SurfaceEnd};
-use railspring_calibrate::mesh::{MeshOptions, SectionOutline, rail_outline, wheel_outline};
+use railspring_calibrate::mesh::{ContactZone, MeshOptions, SectionOutline, rail_outline, wheel_outline};
 use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
@@ -39,12 +39,8 @@ pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
     }
     // a shift that is given may be wrong, and is refused where it leads out of the zone
     if meshes_are_ours(study) && !study.source.gives("track.lateral_shift_mm") {
-        let touch = &geometry.pair.touch;
-        let sections = [
-            (&mut options.rail_zone, &geometry.pair.rail.running, touch.rail_s),
-            (&mut options.wheel_zone, &geometry.pair.wheel.running, touch.wheel_s),
-        ];
-        for (zone, curve, s) in sections {
+        let touches = [geometry.pair.touch.rail_s, geometry.pair.touch.wheel_s];
+        for ((zone, curve), s) in zones(geometry, &mut options).into_iter().zip(touches) {
             let y = curve.point(s).x;
             if y > zone.field_y - NEAR_THE_END {
                 zone.field_y = (y + AROUND).min(reach(curve).1).max(zone.field_y);
@@ -311,15 +307,22 @@ fn larger(
 
 /// Makes the zones on the profiles longer at both ends by a length (m), as far as the profiles go.
 pub(super) fn extend_zones(geometry: &Geometry, options: &mut MeshOptions, by: f64) {
-    let sections = [
-        (&mut options.rail_zone, &geometry.pair.rail.running),
-        (&mut options.wheel_zone, &geometry.pair.wheel.running),
-    ];
-    for (zone, curve) in sections {
+    for (zone, curve) in zones(geometry, options) {
         let (depth, field) = reach(curve);
         zone.face_depth = (zone.face_depth + by).min(depth).max(zone.face_depth);
         zone.field_y = (zone.field_y + by).min(field).max(zone.field_y);
     }
+}
+
+/// The contact zones of rail and wheel, each with its running surface.
+fn zones<'a>(
+    geometry: &'a Geometry,
+    options: &'a mut MeshOptions,
+) -> [(&'a mut ContactZone, &'a ProfileCurve); 2] {
+    [
+        (&mut options.rail_zone, &geometry.pair.rail.running),
+        (&mut options.wheel_zone, &geometry.pair.wheel.running),
+    ]
 }
 
 /// How deep the face of a profile goes, down to the top of a flange, and how far the profile goes to the field side, m.
