@@ -6,13 +6,13 @@ use std::path::PathBuf;
 use railspring::report::panel::{Panel, stacked_over_names};
 use railspring::report::plot::{DARK, Dash, Marker, RED, Series};
 use railspring_calibrate::calibration::{ContactField, Enforcement, LoadPoint, Reference};
-use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Pair, PairBody};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// Loads from 1 to 150 kN, each 9 % above the one before.
 const LOADS: u32 = 60;
@@ -80,7 +80,7 @@ fn main() -> Result<()> {
         names[nearest(kilonewton)][0] = if load < 10.0 { format!("{load:.1}") } else { format!("{load:.0}") };
     }
     std::fs::write(&file, stacked_over_names(860, 215, &panels, &[], &names)).map_err(|cause| {
-        railspring_calibrate::error::InputError::new(
+        railspring_profiles::error::InputError::new(
             file.display().to_string(),
             cause,
             "a file that can be written",

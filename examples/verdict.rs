@@ -3,15 +3,15 @@
 
 use railspring::verify::{Limits, ModelRun, compare};
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
-use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, SeriesBeam};
-use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
 use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel};
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::moving::{MovingModel, WheelSprings};
 
 fn main() -> Result<()> {

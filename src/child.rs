@@ -6,7 +6,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use railspring_calibrate::error::{Error, Result};
+use railspring_profiles::error::{Error, Result};
 
 /// Bytes that are kept of messages: the last ones.
 const MESSAGES: usize = 64 << 10;

@@ -10,8 +10,8 @@ use std::process::{ChildStdin, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::monitor::Monitor;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::monitor::Monitor;
 use serde::Deserialize;
 use serde_json::json;
 

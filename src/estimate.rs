@@ -9,10 +9,10 @@ mod table;
 
 use std::path::Path;
 
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
-use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::MILLIMETRE;
 
 use crate::python::Purpose;
 use crate::stages::{self, Geometry, Meshes};
@@ -271,7 +271,7 @@ fn refusal(
 
 #[cfg(test)]
 mod tests {
-    use railspring_calibrate::monitor::Silent;
+    use railspring_profiles::monitor::Silent;
 
     use super::*;
 

@@ -5,8 +5,8 @@ use std::fs::{File, TryLockError};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::input;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::input;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use tempfile::TempPath;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf, absolute};
 use std::process::Command;
 use std::time::Duration;
 
-use railspring_calibrate::error::{InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 
 use crate::child::{Limits, Stop, run};
 use crate::output::OutputFolder;

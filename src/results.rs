@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use railspring_calibrate::error::{InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::output::OutputFolder;

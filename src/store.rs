@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, SystemTime};
 
-use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_profiles::error::{Error, InputError, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::output::{OutputFolder, TEMPORARY};

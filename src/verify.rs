@@ -29,8 +29,8 @@ mod pointwise;
 mod sampled;
 
 use railspring_calibrate::energy::EnergyBalance;
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::{Ending, History, HistoryRow};
+use railspring_profiles::error::{InputError, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

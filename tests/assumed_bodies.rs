@@ -4,7 +4,7 @@
 //! 16 to 32 mm, rims of 35 to 80 mm and hubs of 215 to 340 mm, and the flat-bottom rails of catalogues whose head is as wide as the measured one within 5 mm. Goal: the displacement of
 //! the approach and against the beam, and the horizontal stiffness, lie within the stated range in 95 % of the cases. Elements of 6 mm: what bodies change is not local.
 
-use railspring_calibrate::profile::rail_catalogue::{CATALOGUE_RAILS, CatalogueRail};
+use railspring_profiles::profile::rail_catalogue::{CATALOGUE_RAILS, CatalogueRail};
 use railspring_testing::measured::{MeasuredPair, measured_pair};
 use railspring_testing::{Place, Random};
 use serde_json::Value;

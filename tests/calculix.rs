@@ -11,7 +11,7 @@ use railspring::crosscheck::{Prepared, calculix, prepare};
 use railspring::estimate::Resources;
 use railspring::stages::{AnsweredCurve, check_friction};
 use railspring::study::Study;
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 use railspring_testing::{Need, needs};
 
 fn study() -> &'static Study {

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use crate::tables::Place;
 use railspring::python::Python;
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 use serde_json::{Value, json};
 
 /// A measured wheel and a file that is no profile on two rails at two shifts.

@@ -6,8 +6,8 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use nalgebra::Point2;
-use railspring_calibrate::profile::wheels::wheel_profile;
-use railspring_calibrate::section::rail_section;
+use railspring_profiles::profile::wheels::wheel_profile;
+use railspring_profiles::section::rail_section;
 
 const GOOD: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n";
 

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use railspring::estimate::{Resources, Work, dry_run};
 use railspring::records::{ErrorBandRecord, StiffnessRecord};
 use railspring::study::Study;
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 
 /// The coarse study with its contact on a fine grid and with error bands; `more` goes into its section `[mesh]`.
 fn study(more: &str) -> String {

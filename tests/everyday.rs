@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::Output;
 
-use railspring_calibrate::section::rail_section;
+use railspring_profiles::section::rail_section;
 use railspring_testing::{Place, message, said};
 use serde_json::Value;
 

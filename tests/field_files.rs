@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use railspring::python::{Purpose, Python};
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 use serde_json::Value;
 
 fn tmp() -> PathBuf {

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 
 use railspring::report::panel::{Panel, stacked};
 use railspring::report::plot::{BLUE, DARK, Dash, Marker, RED, Series};
-use railspring_calibrate::placement::{TrackGeometry, place_rail};
-use railspring_calibrate::profile::wheels::wheel_profile;
-use railspring_calibrate::rigid_contact::{WheelOnRail, Wheelset};
-use railspring_calibrate::section::rail_section;
+use railspring_profiles::placement::{TrackGeometry, place_rail};
+use railspring_profiles::profile::wheels::wheel_profile;
+use railspring_profiles::rigid_contact::{WheelOnRail, Wheelset};
+use railspring_profiles::section::rail_section;
 
 /// Yaw over shift of the case, rad/m.
 const YAW_PER_SHIFT: f64 = 2.4;

@@ -7,15 +7,15 @@
 use nalgebra::Point2;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Pair, PairBody};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile::rail_catalogue::{RailDimensions, rail_of_dimensions};
-use railspring_calibrate::section::{
+use railspring_calibrate::solid::{Formulation, Material};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::profile::rail_catalogue::{RailDimensions, rail_of_dimensions};
+use railspring_profiles::section::{
     WheelBody, rail_section_for_head, rail_section_of, wheel_section, wheel_section_for_profile,
 };
-use railspring_calibrate::solid::{Formulation, Material};
 use railspring_testing::Place;
 use railspring_testing::measured::{MeasuredPair, measured_pair};
 use railspring_testing::shapes::Point;

@@ -222,7 +222,7 @@ fn steps_are_drawn_where_they_are() {
 /// mm: 54E1 itself for its section, and for its head alone in the message that refuses it; for the plain rail that no standard has its shape.
 #[test]
 fn the_nearest_standards_of_a_section_are_said() {
-    use railspring_calibrate::profile::{ProfileKind, lines_and_arcs, rails::rail_outline};
+    use railspring_profiles::profile::{ProfileKind, lines_and_arcs, rails::rail_outline};
     let place = tempfile::tempdir().unwrap();
     let outline = rail_outline("54E1").unwrap();
     let whole: Vec<_> = outline.running.iter().chain(&outline.rest).copied().collect();

@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::tables::Place;
 use railspring::python::Python;
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\
     [[wheel]]\nname = \"worn\"\nprofile_file = \"worn.whl\"\nstandard = \"S1002\"\n[[rail]]\nprofile = \"60E1\"\n";

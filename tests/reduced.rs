@@ -9,7 +9,7 @@ use railspring::estimate::Resources;
 use railspring::output::OutputFolder;
 use railspring::pipeline::Pipeline;
 use railspring::study::Study;
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 use serde_json::Value;
 
 const MODES: f64 = 3e-3;

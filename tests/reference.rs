@@ -16,8 +16,8 @@ use railspring::output::OutputFolder;
 use railspring::python::{Purpose, Python};
 use railspring::records::crosscheck::Check;
 use railspring::study::Study;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::solid::Material;
+use railspring_profiles::monitor::Silent;
 use railspring_testing::{Need, needs};
 
 /// Coarse enough for a few seconds, fine enough for a contact.

@@ -9,9 +9,9 @@ use railspring::records::crosscheck::CrosscheckRecord;
 use railspring::stages;
 use railspring::study::Study;
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference, load_points, press_loads};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, PairBody};
-use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 /// Goal: hub displacement, its slope between two loads (5 to 150 kN) and tangent stiffness (from 10 kN on) without friction, with the fine
 /// grid on the meshes of the study (2 by 1.5 mm at the contact), agree with those of second order, and better than the elements

@@ -13,7 +13,7 @@ use railspring::study::{Study, StudyScenario};
 use railspring::verify::{Comparison, Limits, ModelRun, compare};
 use railspring::{results, springs};
 use railspring_calibrate::history::{Ending, History};
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 use serde_json::Value;
 
 /// A study with what a run of the program has made of it.

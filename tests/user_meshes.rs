@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 use std::sync::{Mutex, OnceLock};
 
 use railspring::python::{Purpose, Python};
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 use serde_json::Value;
 
 const RAIL: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n";

@@ -6,11 +6,11 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use nalgebra::Point2;
-use railspring_calibrate::profile::lines_and_arcs;
-use railspring_calibrate::profile::rails::{RailOutline, rail_outline};
-use railspring_calibrate::profile::{ProfileKind, Segment, polyline};
-use railspring_calibrate::profile_file::parse_rail_section;
-use railspring_calibrate::section::{rail_section, rail_section_on, wheel_section};
+use railspring_profiles::profile::lines_and_arcs;
+use railspring_profiles::profile::rails::{RailOutline, rail_outline};
+use railspring_profiles::profile::{ProfileKind, Segment, polyline};
+use railspring_profiles::profile_file::parse_rail_section;
+use railspring_profiles::section::{rail_section, rail_section_on, wheel_section};
 use railspring_testing::dxf::{self, Entity};
 use serde_json::Value;
 

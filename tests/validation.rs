@@ -16,7 +16,7 @@ use railspring::python::package_hash;
 use railspring::records::crosscheck::{CrosscheckRecord, ToolCurve};
 use railspring::stages;
 use railspring::study::Study;
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 
 /// SOLVER: end of the contact iterations; rounding of other processors is far below.
 const SOLVER: f64 = 1e-6;

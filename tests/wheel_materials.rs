@@ -13,10 +13,10 @@ use std::sync::{Mutex, OnceLock};
 
 use railspring::python::{Purpose, Python};
 use railspring_calibrate::mesh::{Cells, Field, MeshOptions, vtu};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 use serde_json::Value;
 
 use layered::{DIAMETER, INSIDE, Layered, SIDES, resilient, with_discs};

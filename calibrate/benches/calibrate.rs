@@ -13,12 +13,12 @@ use nalgebra::Vector2;
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference, load_points};
 use railspring_calibrate::contact::{ComplianceOperator, HalfSpace, NearField, flat_grid};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, PairMeshes};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Factor;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// Load of the benchmark, N.
 const LOAD: f64 = 25e3;

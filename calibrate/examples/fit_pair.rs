@@ -1,13 +1,13 @@
 //! Fits the springs between a wheel and a rail, and prints them: `cargo run --release --example fit_pair`.
 
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
-use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Pair, PairBody};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 fn main() -> Result<()> {
     let pair = Pair::new(rail_section("60E1")?, wheel_section("S1002", 0.858)?, &TrackGeometry::standard())?;

@@ -6,7 +6,8 @@ use std::fmt;
 use nalgebra::Point2;
 
 use crate::energy::EnergyBalance;
-use crate::error::StopReason;
+use railspring_profiles::error::StopReason;
+use railspring_profiles::placement::Departure;
 
 /// State of one contact between wheel and rail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,21 +79,6 @@ impl HistoryRow {
             ContactMode::Slip
         }
     }
-}
-
-/// Where the wheel went when it left the rail.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Departure {
-    /// Over the rail to the field side: the flange has climbed the gauge face, or jumped over the head.
-    FieldSide,
-    /// Into the track: the field-side end of the tread has slid off the head.
-    GaugeSide,
-    /// Past an end of the rail along the track.
-    RailEnd,
-}
-
-impl Departure {
-    const ALL: [Self; 3] = [Self::FieldSide, Self::GaugeSide, Self::RailEnd];
 }
 
 /// Where the surfaces that a model has come to an end, with the wheel still on the rail.
@@ -176,7 +162,8 @@ impl Ending {
     /// The ending with this [`name`](Self::name), [`time`](Self::time) and [place](Self::rail), if there is one.
     ///
     /// ```
-    /// use railspring_calibrate::history::{Departure, Ending};
+    /// use railspring_calibrate::history::Ending;
+    /// use railspring_profiles::placement::Departure;
     /// let ending = Ending::Departed { time: 0.0435, departure: Departure::FieldSide };
     /// assert_eq!(Ending::from_parts(ending.name(), ending.time(), ending.rail()), Some(ending));
     /// assert_eq!(Ending::from_parts("completed", Some(0.0435), None), None);

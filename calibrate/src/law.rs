@@ -15,8 +15,8 @@ use argmin::core::{CostFunction, Executor};
 use argmin::solver::brent::BrentOpt;
 use nalgebra::{DMatrix, DVector};
 
-use crate::error::{Error, InputError, NumericsError, Result, StopReason};
-use crate::quadrature::GAUSS_12;
+use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
+use railspring_profiles::quadrature::GAUSS_12;
 
 /// Force to which the power in the law refers, N.
 pub const REFERENCE_FORCE: f64 = 1e3;

@@ -1,13 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-pub mod units;
-pub mod field;
-pub mod input;
-pub mod error;
-pub mod monitor;
-pub mod root;
-pub mod quadrature;
-mod parabola;
 pub mod law;
 pub mod analytic;
 pub mod newmark;
@@ -17,12 +9,6 @@ pub mod linear_part;
 pub mod energy;
 pub mod suspension;
 pub mod history;
-pub mod profile;
-pub mod profile_file;
-pub mod section;
-pub mod profile_placement;
-pub mod placement;
-pub mod rigid_contact;
 pub mod mesh;
 pub mod section_analysis;
 pub mod solid;

@@ -4,10 +4,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::error::InputError;
-use crate::field::InputField;
 use crate::step_control::InnerSteps;
-use crate::units::TONNE;
+use railspring_profiles::error::InputError;
+use railspring_profiles::field::InputField;
+use railspring_profiles::units::TONNE;
 
 /// Time steps that a period of a force must have at least.
 ///

@@ -7,8 +7,8 @@
 //! Lengths are halves of halves of the time step, so that few of them occur and the bodies are prepared for each once.
 //! A tolerance of the largest force says little while forces are small: the phase of a vibration then is off by as much as the longest steps make it.
 
-use crate::error::InputError;
-use crate::field::InputField;
+use railspring_profiles::error::InputError;
+use railspring_profiles::field::InputField;
 
 /// Steps of the integration within each time step of the history.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,11 +3,11 @@
 use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairSolids};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// Range of the published comparison, N.
 const LOADS: [f64; 2] = [20e3, 120e3];

@@ -9,9 +9,9 @@ use railspring_calibrate::contact::{
     total,
 };
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, mesh_block};
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
+use railspring_profiles::profile::ProfileCurve;
 
 /// Sparse factorisation and dense inversion of some thousand equations, relative.
 const ROUNDOFF: f64 = 1e-8;

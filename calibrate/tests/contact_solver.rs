@@ -7,8 +7,8 @@ use railspring_calibrate::contact::{
     ComplianceOperator, ContactPoint, FreeDirection, HalfSpace, NearField, PointMode, Problem, Solution,
     flat_grid, gaps, hub_response, solve, total,
 };
-use railspring_calibrate::error::{Error, StopReason};
 use railspring_calibrate::solid::Material;
+use railspring_profiles::error::{Error, StopReason};
 
 /// SOLVER: the iteration ends at 1e-10 of the largest force; a hundred times that for sums over points.
 const SOLVER: f64 = 1e-8;

@@ -2,19 +2,19 @@
 
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, COARSER, Change, Changes, CondensedPair, ContactConditions, Laws, Pair,
     PairBody, PressDirection, ShiftLaw, Solid, changed_by_shift, error_bands, horizontal_changes,
     law_by_shift,
 };
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile_file::{
+use railspring_calibrate::solid::{Formulation, Material};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::profile_file::{
     MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileFormat, ProfileKind, REPLICATES, prepare,
 };
-use railspring_calibrate::section::{rail_section, rail_section_with_head, wheel_section};
-use railspring_calibrate::solid::{Formulation, Material};
+use railspring_profiles::section::{rail_section, rail_section_with_head, wheel_section};
 use railspring_testing::Random;
 
 /// N.

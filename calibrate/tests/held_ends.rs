@@ -5,12 +5,12 @@ use railspring_calibrate::beam::HeldRail;
 use railspring_calibrate::contact::{HalfSpace, Side};
 use railspring_calibrate::element::{HeldEnd, RunningSurface, in_world};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail_between};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{CondensedPair, Pair, PairBody};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::{SectionMotion, Superelement};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 const STEEL: Material = Material::STEEL;
 const ELEMENT: Formulation = Formulation::IncompatibleModes;

@@ -9,16 +9,16 @@ use railspring_calibrate::calibration::{
     press_loads,
 };
 use railspring_calibrate::contact::{Side, Surface};
-use railspring_calibrate::error::{Error, StopReason};
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, MeshOptions, SurfaceGrid, mesh_block};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactBody, ContactConditions, Pair, PairMeshes};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
+use railspring_profiles::error::{Error, StopReason};
+use railspring_profiles::field::InputField;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::section::{rail_section, wheel_section};
 use std::sync::OnceLock;
 use std::time::Instant;
 

@@ -2,16 +2,16 @@
 
 use nalgebra::Vector2;
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
-use railspring_calibrate::error::{Error, StopReason};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, ByReference, CondensedPair, ContactConditions, Laws, Pair, PairBody,
     PressDirection, ShiftLaw, law_by_shift,
 };
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material};
+use railspring_profiles::error::{Error, StopReason};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 const LOADS: [f64; 6] = [1e3, 5e3, 12e3, 25e3, 40e3, 60e3];
 const FIXED: [f64; 3] = [20e3, 40e3, 80e3];

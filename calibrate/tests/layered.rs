@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Point3;
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, SurfaceGrid, mesh_block};
 use railspring_calibrate::solid::{
     Formulation, Material, Materials, MirrorHalf, Numbering, Supports, System, nodal_stress, von_mises,
 };
 use railspring_calibrate::superelement::{Superelement, body_key};
+use railspring_profiles::field::InputField;
 
 const RUBBER: Material = Material { young: 6e6, poisson: 0.49, density: 1200.0, damping: 0.0 };
 

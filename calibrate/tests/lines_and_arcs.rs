@@ -4,17 +4,17 @@ use std::fmt::Write;
 
 use nalgebra::Point2;
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, quality};
-use railspring_calibrate::placement::{TrackGeometry, place_rail};
-use railspring_calibrate::profile::lines_and_arcs::{LinesAndArcs, Overrides, parse, recognises};
-use railspring_calibrate::profile::rails::{RAIL_NAMES, rail_outline};
-use railspring_calibrate::profile::wheels::wheel_profile;
-use railspring_calibrate::profile::{ProfileKind, Segment};
-use railspring_calibrate::profile_file::{
+use railspring_calibrate::section_analysis::rail_properties;
+use railspring_profiles::placement::{TrackGeometry, place_rail};
+use railspring_profiles::profile::lines_and_arcs::{LinesAndArcs, Overrides, parse, recognises};
+use railspring_profiles::profile::rails::{RAIL_NAMES, rail_outline};
+use railspring_profiles::profile::wheels::wheel_profile;
+use railspring_profiles::profile::{ProfileKind, Segment};
+use railspring_profiles::profile_file::{
     Action, FindingKind, PrepareOptions, ProfileFormat, ReadOptions, Smoothing, format_of,
     parse as read_file, prepare,
 };
-use railspring_calibrate::section::{rail_section, rail_section_of};
-use railspring_calibrate::section_analysis::rail_properties;
+use railspring_profiles::section::{rail_section, rail_section_of};
 
 /// How a table is written.
 #[derive(Debug, Clone, Copy)]

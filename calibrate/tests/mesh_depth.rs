@@ -2,11 +2,11 @@
 
 use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::mesh::{ContactZone, MeshOptions};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairSolids};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// Displacement of the hub under 20 and 160 kN, m: S1002 on UIC60, the foot held, on a fine grid over bodies meshed with contact
 /// elements of a size, m. Far from the contact the elements are large, the same for all sizes.

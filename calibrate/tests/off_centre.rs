@@ -2,11 +2,11 @@
 
 use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactConditions, Orders, Pair, PairBody, PairMeshes, PairSolids};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// SOLVER: the wanted force is met to 1e-10 of the largest.
 const SOLVER: f64 = 1e-8;

@@ -2,12 +2,12 @@
 
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::mesh::{MeshOptions, mesh_wheel};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{CondensedPair, ContactConditions, Pair, PairBody};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Materials, Supports};
 use railspring_calibrate::superelement::{CondensedBody, body_key};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 fn coarse() -> MeshOptions {
     MeshOptions { contact_element: 6e-3, contact_element_along: 6e-3, ..MeshOptions::default() }

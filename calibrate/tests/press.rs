@@ -10,12 +10,12 @@ use railspring_calibrate::contact::{
 };
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{Pair, PairMeshes};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 struct Case {
     rail: &'static str,

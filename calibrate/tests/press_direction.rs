@@ -8,9 +8,9 @@ use railspring_calibrate::calibration::{
 };
 use railspring_calibrate::contact::Surface;
 use railspring_calibrate::mesh::SurfaceGrid;
-use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::solid::Material;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::profile::ProfileCurve;
 
 /// A symmetric crown of a rail and a symmetric wheel, m, with contact nodes that a smooth and isotropic compliance connects.
 struct Bodies {

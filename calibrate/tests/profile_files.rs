@@ -3,14 +3,14 @@
 
 use nalgebra::Point2;
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel, quality};
-use railspring_calibrate::placement::{TrackGeometry, place_rail};
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile_file::{
+use railspring_profiles::placement::{TrackGeometry, place_rail};
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::profile_file::{
     Action, FindingKind, MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileFormat,
     ProfileKind, ReadOptions, parse, prepare, write,
 };
-use railspring_calibrate::profile_placement::{PlaceOptions, Reference, place_profile};
-use railspring_calibrate::section::{
+use railspring_profiles::profile_placement::{PlaceOptions, Reference, place_profile};
+use railspring_profiles::section::{
     rail_section, rail_section_with_head, wheel_section, wheel_section_with_profile,
 };
 

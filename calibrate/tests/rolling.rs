@@ -5,14 +5,14 @@ use std::f64::consts::PI;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::history::{History, HistoryRow};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail_between, mesh_wheel};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{Orders, Pair, PairBody, PairSolids};
-use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, RailPath, TransientModel};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 const LENGTH: f64 = 0.4;
 const MODES: usize = 32;

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use railspring_calibrate::section::rail_section;
 use railspring_calibrate::section_analysis::rail_properties;
+use railspring_profiles::section::rail_section;
 
 /// MODEL: the published values are rounded to four or five digits.
 const ROUNDED: f64 = 1e-3;

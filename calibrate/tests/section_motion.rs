@@ -8,12 +8,12 @@ use railspring_calibrate::calibration::{
 };
 use railspring_calibrate::contact::{Problem, Side, hub_response, nodal_forces};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{ContactBody, ContactConditions, Pair};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::{SectionMotion, Superelement};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 use std::sync::OnceLock;
 
 /// Loads, N.

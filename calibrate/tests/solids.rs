@@ -3,11 +3,11 @@
 use nalgebra::{Point3, Vector3};
 use railspring_calibrate::analytic::beam::Bending;
 use railspring_calibrate::mesh::{BlockOptions, MeshOptions, mesh_block, mesh_rail};
-use railspring_calibrate::placement::{TrackGeometry, place_rail};
-use railspring_calibrate::section::rail_section;
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
+use railspring_profiles::placement::{TrackGeometry, place_rail};
+use railspring_profiles::section::rail_section;
 
 /// Rounding of sums of element forces relative to the largest of them.
 const ROUNDOFF: f64 = 1e-11;

@@ -2,19 +2,19 @@
 
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel, quality};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{CondensedPair, ContactConditions, Orders, Pair, PairBody, PairSolids};
-use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
-use railspring_calibrate::profile::wheels::{
-    Flange, STANDARD_WHEELS, WHEEL_NAMES, wheel_profile, wheel_profile_with_flange,
-};
-use railspring_calibrate::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
-use railspring_calibrate::section::{WebShape, WheelBody, rail_section, wheel_section, wheel_section_on};
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::superelement::CondensedBody;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::{TrackGeometry, place_rail, touch};
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
+use railspring_profiles::profile::wheels::{
+    Flange, STANDARD_WHEELS, WHEEL_NAMES, wheel_profile, wheel_profile_with_flange,
+};
+use railspring_profiles::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
+use railspring_profiles::section::{WebShape, WheelBody, rail_section, wheel_section, wheel_section_on};
 
 /// kg/m³, of the published masses.
 const STEEL: f64 = 7850.0;

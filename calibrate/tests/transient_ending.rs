@@ -4,15 +4,16 @@
 use nalgebra::Vector2;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::contact::Surface;
-use railspring_calibrate::history::{Departure, Ending, History, HistoryRow, SurfaceEnd};
+use railspring_calibrate::history::{Ending, History, HistoryRow, SurfaceEnd};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail, mesh_wheel};
-use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::placement::{TrackGeometry, place_rail, touch};
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::transient::{SolidBodies, TransientModel};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::Departure;
+use railspring_profiles::placement::{TrackGeometry, place_rail, touch};
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// A wheel at rest, just touching, without a suspended mass, under constant forces (N; to the field side, and down).
 fn scenario(lateral: f64, vertical: f64, steps: usize, time_step: f64) -> Scenario {

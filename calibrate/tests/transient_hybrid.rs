@@ -2,18 +2,18 @@
 //! another, and from one number of threads to another; with reduced bodies against full order.
 
 use railspring_calibrate::calibration::{ContactField, Enforcement};
-use railspring_calibrate::error::Error;
 use railspring_calibrate::history::{History, HistoryRow};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{Pair, PairBody, PairMeshes};
-use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
 use railspring_calibrate::step_control::{InnerSteps, StepControl};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel, TransientRun};
+use railspring_profiles::error::Error;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 fn pair() -> Pair {
     let (rail, wheel) = (rail_section("60E1"), wheel_section("S1002", 0.858));

@@ -7,13 +7,13 @@ use railspring_calibrate::contact::{
     FreeDirection, HalfSpace, NearField, Problem, Side, flat_grid, gaps, solve,
 };
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{
     CondensedPair, ContactConditions, Orders, Pair, PairBody, PairSolids, condense_all,
 };
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// So stiff that the other body alone gives way, to a thousandth.
 const HARD: Material = Material { young: 1000.0 * Material::STEEL.young, ..Material::STEEL };

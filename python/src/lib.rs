@@ -5,9 +5,9 @@ use numpy::{AllowTypeChange, IntoPyArray, PyArrayLikeDyn, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyFloat;
-use railspring_calibrate::error::Error;
+use railspring_profiles::error::Error;
 use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw, TableLaw as Knots, fit_law as fitted};
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE};
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE};
 
 /// Numbers that Python gives: one, a list, or an array.
 type Given<'py> = PyArrayLikeDyn<'py, f64, AllowTypeChange>;

@@ -12,14 +12,14 @@ use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::element::{
     ElasticWheel, Influence, PairElement, RimMode, StripModulus, StripPlace, StripStiffness,
 };
-use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::Material;
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::cases::{GRAVITY, bridge, constant_lateral_force, crossing, rolling};
 use railspring_simulate::condensed::CondensedModel;
 use railspring_simulate::moving::{MovingModel, MovingRun, RailSupport, WheelSprings};

@@ -1,14 +1,14 @@
 //! Runs a wheel on a rail of beams with the published law under a vertical and a lateral force:
 //! `cargo run --release -p railspring-simulate --example load_case`.
 
-use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::Material;
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::moving::{MovingModel, WheelSprings};
 
 fn main() -> Result<()> {

@@ -1,8 +1,8 @@
 //! Load cases on which the time of a step is measured: the published one, a bridge that other programs were timed on, a wheel that rolls along.
 
 use railspring_calibrate::beam::{BeamSection, End, RailBeam};
-use railspring_calibrate::error::Result;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_profiles::error::Result;
 
 /// Acceleration of gravity of the load cases with weight, m/s².
 pub const GRAVITY: f64 = 9.81;

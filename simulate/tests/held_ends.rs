@@ -5,15 +5,15 @@ use railspring_calibrate::beam::BeamCorrection;
 use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads, sticking_flexibility};
 use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail_between};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::{
     AngleSettings, CondensedPair, ContactBody, ContactConditions, Pair, PairBody, PressDirection, SeriesBeam,
     law_by_shift,
 };
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
 use railspring_calibrate::superelement::Superelement;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::condensed::{CondensedModel, fitted_element};
 
 const LENGTH: f64 = 0.555;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use railspring_calibrate::error::Error;
+use railspring_profiles::error::Error;
 
 use super::output::say;
 use super::progress::Progress;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use clap::{Args, Subcommand};
-use railspring_calibrate::error::Result;
+use railspring_profiles::error::Result;
 
 use super::output::say;
 use super::positive;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use railspring_calibrate::error::InputError;
+use railspring_profiles::error::InputError;
 use serde_json::json;
 
 use super::Failure;

@@ -4,12 +4,12 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use railspring_calibrate::error::InputError;
-use railspring_calibrate::rigid_contact::{
+use railspring_profiles::error::InputError;
+use railspring_profiles::rigid_contact::{
     ContactPoint, Roll, RunningFunction, RunningPoint, SideContact, WheelOnRail, Wheelset, WheelsetContact,
     WheelsetPosition,
 };
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 
 use super::output::remark;
 use super::pair_args::{Given, Named, by_option, named};

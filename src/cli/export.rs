@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use railspring_calibrate::error::{Error, InputError};
+use railspring_profiles::error::{Error, InputError};
 
 use super::output::remark;
 use super::set_args::SetArgs;

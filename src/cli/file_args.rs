@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::field::InputField;
-use railspring_calibrate::profile_file::{
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::field::InputField;
+use railspring_profiles::profile_file::{
     Finding, MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, Smoothing,
     prepare, read,
 };
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 
 /// A profile file and what is known about it.
 #[derive(Debug, Args)]

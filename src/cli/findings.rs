@@ -1,7 +1,7 @@
 //! Where the findings of a profile file lie on its curve, for the figure.
 
-use railspring_calibrate::profile_file::{Action, Finding, MeasuredProfile, Prepared};
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::profile_file::{Action, Finding, MeasuredProfile, Prepared};
+use railspring_profiles::units::MILLIMETRE;
 
 /// Findings nearer to each other than this share a mark, m along the profile.
 const SHARED: f64 = 3.0 * MILLIMETRE;

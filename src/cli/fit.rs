@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use railspring_calibrate::error::InputError;
+use railspring_profiles::error::InputError;
 
 use super::output::{remark, say};
 use super::pair_args::{Given, Named, by_option, named};

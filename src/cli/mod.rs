@@ -28,7 +28,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use railspring_calibrate::error::{Error, InputError};
+use railspring_profiles::error::{Error, InputError};
 
 use crate::estimate::{Budget, Resources};
 use crate::store;

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 
 use anstream::AutoStream;
 use anstyle::{AnsiColor, Style};
-use railspring_calibrate::error::{Error, InputError, printable};
+use railspring_profiles::error::{Error, InputError, printable};
 
 /// How a piece of a line is set off; without colours all look the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::input;
-use railspring_calibrate::profile::rails::RAIL_NAMES;
-use railspring_calibrate::profile::wheels::WHEEL_NAMES;
-use railspring_calibrate::profile_file::{ClosedSection, LARGEST_FILE, ProfileKind, sketch_section};
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::input;
+use railspring_profiles::profile::rails::RAIL_NAMES;
+use railspring_profiles::profile::wheels::WHEEL_NAMES;
+use railspring_profiles::profile_file::{ClosedSection, LARGEST_FILE, ProfileKind, sketch_section};
 
 use super::Failure;
 use super::shapes::unknown_profile;

@@ -1,7 +1,7 @@
 //! The option for a page as PDF.
 
 use clap::Args;
-use railspring_calibrate::error::Result;
+use railspring_profiles::error::Result;
 
 use crate::pdf::Printer;
 
@@ -17,7 +17,7 @@ impl PdfArgs {
     /// What prints, if it is asked for: found before anything else is done.
     ///
     /// # Errors
-    /// [`railspring_calibrate::error::InputError`] with key `--pdf` without a browser.
+    /// [`railspring_profiles::error::InputError`] with key `--pdf` without a browser.
     pub fn printer(self) -> Result<Option<Printer>> {
         self.pdf.then(Printer::find).transpose()
     }

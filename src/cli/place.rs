@@ -4,20 +4,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 use nalgebra::Point2;
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::placement::{TrackGeometry, place_rail};
-use railspring_calibrate::profile_file::{
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::placement::{TrackGeometry, place_rail};
+use railspring_profiles::profile_file::{
     Action, MeasuredProfile, Prepared, ProfileFormat, ProfileKind, ReadOptions, read, repaired,
     write as profile_text,
 };
-use railspring_calibrate::profile_placement::{
+use railspring_profiles::profile_placement::{
     PlaceOptions, Placed, Reference, in_words, nearest, place_profile, rail_wear, resembled, wheel_wear,
 };
-use railspring_calibrate::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
-use railspring_calibrate::section::{
+use railspring_profiles::rigid_contact::{Roll, RunningFunction, WheelOnRail, Wheelset};
+use railspring_profiles::section::{
     rail_section, rail_section_with_head, wheel_section, wheel_section_with_profile,
 };
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 
 use super::file_args::FileArgs;
 use super::shapes::write;

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::input;
-use railspring_calibrate::profile_file::{
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::input;
+use railspring_profiles::profile_file::{
     Action, LARGEST_FILE, MeasuredProfile, Prepared, Sketch, format_of_ending, read_sketched, sketch_section,
     write,
 };
-use railspring_calibrate::profile_placement::{say_nearest, with_nearest_to};
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::profile_placement::{say_nearest, with_nearest_to};
+use railspring_profiles::units::MILLIMETRE;
 
 use super::contact::{ContactArgs, contact};
 use super::file_args::{FileArgs, with_options};

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressState, ProgressStyle};
-use railspring_calibrate::error::{Error, Result, printable};
-use railspring_calibrate::monitor::Monitor;
+use railspring_profiles::error::{Error, Result, printable};
+use railspring_profiles::monitor::Monitor;
 
 use super::output::remark;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::{Args, Command, CommandFactory};
-use railspring_calibrate::error::Error;
+use railspring_profiles::error::Error;
 use serde_json::Value;
 
 use super::Cli;

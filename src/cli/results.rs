@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use railspring_calibrate::error::Error;
+use railspring_profiles::error::Error;
 use serde::Serialize;
 use serde_json::Value;
 

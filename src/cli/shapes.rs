@@ -3,18 +3,18 @@
 use std::path::Path;
 
 use nalgebra::Point2;
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile::lines_and_arcs::LinesAndArcs;
-use railspring_calibrate::profile::rail_catalogue::CATALOGUE_RAILS;
-use railspring_calibrate::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
-use railspring_calibrate::profile::wheels::{STANDARD_WHEELS, WHEEL_NAMES, wheel_profile};
-use railspring_calibrate::profile_file::{
+use railspring_calibrate::section_analysis::rail_properties;
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::profile::lines_and_arcs::LinesAndArcs;
+use railspring_profiles::profile::rail_catalogue::CATALOGUE_RAILS;
+use railspring_profiles::profile::rails::{RAIL_NAMES, STANDARD_RAILS};
+use railspring_profiles::profile::wheels::{STANDARD_WHEELS, WHEEL_NAMES, wheel_profile};
+use railspring_profiles::profile_file::{
     Action, MeasuredProfile, PrepareOptions, Prepared, ReadOptions, Sketch, prepare, read,
 };
-use railspring_calibrate::section::{rail_section, rail_section_of};
-use railspring_calibrate::section_analysis::rail_properties;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::section::{rail_section, rail_section_of};
+use railspring_profiles::units::MILLIMETRE;
 
 use super::findings::{Listed, Mark, marked};
 use super::output::remark;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
-use railspring_calibrate::error::{Error, InputError};
+use railspring_profiles::error::{Error, InputError};
 
 use super::Cli;
 use super::output::{print, say};

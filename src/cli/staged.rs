@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::monitor::Monitor;
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::monitor::Monitor;
 use serde_json::json;
 
 use super::pdf_args::PdfArgs;

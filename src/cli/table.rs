@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use railspring_calibrate::error::{Error, InputError};
+use railspring_profiles::error::{Error, InputError};
 use serde_json::json;
 
 use super::output::remark;

@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use clap::Args;
-use railspring_calibrate::error::{Error, InputError};
+use railspring_profiles::error::{Error, InputError};
 
 use super::output::say;
 use super::progress::Progress;

@@ -14,7 +14,7 @@ pub use rows::{Group, InputChange, LineChange};
 pub use side::Side;
 pub use values::Compared;
 
-use railspring_calibrate::error::{InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 
 /// Whose result it is.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 use railspring_calibrate::history::HistoryRow;
-use railspring_calibrate::units::KILONEWTON;
+use railspring_profiles::units::KILONEWTON;
 use serde_json::{Value, json};
 
 use super::rows::{common_shifts, tangent_at};

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::monitor::Monitor;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::monitor::Monitor;
 
 /// Names under which distributions install the solver.
 const PROGRAMS: [&str; 2] = ["ccx", "ccx_2.22"];

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 use railspring_calibrate::calibration::LoadPoint;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::input;
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, SQUARE_MILLIMETRE};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::input;
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, SQUARE_MILLIMETRE};
 use serde::Deserialize;
 
 use super::exchange::{BODIES, Case};

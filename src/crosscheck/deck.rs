@@ -12,10 +12,10 @@
 use std::fmt::Write as _;
 
 use nalgebra::{Point3, Vector3};
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::HexMesh;
 use railspring_calibrate::solid::{Material, Materials};
-use railspring_calibrate::units::{MEGAPASCAL, MILLIMETRE};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::units::{MEGAPASCAL, MILLIMETRE};
 
 use crate::stages::{Geometry, Meshes, rail_held};
 use crate::study::{ElementKey, Study};

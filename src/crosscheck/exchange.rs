@@ -4,9 +4,9 @@
 //! the profile curves. No matrix and no formulation does.
 
 use nalgebra::{Point2, Vector3};
-use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, vtu};
 use railspring_calibrate::solid::{Material, Materials};
+use railspring_profiles::error::Result;
 use serde_json::{Value, json};
 
 use crate::output::OutputFolder;

@@ -15,9 +15,9 @@ pub mod sections;
 
 use std::time::Instant;
 
-use railspring_calibrate::error::Result;
-use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::MILLIMETRE;
 
 use crate::estimate::{self, Resources, Work};
 use crate::measure::begin;
@@ -176,7 +176,7 @@ impl Solvers {
     /// Finds the programs for some questions, with or without CalculiX.
     ///
     /// # Errors
-    /// [`railspring_calibrate::error::InputError`] that says which program is missing and how to get it.
+    /// [`railspring_profiles::error::InputError`] that says which program is missing and how to get it.
     pub fn find(cases: &[Case], calculix: bool, resources: &Resources<'_>) -> Result<Self> {
         let calculix = calculix.then(calculix::version).transpose()?;
         let cache = python::cache_folder();

@@ -1,7 +1,7 @@
 //! The questions to the reference solvers, in words, and the meshes that they get.
 
 use railspring_calibrate::mesh::HexMesh;
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::exchange::{BODIES, Case, Exchange};
 use crate::records::crosscheck::{ExchangedMesh, Question, ToolCurve, ToolPoint};

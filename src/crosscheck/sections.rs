@@ -3,7 +3,7 @@
 
 use nalgebra::{Point3, Vector3};
 use railspring_calibrate::mesh::HexMesh;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 
 use crate::records::crosscheck::{SectionCell, SectionDifference};
 
@@ -144,7 +144,7 @@ mod tests {
     /// in front of the load. Goal: the section goes through that node and shows its difference.
     #[test]
     fn the_section_goes_through_the_largest_difference() {
-        let section = railspring_calibrate::section::wheel_section("S1002", 0.858);
+        let section = railspring_profiles::section::wheel_section("S1002", 0.858);
         let mesh = mesh_wheel(
             &section.unwrap(),
             &MeshOptions { contact_element: 8e-3, contact_element_along: 8e-3, ..MeshOptions::default() },

@@ -1,7 +1,7 @@
 //! What a body takes that is condensed by itself.
 
-use railspring_calibrate::error::Result;
 use railspring_calibrate::superelement::{FactorSize, Modes, Parts};
+use railspring_profiles::error::Result;
 
 use super::FILL;
 

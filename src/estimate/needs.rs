@@ -1,11 +1,11 @@
 //! What the stages of a study need: nodes, equations, contact nodes and the values of the factors are counted; bytes and seconds follow
 //! from them with the constants below, which were measured on whole runs.
 
-use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::FactorSize;
+use railspring_profiles::error::Result;
 
 use super::Work;
 use super::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};

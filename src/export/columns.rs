@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use railspring_calibrate::law::REFERENCE_FORCE;
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use serde_json::json;
 
 use super::points::Points;

@@ -3,15 +3,15 @@
 //! The half-spaces of CONTACT are the `local` part of a law. What the law has besides, the bodies, is linear, and stands
 //! behind the contact as the massless rail (F = 3): 1/k_z is the difference of the tangent compliances against the
 //! reference and against `local`. Profiles are in place, so that CONTACT neither inclines (CANT 0) nor raises the rail; it
-//! moves it to the gauge as [`railspring_calibrate::placement::place_rail`] does.
+//! moves it to the gauge as [`railspring_profiles::placement::place_rail`] does.
 
 use std::fmt::Write as _;
 
 use nalgebra::Point2;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::profile::ProfileKind;
-use railspring_calibrate::profile_file::{MeasuredPoint, ProfileFormat, write};
-use railspring_calibrate::units::{GIGAPASCAL, KILONEWTON, MEGAPASCAL, MILLIMETRE};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::profile::ProfileKind;
+use railspring_profiles::profile_file::{MeasuredPoint, ProfileFormat, write};
+use railspring_profiles::units::{GIGAPASCAL, KILONEWTON, MEGAPASCAL, MILLIMETRE};
 
 use super::spring::{ExportFile, Spring, commented, plain};
 use super::surfaces::Surfaces;

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use super::points::Points;
 use super::spring::{ExportFile, Spring, commented};

@@ -7,8 +7,8 @@
 use std::fmt::Write as _;
 
 use nalgebra::Point2;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::spring::{ExportFile, Spring, commented};
 use super::surfaces::Surfaces;

@@ -18,7 +18,7 @@ mod table_rows;
 use std::path::Path;
 
 use clap::ValueEnum;
-use railspring_calibrate::error::{InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 

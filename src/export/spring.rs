@@ -1,9 +1,9 @@
 //! The law that is exported, and what has to be said about it in every file.
 
 use railspring_calibrate::calibration::Reference;
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
-use railspring_calibrate::units::KILONEWTON;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::units::KILONEWTON;
 
 use crate::records::{LawRecord, StiffnessRecord, TangentRecord};
 use crate::table::document::DirectionKey;

@@ -1,9 +1,9 @@
 //! The running surfaces of a study, for programs that want profiles beside the springs.
 
 use nalgebra::{Point2, Vector2};
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::units::MILLIMETRE;
 
 use crate::stages::{self, Geometry};
 use crate::study::Study;

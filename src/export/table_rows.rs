@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 
 use railspring_calibrate::calibration::Reference;
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::units::MILLIMETRE;
 
 use super::spring::{ExportFile, Spring, no_reference, range};
 use super::{Format, files};

@@ -1,9 +1,9 @@
 //! The condensed bodies, each by itself: taken from the store by what it is made from, or condensed and kept there.
 
-use railspring_calibrate::error::Result;
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids, condense_all};
 use railspring_calibrate::superelement::CondensedBody;
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Monitor;
 use std::sync::Mutex;
 
 use super::Pipeline;

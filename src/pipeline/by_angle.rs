@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use railspring_calibrate::error::Result;
+use railspring_profiles::error::Result;
 
 use super::stage::{Made, Stage};
 use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use railspring_calibrate::error::{Error, InputError, Result, StopReason};
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::pair::CondensedPair;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::error::{Error, InputError, Result, StopReason};
+use railspring_profiles::field::InputField;
+use railspring_profiles::units::MILLIMETRE;
 
 use super::bodies::BodySource;
 use super::stage::{Made, REACH, Stage};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use railspring_calibrate::error::{Error, InputError, Result};
+use railspring_profiles::error::{Error, InputError, Result};
 
 use super::stage::{Made, Stage};
 use super::{CROSSCHECK, DIFFERENCES, Pipeline, part_json};

@@ -1,6 +1,6 @@
 //! The report as a stage, and the page of the cross-check beside it.
 
-use railspring_calibrate::error::Result;
+use railspring_profiles::error::Result;
 
 use super::runs::{Other, Run, Runs};
 use super::stage::{Made, Stage};

@@ -4,10 +4,10 @@ use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use railspring_calibrate::error::{Error, Result};
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, PairBody};
 use railspring_calibrate::transient::TransientRun;
+use railspring_profiles::error::{Error, Result};
+use railspring_profiles::monitor::Monitor;
 
 use super::bodies::BodySource;
 use super::calibration::FoundOn;

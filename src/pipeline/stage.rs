@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::mesh::MeshOptions;
+use railspring_profiles::error::{Error, Result};
 
 use super::{MEASURED, Pipeline};
 use crate::estimate::{self, Work};

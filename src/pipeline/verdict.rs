@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use railspring_calibrate::error::Result;
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_profiles::error::Result;
+use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::judged::{Judging, hub_deviations, place};
 use super::runs::{Run, Runs, SIMPLE, SOLID, of_element};

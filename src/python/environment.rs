@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use railspring_calibrate::error::Result;
-use railspring_calibrate::monitor::Monitor;
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Monitor;
 
 use super::package::Package;
 use super::{PROBE_LIMITS, answer, cache_error, isolated};

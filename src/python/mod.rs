@@ -13,8 +13,8 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
-use railspring_calibrate::error::{InputError, NumericsError, Result, StopReason};
-use railspring_calibrate::monitor::Monitor;
+use railspring_profiles::error::{InputError, NumericsError, Result, StopReason};
+use railspring_profiles::monitor::Monitor;
 use tempfile::TempDir;
 
 pub(crate) use crate::child::messages_of;
@@ -362,8 +362,8 @@ fn cache_error(cache: &Path, cause: &std::io::Error) -> InputError {
 mod tests {
     use std::os::unix::fs::PermissionsExt;
 
-    use railspring_calibrate::error::Error;
-    use railspring_calibrate::monitor::Silent;
+    use railspring_profiles::error::Error;
+    use railspring_profiles::monitor::Silent;
 
     use super::*;
 

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use railspring_calibrate::error::InputError;
+use railspring_profiles::error::InputError;
 
 /// Exact versions and hashes of all packages of the reference.
 pub(super) const LOCK: &str = include_str!("../../reference/requirements.lock");

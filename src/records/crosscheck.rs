@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use railspring_calibrate::units::KILONEWTON;
+use railspring_profiles::units::KILONEWTON;
 use serde::{Deserialize, Serialize};
 
 /// Quantity: displacement of the hub against the support.

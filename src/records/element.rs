@@ -5,8 +5,8 @@ use railspring_calibrate::element::{
     ElasticWheel, EndPlace, HeldEnd, Influence, PairElement, RimMode, StripModulus, StripPlace,
     StripStiffness,
 };
-use railspring_calibrate::error::InputError;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::error::InputError;
+use railspring_profiles::units::MILLIMETRE;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -8,9 +8,9 @@ use std::path::Path;
 
 use nalgebra::Point2;
 use railspring_calibrate::energy::EnergyBalance;
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
-use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 /// Columns before those of the contacts.
 const COMMON: [&str; 14] = [
@@ -107,7 +107,7 @@ fn number(value: f64) -> String {
 /// [`InputError`] whose key is the path with the line, if the file has another content: other columns, no row, a value
 /// that is not a finite number, a time that is not after that of the row before, cells of a row that contradict each other.
 pub fn read(path: &Path, text: &str, degrees_of_freedom: usize, ending: Ending) -> Result<History> {
-    let broken = |row: u64, what: String| -> railspring_calibrate::error::Error {
+    let broken = |row: u64, what: String| -> railspring_profiles::error::Error {
         InputError::new(
             format!("{}:{row}", path.display()),
             what,

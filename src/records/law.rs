@@ -1,8 +1,8 @@
 //! The constants of a stiffness law between files and the library.
 
-use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE};
+use railspring_profiles::error::{Error, Result};
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -42,7 +42,7 @@ impl TryFrom<LawConstants> for StiffnessLaw {
     type Error = Error;
 
     /// # Errors
-    /// [`railspring_calibrate::error::InputError`] with key `law` for constants that are no law.
+    /// [`railspring_profiles::error::InputError`] with key `law` for constants that are no law.
     fn try_from(constants: LawConstants) -> Result<Self> {
         let [a, b] = [constants.a_kn_per_m, constants.b_kn_per_m].map(|k| k * KILONEWTON_PER_METRE);
         // b·(f/f0)^c = b·(r/f0)^c·(f/r)^c with the reference force r of `StiffnessLaw`.

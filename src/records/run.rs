@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Point2;
 use railspring_calibrate::history::{Ending, History};
 use railspring_calibrate::transient::Reduction;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -302,8 +302,10 @@ mod tests {
         assert!(never.starts_with("solid model: no contact at any step: at the end, at 0.002 s,"), "{never}");
         assert!(never.contains("0.2000 mm above its start"), "{never}");
         assert_eq!(notes(&run(&[false, true, false, true])).len(), 2, "it has come back");
-        let departed =
-            Ending::Departed { time: 3.5e-3, departure: railspring_calibrate::history::Departure::FieldSide };
+        let departed = Ending::Departed {
+            time: 3.5e-3,
+            departure: railspring_profiles::placement::Departure::FieldSide,
+        };
         assert_eq!(notes(&History { ending: departed, ..lost }).len(), 2, "the ending says so");
     }
 }

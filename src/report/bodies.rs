@@ -1,7 +1,7 @@
 //! The sections of a pair whose bodies are assumed, in the track: what was measured and what was not.
 
 use nalgebra::Point2;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 
 use super::panel::{Panel, stacked};
 use super::plot::{DARK, Dash, GREY, Series, nice_range};

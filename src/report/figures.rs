@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
 use crate::records::{
     BandPointRecord, ComplianceRecord, HertzRecord, HorizontalRecord, LoadCurveRow, PatchRecord,

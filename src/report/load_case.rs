@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use railspring_calibrate::history::{ContactMode, History, HistoryRow};
-use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use crate::verify::{Band, FLANGE_SIDE, averaged_ratio};
 

@@ -1,7 +1,7 @@
 //! A measured profile on the section of its standard: what was measured and changed, what is transition and what is standard.
 
 use nalgebra::Point2;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 use serde::Serialize;
 
 use super::panel::{Panel, stacked_with_notes};

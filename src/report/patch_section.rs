@@ -4,7 +4,7 @@ use nalgebra::{Point2, Vector2};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 
 use crate::records::{HertzRecord, PatchRecord, PatchesRecord};
 

@@ -4,7 +4,7 @@ use nalgebra::{Point2, Rotation2, Vector2};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use railspring_calibrate::history::{ContactMode, History, HistoryRow};
-use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use super::ModelRun;
 use super::figures::{WIDTH, round};

@@ -3,8 +3,8 @@
 use std::sync::Mutex;
 use std::time::Instant;
 
-use railspring_calibrate::error::Result;
-use railspring_calibrate::monitor::Monitor;
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Monitor;
 
 /// Hears the progress of one stage and keeps how long its pieces take.
 pub(super) struct Clock<'a> {
@@ -58,7 +58,7 @@ impl Monitor for Clock<'_> {
 
 #[cfg(test)]
 mod tests {
-    use railspring_calibrate::monitor::Silent;
+    use railspring_profiles::monitor::Silent;
 
     use super::*;
 

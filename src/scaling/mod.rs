@@ -11,8 +11,8 @@ mod sizes;
 
 pub use power::PowerLaw;
 
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::transient::START_MODES;
+use railspring_profiles::error::{InputError, Result};
 
 use crate::estimate::{CONTACT_OF_STEP, GIB, Resources, least_memory};
 use crate::measure::{Stopwatch, machine, now_utc};
@@ -242,8 +242,8 @@ fn exponents(sizes: &[ScalingSize]) -> Vec<ExponentRecord> {
 mod tests {
     use std::path::Path;
 
-    use railspring_calibrate::error::Error;
-    use railspring_calibrate::monitor::Monitor;
+    use railspring_profiles::error::Error;
+    use railspring_profiles::monitor::Monitor;
 
     use super::*;
     use crate::estimate::Budget;

@@ -1,13 +1,13 @@
 //! The stages of one size, each with its time and its peak of the memory.
 
 use railspring_calibrate::calibration::{Reference, load_points, press_loads};
-use railspring_calibrate::error::{Error, Result};
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::{CondensedBody, FactorSize, Step};
 use railspring_calibrate::transient::{ModeCount, TransientModel};
+use railspring_profiles::error::{Error, Result};
+use railspring_profiles::monitor::Monitor;
 
 use super::clock::Clock;
 use crate::estimate::{condensing, stepping};

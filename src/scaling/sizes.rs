@@ -1,8 +1,8 @@
 //! The refinement of the bodies that gives a wanted number of degrees of freedom.
 
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::{MeshOptions, rail_size, wheel_size};
-use railspring_calibrate::monitor::Monitor;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::monitor::Monitor;
 
 use crate::stages::Geometry;
 use crate::study::Study;

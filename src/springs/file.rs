@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use railspring_calibrate::element::PairElement;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::units::KILONEWTON_PER_METRE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::units::KILONEWTON_PER_METRE;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 

@@ -7,17 +7,17 @@
 //! they are unsure, and in between.
 
 use railspring_calibrate::calibration::{LoadPoint, Reference};
-use railspring_calibrate::error::{Result, or_reason};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, Laws};
-use railspring_calibrate::profile::rails::RAIL_NAMES;
-use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
-use railspring_calibrate::section::{
+use railspring_profiles::error::{Result, or_reason};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::profile::rails::RAIL_NAMES;
+use railspring_profiles::profile::wheels::wheel_profile_with_flange;
+use railspring_profiles::section::{
     RailSection, WebShape, WheelBody, WheelSection, rail_section, rail_section_for_head,
     wheel_section_for_profile, wheel_section_on,
 };
-use railspring_calibrate::units::{KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::calibrate::{FoundSprings, contact_conditions};
 use super::sections::Assumed;

@@ -3,14 +3,14 @@
 use nalgebra::Matrix2;
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
 use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches};
-use railspring_calibrate::error::{Error, Result, StopReason};
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, FixedLoad, Pair, PressDirection, ShiftLaw, TouchPoint,
     changed_by_shift, law_by_shift, loads_in_turn, spread,
 };
-use railspring_calibrate::units::{
+use railspring_profiles::error::{Error, Result, StopReason};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 use railspring_simulate::condensed::{CondensedModel, fitted_element};

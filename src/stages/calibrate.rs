@@ -6,13 +6,13 @@ use railspring_calibrate::calibration::{
     HorizontalCalibration, LoadPoint, NormalCalibration, Pressed, Reference,
 };
 use railspring_calibrate::contact::{Peak, Subsurface};
-use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::law::{LawFit, NormalLaw};
 use railspring_calibrate::mesh::{HexMesh, quality};
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, ContactConditions, Laws, PairBody, PairStates, SeriesBeam};
 use railspring_calibrate::superelement::CondensedBody;
-use railspring_calibrate::units::{
+use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::{
     GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 use rayon::prelude::*;

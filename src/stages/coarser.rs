@@ -1,7 +1,7 @@
 //! Bodies of coarser meshes beside those of a study.
 
-use railspring_calibrate::error::{Result, or_reason};
 use railspring_calibrate::mesh::MeshOptions;
+use railspring_profiles::error::{Result, or_reason};
 
 use super::zones::extend_zones;
 use super::{Geometry, Meshes, remeshed_with};

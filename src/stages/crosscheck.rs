@@ -10,13 +10,13 @@ use railspring_calibrate::calibration::{
     ContactField, Enforcement, LoadPoint, Pressed, Reference, load_points, press_loads,
 };
 use railspring_calibrate::contact::{BetweenNodes, Side};
-use railspring_calibrate::error::{InputError, Result};
 use railspring_calibrate::mesh::HexMesh;
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{ContactConditions, PairBody, PairSolids};
 use railspring_calibrate::solid::Formulation;
 use railspring_calibrate::superelement::{CondensedBody, Parts};
-use railspring_calibrate::units::KILONEWTON;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::KILONEWTON;
 
 use super::bodies::rail_in_use;
 use super::{Geometry, Meshes, formulation, solids};

@@ -1,14 +1,14 @@
 //! What the laws of a calibration are worth, and finer meshes for laws that are to be worth more.
 
 use railspring_calibrate::calibration::Reference;
-use railspring_calibrate::error::{Error, InputError, Result};
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{
     BandPoint, COARSER, Changed, CondensedPair, ErrorBand, Solid, SolidPoints, error_bands,
     horizontal_changes,
 };
-use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use super::calibrate::{FoundSprings, contact_conditions};
 use super::coarser::{on_coarser_meshes, with_longer_zones};

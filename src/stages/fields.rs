@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use nalgebra::{Matrix2, Point3, Vector3};
 use railspring_calibrate::calibration::Pressed;
 use railspring_calibrate::contact::{PointMode, Side, Surface};
-use railspring_calibrate::error::Result;
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, pvd, vtu};
 use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::solid::{Materials, largest_shear, nodal_stress, von_mises};
 use railspring_calibrate::superelement::CondensedBody;
-use railspring_calibrate::units::KILONEWTON;
+use railspring_profiles::error::Result;
+use railspring_profiles::units::KILONEWTON;
 
 use super::patches::chosen;
 use super::{Geometry, Meshes};

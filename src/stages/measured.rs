@@ -1,20 +1,20 @@
 //! The measured profiles of a study: read, placed on their standard, checked against it or laid by themselves, and prepared.
 
 use nalgebra::Point2;
-use railspring_calibrate::error::{Error, InputError, Result};
-use railspring_calibrate::field::InputField;
-use railspring_calibrate::placement::lateral_extent;
-use railspring_calibrate::profile::rails::RAIL_NAMES;
-use railspring_calibrate::profile_file::{
+use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::placement::lateral_extent;
+use railspring_profiles::profile::rails::RAIL_NAMES;
+use railspring_profiles::profile_file::{
     Action, Finding, FindingKind, MeasuredProfile, PrepareOptions, Prepared, ProfileKind, ReadOptions, parse,
     prepare,
 };
-use railspring_calibrate::profile_placement::{
+use railspring_profiles::profile_placement::{
     Misfit, Motion, OwnFrame, PlaceOptions, Placed, Reference, Side, TURNED, UNSURE_ROLL, UNSURE_SHIFT,
     Unsure, WIDTH_DEPTH, find_place, in_words, moved_there, place_profile, resembled, sides_of_head,
 };
-use railspring_calibrate::section::{RailSection, rail_section};
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::section::{RailSection, rail_section};
+use railspring_profiles::units::MILLIMETRE;
 
 use crate::study::MeasuredSurface;
 

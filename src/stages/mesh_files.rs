@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use nalgebra::Point3;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::mesh::{GivenMesh, HexMesh, MeshOptions, given_rail, given_wheel};
-use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::units::MILLIMETRE;
 use serde::Deserialize;
 
 use super::Geometry;

@@ -1,11 +1,11 @@
 //! A measured profile on its standard, as the report and `profile place` draw it.
 
 use nalgebra::Point2;
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile_file::{MeasuredProfile, Prepared, ProfileKind};
-use railspring_calibrate::profile_placement::{Placed, Reference, missing};
-use railspring_calibrate::section::{RailSection, WheelSection};
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::profile_file::{MeasuredProfile, Prepared, ProfileKind};
+use railspring_profiles::profile_placement::{Placed, Reference, missing};
+use railspring_profiles::section::{RailSection, WheelSection};
+use railspring_profiles::units::MILLIMETRE;
 
 use crate::report::measured::{CHANGED, Changed, OffStandard, OnStandard, Origin, Part};
 

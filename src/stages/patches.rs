@@ -6,7 +6,7 @@ use railspring_calibrate::calibration::Pressed;
 use railspring_calibrate::contact::{ContactPoint, PointMode, Subsurface, stress_below};
 use railspring_calibrate::pair::Pair;
 use railspring_calibrate::solid::{largest_shear, von_mises};
-use railspring_calibrate::units::{KILONEWTON, MEGAPASCAL, MILLIMETRE};
+use railspring_profiles::units::{KILONEWTON, MEGAPASCAL, MILLIMETRE};
 
 use crate::records::{BelowRecord, PatchRecord, PointState};
 

@@ -1,16 +1,16 @@
 //! The two sections of a study: standard ones, those of files, or measured surfaces on these.
 
-use railspring_calibrate::error::{Error, Result};
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::profile::rail_catalogue::rail_of_dimensions;
-use railspring_calibrate::profile::wheels::wheel_profile_with_flange;
-use railspring_calibrate::profile_file::{
+use railspring_profiles::error::{Error, Result};
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::profile::rail_catalogue::rail_of_dimensions;
+use railspring_profiles::profile::wheels::wheel_profile_with_flange;
+use railspring_profiles::profile_file::{
     Action, ClosedSection, Finding, FindingKind, MeasuredProfile, Prepared, ProfileKind, sketch_section,
 };
-use railspring_calibrate::profile_placement::{
+use railspring_profiles::profile_placement::{
     OwnFrame, Reference, TURNED, Unsure, rail_in_own_frame, say_nearest, wheel_in_own_frame, with_nearest_to,
 };
-use railspring_calibrate::section::{
+use railspring_profiles::section::{
     RailSection, WheelSection, rail_section, rail_section_for_head, rail_section_of, rail_section_on,
     rail_section_with_head, wheel_section_for_profile, wheel_section_of, wheel_section_on,
     wheel_section_with_profile,
@@ -310,7 +310,7 @@ mod tests {
     fn a_file_from_the_flange_back_has_the_tape_circle_of_its_standard() {
         const DIGITS: f64 = 1e-6;
         let folder = tempfile::tempdir().unwrap();
-        let standard = railspring_calibrate::profile::wheels::wheel_profile("APTA120").unwrap();
+        let standard = railspring_profiles::profile::wheels::wheel_profile("APTA120").unwrap();
         let rows: String = standard
             .sample_parameters(0.25e-3)
             .into_iter()

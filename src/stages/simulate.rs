@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use railspring_calibrate::element::PairElement;
-use railspring_calibrate::error::{Error, Result, StopReason, or_reason};
 use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::transient::{ModeCount, OtherRun, START_MODES, TransientModel, TransientRun};
+use railspring_profiles::error::{Error, Result, StopReason, or_reason};
+use railspring_profiles::monitor::Monitor;
 
 use super::bodies::MovingBodies;
 use super::other_solids::{CoarserContact, OtherSolids, path_on};

@@ -5,13 +5,13 @@
 //! made larger, the bodies are meshed again, and the run starts again.
 
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::error::{Error, InputError, NumericsError, Result};
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::{Ending, SurfaceEnd};
 use railspring_calibrate::mesh::{ContactZone, MeshOptions, SectionOutline, rail_outline, wheel_outline};
-use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::profile::ProfileCurve;
-use railspring_calibrate::units::{KILONEWTON, MILLIMETRE};
+use railspring_profiles::error::{Error, InputError, NumericsError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use super::{Geometry, Meshes, remeshed_with};
 use crate::study::{FieldKey, Study};
@@ -399,7 +399,7 @@ mod tests {
     #[test]
     fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
         use nalgebra::Point2;
-        use railspring_calibrate::error::StopReason;
+        use railspring_profiles::error::StopReason;
         let study = flange_contact("window_half_length_mm = 12\n");
         let geometry = stages::geometry(&study).unwrap();
         let options = mesh_options(&study, &geometry);

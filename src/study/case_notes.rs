@@ -2,7 +2,7 @@
 //! rail, and loads beyond those of the calibration.
 
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
-use railspring_calibrate::units::KILONEWTON;
+use railspring_profiles::units::KILONEWTON;
 
 use super::Source;
 use super::document::{LawKey, ScenarioKeys, StudyDocument, SuspensionKeys};

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use railspring_calibrate::error::InputError;
+use railspring_profiles::error::InputError;
 use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

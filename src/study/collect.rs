@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use railspring_calibrate::error::InputError;
+use railspring_profiles::error::InputError;
 
 use super::check::Finding;
 use super::source::{LocatedError, Source};

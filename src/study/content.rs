@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use railspring_calibrate::error::InputError;
-use railspring_calibrate::input;
-use railspring_calibrate::profile_file::format_of;
+use railspring_profiles::error::InputError;
+use railspring_profiles::input;
+use railspring_profiles::profile_file::format_of;
 
 /// Largest study that is read, bytes.
 const LARGEST: u64 = 64 << 20;

@@ -1,6 +1,6 @@
 //! What a key of a study means, from the schema.
 
-use railspring_calibrate::error::InputError;
+use railspring_profiles::error::InputError;
 use serde_json::Value;
 
 use super::check::{Checker, join, nearest};

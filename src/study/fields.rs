@@ -1,8 +1,8 @@
 //! Which key of the study every field of the library comes from: the one table that turns the library's errors into
 //! messages about the study.
 
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::field::InputField;
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::field::InputField;
 
 use super::Source;
 

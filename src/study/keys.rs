@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 use serde::Serialize;
 use serde_json::Value;
 

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::input;
-use railspring_calibrate::profile_file::{
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::input;
+use railspring_profiles::profile_file::{
     LARGEST_FILE, ProfileKind, ProfileSource, ReadOptions, Smoothing, parse,
 };
-use railspring_calibrate::profile_placement::{PlaceOptions, in_words, resembled};
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::profile_placement::{PlaceOptions, in_words, resembled};
+use railspring_profiles::units::MILLIMETRE;
 
 use super::check::nearest;
 use super::collect::Collector;

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-use railspring_calibrate::error::InputError;
-use railspring_calibrate::input;
 use railspring_calibrate::solid::{Material, Materials};
-use railspring_calibrate::units::{GIGAPASCAL, MILLIMETRE};
+use railspring_profiles::error::InputError;
+use railspring_profiles::input;
+use railspring_profiles::units::{GIGAPASCAL, MILLIMETRE};
 
 use super::MeshFile;
 use super::collect::Collector;

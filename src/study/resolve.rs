@@ -5,12 +5,12 @@ mod bodies;
 
 use std::collections::BTreeMap;
 
-use railspring_calibrate::error::InputError;
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::transient::RailPath;
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
+use railspring_profiles::error::InputError;
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 use serde_json::Value;
 
 use super::case_notes;

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use railspring_calibrate::error::InputError;
+use railspring_profiles::error::InputError;
 use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use railspring_calibrate::error::{InputError, printable};
+use railspring_profiles::error::{InputError, printable};
 use toml::de::{DeTable, DeValue};
 
 use super::check::join;

@@ -337,7 +337,7 @@ fn measured_profiles_are_named_by_file_and_body() {
         assert!(refused.contains(part), "{part}: {refused}");
     }
     // A head of 60E1, without wear: it lies on its standard within its rounding to 0.0001 mm.
-    let section = railspring_calibrate::section::rail_section("60E1").unwrap();
+    let section = railspring_profiles::section::rail_section("60E1").unwrap();
     let rows = section.running.sample(0.5e-3).into_iter();
     let rows: String = rows.map(|p| format!("{:.4},{:.4}\n", 1e3 * p.x, 1e3 * p.y)).collect();
     std::fs::write(folder.path().join("new.csv"), rows).unwrap();
@@ -429,7 +429,7 @@ fn unknown_standards_list_the_known_ones_and_the_nearest() {
         rail,
         &format!(
             "x.toml:3: rail.profile = \"60e1\": expected one of {}; did you mean \"60E1\"? `railspring profile list` describes them",
-            railspring_calibrate::profile::rails::RAIL_NAMES.join(", ")
+            railspring_profiles::profile::rails::RAIL_NAMES.join(", ")
         )
     );
     let light = &wrong("49e1", "S1002")[0];

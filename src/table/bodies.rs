@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use railspring_calibrate::error::InputError;
+use railspring_profiles::error::InputError;
 use serde_json::{Map, Value};
 
 use super::document::Keys;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use railspring_calibrate::error::InputError;
-use railspring_calibrate::units::KILONEWTON;
+use railspring_profiles::error::InputError;
+use railspring_profiles::units::KILONEWTON;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -266,7 +266,7 @@ fn case(
     keys.insert("name".into(), document.name.clone().into());
     let study = Study::parse(path, &text_of_keys(&keys))?;
     let of_a_case = |mistake: InputError| Mistakes::sorted(vec![study.source.locate(mistake)]);
-    if let Err(railspring_calibrate::error::Error::Input(mistake)) = stages::check_friction(&study) {
+    if let Err(railspring_profiles::error::Error::Input(mistake)) = stages::check_friction(&study) {
         return Err(of_a_case(mistake));
     }
     in_range(document, &study).map_err(of_a_case)?;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use railspring_calibrate::error::{InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 
 use super::rows::{INPUTS, Rows};
 use crate::output::read_text;

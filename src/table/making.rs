@@ -1,10 +1,10 @@
 //! What is made of one case of a table: its bodies and its places, each kept in the store as soon as it is there.
 
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::error::{Error, Result};
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::pair::{CondensedPair, PairBody};
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_profiles::error::{Error, Result};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use serde::{Deserialize, Serialize};
 
 use super::document::{DirectionKey, TableDocument};
@@ -37,7 +37,7 @@ impl PlaceRecord {
     /// The place of an artefact of the store.
     ///
     /// # Errors
-    /// [`railspring_calibrate::error::InputError`] for one that is no place.
+    /// [`railspring_profiles::error::InputError`] for one that is no place.
     pub(super) fn read(artefact: &Artefact) -> Result<Self> {
         let content = artefact.part(PLACE).unwrap_or_default();
         let text = std::str::from_utf8(content).unwrap_or_default();

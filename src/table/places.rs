@@ -7,9 +7,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use railspring_calibrate::error::{Error, Result, unless_interrupted};
-use railspring_calibrate::monitor::Monitor;
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::error::{Error, Result, unless_interrupted};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::MILLIMETRE;
 use rayon::prelude::*;
 
 use super::cases::{Case, Table};

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Display;
 
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 

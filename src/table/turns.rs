@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use railspring_calibrate::error::{Error, Result};
+use railspring_profiles::error::{Error, Result};
 use rayon::ScopeFifo;
 
 /// What is done of each pair.
@@ -164,7 +164,7 @@ impl<P: Pairs> Turns<'_, P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use railspring_calibrate::error::InputError;
+    use railspring_profiles::error::InputError;
     use std::sync::Condvar;
     use std::thread::sleep;
 

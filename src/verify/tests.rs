@@ -242,7 +242,8 @@ fn a_load_case_without_contact_fails() {
 #[test]
 fn a_run_at_the_end_of_its_surfaces_fails() {
     use nalgebra::Point2;
-    use railspring_calibrate::history::{Departure, SurfaceEnd};
+    use railspring_calibrate::history::SurfaceEnd;
+    use railspring_profiles::placement::Departure;
     let whole = history(551, |t| (1e5 * (1.0 + t), 2e4), SLIP);
     let mut cut = history(100, |t| (1e5 * (1.0 + t), 2e4), SLIP);
     let (time, rail) = (100.0 * STEP, Point2::new(-0.0358, 0.0142));
@@ -266,7 +267,7 @@ fn a_run_at_the_end_of_its_surfaces_fails() {
 /// both leave to the same side, s.
 #[test]
 fn a_run_that_leaves_the_profile_fails() {
-    use railspring_calibrate::history::Departure;
+    use railspring_profiles::placement::Departure;
     let left = |rows: usize, departure| {
         let mut run = history(rows, |t| (1e5 * (1.0 + t), 2e4), SLIP);
         run.ending = Ending::Departed { time: rows as f64 * STEP, departure };

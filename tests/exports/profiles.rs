@@ -3,8 +3,8 @@
 use nalgebra::{Point2, Vector2};
 use railspring::stages;
 use railspring::study::Study;
-use railspring_calibrate::profile::ProfileKind;
-use railspring_calibrate::profile_file::{ReadOptions, read};
+use railspring_profiles::profile::ProfileKind;
+use railspring_profiles::profile_file::{ReadOptions, read};
 use serde_json::Value;
 
 use super::{export, interpolated, number_after, rows, springs, text};

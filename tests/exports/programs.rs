@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use railspring::crosscheck::calculix;
-use railspring_calibrate::monitor::Silent;
+use railspring_profiles::monitor::Silent;
 use railspring_testing::{Need, needs};
 
 use super::{LOADS_KN, PROMISED, export, law, rows, said, springs, text};

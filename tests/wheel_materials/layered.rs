@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::{Point2, Point3};
 use railspring_calibrate::mesh::{Cells, Field, HexMesh, MeshOptions, mesh_wheel, vtu};
-use railspring_calibrate::section::{WheelSection, wheel_section};
+use railspring_profiles::section::{WheelSection, wheel_section};
 
 /// Diameter at the tape circle, m.
 pub const DIAMETER: f64 = 0.858;

@@ -2,7 +2,7 @@
 //! time by quadrature. Gravity during the contact is left out.
 
 use crate::law::StiffnessLaw;
-use crate::root::bisection;
+use railspring_profiles::root::bisection;
 
 /// Largest compression, force and duration of the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,8 +7,8 @@
 
 use std::f64::consts::PI;
 
-use crate::error::{InputError, Result};
-use crate::root::bisection;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::root::bisection;
 
 /// Contact modulus E* (N/m²) of two materials: `1/E* = (1 − ν1²)/E1 + (1 − ν2²)/E2`.
 ///

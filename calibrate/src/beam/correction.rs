@@ -4,9 +4,9 @@
 //! nothing of it and is up to a sixth too flexible. The correction puts the difference into the shear and
 //! torsion stiffness, so that beam and stiffness law in series are the solid at the contact. With the length it goes to 1.
 
-use crate::error::{InputError, Result};
-use crate::field::InputField;
 use nalgebra::{Matrix2, Matrix3, Rotation2, Vector2};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
 
 use super::rail::RailBeam;
 use super::section::BeamCorrection;

@@ -9,7 +9,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector};
 
 use super::section::BeamSection;
-use crate::quadrature::gauss_4_unit;
+use railspring_profiles::quadrature::gauss_4_unit;
 
 type Matrix12 = SMatrix<f64, 12, 12>;
 type Vector12 = SVector<f64, 12>;

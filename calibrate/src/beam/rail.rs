@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, SVector, Vector2, Vector3};
 
-use crate::error::{InputError, NumericsError, Result, StopReason};
-use crate::field::InputField;
 use crate::section_analysis::SectionProperties;
+use railspring_profiles::error::{InputError, NumericsError, Result, StopReason};
+use railspring_profiles::field::InputField;
 
 use super::element::BeamElement;
 use super::factor::{Block, ChainFactor, ElementBlocks, NODE, Node, inverse};

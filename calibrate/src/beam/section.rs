@@ -1,9 +1,9 @@
 //! The cross-section of a beam element.
 
 use crate::analytic::beam::restrained_warping_factor;
-use crate::error::{InputError, Result};
 use crate::section_analysis::SectionProperties;
 use crate::solid::Material;
+use railspring_profiles::error::{InputError, Result};
 
 /// How the beam resists torsion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -5,9 +5,9 @@ use crate::contact::{
     ComplianceOperator, ContactPoint, HalfSpace, Hybrid, Lattice, NearField, Share, Shares, Side, corners,
     displacement_far_from, nodal_forces,
 };
-use crate::error::StopReason;
 use crate::mesh::SurfaceGrid;
 use nalgebra::{Point2, Vector2, Vector3};
+use railspring_profiles::error::StopReason;
 use std::sync::Arc;
 
 /// Coarse nodes around those in reach for which a far field is made as well, so that it lasts for some loads.

@@ -19,13 +19,13 @@ pub(crate) use zone::{Change, Placed, Places, Zone, distance};
 use crate::contact::{
     BodyCompliance, Compliance, ContactPoint, HalfSpace, PointMode, Side, hub_response, total,
 };
-use crate::error::{Error, InputError, NumericsError, Result, StopReason};
-use crate::field::InputField;
 use crate::history::SurfaceEnd;
 use crate::law::{LawFit, NormalLaw, TableLaw, fit_law};
-use crate::monitor::Monitor;
 use faer::Mat;
 use nalgebra::{DVector, Matrix2, Vector2, Vector3};
+use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
+use railspring_profiles::field::InputField;
+use railspring_profiles::monitor::Monitor;
 
 /// What the displacement of the law is measured against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -6,9 +6,9 @@ use super::pressed::{ContactField, Elasticity, Pressed, WheelOnRail, edge_reache
 use crate::contact::{
     ContactPoint, Factors, FreeDirection, Problem, Side, gaps, hub_response_with, solve_with,
 };
-use crate::error::{Error, InputError, NumericsError, Result, StopReason};
-use crate::field::InputField;
 use nalgebra::Vector2;
+use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
+use railspring_profiles::field::InputField;
 use std::sync::OnceLock;
 
 /// The hub is found when pairing it again moves it by less, m: between elements, whose nodes slide past each other.

@@ -5,12 +5,12 @@ use crate::contact::{
     BodyCompliance, ComplianceOperator, ContactPoint, HubResponse, PairingLimits, PenaltySprings, Problem,
     Side, Solution, Subsurface, Surface, nodal_forces, nodes_near, pair, resultant, subsurface, total,
 };
-use crate::error::{InputError, Result, StopReason};
-use crate::field::InputField;
 use crate::solid::Material;
 use crate::superelement::times;
 use faer::Mat;
 use nalgebra::{Unit, Vector2, Vector3};
+use railspring_profiles::error::{InputError, Result, StopReason};
+use railspring_profiles::field::InputField;
 use std::sync::OnceLock;
 
 /// How the contact conditions are enforced.

@@ -4,8 +4,8 @@ use super::pairing::profile_intervals;
 use super::point::ContactPoint;
 use super::surface::{Projection, Surface};
 use crate::mesh::SurfaceGrid;
-use crate::quadrature::gauss_2_on;
 use nalgebra::{Point2, Vector2};
+use railspring_profiles::quadrature::gauss_2_on;
 
 /// A uniform grid on the base surface: lines at multiples of the cell from the beginning of the profile and from x = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use crate::contact::{PairingLimits, pair};
     use crate::mesh::SurfaceGrid;
-    use crate::profile::ProfileCurve;
+    use railspring_profiles::profile::ProfileCurve;
 
     /// Source: `pair` with a surface grid of the same lines, which integrates over whole cells. Goal: gaps, m, normals and
     /// opposing positions of the points of a crowned wheel on a crowned rail, its crown with a jump in curvature beside the middle.

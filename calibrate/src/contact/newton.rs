@@ -9,9 +9,9 @@
 use super::dense::{DenseFactor, is_worth_it};
 use super::iterative::{Cone, Factors, Linearised};
 use super::state::{PointMode, Residual, State};
-use crate::error::StopReason;
 use faer::Mat;
 use nalgebra::Vector3;
+use railspring_profiles::error::StopReason;
 use std::collections::VecDeque;
 
 /// Steps of full length before steps are shortened; what converges at all mostly needs fewer than ten.

@@ -3,9 +3,9 @@
 
 use super::point::{ContactPoint, NodeWeight};
 use super::surface::{Projection, Surface, corners};
-use crate::quadrature::gauss_2_on;
-use crate::root::regula_falsi;
 use nalgebra::{Point2, Vector2};
+use railspring_profiles::quadrature::gauss_2_on;
+use railspring_profiles::root::regula_falsi;
 
 /// Which points are worth an unknown.
 #[derive(Debug, Clone, Copy)]
@@ -346,7 +346,7 @@ mod tests {
     use super::super::point::Side;
     use super::*;
     use crate::mesh::SurfaceGrid;
-    use crate::profile::ProfileCurve;
+    use railspring_profiles::profile::ProfileCurve;
 
     /// Source: integrals of the hat functions times y²/2R. Goal: mean gaps of the nodes, m, where a plane runs into a
     /// parabola of 0.3 m radius in the middle of a cell, on either surface. Accuracy: along the curve instead of

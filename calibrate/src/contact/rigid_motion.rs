@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::contact::{PairingLimits, Surface, pair};
     use crate::mesh::SurfaceGrid;
-    use crate::profile::ProfileCurve;
+    use railspring_profiles::profile::ProfileCurve;
 
     /// No motion yet, of a body that turns about its centre.
     fn turned_about(centre: Point2<f64>) -> RigidMotion {

@@ -14,9 +14,9 @@ use super::newton::{newton, slip_rows};
 use super::start::{ALL_THE_WAY, NEAR, approach, suits};
 use super::state::State;
 use super::sweeps::sweep;
-use crate::error::{Error, NumericsError, Result, StopReason};
 use faer::Mat;
 use nalgebra::{DMatrix, Unit, Vector3};
+use railspring_profiles::error::{Error, NumericsError, Result, StopReason};
 
 pub use super::state::{FreeDirection, PointMode, Problem, Solution};
 
@@ -33,7 +33,7 @@ const SWEEPS: [(f64, f64); 3] = [(1e-5, 1.0), (1e-8, 1.0), (1e-12, 0.5)];
 /// Solves `problem` from the forces `start` (same layout; zero if nothing is known).
 ///
 /// # Errors
-/// [`crate::error::NumericsError`] with the residual (over the largest force) and the number of load-carrying
+/// [`railspring_profiles::error::NumericsError`] with the residual (over the largest force) and the number of load-carrying
 /// points if no way leads to a solution, or if a wanted hub force cannot be carried.
 pub fn solve(problem: &Problem, start: &[f64]) -> Result<Solution> {
     solve_with(problem, start, &mut Factors::default())

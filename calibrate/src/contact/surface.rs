@@ -2,8 +2,8 @@
 
 use super::rigid_motion::RigidMotion;
 use crate::mesh::SurfaceGrid;
-use crate::profile::ProfileCurve;
 use nalgebra::{Matrix2, Point2, UnitComplex, Vector2, Vector3};
+use railspring_profiles::profile::ProfileCurve;
 
 /// How the profile curve sweeps out the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]

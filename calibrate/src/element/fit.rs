@@ -7,10 +7,10 @@ use super::overlap::{Pose, Profiles};
 use super::places::{PlaceApproaches, PlaceLoad, StickingHub};
 use super::sections::SectionFlexibility;
 use super::strips::{Contact, ContactStrips};
-use crate::error::{InputError, Result};
 use crate::pair::Pair;
 use crate::superelement::carried;
 use nalgebra::{DMatrix, DVector, Point2, Vector2, Vector3};
+use railspring_profiles::error::{InputError, Result};
 
 /// Distance of the places at which stiffness and hardening are sought, m.
 const KNOTS: f64 = 3e-3;
@@ -409,10 +409,10 @@ impl Pressed {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::placement::TrackGeometry;
-    use crate::section::{rail_section, wheel_section};
     use crate::solid::Material;
     use nalgebra::Matrix2;
+    use railspring_profiles::placement::TrackGeometry;
+    use railspring_profiles::section::{rail_section, wheel_section};
 
     /// Contact modulus of steel on steel, Pa.
     fn steel() -> f64 {

@@ -7,12 +7,12 @@
 use super::sections::{RunningSurface, SectionFlexibility};
 use crate::beam::HeldRail;
 use crate::contact::{HalfSpace, Side};
-use crate::error::Result;
 use crate::mesh::{HexMesh, MeshOptions, SurfaceGrid, mesh_even_rail, mesh_rail};
 use crate::pair::{CondensedPair, Pair};
 use crate::solid::{Formulation, Material, Supports, System};
 use crate::superelement::{SectionMotion, Superelement, carried};
 use nalgebra::{Matrix3, Point2, Point3, Rotation3, Vector3};
+use railspring_profiles::error::Result;
 use std::cell::RefCell;
 
 /// The longest solid rail that is asked, m: four heights of a rail on either side of its middle.

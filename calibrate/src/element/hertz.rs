@@ -5,7 +5,7 @@ use super::modulus::StripModulus;
 use super::relief::{Influence, ReliefPlaces};
 use crate::analytic::hertz::point_contact;
 use crate::pair::Pair;
-use crate::profile::ProfileCurve;
+use railspring_profiles::profile::ProfileCurve;
 
 /// Distance of the places of the table, m.
 const SPACING: f64 = 1e-3;

@@ -24,9 +24,9 @@ pub use strips::{Contact, ContactStrips, Relieved};
 pub use wheel::{ElasticWheel, RimMode, positive};
 
 use crate::contact::{HalfSpace, Side};
-use crate::error::{InputError, Result};
 use crate::pair::{CondensedPair, Pair};
 use nalgebra::{Matrix3, Point2};
+use railspring_profiles::error::{InputError, Result};
 
 /// The condensed contact element of a pair.
 #[derive(Debug, Clone, PartialEq)]

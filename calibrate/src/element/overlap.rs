@@ -7,8 +7,8 @@ mod extent;
 
 use self::extent::{Bends, POINTS, gauss, joints};
 use super::relief::{Influence, Relief, ReliefPlaces};
-use crate::profile::ProfileCurve;
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+use railspring_profiles::profile::ProfileCurve;
 use std::ops::Range;
 
 /// Distance of the stations at which contacts are looked for, m, and the least one, where a measured profile that is not smoothed has short waves.

@@ -20,7 +20,7 @@ mod loading;
 
 pub(super) use self::loading::{Loading, StripLoad};
 
-use crate::profile::ProfileCurve;
+use railspring_profiles::profile::ProfileCurve;
 
 /// Distance of the places, m: a function is as wide as a contact under a usual load is long.
 const SPACING: f64 = 8e-3;

@@ -5,11 +5,11 @@
 //! wherever on the profile it is.
 
 use crate::contact::{HalfSpace, displacement_far_from};
-use crate::error::{InputError, Result};
 use crate::mesh::SurfaceGrid;
 use crate::superelement::carried;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Point2, Point3, Rotation2, Vector2, Vector3};
+use railspring_profiles::error::{InputError, Result};
 
 /// Distance along the track of force and displacement at most, m, where the grid is that long: patches on a flange are, and what a body gives way nearer than that is the contact's.
 const APART: f64 = 24e-3;

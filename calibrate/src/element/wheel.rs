@@ -1,9 +1,9 @@
 //! The wheel as hub, modes and the static rest, as seen at the section of its rim that touches.
 
 use super::sections::{RunningSurface, SectionFlexibility};
-use crate::error::{InputError, Result};
 use crate::superelement::{Modes, carried};
 use nalgebra::{DMatrix, DVector, Matrix3, Point2, SymmetricEigen, Vector3};
+use railspring_profiles::error::{InputError, Result};
 use std::f64::consts::TAU;
 
 /// The wheel moves in its modes up to this frequency, Hz, and in further ones where those that would follow forces at once make more than a share of the flexibility of its rim and a contact wrong at the highest

@@ -1,8 +1,8 @@
 //! A normal law of either kind, as a spring takes it.
 
 use super::{StiffnessLaw, TableLaw};
-use crate::error::Result;
-use crate::quadrature::gauss_2_on;
+use railspring_profiles::error::Result;
+use railspring_profiles::quadrature::gauss_2_on;
 
 /// Tangent stiffness against force: the power law or a table.
 #[derive(Debug, Clone, PartialEq)]

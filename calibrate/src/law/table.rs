@@ -7,8 +7,8 @@
 //! [`StiffnessLaw`](super::StiffnessLaw).
 
 use super::{INVERSE_TOLERANCE, LARGEST_EXPONENT, check_points};
-use crate::error::{InputError, Result};
-use crate::quadrature::GAUSS_12;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::quadrature::GAUSS_12;
 
 /// Tangent stiffness by knots.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{HexMesh, SurfaceGrid};
-use crate::error::{InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 
 /// Planes of nodes of a block in the world frame.
 ///

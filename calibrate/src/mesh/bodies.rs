@@ -5,11 +5,11 @@ use nalgebra::Point2;
 use super::section_mesh::{SectionMesh, SectionOutline, SurfacePoint, mesh_section};
 use super::sweep::{extrude, graded, in_window, revolve};
 use super::{ContactZone, HexMesh, MeshOptions};
-use crate::error::{InputError, Result};
-use crate::field::InputField;
-use crate::placement::PlacedRail;
-use crate::profile::ProfileCurve;
-use crate::section::{RailSection, WheelSection};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::placement::PlacedRail;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::section::{RailSection, WheelSection};
 
 /// Vertex spacing (m) with which the running curve outside the contact zone is
 /// followed: on a radius of 12 mm the chord is off by 0.7 µm.

@@ -14,10 +14,10 @@ use super::faces::{Faces, coincident};
 use super::given_surface::Smooth;
 use super::quality::{is_sound, scaled_jacobian};
 use super::{HexMesh, MeshOptions};
-use crate::error::{InputError, Result};
-use crate::field::InputField;
-use crate::profile::ProfileCurve;
-use crate::units::MILLIMETRE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::units::MILLIMETRE;
 
 /// Nodes nearer to each other than this are one node that was not merged, m.
 const COINCIDENT: f64 = 1e-6;

@@ -6,10 +6,10 @@ use std::f64::consts::PI;
 use nalgebra::{Point2, Point3};
 
 use super::SurfaceGrid;
-use crate::error::{InputError, Result};
-use crate::field::InputField;
-use crate::profile::ProfileCurve;
-use crate::units::MILLIMETRE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::units::MILLIMETRE;
 
 /// Largest distance (m) of a contact node from the smooth running surface. The curve carries the gap and the mesh the
 /// stiffness, so that facets and rounded coordinates do no harm; another profile or place is off by far more.

@@ -21,8 +21,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point2, Point3};
 
-use crate::error::{InputError, Result};
-use crate::field::InputField;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
 
 mod faces;
 mod quality;

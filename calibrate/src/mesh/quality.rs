@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::HexMesh;
-use crate::error::{InputError, Result};
-use crate::quadrature::GAUSS_2;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::quadrature::GAUSS_2;
 
 /// Corner neighbours along the three local axes, in right-handed order.
 const NEIGHBOURS: [[usize; 3]; 8] =

@@ -14,9 +14,9 @@ use super::signed_area;
 use super::sizing::{Polyline, SizeField, thickness};
 use super::smoothing::{Freedom, smooth};
 use super::triangulation::{Cell, fill, pair, smallest_sine};
-use crate::error::{InputError, Result};
-use crate::field::InputField;
-use crate::units::MILLIMETRE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::units::MILLIMETRE;
 
 /// Turning within this length (m) makes a corner of the outline.
 const CORNER_WINDOW: f64 = 4e-3;

@@ -5,7 +5,7 @@ use spade::{ConstrainedDelaunayTriangulation, Triangulation as _};
 
 use super::signed_area;
 use super::sizing::SizeField;
-use crate::error::{InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 
 /// Rounds of point relaxation.
 const RELAXATIONS: usize = 40;

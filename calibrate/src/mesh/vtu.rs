@@ -6,7 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use nalgebra::{Point3, Vector3};
 
-use crate::error::{InputError, Result};
+use railspring_profiles::error::{InputError, Result};
 
 /// Cells of a grid.
 #[derive(Debug, Clone, Copy)]

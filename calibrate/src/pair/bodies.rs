@@ -7,13 +7,13 @@ use crate::calibration::{
     ContactField, DOWNWARDS, Enforcement, HorizontalCalibration, NormalCalibration, Pressed, Reference,
     WheelOnRail, calibrate_horizontal, calibrate_normal, press_carried,
 };
-use crate::error::{Error, InputError, Result};
 use crate::law::LEAST_LOADS;
 use crate::mesh::SurfaceGrid;
-use crate::monitor::Monitor;
 use crate::solid::{Formulation, Material, Materials};
 use crate::superelement::{CondensedBody, SectionMotion};
 use faer::Mat;
+use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::monitor::Monitor;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

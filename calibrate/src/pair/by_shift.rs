@@ -12,12 +12,12 @@ use crate::calibration::{
     sticking_flexibility, subtract_bodies,
 };
 use crate::contact::Subsurface;
-use crate::error::{Error, InputError, NumericsError, Result, StopReason};
-use crate::field::InputField;
 use crate::law::LEAST_LOADS;
-use crate::monitor::Monitor;
-use crate::placement::Touch;
 use nalgebra::{Matrix2, Point2, Unit, Vector2};
+use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
+use railspring_profiles::field::InputField;
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::placement::Touch;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -15,10 +15,10 @@ use crate::calibration::{
     ContactField, DOWNWARDS, LoadPoint, Pressed, Reference, WheelOnRail, load_points, points_apart,
     press_loads_apart, subtract_bodies,
 };
-use crate::error::{Result, unless_interrupted};
-use crate::monitor::Monitor;
-use crate::profile_file::{REPLICATES, standard_uncertainty};
 use nalgebra::{Unit, Vector2};
+use railspring_profiles::error::{Result, unless_interrupted};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::profile_file::{REPLICATES, standard_uncertainty};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

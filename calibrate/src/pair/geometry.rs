@@ -2,13 +2,13 @@
 
 use crate::beam::{RailBeam, Torsion};
 use crate::contact::{PairingLimits, Surface, pair};
-use crate::error::Result;
 use crate::mesh::{HexMesh, MeshOptions, SurfaceGrid, mesh_rail, mesh_wheel};
-use crate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
-use crate::section::{RailSection, WheelSection};
 use crate::section_analysis::{RailAnalysis, SectionProperties, StressSample, rail_analysis};
 use crate::solid::Material;
 use nalgebra::{Point2, Vector2};
+use railspring_profiles::error::Result;
+use railspring_profiles::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
+use railspring_profiles::section::{RailSection, WheelSection};
 
 /// A wheel on a rail, as two sections in a track.
 #[derive(Debug, Clone)]

@@ -5,8 +5,8 @@
 use super::bodies::{CondensedPair, ContactConditions};
 use super::geometry::Pair;
 use crate::calibration::{HorizontalPoint, Reference, calibrate_horizontal};
-use crate::error::Result;
-use crate::monitor::Monitor;
+use railspring_profiles::error::Result;
+use railspring_profiles::monitor::Monitor;
 
 /// Relative changes of the horizontal stiffness to `coarser` meshes at the `points` of a pair, which were found with their preloads in turn,
 /// against a `reference`.

@@ -3,8 +3,8 @@
 use super::bodies::CondensedPair;
 use super::geometry::Pair;
 use crate::beam::{BeamCorrection, RailBeam};
-use crate::error::Result;
 use nalgebra::Matrix2;
+use railspring_profiles::error::Result;
 
 /// The rail beam corrected to the solid rail at midspan at the first touch; flexibilities (y, z) in m/N.
 #[derive(Debug, Clone)]
@@ -23,7 +23,7 @@ impl SeriesBeam {
     /// The correction of `beam` for the solid rail of `bodies`.
     ///
     /// # Errors
-    /// [`crate::error::InputError`] for a rail too short to be a beam.
+    /// [`railspring_profiles::error::InputError`] for a rail too short to be a beam.
     pub fn new(pair: &Pair, bodies: &CondensedPair, beam: &RailBeam) -> Result<Self> {
         let section = &bodies.section;
         let solid = section.carried(&pair.touch_weights(&bodies.rail_on_ends.grid));

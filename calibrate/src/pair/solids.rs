@@ -1,12 +1,12 @@
 //! The bodies of a pair before they are condensed: what they are made from, and how each is held.
 
 use super::geometry::Pair;
-use crate::error::Result;
 use crate::mesh::HexMesh;
 use crate::section_analysis::StressSample;
 use crate::solid::{Formulation, Materials, MirrorHalf, Numbering, Supports, Symmetry, System};
 use crate::superelement::{CondensedBody, Parts, SectionMotion, Step, Wanted, body_key};
 use nalgebra::Point2;
+use railspring_profiles::error::Result;
 use std::sync::OnceLock;
 
 /// A body of a pair, by how it is held.

@@ -9,9 +9,9 @@ use faer::sparse::{SparseColMat, Triplet};
 use faer::{Conj, Mat, Par, Side};
 use nalgebra::{Matrix2, Point2, Vector2, center};
 
-use crate::error::{NumericsError, Result, StopReason};
 use crate::mesh::SectionMesh;
-use crate::quadrature::GAUSS_3;
+use railspring_profiles::error::{NumericsError, Result, StopReason};
+use railspring_profiles::quadrature::GAUSS_3;
 
 /// Right-hand sides at a point: ∫ ∇v·`flow`, and ∫ v `supply` for the other two problems.
 pub(super) struct Source {

@@ -11,9 +11,9 @@ mod laplace;
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
-use crate::error::Result;
 use crate::mesh::{MeshOptions, SectionMesh, mesh_section, rail_outline};
-use crate::section::RailSection;
+use railspring_profiles::error::Result;
+use railspring_profiles::section::RailSection;
 
 use laplace::Laplace;
 
@@ -92,11 +92,11 @@ const SURFACE_ELEMENT: f64 = 4e-3;
 /// A section that cannot be meshed.
 ///
 /// ```
-/// use railspring_calibrate::section::rail_section;
+/// use railspring_profiles::section::rail_section;
 /// use railspring_calibrate::section_analysis::rail_properties;
 /// let rail = rail_properties(&rail_section("60E1")?)?;
 /// assert!((rail.torsion_constant / 220.9e-8 - 1.0).abs() < 0.01);
-/// # Ok::<(), railspring_calibrate::error::Error>(())
+/// # Ok::<(), railspring_profiles::error::Error>(())
 /// ```
 pub fn rail_properties(section: &RailSection) -> Result<SectionProperties> {
     rail_analysis(section).map(|analysis| analysis.properties)
@@ -150,7 +150,7 @@ fn nearest_on_outline(section: &RailSection, p: &Point2<f64>) -> Point2<f64> {
 /// it, onto the exact outline, so that curved outlines get curved elements.
 ///
 /// # Errors
-/// [`crate::error::NumericsError`] for a mesh that falls into parts.
+/// [`railspring_profiles::error::NumericsError`] for a mesh that falls into parts.
 #[cfg(test)]
 fn analyse(mesh: &SectionMesh, on_outline: impl Fn(&Point2<f64>) -> Point2<f64>) -> Result<SectionAnalysis> {
     Ok(Solved::new(mesh, on_outline)?.analysis)

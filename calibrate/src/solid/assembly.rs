@@ -3,10 +3,10 @@
 use super::brick::{self, corners};
 use super::columns::{Pattern, UpperMatrix};
 use super::{Formulation, Materials, Numbering, Supports};
-use crate::error::{InputError, Result};
 use crate::mesh::HexMesh;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::{Point3, SMatrix};
+use railspring_profiles::error::{InputError, Result};
 use rayon::prelude::*;
 
 /// Elements whose matrices are held at the same time.
@@ -251,7 +251,7 @@ impl NodalMass {
     }
 }
 
-fn flat_element(element: usize, nodes: &[Point3<f64>; 8]) -> crate::error::Error {
+fn flat_element(element: usize, nodes: &[Point3<f64>; 8]) -> railspring_profiles::error::Error {
     let c = nodes.iter().fold(nalgebra::Vector3::zeros(), |sum, p| sum + p.coords) / 8.0;
     InputError::new(
         "hexahedron",

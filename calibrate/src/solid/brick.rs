@@ -9,8 +9,8 @@
 
 use super::Material;
 use crate::mesh::{CORNERS, HexMesh};
-use crate::quadrature::GAUSS_2;
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, Vector3};
+use railspring_profiles::quadrature::GAUSS_2;
 
 /// Which strain field the element uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,11 +1,11 @@
 //! The materials of a body, by the groups of its mesh.
 
 use super::{Cut, Material};
-use crate::error::{InputError, Result};
-use crate::field::InputField;
 use crate::mesh::HexMesh;
-use crate::units::MILLIMETRE;
 use nalgebra::{Point2, Vector3};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::units::MILLIMETRE;
 
 /// Largest Poisson's ratio of a layer of one element between two other materials: between rigid circles it is 0.5 % too stiff at 0.49, 2.4 % at
 /// 0.495, 26 % at 0.499 and 57 % at 0.4995; of two elements 0.8, 1.5, 6 and 11 %, of four 0.2, 0.4, 1.5 and 2.5 % (`tests/layered.rs`).

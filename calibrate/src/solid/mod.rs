@@ -22,9 +22,9 @@ pub use mirror::{MirrorHalf, Symmetry};
 pub use numbering::{Numbering, Supports, rigid_motion};
 pub use stress::{largest_shear, nodal_stress, von_mises};
 
-use crate::error::{InputError, Result};
-use crate::field::InputField;
 use nalgebra::SMatrix;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
 
 /// Isotropic linear elastic material.
 #[derive(Debug, Clone, Copy, PartialEq)]

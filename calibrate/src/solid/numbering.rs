@@ -1,9 +1,9 @@
 //! Supports and the numbering of the equations.
 
-use crate::error::{NumericsError, Result, StopReason};
 use crate::mesh::HexMesh;
 use feral_metis::{CscPattern, metis_order};
 use nalgebra::{Point3, Vector3};
+use railspring_profiles::error::{NumericsError, Result, StopReason};
 
 /// How a solid is held.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -1,7 +1,6 @@
 //! What is kept of a factored body: small, owned, and able to travel.
 
 use super::{Modes, SectionMotion};
-use crate::error::Result;
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::solid::{Formulation, Material, Materials, Numbering, Supports, System};
 use crate::superelement::{Factor, Superelement};
@@ -9,6 +8,7 @@ use blake3::Hasher;
 use faer::Mat;
 use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMatRef};
 use nalgebra::Point3;
+use railspring_profiles::error::Result;
 
 /// A body reduced to its contact nodes. It borrows nothing, so that it outlives mesh and factor, and it can be written
 /// and read ([`CondensedBody::write`]).

@@ -1,11 +1,11 @@
 //! A condensed body as a file in the safetensors format, which other languages read, too.
 
 use super::{CondensedBody, Modes, SectionMotion};
-use crate::error::{InputError, Result};
 use crate::mesh::SurfaceGrid;
 use crate::solid::Material;
 use faer::Mat;
 use nalgebra::{DMatrix, Matrix3, Matrix6, Point2, Point3};
+use railspring_profiles::error::{InputError, Result};
 use safetensors::tensor::{Dtype, SafeTensors, TensorView, serialize};
 use std::collections::{BTreeMap, HashMap};
 

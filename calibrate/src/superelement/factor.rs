@@ -1,6 +1,5 @@
 //! Sparse Cholesky factor with its interior and retained parts kept apart.
 
-use crate::error::{NumericsError, Result, StopReason};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::linalg::matmul::matmul;
@@ -14,6 +13,7 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::{Accum, Conj, Mat, MatMut, MatRef, Par, Side};
+use railspring_profiles::error::{NumericsError, Result, StopReason};
 
 /// `A = L·Lᵀ` of a matrix whose first `interior` equations are eliminated and whose
 /// last ones are retained.

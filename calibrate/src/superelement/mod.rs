@@ -25,12 +25,12 @@ pub use section_motion::SectionMotion;
 pub(crate) use section_motion::carried;
 pub use size::FactorSize;
 
-use crate::error::Result;
 use crate::solid::System;
 use faer::linalg::matmul::matmul;
 use faer::sparse::SparseColMat;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
+use railspring_profiles::error::Result;
 use std::ops::Range;
 
 /// A factored body with its compliance at the retained equations.

@@ -16,13 +16,13 @@
 
 use super::Superelement;
 use super::factor::{Factor, dot};
-use crate::error::{InputError, Result};
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::solid::{MirrorHalf, NodalMass, Numbering, Symmetry, System, rigid_motion};
 use faer::linalg::matmul::matmul;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Accum, Mat, MatRef, Par, unzip, zip};
 use nalgebra::{DMatrix, Matrix6, Point3, SymmetricEigen, Vector3};
+use railspring_profiles::error::{InputError, Result};
 use std::ops::Range;
 
 /// Of as many modes of a body that is its own mirror image one is antisymmetric: of 3 to 8 the number with which 48 modes are nearest to full order.

@@ -3,10 +3,10 @@
 use super::condensed::Interior;
 use super::modes::contact_loads;
 use super::{CondensedBody, FactorSize, Modes, SectionMotion, Superelement, times};
-use crate::error::Result;
 use crate::mesh::HexMesh;
 use crate::solid::{MirrorHalf, Symmetry, System};
 use faer::Mat;
+use railspring_profiles::error::Result;
 
 /// The nodes of a half are at rest in a motion that is less than this share of the whole one.
 const AT_REST: f64 = 1e-9;

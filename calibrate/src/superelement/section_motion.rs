@@ -7,14 +7,14 @@
 //! along the rail (Saint-Venant) and does not depend on where and how the rail is held. That is the rail's compliance
 //! against its section. The rest is the part of a rail beam, and what that beam misses.
 
-use crate::error::{InputError, Result};
-use crate::field::InputField;
 use crate::mesh::HexMesh;
-use crate::placement::PlacedRail;
 use crate::section_analysis::StressSample;
 use crate::solid::Cut;
 use faer::Mat;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix3x2, Point2, Rotation2, Vector2};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::placement::PlacedRail;
 
 /// A rail's cross-section in the plane of the contact: displacements y and z (m) of its shear centre and rotation
 /// about x (rad), with the forces y and z (N) and the torque about x (N·m) that do work on them; world axes.

@@ -1,6 +1,5 @@
 //! How large the factor of a body will be, before anything is assembled.
 
-use crate::error::{NumericsError, Result, StopReason};
 use crate::mesh::HexMesh;
 use crate::solid::{Numbering, Pattern};
 use faer::Side;
@@ -9,6 +8,7 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
+use railspring_profiles::error::{NumericsError, Result, StopReason};
 
 /// Size of a body's matrix and of its factor.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -15,10 +15,10 @@ use crate::calibration::{
     too_coarse, touches_border, widened, widths,
 };
 use crate::contact::{ContactPoint, Factors, HalfSpace, Lattice, Problem, Side, Surface, solve, solve_with};
-use crate::error::{Error, NumericsError, Result, StopReason};
 use crate::newmark::Newmark;
 use crate::scenario::Scenario;
 use nalgebra::{Point2, Vector2};
+use railspring_profiles::error::{Error, NumericsError, Result, StopReason};
 use std::cell::RefCell;
 use std::sync::Arc;
 

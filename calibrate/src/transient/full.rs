@@ -2,7 +2,6 @@
 
 use super::body::{BodyLoad, ElasticBody, Interface};
 use crate::energy::PartEnergy;
-use crate::error::Result;
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
 use crate::solid::{NodalMass, Numbering, System};
@@ -10,6 +9,7 @@ use crate::superelement::{Superelement, times};
 use faer::MatRef;
 use faer::sparse::SparseColMat;
 use nalgebra::{Vector2, Vector3};
+use railspring_profiles::error::Result;
 
 /// An elastic body, factored for time steps of one length. Its interface are the retained equations: contact nodes
 /// (`3·node + axis` in the order of the contact grid), then the master's free motions.

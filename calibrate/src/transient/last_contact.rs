@@ -3,9 +3,9 @@
 use crate::calibration::{Change, FineContact, Places, Zone, edge_reached};
 use crate::contact::{ContactPoint, Lattice, PointMode, Side, Solution, nodal_forces};
 use crate::energy::PartEnergy;
-use crate::error::StopReason;
 use crate::mesh::SurfaceGrid;
 use nalgebra::Vector2;
+use railspring_profiles::error::StopReason;
 use std::sync::Arc;
 
 /// Contact of the step before, as a start for the next.

@@ -29,24 +29,24 @@ pub use reduction::{ModeCount, Reduction, START_MODES};
 
 use crate::calibration::{ContactField, Enforcement};
 use crate::contact::Surface;
-use crate::error::{Error, InputError, Result};
-use crate::field::InputField;
 use crate::history::History;
 use crate::mesh::{HexMesh, SurfaceGrid};
-use crate::monitor::Monitor;
 use crate::newmark::Newmark;
 use crate::pair::Pair;
-use crate::placement::PlacedRail;
 use crate::scenario::Scenario;
 use crate::solid::{Formulation, Material, Materials, Supports, System};
 use crate::step_control::InnerSteps;
 use crate::superelement::{CondensedBody, Modes};
 use crate::suspension::Suspension;
-use crate::units::KILONEWTON;
 use beyond::Beyond;
 use body::ElasticBody;
 use full::FullBody;
 use nalgebra::{Point2, Point3, Vector2};
+use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::placement::PlacedRail;
+use railspring_profiles::units::KILONEWTON;
 use reduced::ReducedBody;
 use run::{Observer, Run, ShorterSteps};
 
@@ -190,8 +190,8 @@ impl TransientModel<'_> {
     ///
     /// # Errors
     /// [`InputError`] for a scenario only the moving solver can run, for penalty springs on a fine grid, and for reduced bodies
-    /// without modes; [`crate::error::NumericsError`] with the step if the contact does not settle, and with
-    /// [`crate::error::StopReason::TooFewModes`] if all modes that the bodies have are not enough. A contact that reaches the end of
+    /// without modes; [`railspring_profiles::error::NumericsError`] with the step if the contact does not settle, and with
+    /// [`railspring_profiles::error::StopReason::TooFewModes`] if all modes that the bodies have are not enough. A contact that reaches the end of
     /// the meshed contact zone, and one that begins beyond it, ends the history ([`crate::history::Ending::EndOfSurface`]).
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<TransientRun> {
         self.run_with(scenario, None, monitor)

@@ -9,8 +9,6 @@
 //! What remains of the flexibility beyond the modes is then, but for the detail under a patch, the second solid's own, which stores no negative energy at any place.
 
 use super::along::Along;
-use crate::error::{InputError, Result};
-use crate::field::InputField;
 use crate::mesh::{HexMesh, MeshOptions, mesh_rail_path, rail_grid_half_length};
 use crate::pair::Pair;
 use crate::scenario::Scenario;
@@ -18,6 +16,8 @@ use crate::solid::{Formulation, Material, Supports, System};
 use crate::superelement::{CondensedBody, Modes, SectionMotion, Superelement};
 use faer::Mat;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
 use std::cell::RefCell;
 
 /// Length of the elements along the track, m, and the largest edges of those of the running surface and, at least, of the section.

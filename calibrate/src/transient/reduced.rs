@@ -17,7 +17,6 @@ use super::body::{BodyLoad, ElasticBody, Flexible, Interface};
 use super::loads::{add_product, in_runs};
 use super::path::RailPath;
 use crate::energy::PartEnergy;
-use crate::error::{InputError, NumericsError, Result, StopReason};
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::newmark::{Motion, Newmark};
 use crate::superelement::{CondensedBody, Modes, add_times};
@@ -26,6 +25,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use flexibility::StepFlexibility;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector2};
+use railspring_profiles::error::{InputError, NumericsError, Result, StopReason};
 use std::sync::Arc;
 
 /// Motions of a hub: translations y and z.

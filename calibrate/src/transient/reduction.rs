@@ -4,13 +4,13 @@ use super::beyond::Beyond;
 use super::reduced::ReducedBody;
 use super::run::Run;
 use super::{OtherRun, TransientModel, TransientRun, longest};
-use crate::error::{NumericsError, Result, StopReason, or_reason};
 use crate::history::{Ending, History, HistoryRow};
-use crate::monitor::Monitor;
 use crate::newmark::Newmark;
 use crate::scenario::Scenario;
 use crate::step_control::InnerSteps;
 use nalgebra::Vector2;
+use railspring_profiles::error::{NumericsError, Result, StopReason, or_reason};
+use railspring_profiles::monitor::Monitor;
 
 /// Modes of each body to begin with.
 pub const START_MODES: usize = 64;

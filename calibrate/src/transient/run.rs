@@ -6,15 +6,15 @@ use super::last_contact::LastContact;
 use super::{StepCounts, TransientModel, TransientRun, longest};
 use crate::contact::{ContactPoint, PointMode, Side, Solution, resultant};
 use crate::energy::{EnergyLedger, PartEnergy};
-use crate::error::{Error, Result, StopReason};
 use crate::history::{ContactMode, ContactState, Ending, History, HistoryRow, SurfaceEnd};
-use crate::monitor::Monitor;
 use crate::newmark::{Motion, Newmark};
-use crate::placement::{departure, lateral_extent};
 use crate::scenario::Scenario;
 use crate::step_control::StepSequence;
 use crate::suspension::{Suspension, SuspensionStep};
 use nalgebra::{Point2, Vector2};
+use railspring_profiles::error::{Error, Result, StopReason};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::placement::{departure, lateral_extent};
 
 /// A run that goes on from step to step.
 pub(super) struct Run<'m, B: ElasticBody> {

@@ -16,13 +16,13 @@ use crate::calibration::{ContactField, Enforcement};
 use crate::contact::Surface;
 use crate::law::StiffnessLaw;
 use crate::mesh::{BlockOptions, mesh_block};
-use crate::monitor::Silent;
-use crate::placement::PlacedRail;
-use crate::profile::ProfileCurve;
 use crate::scenario::{HarmonicForce, Kelvin};
 use crate::step_control::StepControl;
 use crate::superelement::Superelement;
 use nalgebra::Point2;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::PlacedRail;
+use railspring_profiles::profile::ProfileCurve;
 
 /// Edge of the square sections, m.
 const WIDTH: f64 = 0.01;

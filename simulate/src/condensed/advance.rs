@@ -5,11 +5,11 @@ use std::ops::ControlFlow;
 use nalgebra::Point2;
 
 use railspring_calibrate::element::{ContactStrips, Profiles};
-use railspring_calibrate::error::{Error, Result};
 use railspring_calibrate::history::{Ending, History};
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::step_control::StepSequence;
+use railspring_profiles::error::{Error, Result};
+use railspring_profiles::monitor::Monitor;
 
 use super::model::CondensedModel;
 use super::run::{Prepared, Run, State};
@@ -37,8 +37,8 @@ impl CondensedModel {
     /// Runs a scenario.
     ///
     /// # Errors
-    /// [`railspring_calibrate::error::InputError`] for values out of range or a wheel that starts beyond the rail's ends;
-    /// [`railspring_calibrate::error::NumericsError`] when a step does not converge.
+    /// [`railspring_profiles::error::InputError`] for values out of range or a wheel that starts beyond the rail's ends;
+    /// [`railspring_profiles::error::NumericsError`] when a step does not converge.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
         self.check(scenario)?;
         run(self, scenario, monitor)

@@ -4,8 +4,8 @@ use nalgebra::Matrix2;
 
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches, StickingHub};
-use railspring_calibrate::error::Result;
 use railspring_calibrate::solid::Material;
+use railspring_profiles::error::Result;
 
 use super::model::CondensedModel;
 

@@ -4,13 +4,13 @@ use nalgebra::{Matrix3, Point2};
 
 use railspring_calibrate::beam::{End, HeldRail, RailBeam};
 use railspring_calibrate::element::PairElement;
-use railspring_calibrate::error::Result;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::placement::PlacedRail;
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::{InnerSteps, StepControl};
+use railspring_profiles::error::Result;
+use railspring_profiles::placement::PlacedRail;
+use railspring_profiles::profile::ProfileCurve;
 
 use super::head::Head;
 use crate::moving::{InitialMotion, RailSupport};

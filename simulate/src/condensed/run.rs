@@ -6,12 +6,13 @@ use nalgebra::{Matrix3, Point2, Rotation2, Vector2, Vector3};
 
 use railspring_calibrate::element::{Contact, ContactStrips, Pose};
 use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
-use railspring_calibrate::error::{NumericsError, Result, StopReason};
-use railspring_calibrate::history::{ContactMode, ContactState, Departure, Ending, HistoryRow, SurfaceEnd};
+use railspring_calibrate::history::{ContactMode, ContactState, Ending, HistoryRow, SurfaceEnd};
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::newmark::Newmark;
-use railspring_calibrate::placement::{departure, lateral_extent};
 use railspring_calibrate::scenario::Scenario;
+use railspring_profiles::error::{NumericsError, Result, StopReason};
+use railspring_profiles::placement::Departure;
+use railspring_profiles::placement::{departure, lateral_extent};
 
 use super::head::{Head, HeadAt};
 use super::model::CondensedModel;

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 use railspring_calibrate::element::{ContactStrips, Profiles};
-use railspring_calibrate::error::{NumericsError, Result, StopReason};
+use railspring_profiles::error::{NumericsError, Result, StopReason};
 
 use super::contact::Contacts;
 use super::head::HeadAt;
@@ -115,7 +115,7 @@ impl CondensedModel {
     }
 }
 
-fn unreached(force: f64, contacts: &Contacts) -> railspring_calibrate::error::Error {
+fn unreached(force: f64, contacts: &Contacts) -> railspring_profiles::error::Error {
     NumericsError {
         stage: "hub pressed on the condensed element".into(),
         step: None,

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use railspring_calibrate::element::{ContactStrips, Pose, StripStiffness};
-use railspring_calibrate::error::{NumericsError, Result, StopReason};
+use railspring_profiles::error::{NumericsError, Result, StopReason};
 
 use super::contact::{Contacts, size};
 
@@ -173,7 +173,7 @@ fn failure(
     residual: f64,
     contacts: &Contacts,
     reason: StopReason,
-) -> railspring_calibrate::error::Error {
+) -> railspring_profiles::error::Error {
     let active = contacts.list.len();
     NumericsError { stage: "condensed element".into(), step: None, iteration, residual, active, reason }
         .into()

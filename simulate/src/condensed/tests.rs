@@ -8,13 +8,13 @@ use railspring_calibrate::element::{
 };
 use railspring_calibrate::history::{ContactMode, Ending, HistoryRow};
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::placement::{PlacedRail, TrackGeometry};
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::step_control::{InnerSteps, StepControl};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::{PlacedRail, TrackGeometry};
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 use super::CondensedModel;
 use crate::moving::run_tests::{bridge, profile, quiet, relative};

@@ -13,10 +13,10 @@ use nalgebra::{Cholesky, DMatrix, Matrix3, SymmetricEigen, Vector3};
 
 use railspring_calibrate::element::ElasticWheel;
 use railspring_calibrate::energy::PartEnergy;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::scenario::Scenario;
-use railspring_calibrate::units::TONNE;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::units::TONNE;
 
 use crate::moving::InitialMotion;
 

@@ -2,8 +2,9 @@
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
-use railspring_calibrate::history::{Departure, Ending, SurfaceEnd};
-use railspring_calibrate::placement::{departure, lateral_extent};
+use railspring_calibrate::history::{Ending, SurfaceEnd};
+use railspring_profiles::placement::Departure;
+use railspring_profiles::placement::{departure, lateral_extent};
 
 use super::element::to_plane;
 use super::model::MovingModel;

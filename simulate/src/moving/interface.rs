@@ -2,8 +2,8 @@
 
 use nalgebra::{Cholesky, Matrix3, SMatrix, SVector, Vector3};
 
-use railspring_calibrate::error::{NumericsError, Result, StopReason};
 use railspring_calibrate::linear_part::LinearStep;
+use railspring_profiles::error::{NumericsError, Result, StopReason};
 
 /// A coordinate that is less flexible counts as held, m/N or rad/(N·m): 10⁵ N move it by the rounding of a millimetre.
 const RIGID: f64 = 1e-24;

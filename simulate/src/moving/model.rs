@@ -3,17 +3,17 @@
 use nalgebra::{Matrix2, Point2};
 
 use railspring_calibrate::beam::RailBeam;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::history::History;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::placement::{PlacedRail, Touch};
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::Scenario;
-use railspring_calibrate::section::body_of_revolution;
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::InnerSteps;
-use railspring_calibrate::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::placement::{PlacedRail, Touch};
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::section::body_of_revolution;
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
 
 use super::support::RailSupport;
 use super::surface::SlidingMatrix;

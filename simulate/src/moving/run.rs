@@ -5,12 +5,13 @@ use std::cell::Cell;
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 
 use railspring_calibrate::energy::{EnergyBalance, EnergyLedger, PartEnergy};
-use railspring_calibrate::error::{Error, Result, StopReason};
-use railspring_calibrate::history::{ContactMode, ContactState, Departure, Ending, History, HistoryRow};
+use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
-use railspring_calibrate::monitor::Monitor;
 use railspring_calibrate::newmark::{Motion, Newmark};
 use railspring_calibrate::scenario::Scenario;
+use railspring_profiles::error::{Error, Result, StopReason};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::placement::Departure;
 
 use super::departure::Outline;
 use super::element::to_plane;
@@ -87,8 +88,8 @@ impl MovingModel {
     /// Runs a scenario.
     ///
     /// # Errors
-    /// [`railspring_calibrate::error::InputError`] for values out of range or a wheel that starts beyond the rail's ends;
-    /// [`railspring_calibrate::error::NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
+    /// [`railspring_profiles::error::InputError`] for values out of range or a wheel that starts beyond the rail's ends;
+    /// [`railspring_profiles::error::NumericsError`] with step, iteration, residual and touching nodes when a step does not converge.
     pub fn run(&self, scenario: &Scenario, monitor: &dyn Monitor) -> Result<MovingRun> {
         self.check(scenario)?;
         run(self, scenario, monitor)

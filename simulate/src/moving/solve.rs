@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
-use railspring_calibrate::error::{Error, NumericsError, Result, StopReason};
+use railspring_profiles::error::{Error, NumericsError, Result, StopReason};
 
 use super::interface::Interface;
 use super::surface::{ActiveNode, ContactLaw, ContactSurface, FrictionLimit, Pose, SlidingMatrix, Vector6};

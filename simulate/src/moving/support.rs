@@ -8,12 +8,12 @@ use nalgebra::{Matrix3, Point2, Vector3};
 
 use railspring_calibrate::beam::{ChainFactor, Meeting, NODE, Node, RailBeam, SectionRows};
 use railspring_calibrate::energy::PartEnergy;
-use railspring_calibrate::error::{InputError, Result};
-use railspring_calibrate::field::InputField;
 use railspring_calibrate::linear_part::{LinearPart, LinearStep};
 use railspring_calibrate::newmark::{Motion, Newmark};
-use railspring_calibrate::placement::PlacedRail;
 use railspring_calibrate::scenario::Scenario;
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::placement::PlacedRail;
 
 /// What carries the rail.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Point2, Rotation2, SMatrix, SVector, Vector2};
 
 use railspring_calibrate::energy::PartEnergy;
 use railspring_calibrate::history::ContactMode;
-use railspring_calibrate::profile::ProfileCurve;
+use railspring_profiles::profile::ProfileCurve;
 
 use super::element::{
     contact_stiffness, master_slave, master_stiffness, mode_check, normal_displacement, plane_stiffness,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::units::MILLIMETRE;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use railspring_calibrate::solid::Material;
-use railspring_calibrate::units::GIGAPASCAL;
+use railspring_profiles::units::GIGAPASCAL;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use railspring_calibrate::error::InputError;
-use railspring_calibrate::field::InputField;
+use railspring_profiles::error::InputError;
+use railspring_profiles::field::InputField;
 use serde_json::Value;
 
 use super::{TABLE, translate};

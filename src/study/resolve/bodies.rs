@@ -1,14 +1,14 @@
 //! Rail and wheel of a study from their keys.
 
-use railspring_calibrate::error::{Error, InputError};
-use railspring_calibrate::placement::TrackGeometry;
-use railspring_calibrate::profile::rail_catalogue::{
+use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::profile::rail_catalogue::{
     CATALOGUE_RAILS, RailDimensions, catalogue_rail, rail_of_dimensions,
 };
-use railspring_calibrate::profile::rails::RAIL_NAMES;
-use railspring_calibrate::profile::wheels::{Flange, WHEEL_NAMES, wheel_profile_with_flange};
-use railspring_calibrate::section::{WebShape, WheelBody, wheel_section_on};
-use railspring_calibrate::units::MILLIMETRE;
+use railspring_profiles::profile::rails::RAIL_NAMES;
+use railspring_profiles::profile::wheels::{Flange, WHEEL_NAMES, wheel_profile_with_flange};
+use railspring_profiles::section::{WebShape, WheelBody, wheel_section_on};
+use railspring_profiles::units::MILLIMETRE;
 
 use crate::study::check::nearest;
 use crate::study::collect::Collector;

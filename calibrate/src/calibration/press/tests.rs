@@ -3,11 +3,11 @@
 use super::super::{Enforcement, Reference, load_point};
 use super::*;
 use crate::mesh::MeshOptions;
-use crate::monitor::Silent;
 use crate::pair::{ContactConditions, Pair, PairBody};
-use crate::placement::TrackGeometry;
-use crate::section::{rail_section, wheel_section};
 use crate::solid::{Formulation, Material};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// Source: the load pressed from the one before at once. Goal: by way of loads in between the displacement and the tangent of the hub are the same,
 /// with friction, whose slips count from the load before; a near load has none in between. Accuracy: SOLVER, the hub's last step of 1 nm on its way of 0.1 mm

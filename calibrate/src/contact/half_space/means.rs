@@ -1,8 +1,8 @@
 //! Means of the kernels over two hats.
 
 use super::potentials::{Kernels, hat_potentials};
-use crate::quadrature::{GAUSS_5, gauss_4_unit};
 use nalgebra::Vector2;
+use railspring_profiles::quadrature::{GAUSS_5, gauss_4_unit};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Distance, in widths of the wider hat, from which points take the place of hats.

@@ -1,7 +1,7 @@
 //! Where an overlap begins and ends, and the rule of integration over it.
 
 use super::{Dip, LEAST_STATION, MOST_STEPS, Overlap, Profiles, SETTLED, Span, Station, Turned, WAVE};
-use crate::profile::ProfileCurve;
+use railspring_profiles::profile::ProfileCurve;
 
 /// A contact that is narrower than this does not count, m: with the curvature of a gauge corner its overlap is a picometre.
 const NARROWEST: f64 = 1e-6;
@@ -260,8 +260,8 @@ pub(super) fn gauss(count: usize) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::section::{rail_section, wheel_section};
     use nalgebra::Point2;
+    use railspring_profiles::section::{rail_section, wheel_section};
 
     /// Goal: the length of a profile's waves (m), and none of standards, of waves so flat that stations a millimetre apart see them, or of a single bend. Accuracy: the places at which the curvature is looked at,
     /// half of [`LEAST_STATION`] apart, at both ends of half a wave.

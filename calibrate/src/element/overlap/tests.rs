@@ -3,8 +3,8 @@
 use super::super::strips::tests::{Uniform, at_origin, found, profile};
 use super::*;
 use crate::pair::Pair;
-use crate::placement::TrackGeometry;
-use crate::section::{rail_section, wheel_section};
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_testing::Random;
 
 /// Goal: two contacts that join leave no jump in the normal force: from one of 2000 depths to the next it changes as it did before, where a wheel with a hollow of 80 µm between two

@@ -4,10 +4,10 @@ use super::*;
 use crate::analytic::hertz::{contact_modulus, point_contact};
 use crate::element::relief::Influence;
 use crate::pair::Pair;
-use crate::placement::TrackGeometry;
-use crate::profile::ProfileCurve;
-use crate::section::{rail_section, wheel_section};
 use nalgebra::Rotation2;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 fn strip(normal: f64) -> StripModulus {
     StripModulus { normal, hardening: 0.0, tangential: 0.8 * normal, relief: 1.0 }

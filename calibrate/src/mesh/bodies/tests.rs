@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use super::super::faces::FACES;
 use super::super::{Quality, quality};
 use super::*;
-use crate::placement::{TrackGeometry, place_rail};
-use crate::section::{body_of_revolution_mass, rail_section, wheel_section};
+use railspring_profiles::placement::{TrackGeometry, place_rail};
+use railspring_profiles::section::{body_of_revolution_mass, rail_section, wheel_section};
 
 /// Rounding of sums over 20 000 elements, relative.
 const ROUNDOFF: f64 = 1e-11;

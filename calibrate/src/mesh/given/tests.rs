@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 
 use super::super::{mesh_rail, mesh_wheel};
 use super::*;
-use crate::placement::{PlacedRail, TrackGeometry, place_rail};
-use crate::section::{WheelSection, rail_section, wheel_section};
+use railspring_profiles::placement::{PlacedRail, TrackGeometry, place_rail};
+use railspring_profiles::section::{WheelSection, rail_section, wheel_section};
 
 /// Rounding of a position of one metre, m, through a few operations.
 const ROUNDOFF: f64 = 1e-14;

@@ -7,10 +7,10 @@ use crate::energy::PartEnergy;
 use crate::linear_part::{LinearPart, LinearStep};
 use crate::mesh::mesh_rail_between;
 use crate::newmark::Newmark;
-use crate::placement::TrackGeometry;
-use crate::section::{rail_section, wheel_section};
 use crate::superelement::times;
 use nalgebra::Vector2;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 const STEEL: Material = Material::STEEL;
 const ELEMENT: Formulation = Formulation::IncompatibleModes;

@@ -4,7 +4,7 @@ use super::*;
 use crate::analytic::hertz::point_contact;
 use crate::calibration::{DOWNWARDS, Pressed, WheelOnRail};
 use crate::contact::{Side, resultant};
-use crate::quadrature::gauss_2_on;
+use railspring_profiles::quadrature::gauss_2_on;
 
 /// Radius of the rail's crown and of the wheel, m: together a sphere on a plane.
 const RADIUS: f64 = 0.46;
@@ -216,7 +216,7 @@ fn a_heavy_body_follows_hertz() {
     let mass = Material::STEEL.density * (2.0 * HALF_WIDTH).powi(2) * (rigid + HEIGHT);
     let energy = |force: f64| 0.4 * force * hertz(force) + 0.5 * beyond * force * force;
     let whole = 0.5 * mass * speed * speed;
-    let peak = crate::root::bisection(1e3, 1e6, |force| !(energy(force) < whole));
+    let peak = railspring_profiles::root::bisection(1e3, 1e6, |force| !(energy(force) < whole));
     // dδ = (dh/dF + C) dF with F = peak·(1 - s²), smooth at the turning point
     let time_at = |s: f64| {
         let force = peak * (1.0 - s * s);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::analytic::hertz::point_contact;
 use crate::contact::resultant;
-use crate::root::bisection;
+use railspring_profiles::root::bisection;
 
 /// Radii of the rail's crown and of the wheel's hollow across the track, and of the wheel, m.
 const RADII: [f64; 2] = [0.1, 0.2];

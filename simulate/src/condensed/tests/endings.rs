@@ -2,11 +2,12 @@
 
 use nalgebra::Point2;
 
-use railspring_calibrate::history::{Departure, Ending, SurfaceEnd};
-use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::profile::ProfileCurve;
+use railspring_calibrate::history::{Ending, SurfaceEnd};
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::step_control::InnerSteps;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::Departure;
+use railspring_profiles::profile::ProfileCurve;
 
 use super::{elastic, model, published, rigid_wheel, uniform};
 use crate::moving::InitialMotion;

@@ -4,13 +4,13 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use railspring_calibrate::beam::{BeamCorrection, HeldRail, RailBeam};
 use railspring_calibrate::element::{EndPlace, HeldEnd, in_world};
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::InnerSteps;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 use super::super::CondensedModel;
 use super::super::head::{Head, HeadAt};

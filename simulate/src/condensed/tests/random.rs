@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 use nalgebra::Point2;
 use rayon::prelude::*;
 
-use railspring_calibrate::error::Error;
 use railspring_calibrate::history::Ending;
-use railspring_calibrate::monitor::Silent;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::placement::TrackGeometry;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::step_control::InnerSteps;
+use railspring_profiles::error::Error;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::TrackGeometry;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 use railspring_calibrate::element::{Influence, StripModulus, StripPlace, StripStiffness};
 

@@ -2,12 +2,13 @@
 
 use super::tests::{bridge, flat, profile, published, published_scenario, quiet, relative, rigid};
 use super::*;
-use railspring_calibrate::history::{Departure, Ending, SurfaceEnd};
+use railspring_calibrate::history::{Ending, SurfaceEnd};
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
 use railspring_calibrate::step_control::InnerSteps;
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::Departure;
+use railspring_profiles::profile::ProfileCurve;
 
 /// How far the wheel of `history` got to the side at its last state, m.
 fn last_y(run: &MovingRun) -> f64 {

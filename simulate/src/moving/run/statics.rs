@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-use railspring_calibrate::error::{NumericsError, Result, StopReason};
 use railspring_calibrate::scenario::Scenario;
+use railspring_profiles::error::{NumericsError, Result, StopReason};
 
 use super::super::element::to_plane;
 use super::super::interface::Interface;
@@ -106,7 +106,7 @@ impl Run<'_> {
     }
 }
 
-fn unreached(force: f64, at: &Solution) -> railspring_calibrate::error::Error {
+fn unreached(force: f64, at: &Solution) -> railspring_profiles::error::Error {
     NumericsError {
         stage: "wheel pressed on the published element".into(),
         step: None,

@@ -5,14 +5,14 @@ use railspring_calibrate::analytic::{drop::drop, friction::Block};
 use railspring_calibrate::beam::{RailBeam, Torsion};
 use railspring_calibrate::history::{ContactMode, HistoryRow};
 use railspring_calibrate::law::{NormalLaw, StiffnessLaw, TableLaw};
-use railspring_calibrate::monitor::Silent;
-use railspring_calibrate::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
-use railspring_calibrate::profile::ProfileCurve;
 use railspring_calibrate::scenario::{HarmonicForce, Kelvin};
-use railspring_calibrate::section::{rail_section, wheel_section};
 use railspring_calibrate::section_analysis::rail_properties;
 use railspring_calibrate::solid::Material;
 use railspring_calibrate::step_control::{InnerSteps, StepControl};
+use railspring_profiles::monitor::Silent;
+use railspring_profiles::placement::{PlacedRail, Touch, TrackGeometry, place_rail, touch};
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::section::{rail_section, wheel_section};
 
 /// A profile 80 mm wide through z(y), with a kink in the middle or without.
 pub(crate) fn profile(shape: impl Fn(f64) -> f64, kinks: &[usize]) -> ProfileCurve {

@@ -1,6 +1,6 @@
 use super::*;
 use nalgebra::Point2 as P;
-use railspring_calibrate::section::wheel_section;
+use railspring_profiles::section::wheel_section;
 
 /// A round wheel profile, so that curvature matters.
 fn wheel() -> ProfileCurve {

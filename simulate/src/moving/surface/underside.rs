@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use railspring_calibrate::profile::ProfileCurve;
+use railspring_profiles::profile::ProfileCurve;
 
 /// Distance of the points that the bound is made from, m.
 const SAMPLED: f64 = 0.25e-3;
