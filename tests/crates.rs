@@ -11,7 +11,11 @@ use std::process::Command;
 use serde_json::Value;
 
 /// The crates that are published, each after what it depends on.
-const PUBLISHED: [&str; 3] = ["railspring-calibrate", "railspring-simulate", "railspring"];
+const PUBLISHED: [&str; 4] =
+    ["railspring-profiles", "railspring-calibrate", "railspring-simulate", "railspring"];
+
+/// Of finite elements only: linear algebra of large systems, orderings, meshes, transforms.
+const OF_FINITE_ELEMENTS: [&str; 5] = ["faer", "feral-metis", "spade", "rustfft", "argmin"];
 
 /// Of the program only: arguments, figures, templates, TOML, progress bars, tables, signals.
 const OF_THE_PROGRAM: [&str; 7] = ["clap", "plotters", "minijinja", "toml", "indicatif", "csv", "ctrlc"];
@@ -86,13 +90,24 @@ fn a_library_needs_nothing_of_the_program() {
     let metadata = metadata();
     let program = needed(&metadata, "railspring");
     assert!(OF_THE_PROGRAM.iter().all(|name| program.contains(name)), "{program:?}");
-    for library in ["railspring-calibrate", "railspring-simulate"] {
+    for library in &PUBLISHED[..3] {
         let needed = needed(&metadata, library);
         assert!(needed.contains("nalgebra") && needed.len() > 10, "{library}: {needed:?}");
         let found: Vec<_> = OF_THE_PROGRAM.iter().filter(|name| needed.contains(*name)).collect();
         assert!(found.is_empty(), "{library} needs {found:?}");
     }
     assert!(!needed(&metadata, "railspring-calibrate").contains("railspring-simulate"));
+}
+
+/// Goal: who reads profiles builds no finite elements. That the walk sees them is shown on the crate that has them.
+#[test]
+fn profiles_need_no_finite_elements() {
+    let metadata = metadata();
+    let calibrate = needed(&metadata, "railspring-calibrate");
+    assert!(OF_FINITE_ELEMENTS.iter().all(|name| calibrate.contains(name)), "{calibrate:?}");
+    let profiles = needed(&metadata, "railspring-profiles");
+    let found: Vec<_> = OF_FINITE_ELEMENTS.iter().filter(|name| profiles.contains(*name)).collect();
+    assert!(found.is_empty() && !profiles.contains("railspring-calibrate"), "{found:?}");
 }
 
 /// Goal: `deny.toml` is true without cargo-deny: every package that is built has a licence that it allows, and it allows

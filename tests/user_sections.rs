@@ -196,7 +196,7 @@ fn a_users_rail_and_wheel_run_to_a_report() {
     let rail = rail_outline("49E1").unwrap();
     let lines = lines_and_arcs::parse(
         "LMA",
-        include_str!("../calibrate/src/profile/wheels/LMA.csv"),
+        include_str!("../profiles/src/profile/wheels/LMA.csv"),
         &lines_and_arcs::Overrides::default(),
     )
     .unwrap();
@@ -262,7 +262,7 @@ fn a_wheel_from_a_file_has_the_law_of_its_standard() {
     let root = folder.path();
     let lines = lines_and_arcs::parse(
         "LMA",
-        include_str!("../calibrate/src/profile/wheels/LMA.csv"),
+        include_str!("../profiles/src/profile/wheels/LMA.csv"),
         &lines_and_arcs::Overrides::default(),
     )
     .unwrap();

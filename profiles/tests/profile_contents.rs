@@ -115,6 +115,18 @@ fn left_and_right_side_by_side_are_refused_and_chosen() {
     assert_eq!(read("lr.csv", &text).points.len(), wheel.len());
 }
 
+/// Goal: a file of an instrument without a row of numbers is refused as such, not as one of several profiles. Exact: words.
+#[test]
+fn a_file_of_an_instrument_without_points_says_so() {
+    for text in ["", "Date=2026-01-02\nXYPoints=0\n", "<html>\n"] {
+        for name in ["w.whl", "r.ban", "r.prr"] {
+            let error = read_as(name, text, None).unwrap_err().to_string();
+            assert!(!error.contains("single profile") && !error.contains("0 profiles"), "{name}: {error}");
+        }
+        refused("w.whl", text, None, &["w.whl:1", "no points", "rows of numbers"]);
+    }
+}
+
 /// Goal: two blocks of MiniProf that XYPoints heads are two profiles, whatever their numbers of points.
 #[test]
 fn two_miniprof_blocks_are_refused() {

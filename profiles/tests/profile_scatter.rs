@@ -7,6 +7,7 @@ use railspring_profiles::profile_file::{
     Action, Finding, FindingKind, MeasuredPoint, MeasuredProfile, PrepareOptions, Prepared, ProfileFormat,
     ProfileKind, Smoothing, prepare, scatter,
 };
+use railspring_testing::Random;
 
 /// One millimetre and one micrometre in metres.
 const MM: f64 = 1e-3;
@@ -55,21 +56,6 @@ fn shapes() -> [Shape; 3] {
     ]
 }
 
-/// Normally distributed numbers of unit variance.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        let sum: f64 = (0..12)
-            .map(|_| {
-                self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                (self.0 >> 11) as f64 / (1u64 << 53) as f64
-            })
-            .sum();
-        sum - 6.0
-    }
-}
-
 /// Points of a line `step` (mm) apart along it, that scatter by `deviation` (µm); m.
 fn measured(
     height: &dyn Fn(f64) -> f64,
@@ -79,8 +65,8 @@ fn measured(
     seed: u64,
 ) -> Vec<Point2<f64>> {
     let fine = 1e-3;
-    let mut random = Random(seed);
-    let mut noise = || Vector2::new(random.next(), random.next()) * (deviation * UM);
+    let mut random = Random::new(seed);
+    let mut noise = || Vector2::new(random.normal(), random.normal()) * (deviation * UM);
     let (mut points, mut travelled, mut last) = (Vec::new(), 0.0, Point2::new(range[0], height(range[0])));
     for i in 0..=((range[1] - range[0]) / fine) as usize {
         let y = range[0] + fine * i as f64;

@@ -126,6 +126,17 @@ impl<'a> Blocks<'a> {
     /// Several blocks that can, or none of that name; no points.
     pub fn choose(mut self, part: &Part, announced: Option<usize>) -> Result<Chosen> {
         let mut blocks = joined(std::mem::take(&mut self.blocks));
+        if blocks.is_empty() {
+            let remedy = "give the file as the instrument writes it, with its points";
+            return Err(error_at(
+                self.name,
+                1,
+                1,
+                "no points",
+                "rows of numbers, y and z in columns",
+                remedy,
+            ));
+        }
         let worded = std::mem::take(&mut self.passed.worded);
         let mut findings = std::mem::take(&mut self.passed).findings();
         if part.name.is_none() {
