@@ -5,14 +5,14 @@ use railspring::verify::{Limits, ModelRun, compare};
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::{ContactConditions, Pair, PairBody, SeriesBeam};
-use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::solid::{Formulation, Material};
-use railspring_calibrate::transient::{ModeCount, START_MODES, TransientModel};
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
-use railspring_simulate::moving::{MovingModel, WheelSprings};
+use railspring_simulate::element::published::{MovingModel, WheelSprings};
+use railspring_simulate::solid::{ModeCount, START_MODES, TransientModel};
+use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 
 fn main() -> Result<()> {
     // 2 % of damping at 1 kHz, as both models have it

@@ -22,10 +22,10 @@ pub mod files;
 use std::path::Path;
 use std::sync::Arc;
 
-use railspring_calibrate::history::Ending;
 use railspring_calibrate::mesh::MeshSize;
 use railspring_calibrate::pair::CondensedPair;
 use railspring_profiles::error::{Error, InputError, Result};
+use railspring_simulate::time::history::Ending;
 use serde::de::DeserializeOwned;
 
 use crate::estimate::{Resources, Room, Work};

@@ -10,12 +10,12 @@ mod file;
 
 use std::sync::Arc;
 
-use railspring_calibrate::element::PairElement;
-use railspring_calibrate::history::{History, HistoryRow};
 use railspring_calibrate::law::{StiffnessLaw, TableLaw};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::section::body_of_revolution;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE};
+use railspring_simulate::element::condensed::parts::PairElement;
+use railspring_simulate::time::history::{History, HistoryRow};
 
 pub use self::file::{element_of, from_file};
 use crate::output::to_json;

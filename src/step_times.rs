@@ -8,15 +8,15 @@ use std::time::Instant;
 
 use nalgebra::Vector2;
 use railspring_calibrate::beam::RailBeam;
-use railspring_calibrate::element::PairElement;
 use railspring_calibrate::law::StiffnessLaw;
-use railspring_calibrate::scenario::Scenario;
-use railspring_calibrate::step_control::InnerSteps;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::{Monitor, Silent};
 use railspring_simulate::cases::{self, GRAVITY};
-use railspring_simulate::condensed::CondensedModel;
-use railspring_simulate::moving::{MovingModel, MovingRun, WheelSprings};
+use railspring_simulate::element::condensed::CondensedModel;
+use railspring_simulate::element::condensed::parts::PairElement;
+use railspring_simulate::element::published::{MovingModel, MovingRun, WheelSprings};
+use railspring_simulate::time::scenario::Scenario;
+use railspring_simulate::time::steps::InnerSteps;
 
 use crate::measure::{machine, now_utc, thread_seconds};
 use crate::records::{PeerTime, StepTime, StepTimesRecord};

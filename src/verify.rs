@@ -28,9 +28,9 @@ mod band;
 mod pointwise;
 mod sampled;
 
-use railspring_calibrate::energy::EnergyBalance;
-use railspring_calibrate::history::{Ending, History, HistoryRow};
 use railspring_profiles::error::{InputError, Result};
+use railspring_simulate::time::energy::EnergyBalance;
+use railspring_simulate::time::history::{Ending, History, HistoryRow};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use assert_cmd::Command;
 use railspring::records::history_csv;
 use railspring::verify::{Carrying, averaged_ratio};
-use railspring_calibrate::history::{Ending, History};
+use railspring_simulate::time::history::{Ending, History};
 use serde_json::Value;
 
 /// The pair and the load case of the publication's section 4.1 on a mesh of 3 mm: the flange strikes the rail, slides up and sticks, the wheel

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::Matrix3;
 use railspring::stages::Springs;
 use railspring::verify::Limits;
-use railspring_calibrate::element::{PairElement, StripModulus, StripPlace, StripStiffness};
-use railspring_calibrate::history::{History, HistoryRow};
+use railspring_simulate::element::condensed::parts::{PairElement, StripModulus, StripPlace, StripStiffness};
+use railspring_simulate::time::history::{History, HistoryRow};
 
 use crate::solved::Solved;
 

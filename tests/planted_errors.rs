@@ -5,8 +5,8 @@ use railspring::pipeline::statics_lines;
 use railspring::stages::{self, Springs};
 use railspring::study::{Study, StudyScenario};
 use railspring::verify::{Limits, Line};
-use railspring_calibrate::element::{PairElement, StripModulus, StripPlace, StripStiffness};
-use railspring_calibrate::history::{History, HistoryRow};
+use railspring_simulate::element::condensed::parts::{PairElement, StripModulus, StripPlace, StripStiffness};
+use railspring_simulate::time::history::{History, HistoryRow};
 
 use crate::solved::{SolidRun, Solved};
 

@@ -12,8 +12,8 @@ use railspring::stages::{self, Geometry, Springs, Tried};
 use railspring::study::{Study, StudyScenario};
 use railspring::verify::{Comparison, Limits, ModelRun, compare};
 use railspring::{results, springs};
-use railspring_calibrate::history::{Ending, History};
 use railspring_profiles::monitor::Silent;
+use railspring_simulate::time::history::{Ending, History};
 use serde_json::Value;
 
 /// A study with what a run of the program has made of it.

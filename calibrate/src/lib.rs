@@ -2,13 +2,6 @@
 
 pub mod law;
 pub mod analytic;
-pub mod newmark;
-pub mod step_control;
-pub mod scenario;
-pub mod linear_part;
-pub mod energy;
-pub mod suspension;
-pub mod history;
 pub mod mesh;
 pub mod section_analysis;
 pub mod solid;
@@ -17,5 +10,3 @@ pub mod beam;
 pub mod contact;
 pub mod calibration;
 pub mod pair;
-pub mod transient;
-pub mod element;

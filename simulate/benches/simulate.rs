@@ -9,20 +9,20 @@ use criterion::{
 };
 use nalgebra::{Matrix3, Vector2, Vector3};
 use railspring_calibrate::beam::RailBeam;
-use railspring_calibrate::element::{
-    ElasticWheel, Influence, PairElement, RimMode, StripModulus, StripPlace, StripStiffness,
-};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::solid::Material;
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 use railspring_simulate::cases::{GRAVITY, bridge, constant_lateral_force, crossing, rolling};
-use railspring_simulate::condensed::CondensedModel;
-use railspring_simulate::moving::{MovingModel, MovingRun, RailSupport, WheelSprings};
+use railspring_simulate::element::condensed::CondensedModel;
+use railspring_simulate::element::condensed::parts::{
+    ElasticWheel, Influence, PairElement, RimMode, StripModulus, StripPlace, StripStiffness,
+};
+use railspring_simulate::element::published::{MovingModel, MovingRun, RailSupport, WheelSprings};
+use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 use rayon::prelude::*;
 
 /// Mass of the wheel, kg.

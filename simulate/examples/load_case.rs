@@ -3,13 +3,13 @@
 
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::Pair;
-use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_calibrate::solid::Material;
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
-use railspring_simulate::moving::{MovingModel, WheelSprings};
+use railspring_simulate::element::published::{MovingModel, WheelSprings};
+use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 
 fn main() -> Result<()> {
     let pair = Pair::new(rail_section("60E1")?, wheel_section("S1002", 0.858)?, &TrackGeometry::standard())?;

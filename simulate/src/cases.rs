@@ -1,7 +1,7 @@
 //! Load cases on which the time of a step is measured: the published one, a bridge that other programs were timed on, a wheel that rolls along.
 
+use crate::time::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::beam::{BeamSection, End, RailBeam};
-use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_profiles::error::Result;
 
 /// Acceleration of gravity of the load cases with weight, m/s².

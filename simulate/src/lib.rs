@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod time;
+pub mod solid;
+pub mod element;
 pub mod cases;
-pub mod moving;
-pub mod condensed;

@@ -4,22 +4,22 @@ use std::f64::consts::PI;
 
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::calibration::{ContactField, Enforcement};
-use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches};
-use railspring_calibrate::history::{History, HistoryRow};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail_between, mesh_wheel};
 use railspring_calibrate::pair::{
     AngleSettings, CondensedPair, ContactConditions, Orders, Pair, PairBody, PairSolids, PressDirection,
     SeriesBeam, law_by_shift,
 };
-use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_calibrate::solid::{Formulation, Material, Materials};
-use railspring_calibrate::step_control::{InnerSteps, StepControl};
 use railspring_calibrate::superelement::CondensedBody;
-use railspring_calibrate::transient::{ModeCount, TransientModel};
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
-use railspring_simulate::condensed::{CondensedModel, fitted_element};
+use railspring_simulate::element::condensed::parts::{ElementBodies, PairElement, PlaceApproaches};
+use railspring_simulate::element::condensed::{CondensedModel, fitted_element};
+use railspring_simulate::solid::{ModeCount, TransientModel};
+use railspring_simulate::time::history::{History, HistoryRow};
+use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::steps::{InnerSteps, StepControl};
 
 const LENGTH: f64 = 0.555;
 const MODES: usize = 64;

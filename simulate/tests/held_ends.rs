@@ -3,7 +3,6 @@
 use nalgebra::{Matrix2, Vector2};
 use railspring_calibrate::beam::BeamCorrection;
 use railspring_calibrate::calibration::{ContactField, Enforcement, press_loads, sticking_flexibility};
-use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches};
 use railspring_calibrate::mesh::{MeshOptions, mesh_rail_between};
 use railspring_calibrate::pair::{
     AngleSettings, CondensedPair, ContactBody, ContactConditions, Pair, PairBody, PressDirection, SeriesBeam,
@@ -14,7 +13,8 @@ use railspring_calibrate::superelement::Superelement;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
-use railspring_simulate::condensed::{CondensedModel, fitted_element};
+use railspring_simulate::element::condensed::parts::{ElementBodies, PairElement, PlaceApproaches};
+use railspring_simulate::element::condensed::{CondensedModel, fitted_element};
 
 const LENGTH: f64 = 0.555;
 const FRICTION: f64 = 0.5;

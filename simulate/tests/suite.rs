@@ -2,3 +2,7 @@
 
 mod along_the_rail;
 mod held_ends;
+mod ends_of_rails;
+mod rolling;
+mod transient_ending;
+mod transient_hybrid;

@@ -1,8 +1,8 @@
 //! The page of a comparison: self-contained, in the style of all pages.
 
 use plotters::style::RGBColor;
-use railspring_calibrate::history::HistoryRow;
 use railspring_profiles::units::KILONEWTON;
+use railspring_simulate::time::history::HistoryRow;
 use serde_json::{Value, json};
 
 use super::rows::{common_shifts, tangent_at};

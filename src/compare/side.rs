@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use railspring_calibrate::history::History;
 use railspring_profiles::error::{InputError, Result};
+use railspring_simulate::time::history::History;
 use serde::de::DeserializeOwned;
 
 use super::About;

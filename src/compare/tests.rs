@@ -9,7 +9,7 @@ use crate::records::{
 };
 use crate::report::samples;
 use crate::results::{NewFile, Results};
-use railspring_calibrate::history::History;
+use railspring_simulate::time::history::History;
 
 /// ROUNDOFF: a product and a quotient of numbers of order one.
 const ROUNDOFF: f64 = 1e-12;

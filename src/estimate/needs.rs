@@ -3,9 +3,9 @@
 
 use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
-use railspring_calibrate::step_control::InnerSteps;
 use railspring_calibrate::superelement::FactorSize;
 use railspring_profiles::error::Result;
+use railspring_simulate::time::steps::InnerSteps;
 
 use super::Work;
 use super::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};

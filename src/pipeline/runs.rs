@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use railspring_calibrate::history::{Ending, History};
 use railspring_profiles::error::{Error, Result};
+use railspring_simulate::time::history::{Ending, History};
 
 use super::stage::{Made, Stage};
 use super::{OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};

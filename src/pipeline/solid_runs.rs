@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use railspring_calibrate::pair::{CondensedPair, PairBody};
-use railspring_calibrate::transient::TransientRun;
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
+use railspring_simulate::solid::TransientRun;
 
 use super::bodies::BodySource;
 use super::calibration::FoundOn;

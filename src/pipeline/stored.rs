@@ -1,7 +1,7 @@
 //! Results of earlier commands: taken from the folder if they are those of the study as it is now.
 
-use railspring_calibrate::history::{Ending, History};
 use railspring_profiles::error::{Error, InputError, Result};
+use railspring_simulate::time::history::{Ending, History};
 
 use super::by_angle::by_angle_address;
 use super::runs::{Other, Run, Runs, SIMPLE, SOLID, Simulate, SimulateOther, of_element};

@@ -1,12 +1,12 @@
 //! The condensed contact element, in `stiffness_by_angle.json`: what the simple model knows of the solids.
 
 use nalgebra::{Matrix3, Vector3};
-use railspring_calibrate::element::{
+use railspring_profiles::error::InputError;
+use railspring_profiles::units::MILLIMETRE;
+use railspring_simulate::element::condensed::parts::{
     ElasticWheel, EndPlace, HeldEnd, Influence, PairElement, RimMode, StripModulus, StripPlace,
     StripStiffness,
 };
-use railspring_profiles::error::InputError;
-use railspring_profiles::units::MILLIMETRE;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -7,10 +7,10 @@
 use std::path::Path;
 
 use nalgebra::Point2;
-use railspring_calibrate::energy::EnergyBalance;
-use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
+use railspring_simulate::time::energy::EnergyBalance;
+use railspring_simulate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 /// Columns before those of the contacts.
 const COMMON: [&str; 14] = [

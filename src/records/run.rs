@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use nalgebra::Point2;
-use railspring_calibrate::history::{Ending, History};
-use railspring_calibrate::transient::Reduction;
 use railspring_profiles::units::MILLIMETRE;
+use railspring_simulate::solid::Reduction;
+use railspring_simulate::time::history::{Ending, History};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -259,7 +259,7 @@ pub struct PairRecord {
 
 #[cfg(test)]
 mod tests {
-    use railspring_calibrate::history::{ContactMode, ContactState, HistoryRow};
+    use railspring_simulate::time::history::{ContactMode, ContactState, HistoryRow};
 
     use super::*;
 

@@ -2,8 +2,8 @@
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
-use railspring_calibrate::history::{ContactMode, History, HistoryRow};
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
+use railspring_simulate::time::history::{ContactMode, History, HistoryRow};
 
 use crate::verify::{Band, FLANGE_SIDE, averaged_ratio};
 

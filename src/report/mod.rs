@@ -25,7 +25,7 @@ pub mod scaling;
 pub mod step_times;
 pub mod crosscheck;
 
-use railspring_calibrate::history::History;
+use railspring_simulate::time::history::History;
 use serde::Serialize;
 use serde_json::{Value, json};
 

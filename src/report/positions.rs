@@ -3,8 +3,8 @@
 use nalgebra::{Point2, Rotation2, Vector2};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
-use railspring_calibrate::history::{ContactMode, History, HistoryRow};
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
+use railspring_simulate::time::history::{ContactMode, History, HistoryRow};
 
 use super::ModelRun;
 use super::figures::{WIDTH, round};
@@ -176,7 +176,7 @@ fn in_words(row: &HistoryRow) -> String {
     if row.contacts.is_empty() {
         return if row.time == 0.0 { "just touching, no load yet".into() } else { "separated".into() };
     }
-    let one = |contact: &railspring_calibrate::history::ContactState| {
+    let one = |contact: &railspring_simulate::time::history::ContactState| {
         let mode = if contact.mode == ContactMode::Stick { "sticks" } else { "slides" };
         format!("{mode}, {:.1} kN", contact.normal_force / KILONEWTON)
     };

@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point2;
-use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
+use railspring_simulate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 use crate::records::{MachineRecord, Measured, ResolvedKey, StageMeasure};
 

@@ -1,6 +1,6 @@
 //! The tables of the report.
 
-use railspring_calibrate::history::Ending;
+use railspring_simulate::time::history::Ending;
 use serde::Serialize;
 
 use crate::records::{

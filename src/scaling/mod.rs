@@ -11,8 +11,8 @@ mod sizes;
 
 pub use power::PowerLaw;
 
-use railspring_calibrate::transient::START_MODES;
 use railspring_profiles::error::{InputError, Result};
+use railspring_simulate::solid::START_MODES;
 
 use crate::estimate::{CONTACT_OF_STEP, GIB, Resources, least_memory};
 use crate::measure::{Stopwatch, machine, now_utc};

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use railspring_calibrate::element::PairElement;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::KILONEWTON_PER_METRE;
+use railspring_simulate::element::condensed::parts::PairElement;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 

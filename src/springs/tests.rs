@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use railspring_calibrate::history::{ContactMode, ContactState, Ending, HistoryRow};
+use railspring_simulate::time::history::{ContactMode, ContactState, Ending, HistoryRow};
 
 use super::*;
 use crate::records::{BY_ANGLE, BeamRecord, ElasticWheelRecord, Sealed, StripRecord};

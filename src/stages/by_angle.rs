@@ -2,7 +2,6 @@
 
 use nalgebra::Matrix2;
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
-use railspring_calibrate::element::{ElementBodies, PairElement, PlaceApproaches};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::{
     AngleLaw, AngleSettings, CondensedPair, FixedLoad, Pair, PressDirection, ShiftLaw, TouchPoint,
@@ -13,8 +12,9 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{
     KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
-use railspring_simulate::condensed::{CondensedModel, fitted_element};
-use railspring_simulate::moving::{HubStatics, MovingModel, WheelSprings};
+use railspring_simulate::element::condensed::parts::{ElementBodies, PairElement, PlaceApproaches};
+use railspring_simulate::element::condensed::{CondensedModel, fitted_element};
+use railspring_simulate::element::published::{HubStatics, MovingModel, WheelSprings};
 
 use super::Geometry;
 use super::calibrate::{

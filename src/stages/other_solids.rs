@@ -1,14 +1,14 @@
 //! The solid model in time with another grid of its contact and with other meshes: what these are worth.
 
 use railspring_calibrate::calibration::ContactField;
-use railspring_calibrate::history::History;
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::superelement::CondensedBody;
-use railspring_calibrate::transient::{ModeCount, OtherRun, RailPath, TransientModel, TransientRun};
 use railspring_profiles::error::{Error, Result, or_reason};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::MILLIMETRE;
+use railspring_simulate::solid::{ModeCount, OtherRun, RailPath, TransientModel, TransientRun};
+use railspring_simulate::time::history::History;
+use railspring_simulate::time::scenario::Scenario;
 
 use super::coarser::{on_coarser_meshes, with_longer_zones};
 use super::{Geometry, Meshes, MovingBodies, contact_field, enforcement, formulation};

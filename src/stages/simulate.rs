@@ -3,14 +3,14 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use railspring_calibrate::element::PairElement;
-use railspring_calibrate::history::History;
 use railspring_calibrate::law::NormalLaw;
-use railspring_calibrate::scenario::Scenario;
-use railspring_calibrate::step_control::InnerSteps;
-use railspring_calibrate::transient::{ModeCount, OtherRun, START_MODES, TransientModel, TransientRun};
 use railspring_profiles::error::{Error, Result, StopReason, or_reason};
 use railspring_profiles::monitor::Monitor;
+use railspring_simulate::element::condensed::parts::PairElement;
+use railspring_simulate::solid::{ModeCount, OtherRun, START_MODES, TransientModel, TransientRun};
+use railspring_simulate::time::history::History;
+use railspring_simulate::time::scenario::Scenario;
+use railspring_simulate::time::steps::InnerSteps;
 
 use super::bodies::MovingBodies;
 use super::other_solids::{CoarserContact, OtherSolids, path_on};
@@ -18,8 +18,8 @@ use super::{Geometry, Meshes, contact_field, enforcement, formulation};
 use crate::study::{ContactElementKey, SlidingMatrixKey, Study, StudyScenario, TransientKey};
 use crate::verify::{ModelChange, Spread, StepChange, Worth, disturbed};
 use railspring_calibrate::beam::{BeamCorrection, RailBeam};
-use railspring_simulate::condensed::CondensedModel;
-use railspring_simulate::moving::{MovingModel, SlidingMatrix, WheelSprings};
+use railspring_simulate::element::condensed::CondensedModel;
+use railspring_simulate::element::published::{MovingModel, SlidingMatrix, WheelSprings};
 
 /// The springs and the mass that the simple model runs with.
 #[derive(Debug, Clone)]

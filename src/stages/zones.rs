@@ -5,13 +5,13 @@
 //! made larger, the bodies are meshed again, and the run starts again.
 
 use railspring_calibrate::analytic::hertz::point_contact;
-use railspring_calibrate::history::{Ending, SurfaceEnd};
 use railspring_calibrate::mesh::{ContactZone, MeshOptions, SectionOutline, rail_outline, wheel_outline};
 use railspring_profiles::error::{Error, InputError, NumericsError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
+use railspring_simulate::time::history::{Ending, SurfaceEnd};
 
 use super::{Geometry, Meshes, remeshed_with};
 use crate::study::{FieldKey, Study};

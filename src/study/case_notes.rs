@@ -1,8 +1,8 @@
 //! What has to be known of a load case before it runs: values of the publication in the place of keys that are not given, the end of the
 //! rail, and loads beyond those of the calibration.
 
-use railspring_calibrate::scenario::{HarmonicForce, Scenario};
 use railspring_profiles::units::KILONEWTON;
+use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 
 use super::Source;
 use super::document::{LawKey, ScenarioKeys, StudyDocument, SuspensionKeys};

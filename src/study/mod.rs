@@ -21,18 +21,18 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::scenario::Scenario;
 use railspring_calibrate::solid::{Material, Materials};
-use railspring_calibrate::step_control::InnerSteps;
-use railspring_calibrate::transient::START_MODES;
 use railspring_profiles::error::InputError;
 use railspring_profiles::profile::rail_catalogue::RailDimensions;
 use railspring_profiles::profile::wheels::Flange;
 use railspring_profiles::profile_file::{ClosedSection, Finding, Smoothing};
 use railspring_profiles::section::WheelBody;
 use railspring_profiles::units::MILLIMETRE;
-use railspring_simulate::condensed::CondensedModel;
-use railspring_simulate::moving::MovingModel;
+use railspring_simulate::element::condensed::CondensedModel;
+use railspring_simulate::element::published::MovingModel;
+use railspring_simulate::solid::START_MODES;
+use railspring_simulate::time::scenario::Scenario;
+use railspring_simulate::time::steps::InnerSteps;
 use serde::de::DeserializeOwned;
 use toml::de::DeTable;
 

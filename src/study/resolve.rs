@@ -6,11 +6,11 @@ mod bodies;
 use std::collections::BTreeMap;
 
 use railspring_calibrate::mesh::MeshOptions;
-use railspring_calibrate::scenario::{HarmonicForce, Kelvin, Scenario};
-use railspring_calibrate::step_control::InnerSteps;
-use railspring_calibrate::transient::RailPath;
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
+use railspring_simulate::solid::RailPath;
+use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
+use railspring_simulate::time::steps::InnerSteps;
 use serde_json::Value;
 
 use super::case_notes;

@@ -67,8 +67,8 @@ impl Band {
 
 #[cfg(test)]
 mod tests {
-    use railspring_calibrate::history::{Ending, History, HistoryRow};
-    use railspring_calibrate::step_control::InnerSteps;
+    use railspring_simulate::time::history::{Ending, History, HistoryRow};
+    use railspring_simulate::time::steps::InnerSteps;
 
     use super::*;
     use crate::verify::{Spread, StepChange};

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use railspring_calibrate::history::{History, HistoryRow};
+use railspring_simulate::time::history::{History, HistoryRow};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

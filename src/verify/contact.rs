@@ -1,6 +1,6 @@
 //! Differences of two runs in when and how the wheel touches the rail.
 
-use railspring_calibrate::history::History;
+use railspring_simulate::time::history::History;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! What a run is worth: how far it changes with another discretisation of its model.
 
-use railspring_calibrate::history::History;
+use railspring_simulate::time::history::History;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

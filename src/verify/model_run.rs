@@ -1,6 +1,6 @@
 //! A run of a model with what it is worth.
 
-use railspring_calibrate::history::History;
+use railspring_simulate::time::history::History;
 
 use super::change::{COVERAGE, scales};
 use super::model_change::{ModelChange, RunChange};

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use railspring_calibrate::history::{Ending, History};
+use railspring_simulate::time::history::{Ending, History};
 
 use super::change::{FORCES, least_contact, over, peaks, scales, together};
 use super::contact::ContactDifference;

@@ -7,7 +7,7 @@ use super::model_run::ModelRun;
 use super::rows_before;
 use super::separations;
 use super::statistics::{LEAST_BLOCKS, MOST_BLOCKS, NUMBERS, OF_FORCE, chance, numbers, sample, step};
-use railspring_calibrate::history::History;
+use railspring_simulate::time::history::History;
 
 /// The row from which statistics are compared, if there is one: where the solid's motion is not determined any more, and enough is left.
 pub(super) fn begin(simple: &History, solid: &ModelRun, limits: &Limits) -> Option<usize> {

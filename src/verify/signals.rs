@@ -1,6 +1,6 @@
 //! What is compared of a run besides its forces: averaged ratios, separations, contact modes.
 
-use railspring_calibrate::history::{ContactMode, History, HistoryRow};
+use railspring_simulate::time::history::{ContactMode, History, HistoryRow};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

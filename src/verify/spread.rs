@@ -1,7 +1,7 @@
 //! How far a run is determined by its inputs: the same load case with one of them 0.1 % larger.
 
-use railspring_calibrate::history::{Ending, History, HistoryRow};
-use railspring_calibrate::scenario::{HarmonicForce, Scenario};
+use railspring_simulate::time::history::{Ending, History, HistoryRow};
+use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

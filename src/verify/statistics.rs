@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use railspring_calibrate::history::{ContactMode, History};
+use railspring_simulate::time::history::{ContactMode, History};
 
 use super::change::{FORCES, least_contact};
 use super::limits::Limits;

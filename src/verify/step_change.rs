@@ -1,7 +1,7 @@
 //! What a run is worth: how far it changes with steps of another length.
 
-use railspring_calibrate::history::History;
-use railspring_calibrate::step_control::InnerSteps;
+use railspring_simulate::time::history::History;
+use railspring_simulate::time::steps::InnerSteps;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -53,7 +53,7 @@ impl std::fmt::Display for StepChange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use railspring_calibrate::history::{Ending, HistoryRow};
+    use railspring_simulate::time::history::{Ending, HistoryRow};
 
     /// ROUNDOFF: quotients and means of numbers of order one.
     const ROUNDOFF: f64 = 1e-12;

@@ -2,7 +2,7 @@
 //! by construction.
 
 use nalgebra::Point2;
-use railspring_calibrate::history::{ContactMode, ContactState, Ending};
+use railspring_simulate::time::history::{ContactMode, ContactState, Ending};
 
 use super::*;
 
@@ -242,8 +242,8 @@ fn a_load_case_without_contact_fails() {
 #[test]
 fn a_run_at_the_end_of_its_surfaces_fails() {
     use nalgebra::Point2;
-    use railspring_calibrate::history::SurfaceEnd;
     use railspring_profiles::placement::Departure;
+    use railspring_simulate::time::history::SurfaceEnd;
     let whole = history(551, |t| (1e5 * (1.0 + t), 2e4), SLIP);
     let mut cut = history(100, |t| (1e5 * (1.0 + t), 2e4), SLIP);
     let (time, rail) = (100.0 * STEP, Point2::new(-0.0358, 0.0142));

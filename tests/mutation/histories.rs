@@ -6,7 +6,7 @@ use std::path::Path;
 use nalgebra::Point2;
 use railspring::records::history_csv;
 use railspring::verify::{Limits, ModelRun, Spread, compare};
-use railspring_calibrate::history::{ContactMode, ContactState, Ending, History, HistoryRow};
+use railspring_simulate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 use super::mutate::{Dice, mistakes};
 use super::{Fate, tried};

@@ -10,7 +10,7 @@ use nalgebra::{Point2, UnitComplex};
 use std::sync::Arc;
 
 /// Two condensed bodies in place.
-pub(crate) struct Solids<'a> {
+pub struct Solids<'a> {
     /// Compliance of the rail's contact nodes.
     pub rail: &'a dyn NodalCompliance,
     /// Compliance of the wheel's contact nodes.

@@ -14,7 +14,8 @@ use std::sync::Arc;
 const SPARE_NODES: usize = 2;
 
 /// A fine grid in the reach of the contact, and the compliance of its points.
-pub(crate) struct FineContact {
+pub struct FineContact {
+    /// The grid of its points.
     pub lattice: Lattice,
     far: Arc<FarField>,
     hybrid: Hybrid,
@@ -253,9 +254,12 @@ fn at_end(grid: &SurfaceGrid, lattice: &Lattice, place: &Point2<f64>) -> bool {
 
 /// Displacements of the contact nodes of both bodies (`3·node + axis`, m) beyond their places, with which only points
 /// whose gap is smaller than `margin` (m) are in reach.
-pub(crate) struct Displaced<'a> {
+pub struct Displaced<'a> {
+    /// Of the rail, m.
     pub rail: &'a [f64],
+    /// Of the wheel, m.
     pub wheel: &'a [f64],
+    /// Gap below which points are in reach, m.
     pub margin: f64,
 }
 
@@ -376,7 +380,7 @@ fn cells_at(grid: &SurfaceGrid, region: &[bool]) -> Vec<(usize, usize)> {
 }
 
 /// Nodes of a grid with `columns` lines along the track within so many lines of those in `nodes`.
-pub(crate) fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool> {
+pub fn widened(nodes: &[bool], columns: usize, lines: usize) -> Vec<bool> {
     let rows = nodes.len() / columns;
     let mut wide = vec![false; nodes.len()];
     for node in (0..nodes.len()).filter(|&node| nodes[node]) {

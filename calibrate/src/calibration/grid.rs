@@ -16,7 +16,7 @@ const LEAST_ACROSS: f64 = 11.0;
 const FINEST: [i32; 2] = [10, 12];
 /// The spacing for a patch of the widths `across` (along the profile, along the track; m): the largest one, divided by √2 as
 /// often as it takes, all times `spacing`.
-pub(crate) fn cell_for(across: [f64; 2], spacing: f64) -> Vector2<f64> {
+pub fn cell_for(across: [f64; 2], spacing: f64) -> Vector2<f64> {
     let cell = |axis: usize| {
         // a conversion of what is beyond all numbers ends at their ends
         let steps = (2.0 * (LARGEST_CELL[axis] * CELLS_ACROSS / across[axis]).log2()).ceil() as i32;
@@ -26,7 +26,7 @@ pub(crate) fn cell_for(across: [f64; 2], spacing: f64) -> Vector2<f64> {
 }
 
 /// Whether a patch of the widths `across` (m) has too few cells, though there are smaller ones; `spacing` as in [`cell_for`].
-pub(crate) fn too_coarse(lattice: &Lattice, across: [f64; 2], spacing: f64) -> bool {
+pub fn too_coarse(lattice: &Lattice, across: [f64; 2], spacing: f64) -> bool {
     let least = cell_for([0.0; 2], spacing);
     (0..2).any(|axis| {
         spacing * across[axis] < LEAST_ACROSS * lattice.cell[axis]
@@ -36,7 +36,7 @@ pub(crate) fn too_coarse(lattice: &Lattice, across: [f64; 2], spacing: f64) -> b
 
 /// Widths (along the profile, along the track; m) of the patch that carries most of the `forces`: those of the ellipse of
 /// Hertz with the same second moments. Patches are parted by at least two lines along the track without load.
-pub(crate) fn widths(lattice: &Lattice, points: &[ContactPoint], forces: &[f64]) -> [f64; 2] {
+pub fn widths(lattice: &Lattice, points: &[ContactPoint], forces: &[f64]) -> [f64; 2] {
     let mut patches: Vec<(usize, Vec<usize>)> = Vec::new();
     for j in (0..points.len()).filter(|&j| forces[j] > 0.0) {
         let line = points[j].index.0;
@@ -113,7 +113,7 @@ fn variance(some: &[usize], points: &[ContactPoint], forces: &[f64], axis: usize
 }
 
 /// Whether a point that carries load has no neighbour on the grid, though the meshes go on there.
-pub(crate) fn touches_border(points: &[ContactPoint], forces: &[f64]) -> bool {
+pub fn touches_border(points: &[ContactPoint], forces: &[f64]) -> bool {
     let there = |index: (usize, usize)| points.binary_search_by_key(&index, |point| point.index).is_ok();
     points.iter().zip(forces).filter(|(point, force)| !point.at_edge && **force > 0.0).any(|(point, _)| {
         let (i, k) = point.index;

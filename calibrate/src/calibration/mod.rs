@@ -9,17 +9,16 @@ mod pressed;
 mod candidates;
 mod press;
 
-pub(crate) use far_field::Solids;
-pub(crate) use fine::{Displaced, FineContact, widened};
-pub(crate) use grid::{cell_for, too_coarse, touches_border, widths};
+pub use far_field::Solids;
+pub use fine::{Displaced, FineContact, widened};
+pub use grid::{cell_for, too_coarse, touches_border, widths};
 pub use pressed::{ContactField, DOWNWARDS, Enforcement, Pressed, WheelOnRail};
-pub(crate) use pressed::{carry_over, edge_reached};
-pub(crate) use zone::{Change, Placed, Places, Zone, distance};
+pub use pressed::{carry_over, edge_reached};
+pub use zone::{Change, Placed, Places, Zone, distance};
 
 use crate::contact::{
     BodyCompliance, Compliance, ContactPoint, HalfSpace, PointMode, Side, hub_response, total,
 };
-use crate::history::SurfaceEnd;
 use crate::law::{LawFit, NormalLaw, TableLaw, fit_law};
 use faer::Mat;
 use nalgebra::{DVector, Matrix2, Vector2, Vector3};
@@ -171,7 +170,7 @@ pub fn press_loads(
 ///
 /// # Errors
 /// Those of [`press_loads`].
-pub(crate) fn press_loads_apart(
+pub fn press_loads_apart(
     wheel_on_rail: &WheelOnRail,
     loads: &[f64],
     stage: &str,
@@ -186,7 +185,7 @@ pub(crate) fn press_loads_apart(
 ///
 /// # Errors
 /// Those of [`WheelOnRail::press`] and of [`load_points`], and an interruption.
-pub(crate) fn points_apart(
+pub fn points_apart(
     wheel_on_rail: &WheelOnRail,
     loads: &[f64],
     stage: &str,
@@ -205,14 +204,14 @@ pub(crate) fn points_apart(
 
 /// Whether loads end before the one that stops so, and those before it are whole: at the end of the contact zone, and where no fine grid holds the patch.
 fn ends_the_loads(reason: StopReason) -> bool {
-    SurfaceEnd::of(reason).is_some() || reason == StopReason::GridUnsettled
+    matches!(reason, StopReason::EdgeOfCandidates | StopReason::EndOfWindow | StopReason::GridUnsettled)
 }
 
 /// The same up to the first load whose contact reaches the end of the contact zone or that no fine grid holds, and that error, if there is such a load.
 ///
 /// # Errors
 /// Those of [`press_loads`] for other reasons.
-pub(crate) fn press_carried(
+pub fn press_carried(
     wheel_on_rail: &WheelOnRail,
     loads: &[f64],
     stage: &str,
@@ -272,7 +271,7 @@ pub fn load_points(
 }
 
 /// Turns the displacements and tangents of the hub under ascending loads into those of the approach alone.
-pub(crate) fn subtract_bodies(points: &mut [LoadPoint]) {
+pub fn subtract_bodies(points: &mut [LoadPoint]) {
     let (mut force, mut compliance, mut way) = (0.0, None, 0.0);
     for point in points {
         let bodies = point.wheel_compliance + point.rail_compliance + point.sliding_compliance;
@@ -308,7 +307,7 @@ fn singular(stage: &str, state: &Pressed) -> NumericsError {
 }
 
 /// The point of a load by the displacement of the hub.
-pub(crate) fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint> {
+pub fn load_point(wheel_on_rail: &WheelOnRail, state: &Pressed) -> Result<LoadPoint> {
     let response = state.response.as_ref().ok_or_else(|| singular("tangent", state))?;
     let tangent = response.stiffness[(0, 0)];
     // change of the contact forces for one newton of load
@@ -422,7 +421,7 @@ pub fn patch(state: &Pressed) -> Patch {
 }
 
 /// Contact between lines along the track that carry nothing.
-pub(crate) struct Region {
+pub struct Region {
     /// Normal force, N.
     pub force: f64,
     /// Mean normal out of the rail, world (y, z).
@@ -430,7 +429,7 @@ pub(crate) struct Region {
 }
 
 /// The regions of contact beside each other across the track.
-pub(crate) fn regions(state: &Pressed) -> Vec<Region> {
+pub fn regions(state: &Pressed) -> Vec<Region> {
     // between points of a fine grid, lines beside a patch may stay without load
     let apart = if state.fine().is_some() { 2 } else { 1 };
     let forces = &state.solution.forces[..state.points.len()];

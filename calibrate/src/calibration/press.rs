@@ -86,7 +86,7 @@ impl WheelOnRail<'_> {
     ///
     /// # Errors
     /// Those of [`Self::press`].
-    pub(crate) fn press_from_afar(&self, load: f64, before: Option<&Pressed>) -> Result<Pressed> {
+    pub fn press_from_afar(&self, load: f64, before: Option<&Pressed>) -> Result<Pressed> {
         match before.and_then(|before| self.near(load, before)) {
             None => self.press(load, before),
             Some(near) => match self.settle(load, before, Some(&near)) {

@@ -24,7 +24,7 @@ pub enum Enforcement {
 
 impl Enforcement {
     /// Compliance at `points` of both bodies, given at their contact nodes, and of the penalty springs if there are any.
-    pub(crate) fn compliance(
+    pub fn compliance(
         self,
         rail: &Mat<f64>,
         wheel: &Mat<f64>,
@@ -60,7 +60,7 @@ pub const DOWNWARDS: Unit<Vector2<f64>> = Unit::new_unchecked(Vector2::new(0.0, 
 
 impl ContactField {
     /// Spacing of the fine grid over the one that the patch asks for.
-    pub(crate) fn spacing(self) -> f64 {
+    pub fn spacing(self) -> f64 {
         match self {
             Self::HybridHalved => 0.5,
             Self::Hybrid | Self::Elements => 1.0,
@@ -69,7 +69,7 @@ impl ContactField {
 
     /// # Errors
     /// [`InputError`] for penalty springs on a fine grid.
-    pub(crate) fn check(self, enforcement: Enforcement) -> Result<()> {
+    pub fn check(self, enforcement: Enforcement) -> Result<()> {
         if let (Self::Hybrid | Self::HybridHalved, Enforcement::Penalty(stiffness)) = (self, enforcement) {
             return Err(InputError::new(
                 InputField::Enforcement,
@@ -143,7 +143,7 @@ impl Elasticity {
 /// Why the points that carry load are not all there are: the patch of `forces` reaches the end of the contact
 /// window along the track (of the grid with `columns` lines; the window of the wheel, equal in angle, may end within its
 /// last cells), or the end of the contact zone on a profile.
-pub(crate) fn edge_reached(points: &[ContactPoint], forces: &[f64], columns: usize) -> Option<StopReason> {
+pub fn edge_reached(points: &[ContactPoint], forces: &[f64], columns: usize) -> Option<StopReason> {
     let mut reached = None;
     for (point, _) in points.iter().zip(forces).filter(|(point, force)| point.at_edge && **force > 0.0) {
         let line = point.index.1;
@@ -240,12 +240,7 @@ impl Pressed {
 }
 
 /// Forces of the points that both sets share, zero for the others.
-pub(crate) fn carry_over(
-    from: &[ContactPoint],
-    forces: &[f64],
-    to: &[ContactPoint],
-    directions: usize,
-) -> Vec<f64> {
+pub fn carry_over(from: &[ContactPoint], forces: &[f64], to: &[ContactPoint], directions: usize) -> Vec<f64> {
     let mut start = vec![0.0; directions * to.len()];
     // both sets are sorted by grid index
     let mut i = 0;

@@ -22,7 +22,7 @@ const TURN_LENGTH: f64 = 0.1;
 
 /// Contact nodes around the loaded points of both bodies, with weights that fall with the distance from the load.
 #[derive(Clone)]
-pub(crate) struct Zone([Vec<ZoneNode>; 2]);
+pub struct Zone([Vec<ZoneNode>; 2]);
 
 #[derive(Clone)]
 struct ZoneNode {
@@ -99,10 +99,10 @@ fn hats(lines: &[f64], at: f64, half: f64) -> impl Iterator<Item = (usize, f64)>
 
 /// Rigid motions of rail and wheel by which their profiles are placed for pairing.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Places(pub [RigidMotion; 2]);
+pub struct Places(pub [RigidMotion; 2]);
 
 /// What the places of rail and wheel differ by from others, at their centres: displacement (m) and turn (rad).
-pub(crate) type Change = [(Vector2<f64>, f64); 2];
+pub type Change = [(Vector2<f64>, f64); 2];
 
 impl Places {
     /// Rail and wheel as they are meshed, the wheel displaced by that of its hub (y, z; m).
@@ -141,7 +141,8 @@ impl Places {
 }
 
 /// Rail and wheel where they are paired.
-pub(crate) struct Placed<'s> {
+pub struct Placed<'s> {
+    /// Where they are against their places at rest.
     pub places: Places,
     /// Their surfaces.
     pub surfaces: [Surface<'s>; 2],
@@ -194,6 +195,6 @@ impl<'s> Placed<'s> {
 }
 
 /// How far from each other places are, at the patch, m.
-pub(crate) fn distance(change: &Change) -> f64 {
+pub fn distance(change: &Change) -> f64 {
     change.iter().map(|(shift, angle)| shift.norm() + TURN_LENGTH * angle.abs()).fold(0.0, f64::max)
 }

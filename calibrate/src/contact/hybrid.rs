@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// Share of a fine point in a coarse one.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Share {
+pub struct Share {
     /// The coarse point.
     pub point: usize,
     /// Its weight.
@@ -27,7 +27,7 @@ impl Share {
 }
 
 /// Shares of a fine point in the coarse points around it.
-pub(crate) type Shares = [Share; 4];
+pub type Shares = [Share; 4];
 
 /// A far field between points in use serves for some of them, if it has at most so many times as many.
 const MORE: usize = 2;
@@ -35,7 +35,7 @@ const MORE: usize = 2;
 /// Compliance `N + P·D·Pᵀ` of the points of a fine grid: half-spaces N between them, and the far field D of the bodies
 /// between coarse points, with the bilinear interpolation P from these to the fine ones. Where the far field has lateral directions, P
 /// turns them with the profile, so that the forces keep their resultant; with the normal one alone it cannot.
-pub(crate) struct Hybrid {
+pub struct Hybrid {
     near: NearField,
     /// D between the coarse points in which there are shares, `direction·(number of these) + place among these`, m/N: with the normal
     /// direction, or with all.

@@ -179,7 +179,7 @@ impl<'a> Products<'a> {
 
 /// Dense factors by direction, which serve while nearly the same points of a grid carry load: from step to step of an iteration, and from
 /// one problem to the next that is little different.
-pub(crate) struct Factors {
+pub struct Factors {
     /// Spacings of the grid, m.
     cell: Vector2<f64>,
     by_direction: [Option<Factored>; 3],

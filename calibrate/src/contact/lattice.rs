@@ -9,7 +9,7 @@ use railspring_profiles::quadrature::gauss_2_on;
 
 /// A uniform grid on the base surface: lines at multiples of the cell from the beginning of the profile and from x = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Lattice {
+pub struct Lattice {
     /// Spacing along the profile and along the track, m.
     pub cell: Vector2<f64>,
     /// Number of the line x = 0.

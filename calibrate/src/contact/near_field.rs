@@ -27,7 +27,7 @@ impl NearField {
     }
 
     /// As [`Self::new`] on a grid with spacings `cell`, m.
-    pub(crate) fn on_grid(
+    pub fn on_grid(
         cell: Vector2<f64>,
         bodies: &[HalfSpace],
         points: &[ContactPoint],
@@ -52,19 +52,19 @@ impl NearField {
     }
 
     /// The half-spaces between some of the points, by their places in the list.
-    pub(crate) fn between(&self, points: &[usize]) -> Self {
+    pub fn between(&self, points: &[usize]) -> Self {
         let places = points.iter().map(|&j| self.places[j]).collect();
         Self::at(self.cell(), self.factors, places, self.directions)
     }
 
     /// The half-spaces in the normal direction alone.
-    pub(crate) fn in_normal_direction(&self) -> Self {
+    pub fn in_normal_direction(&self) -> Self {
         let Self { factors, ref places, extent, ref convolution, .. } = *self;
         Self { factors, directions: 1, places: places.clone(), extent, convolution: convolution.clone() }
     }
 
     /// Compliance of `bodies` under `forces` on the points: fᵀ·N·f, m·N.
-    pub(crate) fn quadratic(&self, bodies: &[HalfSpace], forces: &[f64]) -> f64 {
+    pub fn quadratic(&self, bodies: &[HalfSpace], forces: &[f64]) -> f64 {
         let n = self.places.len();
         let loaded: Vec<usize> =
             (0..n).filter(|&j| (0..self.directions).any(|d| forces[d * n + j] != 0.0)).collect();
@@ -83,7 +83,7 @@ impl NearField {
     }
 
     /// One value of the matrix.
-    pub(crate) fn value(&self, row: usize, column: usize) -> f64 {
+    pub fn value(&self, row: usize, column: usize) -> f64 {
         let n = self.places.len();
         let (to, from) = (row / n, column / n);
         if !Self::couples(&self.factors, to, from) {
@@ -95,7 +95,7 @@ impl NearField {
     }
 
     /// The values between `rows`, for many of them.
-    pub(crate) fn values(&self, rows: &[usize]) -> Values {
+    pub fn values(&self, rows: &[usize]) -> Values {
         let (n, d) = (self.places.len(), self.directions);
         let (lines, columns) = self.extent;
         let width = (2 * columns).saturating_sub(1);
@@ -124,7 +124,7 @@ impl NearField {
 }
 
 /// Values of the matrix between some of its rows: a table over the signed offsets for each pair of directions.
-pub(crate) struct Values {
+pub struct Values {
     /// Direction and place of every row.
     rows: Vec<(usize, usize)>,
     directions: usize,

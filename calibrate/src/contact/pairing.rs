@@ -26,7 +26,7 @@ pub fn pair(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Vec<Co
 
 /// Pairs the `wanted` nodes of the base surface (indices along profile and track), however far they are from the opposing
 /// one; those that do not face it are left out.
-pub(crate) fn pair_nodes(
+pub fn pair_nodes(
     base: &Surface,
     opposing: &Surface,
     wanted: impl Fn((usize, usize)) -> bool,
@@ -36,7 +36,7 @@ pub(crate) fn pair_nodes(
 
 /// The nodes of the base surface that are nearer to the opposing one than the `limits`, with gap, normal and weights at the nodes themselves
 /// in place of means over their hats: enough to see what is near, for a tenth of the work of [`pair`].
-pub(crate) fn nodes_near(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Vec<ContactPoint> {
+pub fn nodes_near(base: &Surface, opposing: &Surface, limits: PairingLimits) -> Vec<ContactPoint> {
     let columns = base.grid.along_track.len();
     let hit = |pairing: &Pairing, line: &Line, (i, k): (usize, usize)| {
         let hit = pairing.hit(line, base.grid.along_track[k], pairing.facing[i]);
@@ -297,7 +297,7 @@ fn breakpoints(a: f64, b: f64, inner: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 /// Cell of a grid axis that holds `t`, with the local coordinate in 0..1; `None` outside, but for rounding.
-pub(crate) fn locate(axis: &[f64], t: f64) -> Option<(usize, f64)> {
+pub fn locate(axis: &[f64], t: f64) -> Option<(usize, f64)> {
     let last = axis.len() - 1;
     let slack = 1e-9 * (axis[last] - axis[0]);
     if t < axis[0] - slack || t > axis[last] + slack {

@@ -40,7 +40,7 @@ pub fn solve(problem: &Problem, start: &[f64]) -> Result<Solution> {
 }
 
 /// As [`solve`], one of a sequence of problems of which each is little different from the one before: its `factors` serve the next.
-pub(crate) fn solve_with(problem: &Problem, start: &[f64], factors: &mut Factors) -> Result<Solution> {
+pub fn solve_with(problem: &Problem, start: &[f64], factors: &mut Factors) -> Result<Solution> {
     solve_within(problem, start, NEWTON_STEPS, factors)
 }
 
@@ -163,7 +163,7 @@ pub fn hub_response(
 }
 
 /// As [`hub_response`], with the `factors` of the solution.
-pub(crate) fn hub_response_with(
+pub fn hub_response_with(
     problem: &Problem,
     solution: &Solution,
     directions: &[Unit<Vector3<f64>>],

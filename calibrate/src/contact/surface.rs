@@ -57,7 +57,7 @@ pub struct Projection {
 }
 
 /// Bilinear weights of the four corners of a cell: grid offsets (along profile, along track) and value.
-pub(crate) fn corners(u: f64, v: f64) -> [(usize, usize, f64); 4] {
+pub fn corners(u: f64, v: f64) -> [(usize, usize, f64); 4] {
     [(0, 0, (1.0 - u) * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 0, u * (1.0 - v)), (1, 1, u * v)]
 }
 
@@ -137,7 +137,7 @@ impl<'a> Surface<'a> {
     }
 
     /// x of all lines of the grid along the track over what [`Self::lines_over`] is at an arc length.
-    pub(crate) fn unit_lines(&self) -> Vec<f64> {
+    pub fn unit_lines(&self) -> Vec<f64> {
         let lines = self.grid.along_track.iter();
         match self.shape {
             Shape::Extruded => lines.copied().collect(),
@@ -146,7 +146,7 @@ impl<'a> Surface<'a> {
     }
 
     /// What the [`Self::unit_lines`] are multiplied by at the arc length `s`: the radius there of what is revolved.
-    pub(crate) fn lines_over(&self, s: f64) -> f64 {
+    pub fn lines_over(&self, s: f64) -> f64 {
         match self.shape {
             Shape::Extruded => 1.0,
             Shape::Revolved { radius } => radius + self.curve.point(s).y,

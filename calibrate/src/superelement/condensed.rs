@@ -38,7 +38,7 @@ pub struct CondensedBody {
 /// The inside of a body, which only fields need once it is condensed: it borrows the mesh and holds the factor of the stiffness between
 /// the nodes that were eliminated. That is half of the work and three quarters of the memory of the factor that condensed the body, so that
 /// nobody keeps that one.
-pub(crate) struct Interior<'a> {
+pub struct Interior<'a> {
     /// The body.
     system: System<'a>,
     /// Upper triangle of the stiffness.

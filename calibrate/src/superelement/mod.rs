@@ -15,14 +15,14 @@ mod condensed_file;
 mod parts;
 
 #[cfg(test)]
-pub(crate) use condensed::Interior;
+pub use condensed::Interior;
 pub use condensed::{CondensedBody, body_key};
 pub use dense::product_speed;
 pub use factor::Factor;
 pub use modes::Modes;
 pub use parts::{Parts, Step, Wanted};
 pub use section_motion::SectionMotion;
-pub(crate) use section_motion::carried;
+pub use section_motion::carried;
 pub use size::FactorSize;
 
 use crate::solid::System;
@@ -100,7 +100,7 @@ impl<'a> Superelement<'a> {
 }
 
 /// Dense matrix times vector.
-pub(crate) fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
+pub fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; matrix.nrows()];
     add_times(matrix.as_ref(), vector, &mut product);
     product
@@ -108,7 +108,7 @@ pub(crate) fn times(matrix: &Mat<f64>, vector: &[f64]) -> Vec<f64> {
 
 /// Adds dense matrix times vector to a `sum`, without the columns of zeros. Most forces on nodes are zero, and those that are not come in
 /// runs.
-pub(crate) fn add_times(matrix: MatRef<'_, f64>, vector: &[f64], sum: &mut [f64]) {
+pub fn add_times(matrix: MatRef<'_, f64>, vector: &[f64], sum: &mut [f64]) {
     let rows = sum.len();
     let mut start = 0;
     for run in vector.chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {
@@ -123,7 +123,7 @@ pub(crate) fn add_times(matrix: MatRef<'_, f64>, vector: &[f64], sum: &mut [f64]
 }
 
 /// Adds the `rows` of columns of a matrix with their weights to a sum, several columns at a time.
-pub(crate) fn add_columns(matrix: &Mat<f64>, rows: Range<usize>, weights: &[(usize, f64)], sum: &mut [f64]) {
+pub fn add_columns(matrix: &Mat<f64>, rows: Range<usize>, weights: &[(usize, f64)], sum: &mut [f64]) {
     Arch::new().dispatch(AddColumns { matrix, rows, weights, sum });
 }
 

@@ -159,7 +159,7 @@ impl Superelement<'_> {
     ///
     /// # Errors
     /// As [`Self::modes`].
-    pub(crate) fn modes_along(&self, on_section: &[f64], count: usize) -> Result<(Modes, Vec<f64>)> {
+    pub fn modes_along(&self, on_section: &[f64], count: usize) -> Result<(Modes, Vec<f64>)> {
         let mesh = self.system.mesh;
         let travelling = Symmetry::BOTH.into_iter().flat_map(|symmetry| contact_loads(mesh, symmetry));
         let loads: Vec<Vec<f64>> = travelling.chain([on_section.to_vec()]).collect();

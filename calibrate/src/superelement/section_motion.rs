@@ -108,7 +108,7 @@ impl SectionMotion {
     }
 
     /// Displacements of the contact nodes (`3·node + axis`) under unit motions of the section, m.
-    pub(crate) fn arms(&self) -> [Vec<f64>; 3] {
+    pub fn arms(&self) -> [Vec<f64>; 3] {
         [0, 1, 2].map(|motion| {
             let of_node = |node| [0.0, self.arm(node)[(0, motion)], self.arm(node)[(1, motion)]];
             (0..self.nodes.len()).flat_map(of_node).collect()
@@ -155,6 +155,6 @@ impl SectionMotion {
 
 /// Displacement (y, z) of a point at `arm` from the shear centre under unit motions of the section: a rotation about x
 /// moves it by (-z, y).
-pub(crate) fn carried(arm: &Vector2<f64>) -> Matrix2x3<f64> {
+pub fn carried(arm: &Vector2<f64>) -> Matrix2x3<f64> {
     Matrix2x3::new(1.0, 0.0, -arm.y, 0.0, 1.0, arm.x)
 }

@@ -1,6 +1,6 @@
 //! The section `solid`.
 
-use railspring_calibrate::step_control::{InnerSteps, StepControl};
+use railspring_simulate::time::steps::{InnerSteps, StepControl};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

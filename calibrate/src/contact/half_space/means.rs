@@ -90,7 +90,7 @@ fn slopes() -> [(f64, f64); 8] {
 
 /// Means between the hats of a uniform grid, by their offset in grid lines.
 #[derive(Debug)]
-pub(crate) struct HatTable {
+pub struct HatTable {
     /// Grid spacing along the profile and the track, m.
     pub cell: Vector2<f64>,
     /// Number of offsets along the profile and the track, from 0.

@@ -107,7 +107,7 @@ pub(super) fn sum_of_factors(bodies: &[HalfSpace]) -> Factors {
 }
 
 /// Displacements (normal, lateral, along the track) at an offset (m) far from a force on the surfaces of `bodies`, m.
-pub(crate) fn displacement_far_from(
+pub fn displacement_far_from(
     bodies: &[HalfSpace],
     offset: &Vector2<f64>,
     force: &Vector3<f64>,
@@ -144,7 +144,7 @@ fn known_means(d: &Vector2<f64>, a: &Vector2<f64>, b: &Vector2<f64>) -> Kernels 
 
 /// Adds the compliance of several half-spaces to a matrix each, between the `wanted` of the pairs of points, by their places
 /// in the list.
-pub(crate) fn add_half_spaces<const N: usize>(
+pub fn add_half_spaces<const N: usize>(
     bodies: [&HalfSpace; N],
     points: &[ContactPoint],
     wanted: impl Fn(usize, usize) -> bool,

@@ -9,7 +9,7 @@ use nalgebra::Vector2;
 /// The kernels of a half-space under forces on its surface, for an offset (s, x) of the length r, or their means over
 /// two hats: `1/r`, `s²/r³` and `s·x/r³` in 1/m, `s/r²` and `x/r²` in 1/m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Kernels {
+pub struct Kernels {
     /// 1/r; even in s and x.
     pub inverse: f64,
     /// s²/r³; even in s and x. That of x is the rest of 1/r.

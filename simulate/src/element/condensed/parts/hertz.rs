@@ -1,0 +1,164 @@
+//! Strips that make Hertz's contact wherever two profiles can touch.
+
+use super::law::{StripPlace, StripStiffness};
+use super::modulus::StripModulus;
+use super::relief::{Influence, ReliefPlaces};
+use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::pair::Pair;
+use railspring_profiles::profile::ProfileCurve;
+
+/// Distance of the places of the table, m.
+const SPACING: f64 = 1e-3;
+
+/// Curvatures are means over so much of a profile on either side, m: about the width of a patch.
+const SMOOTHED: f64 = 2e-3;
+
+/// Largest relative radius across the track, m: flatter profiles touch over their whole breadth.
+const FLATTEST: f64 = 3.0;
+
+/// Weights of the relief and tangential stiffnesses are evened out twice over so many places on either side: what changes along a contact turns its force.
+const EVEN: usize = 4;
+
+/// Of an approach at least so much presses strips.
+const LEAST_PRESSED: f64 = 0.15;
+
+/// The weight is no larger.
+const HEAVIEST: f64 = 3.0;
+
+/// Parts of half a contact in which its load is summed.
+const PARTS: usize = 10;
+
+/// Tangential over normal stiffness of a circular contact of steel: R.D. Mindlin, "Compliance of elastic bodies in contact", J. Appl. Mech.
+/// 16 (1949), 2(1-ν)/(2-ν).
+const MINDLIN: f64 = 1.4 / 1.7;
+
+/// The strips of Hertz's contact where both profiles have the same slope, κ the relative curvature across the track, under [`Influence::TYPICAL`]: at the edge,
+/// Hertz's semi-axis b away, the profiles overlap by the approach less `κb²/2`, which is the relief there; the force of the strips within is the load.
+pub(super) fn hertz_table(pair: &Pair, modulus: f64) -> StripStiffness {
+    let (rail, wheel) = (&pair.placed.curve, &pair.wheel.running);
+    let angle = |curve: &ProfileCurve, s: f64| {
+        let tangent = curve.tangent(s.clamp(0.0, curve.length() * (1.0 - 1e-9)));
+        tangent.y.atan2(tangent.x)
+    };
+    let curvature = |curve: &ProfileCurve, s: f64| {
+        let (a, b) = ((s - SMOOTHED).max(0.0), (s + SMOOTHED).min(curve.length()));
+        (angle(curve, b) - angle(curve, a)) / (b - a)
+    };
+    let count = (rail.length() / SPACING).ceil() as usize;
+    let every = |i: usize| wheel.length() * i as f64 / (4 * count) as f64;
+    // the flange's tip; what lies behind it is its back
+    let depth = |s: f64| wheel.point(s).y;
+    let tip = (0..=(4 * count)).map(every).max_by(|a, b| depth(*a).total_cmp(&depth(*b))).unwrap_or(0.0);
+    let samples: Vec<(f64, f64)> =
+        (0..=(4 * count)).map(every).filter(|s| *s >= tip).map(|s| (s, angle(wheel, s))).collect();
+    let tape = pair.tape();
+    let influence = Influence { flexibility: 1.0 / (std::f64::consts::PI * modulus) };
+    let place = |i: usize| {
+        let rail_s = rail.length() * i as f64 / count as f64;
+        let wanted = angle(rail, rail_s);
+        // of several places of the wheel with this slope, that which the wheel need move the least to touch with
+        let aside = |s: f64| (wheel.point(s).x + tape.x - rail.point(rail_s).x).abs();
+        let crossings = samples.windows(2).filter(|w| (w[0].1 - wanted) * (w[1].1 - wanted) <= 0.0);
+        let nearest =
+            crossings.map(|w| 0.5 * (w[0].0 + w[1].0)).min_by(|a, b| aside(*a).total_cmp(&aside(*b)));
+        let wheel_s = nearest.unwrap_or_else(|| {
+            let off = |w: &&(f64, f64)| (w.1 - wanted).abs();
+            samples.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map_or(0.0, |w| w.0)
+        });
+        let across = (curvature(rail, rail_s) - curvature(wheel, wheel_s)).max(1.0 / FLATTEST);
+        let rolling = (pair.wheel.radius + wheel.point(wheel_s).y) / wanted.cos().abs().max(0.05);
+        let under = point_contact(Influence::TYPICAL, rolling, 1.0 / across, modulus);
+        let (approach, half) = under.map_or((0.0, 0.0), |under| (under.approach, under.semi_axis_y));
+        Touch { rail_s, across, approach, half }
+    };
+    let touches: Vec<Touch> = (0..=count).map(place).collect();
+    let Some(places) = ReliefPlaces::new(rail, influence) else { unreachable!("a half-space gives way") };
+    let even = |value: &dyn Fn(&Touch) -> f64| {
+        let mut values: Vec<f64> = touches.iter().map(value).collect();
+        for _ in 0..2 {
+            let around = |i: usize| &values[i.saturating_sub(EVEN)..=(i + EVEN).min(count)];
+            values = (0..=count).map(|i| around(i).iter().sum::<f64>() / around(i).len() as f64).collect();
+        }
+        values
+    };
+    let weights = even(&|touch| touch.weight(&places));
+    let stiffnesses = even(&|touch| touch.spread_stiffness().ln());
+    let place = |((touch, relief), spread): ((&Touch, f64), f64)| {
+        let normal = touch.modulus(&places, relief);
+        let tangential = MINDLIN * spread.exp();
+        let modulus = StripModulus { normal, hardening: 0.0, tangential, relief };
+        StripPlace { rail_s: touch.rail_s, modulus }
+    };
+    StripStiffness::new(touches.iter().zip(weights).zip(stiffnesses).map(place).collect(), influence, 0.0)
+}
+
+/// A place of the rail under the usual load.
+struct Touch {
+    rail_s: f64,
+    /// Relative curvature across the track, 1/m.
+    across: f64,
+    approach: f64,
+    /// Semi-axis of the patch across the track, m.
+    half: f64,
+}
+
+impl Touch {
+    /// Relief of weight 1 at a distance from the middle, near the load and elsewhere, m: Hertz's pressures, summed along the track, are a parabola.
+    fn relief(&self, places: &ReliefPlaces) -> impl Fn(f64) -> [f64; 2] {
+        let part = |n: usize| {
+            let at = (n as f64 + 0.5) / PARTS as f64 - 1.0;
+            let force = 0.75 * Influence::TYPICAL * (1.0 - at * at) / PARTS as f64;
+            (self.rail_s + at * self.half, force)
+        };
+        let [near, elsewhere] = places.made_by(&(0..2 * PARTS).map(part).collect::<Vec<_>>());
+        // of both sides
+        move |at: f64| {
+            [&near, &elsewhere].map(|relief| {
+                let side = |side: f64| places.at(relief, self.rail_s + side * at).0;
+                0.5 * (side(-1.0) + side(1.0))
+            })
+        }
+    }
+
+    /// The weight with which the strips at the edge of Hertz's patch just touch.
+    fn weight(&self, places: &ReliefPlaces) -> f64 {
+        let at_edge = self.relief(places)(self.half);
+        let wanted = (self.approach - 0.5 * self.across * self.half * self.half).max(0.0);
+        let [mut low, mut high] = [0.0, HEAVIEST];
+        while high - low > 1e-12 {
+            let middle = 0.5 * (low + high);
+            if weighted(middle, at_edge) < wanted { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    /// Stiffness of the whole contact under the usual load over its width, Pa: the force goes with the power 3/2 of the approach.
+    fn spread_stiffness(&self) -> f64 {
+        1.5 * Influence::TYPICAL / self.approach / (2.0 * self.half)
+    }
+
+    /// Stiffness of the strips that makes their force the load, Pa.
+    fn modulus(&self, places: &ReliefPlaces, weight: f64) -> f64 {
+        let relief = self.relief(places);
+        let least = LEAST_PRESSED * self.approach;
+        let middle = weighted(weight, relief(0.0)).min(self.approach - least);
+        let step = self.half / PARTS as f64;
+        let mut sum = 0.0;
+        // until they do not touch any more
+        for n in 0.. {
+            let at = (n as f64 + 0.5) * step;
+            let of_relief = weighted(weight, relief(at)).min(middle);
+            let depth = self.approach - 0.5 * self.across * at * at - of_relief;
+            if depth <= 0.0 {
+                break;
+            }
+            sum += 2.0 * depth * step;
+        }
+        Influence::TYPICAL / sum
+    }
+}
+
+/// A relief by a weight, which loads have as well.
+fn weighted(weight: f64, [near, elsewhere]: [f64; 2]) -> f64 {
+    weight.powf(5.0 / 3.0) * near + weight * weight * elsewhere
+}

@@ -1,0 +1,77 @@
+//! Whether the wheel has left the rail, or the contact its profile.
+
+use nalgebra::{Point2, Rotation2, Vector2};
+
+use crate::time::history::{Ending, SurfaceEnd};
+use railspring_profiles::placement::Departure;
+use railspring_profiles::placement::{departure, lateral_extent};
+
+use super::element::to_plane;
+use super::model::MovingModel;
+use super::solve::Solution;
+use super::surface::ActiveNode;
+
+/// Points of both running surfaces on their masters, and where the profiles end.
+pub(super) struct Outline {
+    /// Relative to the wheel centre and to the rail's master, directions 1 and 2 at rest, m.
+    wheel: Vec<Vector2<f64>>,
+    rail: Vec<Vector2<f64>>,
+    /// From the rail's master to the wheel centre at rest, m.
+    centre: Vector2<f64>,
+    /// Arc length of the wheel's spline, m.
+    wheel_length: f64,
+    /// The first and the last rail node in the rail's profile frame, m, and the number of the last.
+    ends: [Point2<f64>; 2],
+    last: usize,
+}
+
+impl Outline {
+    /// `master` is the world point of the rail's master at rest, `nodes` are the rail nodes in the rail's profile frame, m.
+    pub fn new(model: &MovingModel, master: Point2<f64>, nodes: &[(f64, Point2<f64>)]) -> Self {
+        let to_axle = Vector2::new(0.0, model.wheel_radius);
+        Self {
+            wheel: model.wheel.knot_points().map(|p| to_plane(p.coords + to_axle)).collect(),
+            rail: model.rail.curve.knot_points().map(|p| to_plane(p - master)).collect(),
+            centre: to_plane(model.tape - to_axle - master),
+            wheel_length: model.wheel.length(),
+            ends: [nodes[0].1, nodes[nodes.len() - 1].1],
+            last: nodes.len() - 1,
+        }
+    }
+
+    /// How a run ends whose step to `time` (s) has this solution, if it does: the wheel has left the rail, where no point of its
+    /// running surface is over the rail's any more or a contact that carries load has passed the end of a profile; or load stands on
+    /// an end of the rail's profile while the wheel is still over it, and the profile is too short.
+    pub fn ending(&self, solution: &Solution, time: f64) -> Option<Ending> {
+        let pose = &solution.pose;
+        let extent = |points: &[Vector2<f64>], turn: f64, at: f64| {
+            let turn = Rotation2::new(turn);
+            lateral_extent(points.iter().map(|p| Point2::from(turn * p))).map(|y| y + at)
+        };
+        let rail = extent(&self.rail, pose[4], pose[2]);
+        let wheel = extent(&self.wheel, pose[5], self.centre.x + pose[0]);
+        if let Some(departure) = departure(rail, wheel) {
+            return Some(Ending::Departed { time, departure });
+        }
+        solution.active.iter().find_map(|active| self.at_end(active, pose[0] - pose[2], time))
+    }
+
+    /// What load on the end of a profile means at `time` (s) with the wheel moved `aside` against the rail (m, to the field side).
+    fn at_end(&self, active: &ActiveNode, aside: f64, time: f64) -> Option<Ending> {
+        let [gauge, field] = self.ends;
+        let too_short = |rail| Ending::EndOfSurface { time, end: SurfaceEnd::RailProfile, rail };
+        let departed = |departure| Ending::Departed { time, departure };
+        // The wheel's spline runs from the flange back to the tread's end, the rail's nodes from the gauge face to the field face.
+        if active.place < 0.0 {
+            Some(departed(Departure::FieldSide))
+        } else if active.place > self.wheel_length {
+            Some(departed(Departure::GaugeSide))
+        } else if active.node == 0 {
+            Some(if aside < 0.0 { departed(Departure::GaugeSide) } else { too_short(gauge) })
+        } else if active.node == self.last {
+            Some(if aside > 0.0 { departed(Departure::FieldSide) } else { too_short(field) })
+        } else {
+            None
+        }
+    }
+}
