@@ -162,7 +162,7 @@ impl Ending {
     /// The ending with this [`name`](Self::name), [`time`](Self::time) and [place](Self::rail), if there is one.
     ///
     /// ```
-    /// use crate::time::history::Ending;
+    /// use railspring_simulate::time::history::Ending;
     /// use railspring_profiles::placement::Departure;
     /// let ending = Ending::Departed { time: 0.0435, departure: Departure::FieldSide };
     /// assert_eq!(Ending::from_parts(ending.name(), ending.time(), ending.rail()), Some(ending));

@@ -34,7 +34,7 @@ impl HarmonicForce {
     /// Value at time `t` in seconds.
     ///
     /// ```
-    /// use crate::time::scenario::HarmonicForce;
+    /// use railspring_simulate::time::scenario::HarmonicForce;
     /// let force = HarmonicForce { constant: 10.0, amplitude: 5.0, frequency: 10.0, phase: 0.0 };
     /// assert!((force.at(0.025) - 15.0).abs() < 1e-12);
     /// ```
@@ -63,7 +63,7 @@ impl Kelvin {
     /// `damping·de/dt + stiffness·e = force`. Without stiffness and damping it is a rigid link.
     ///
     /// ```
-    /// use crate::time::scenario::{HarmonicForce, Kelvin};
+    /// use railspring_simulate::time::scenario::{HarmonicForce, Kelvin};
     /// let force = HarmonicForce { constant: 20e3, amplitude: 0.0, frequency: 0.0, phase: 0.0 };
     /// let suspension = Kelvin { stiffness: 1.2e6, damping: 40e3 };
     /// // After many relaxation times of 1/30 s only the spring is left.
@@ -140,7 +140,7 @@ impl Scenario {
     /// `time_step` (s) with Coulomb friction. The load is added with the update of a structure.
     ///
     /// ```
-    /// use crate::time::scenario::{HarmonicForce, Scenario};
+    /// use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
     /// let pushed = Scenario {
     ///     vertical_force: HarmonicForce::constant(60e3),
     ///     lateral_force: HarmonicForce::constant(20e3),
