@@ -8,6 +8,7 @@
 
 mod stage;
 mod bodies;
+mod solids;
 mod calibration;
 mod by_angle;
 mod crosscheck;
@@ -20,35 +21,35 @@ mod stored;
 pub mod files;
 
 use std::path::Path;
-use std::sync::Arc;
 
 use railspring_calibrate::mesh::MeshSize;
-use railspring_calibrate::pair::CondensedPair;
 use railspring_profiles::error::{Error, InputError, Result};
 use railspring_simulate::time::history::Ending;
 use serde::de::DeserializeOwned;
 
-use crate::estimate::{Resources, Room, Work};
-use crate::measure::{Stopwatch, begin};
+use crate::estimate::{Resources, Work};
 use crate::output::{OutputFolder, to_json};
 pub use crate::records::BY_ANGLE;
 use crate::records::{
-    INPUTS, InputsRecord, LoadCurveRow, Measured, Reach, RunRecord, SpringsRecord, StiffnessByAngleRecord,
-    StiffnessRecord, VerificationRecord,
+    INPUTS, InputsRecord, LoadCurveRow, RunRecord, SpringsRecord, StiffnessByAngleRecord, StiffnessRecord,
+    VerificationRecord,
 };
-use crate::results::{NewFile, Results, hash};
+use crate::results::{NewFile, hash};
 use crate::springs;
-use crate::stages::{self, Calibration, Geometry, Meshes, MovingBodies};
+use crate::stages::{self, Calibration, Geometry};
 use crate::store::{Address, Artefact, Kind, Store};
-use crate::study::{LawKey, Study};
+use crate::study::{LawKey, Study, StudyScenario};
 use crate::version;
 
 pub(crate) use bodies::{BodySource, body_address};
 use by_angle::ByAngle;
-use calibration::{Calibrate, FoundOn};
-use pages::Report;
-use runs::{Other, Run, Runs, Simulate};
+use calibration::{Calibrate, FoundOn, calibrates, found_springs};
+use pages::{Report, crosscheck_alone, write_report};
+use runs::{Other, Run, Runs, Simulate, other_element};
 use solid_runs::{Begun, SimulateSolid, SolidRuns};
+use solids::Solids;
+use stage::Engine;
+pub use stage::MEASURED;
 use stored::Stored;
 use verdict::Verify;
 pub use verdict::statics_lines;
@@ -63,8 +64,6 @@ pub const PATCHES: &str = "contact_patches.json";
 pub const BY_ANGLE_ROWS: &str = "stiffness_by_angle.csv";
 /// The verdict.
 pub const VERIFICATION: &str = "verification.json";
-/// Time, memory and host of the stages.
-pub const MEASURED: &str = "measured.json";
 /// The report.
 pub const REPORT: &str = "report.html";
 /// The report as it is printed, if it was.
@@ -82,9 +81,6 @@ pub const DIFFERENCES: &str = "crosscheck/differences.json";
 const OF_THE_RUNS: [&str; 4] = [VERIFICATION, REPORT, REPORT_PDF, FIGURES];
 /// What is made from the verdict.
 const OF_THE_VERDICT: [&str; 3] = [REPORT, REPORT_PDF, FIGURES];
-
-/// Bodies of a run on the solids, and the modes that were asked for.
-type Moving = (usize, Arc<MovingBodies>);
 
 /// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.
 type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>);
@@ -112,56 +108,23 @@ impl Found {
 /// A study on its way through the stages.
 pub struct Pipeline<'a> {
     study: &'a Study,
-    folder: &'a OutputFolder,
-    results: Results<'a>,
-    store: Option<&'a Store>,
-    fresh: bool,
-    resources: Resources<'a>,
-    measured: Measured,
-    watch: Option<Stopwatch>,
-    geometry: Option<Arc<Geometry>>,
-    meshes: Option<Meshes>,
-    reach: Option<Reach>,
-    /// What there is room for at the same time.
-    room: Room,
-    /// The springs of a calibration that is not finished.
-    springs: Option<FoundOn>,
-    /// The bodies of the calibration, for the laws by contact angle and for the runs on the solids.
-    condensed: Option<Arc<CondensedPair>>,
-    /// The bodies of the last run on the solids.
-    moving: Option<Moving>,
-    /// Runs on the solids that were made beside other stages.
-    begun: Begun<'a>,
+    engine: Engine<'a>,
+    solids: Solids<'a>,
 }
 
 impl<'a> Pipeline<'a> {
     /// Begins with the measures that earlier commands have left in the folder.
     pub fn new(study: &'a Study, folder: &'a OutputFolder, resources: Resources<'a>) -> Self {
-        let earlier = folder.read_json::<Measured>(MEASURED, "run").map(|m| m.stages).unwrap_or_default();
-        Self {
-            study,
-            folder,
-            results: Results::new(folder),
-            store: None,
-            fresh: false,
-            resources,
-            measured: Measured { stages: earlier, ..begin() },
-            watch: None,
-            geometry: None,
-            meshes: None,
-            reach: None,
-            room: Room::default(),
-            springs: None,
-            condensed: None,
-            moving: None,
-            begun: Begun::new(false, resources.monitor),
-        }
+        let engine = Engine::new(&study.name, folder, resources.monitor);
+        Self { study, engine, solids: Solids::new(study, resources) }
     }
 
     /// Takes from `store` what it has, unless all is to be made `fresh`, and keeps there what is made.
     #[must_use]
-    pub fn keeping(self, store: Option<&'a Store>, fresh: bool) -> Self {
-        Self { store, fresh, ..self }
+    pub fn keeping(mut self, store: Option<&'a Store>, fresh: bool) -> Self {
+        (self.engine.store, self.engine.fresh) = (store, fresh);
+        (self.solids.store, self.solids.fresh) = (store, fresh);
+        self
     }
 
     /// All stages; springs and verdict.
@@ -170,9 +133,9 @@ impl<'a> Pipeline<'a> {
     /// Those of the stages.
     pub fn run(mut self) -> Result<Found> {
         springs::check_reference(self.study)?;
-        self.measured.stages.clear();
+        self.engine.measured.stages.clear();
         self.check_calibration()?;
-        let begun = Begun::new(!self.fresh, self.resources.monitor);
+        let begun = Begun::new(!self.engine.fresh, self.engine.monitor);
         // all that is done is done by the threads of the pool
         let done = rayon::scope(|scope| {
             let begin = |runs: SolidRuns<'a>| {
@@ -186,23 +149,18 @@ impl<'a> Pipeline<'a> {
             done
         });
         let (calibration, by_angle, simple) = done?;
-        self.begun = begun;
         let mut runs = Vec::new();
         for ((name, scenario), (simple, other)) in self.study.scenarios.iter().zip(simple) {
-            let solid = scenario.solid.then(|| self.get(&SimulateSolid { name, scenario })).transpose()?;
+            let solid = scenario.solid.then(|| self.solid_run(name, scenario, Some(&begun))).transpose()?;
             runs.push((name.clone(), Runs { simple, other, solid }));
         }
-        let verdict = self.get(&Verify {
+        let verdict = self.engine.get(&mut Verify {
+            study: self.study,
             stiffness: Some(&calibration.stiffness),
             by_angle: by_angle.as_ref(),
             runs: &runs,
         })?;
-        self.report_stage(&Report {
-            calibration: &calibration,
-            by_angle: by_angle.as_ref(),
-            runs: &runs,
-            verdict: &verdict,
-        })?;
+        self.write_report(&calibration, by_angle.as_ref(), &runs, &verdict)?;
         self.note_inputs()?;
         Ok(Found { stiffness: Some(calibration.stiffness), runs: Vec::new(), verdict: Some(verdict) })
     }
@@ -219,27 +177,27 @@ impl<'a> Pipeline<'a> {
         };
         let content = to_json(&record);
         let key = hash(&content);
-        self.results.write(vec![NewFile::new(INPUTS, content, &key)], &[])
+        self.engine.results.write(vec![NewFile::new(INPUTS, content, &key)], &[])
     }
 
     /// The stages but those on the solids in time. As soon as a calibration that is made has the springs, `begin` gets these runs: they need
     /// its bodies, but neither its error bands and fields nor the laws by contact angle.
     fn without_solids(&mut self, begin: &dyn Fn(SolidRuns<'a>)) -> Result<WithoutSolids> {
-        if self.calibrates()? {
-            let springs = self.found_springs()?;
-            if self.room.stages && springs.is_whole() && self.study.modes() > 0 {
-                begin(self.solid_runs_on(&springs)?);
+        let mut found = None;
+        if calibrates(self.study, &self.engine) {
+            let springs = found.insert(found_springs(&mut self.solids, &mut self.engine)?);
+            if self.solids.room.stages && springs.is_whole() && self.study.modes() > 0 {
+                begin(SolidRuns::beside(&mut self.solids, springs)?);
             }
-            self.springs = Some(springs);
         }
-        let calibration = self.calibration()?;
+        let calibration = self.calibration(found)?;
         let by_angle = self.by_angle(&calibration.stiffness)?;
         let mut simple = Vec::new();
         // without load cases the law need not suit the simple model
         if !self.study.scenarios.is_empty() {
             let springs = springs::own(self.study, &calibration.stiffness, by_angle.as_ref())?;
             for (name, scenario) in &self.study.scenarios {
-                let run = self.get(&Simulate { name, scenario, springs: &springs })?;
+                let run = self.simple_run(name, scenario, &springs)?;
                 let other = self.other_element(name, scenario, &springs, by_angle.as_ref())?;
                 simple.push((run, other));
             }
@@ -253,24 +211,25 @@ impl<'a> Pipeline<'a> {
     /// Those of the stages.
     pub fn calibrate(mut self) -> Result<Found> {
         self.check_calibration()?;
-        let stiffness = self.calibration()?.stiffness;
+        let stiffness = self.calibration(None)?.stiffness;
         self.by_angle(&stiffness)?;
         self.note_inputs()?;
         Ok(Found { stiffness: Some(stiffness), ..Found::default() })
     }
 
     /// The calibration; says what its law is worth, and which loads it does not have.
-    fn calibration(&mut self) -> Result<Calibration> {
-        let calibration = self.get(&Calibrate)?;
+    fn calibration(&mut self, found: Option<FoundOn>) -> Result<Calibration> {
+        let calibration = self.engine.get(&mut Calibrate { solids: &mut self.solids, found })?;
         for line in calibration.stiffness.shortened().into_iter().chain(calibration.stiffness.worth()) {
-            self.resources.monitor.notice(&line);
+            self.engine.monitor.notice(&line);
         }
         Ok(calibration)
     }
 
     /// The laws by contact angle, if the study wants them.
     fn by_angle(&mut self, stiffness: &StiffnessRecord) -> Result<Option<StiffnessByAngleRecord>> {
-        self.study.wants_by_angle().then(|| self.get(&ByAngle { stiffness })).transpose()
+        let solids = &mut self.solids;
+        self.study.wants_by_angle().then(|| self.engine.get(&mut ByAngle { solids, stiffness })).transpose()
     }
 
     /// Says what was done to measured profiles, and checks that the study can be calibrated: friction, and room for the
@@ -278,13 +237,13 @@ impl<'a> Pipeline<'a> {
     fn check_calibration(&mut self) -> Result<()> {
         stages::check_friction(self.study)?;
         stages::check_target(self.study)?;
-        let geometry = self.geometry()?;
+        let geometry = self.solids.geometry()?;
         self.say_repairs(&geometry);
-        stages::check_loads(self.study, &geometry, self.resources.monitor)
+        stages::check_loads(self.study, &geometry, self.engine.monitor)
     }
 
     fn say_repairs(&self, geometry: &Geometry) {
-        stages::repairs(&geometry.profiles).iter().for_each(|line| self.resources.monitor.notice(line));
+        stages::repairs(&geometry.profiles).iter().for_each(|line| self.engine.monitor.notice(line));
     }
 
     /// The meshes alone, of rail and wheel: `rail.vtu` and `wheel.vtu`.
@@ -292,9 +251,9 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// Those of the stage.
     pub fn mesh(mut self) -> Result<[MeshSize; 2]> {
-        let geometry = self.geometry()?;
+        let geometry = self.solids.geometry()?;
         self.say_repairs(&geometry);
-        let Resources { budget, interpreter, monitor } = self.resources;
+        let Resources { budget, interpreter, monitor } = self.solids.resources;
         budget.check_sizes(self.study, &geometry, &Work::default())?;
         let options = stages::mesh_options(self.study, &geometry);
         let meshes = stages::meshes(self.study, &geometry, options, interpreter, monitor)?;
@@ -307,7 +266,7 @@ impl<'a> Pipeline<'a> {
                 Ok(NewFile::new(name, stages::mesh_vtu(mesh, groups)?.into_bytes(), address.key()))
             })
             .collect::<Result<_>>()?;
-        self.results.write(files, &[])?;
+        self.engine.results.write(files, &[])?;
         Ok([&meshes.rail, &meshes.wheel].map(MeshSize::of))
     }
 
@@ -317,7 +276,7 @@ impl<'a> Pipeline<'a> {
     /// Those of the stage, and springs that are not there or do not suit the study.
     pub fn simulate(mut self, law: Option<&Path>) -> Result<Found> {
         let (springs, laws) = match law {
-            Some(path) => (springs::from_file(self.study, &*self.geometry()?, path)?, None),
+            Some(path) => (springs::from_file(self.study, &*self.solids.geometry()?, path)?, None),
             None => match self.springs_without_calibration()? {
                 Some(springs) => (springs, None),
                 None => self.stored_springs()?,
@@ -325,7 +284,7 @@ impl<'a> Pipeline<'a> {
         };
         let mut runs = Vec::new();
         for (name, scenario) in &self.study.scenarios {
-            let run = self.get(&Simulate { name, scenario, springs: &springs })?;
+            let run = self.simple_run(name, scenario, &springs)?;
             self.other_element(name, scenario, &springs, laws.as_ref())?;
             runs.push((name.clone(), run.record));
         }
@@ -337,10 +296,10 @@ impl<'a> Pipeline<'a> {
 
     /// The springs that need no calibration, if the study has such and the folder has no calibration.
     fn springs_without_calibration(&mut self) -> Result<Option<SpringsRecord>> {
-        if self.folder.file(STIFFNESS).exists() || !springs::need_no_calibration(self.study) {
+        if self.engine.folder.file(STIFFNESS).exists() || !springs::need_no_calibration(self.study) {
             return Ok(None);
         }
-        Ok(springs::without_calibration(self.study, &*self.geometry()?))
+        Ok(springs::without_calibration(self.study, &*self.solids.geometry()?))
     }
 
     /// The solid model on the load cases of the folder, and the verdict.
@@ -357,15 +316,19 @@ impl<'a> Pipeline<'a> {
             let solid = match scenario.solid {
                 false => None,
                 true => Some(match self.stored_solid_run(name, scenario) {
-                    Ok(run) if !self.fresh => run,
-                    _ => self.get(&SimulateSolid { name, scenario })?,
+                    Ok(run) if !self.engine.fresh => run,
+                    _ => self.solid_run(name, scenario, None)?,
                 }),
             };
             runs.push((name.clone(), Runs { simple, other, solid }));
         }
         let by_angle = if stiffness.is_some() { self.stored_by_angle()? } else { None };
-        let verdict =
-            self.get(&Verify { stiffness: stiffness.as_ref(), by_angle: by_angle.as_ref(), runs: &runs })?;
+        let verdict = self.engine.get(&mut Verify {
+            study: self.study,
+            stiffness: stiffness.as_ref(),
+            by_angle: by_angle.as_ref(),
+            runs: &runs,
+        })?;
         self.note_inputs()?;
         Ok(Found { stiffness, runs: Vec::new(), verdict: Some(verdict) })
     }
@@ -376,13 +339,37 @@ impl<'a> Pipeline<'a> {
     /// Files that are missing or were made from other inputs: all of them in one message.
     pub fn report(mut self) -> Result<Found> {
         let Stored { calibration, by_angle, runs, verdict } = self.stored_results()?;
-        self.report_stage(&Report {
-            calibration: &calibration,
-            by_angle: by_angle.as_ref(),
-            runs: &runs,
-            verdict: &verdict,
-        })?;
+        self.write_report(&calibration, by_angle.as_ref(), &runs, &verdict)?;
         Ok(Found { stiffness: Some(calibration.stiffness), runs: Vec::new(), verdict: Some(verdict) })
+    }
+
+    fn simple_run(&mut self, name: &str, scenario: &StudyScenario, springs: &SpringsRecord) -> Result<Run> {
+        self.engine.get(&mut Simulate { solids: &mut self.solids, name, scenario, springs })
+    }
+
+    fn other_element(
+        &mut self,
+        name: &str,
+        scenario: &StudyScenario,
+        springs: &SpringsRecord,
+        laws: Option<&StiffnessByAngleRecord>,
+    ) -> Result<Other> {
+        other_element(&mut self.engine, &mut self.solids, (name, scenario), springs, laws)
+    }
+
+    fn solid_run(&mut self, name: &str, scenario: &StudyScenario, begun: Option<&Begun<'a>>) -> Result<Run> {
+        self.engine.get(&mut SimulateSolid { solids: &mut self.solids, begun, name, scenario })
+    }
+
+    fn write_report(
+        &mut self,
+        calibration: &Calibration,
+        by_angle: Option<&StiffnessByAngleRecord>,
+        runs: &[(String, Runs)],
+        verdict: &VerificationRecord,
+    ) -> Result<()> {
+        let report = Report { solids: &mut self.solids, calibration, by_angle, runs, verdict };
+        write_report(&mut self.engine, report)
     }
 
     /// The pages after a cross-check: the report too, if the folder has the study's other results;
@@ -394,7 +381,7 @@ impl<'a> Pipeline<'a> {
         if self.stored_results().is_ok() {
             self.report().map(|_| true)
         } else {
-            self.crosscheck_alone().map(|()| false)
+            crosscheck_alone(self.study, self.engine.folder).map(|()| false)
         }
     }
 }

@@ -9,6 +9,7 @@ use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::{ContactConditions, Pair, PairBody};
 use railspring_calibrate::solid::{Formulation, Material};
+use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::profile::ProfileCurve;
@@ -51,23 +52,25 @@ fn curve(points: &[Point]) -> ProfileCurve {
     ProfileCurve::from_points(&every, &[]).unwrap()
 }
 
-/// Displacement of the approach (m) under the loads, of the true surfaces on bodies of their own class; none where the pair does not carry them.
-fn truth(pair: &MeasuredPair) -> Option<Vec<(f64, f64)>> {
+/// Displacement of the approach (m) under the loads, of the true surfaces on bodies of their own class.
+///
+/// # Errors
+/// Surfaces that cannot be joined to the bodies, and loads that they do not carry.
+fn truth(pair: &MeasuredPair) -> Result<Vec<(f64, f64)>> {
     let (wheel, rail) = pair.classes;
     let [height, foot, web] = rail.body.map(|mm| 1e-3 * mm);
     let body =
         RailDimensions { height, foot, head: 1e-3 * rail.head, web, head_depth: None, foot_depth: None };
-    let base = rail_section_of(rail.name, rail_of_dimensions(&body).ok()?);
+    let base = rail_section_of(rail.name, rail_of_dimensions(&body)?);
     let head = curve(&pair.rail.2).transformed(0.0, -nalgebra::Vector2::new(0.0, top(&pair.rail.2)));
-    let section = rail_section_for_head(base, &head, &mut Vec::new()).ok()?;
-    let like = wheel_section("S1002", 1e-3 * wheel.diameter).ok()?;
+    let section = rail_section_for_head(base, &head, &mut Vec::new())?;
+    let like = wheel_section("S1002", 1e-3 * wheel.diameter)?;
     let wheel =
-        wheel_section_for_profile(&like, &curve(&pair.wheel.2), &WheelBody::default(), &mut Vec::new())
-            .ok()?;
+        wheel_section_for_profile(&like, &curve(&pair.wheel.2), &WheelBody::default(), &mut Vec::new())?;
     let cant = pair.measured[1].cant;
     let inclination = if cant > 0.0125 { cant } else { 1.0 / 40.0 };
     let track = TrackGeometry { inclination, ..TrackGeometry::standard() };
-    let pair = Pair::new(section, wheel, &track).ok()?;
+    let pair = Pair::new(section, wheel, &track)?;
     let mut options = MeshOptions::default();
     // small wheels touch at the field corner of some heads
     let running = &pair.rail.running;
@@ -75,17 +78,21 @@ fn truth(pair: &MeasuredPair) -> Option<Vec<(f64, f64)>> {
     if touch > options.rail_zone.field_y - 3e-3 {
         options.rail_zone.field_y = (touch + 8e-3).min(end - 0.5e-3);
     }
-    let meshes = pair.mesh(0.555, &options).ok()?;
+    let meshes = pair.mesh(0.555, &options)?;
     let material = Material { young: 210e9, poisson: 0.3, density: 7850.0, damping: 0.0 };
-    let bodies = meshes
-        .condense(&pair, PairBody::of_pair(false), material, Formulation::IncompatibleModes, &Silent)
-        .ok()?;
+    let bodies = meshes.condense(
+        &pair,
+        PairBody::of_pair(false),
+        material,
+        Formulation::IncompatibleModes,
+        &Silent,
+    )?;
     let contact =
         ContactConditions { friction: 0.5, enforcement: Enforcement::Exact, field: ContactField::Hybrid };
     let loads = LOADS.map(|kn| 1e3 * kn);
-    let pressed = bodies.press(&pair, contact, &loads, &Silent).ok()?;
-    let laws = pressed.laws().ok()?;
-    Some(laws.local.points.iter().map(|p| (p.force, p.displacement)).collect())
+    let pressed = bodies.press(&pair, contact, &loads, &Silent)?;
+    let laws = pressed.laws()?;
+    Ok(laws.local.points.iter().map(|p| (p.force, p.displacement)).collect())
 }
 
 fn top(points: &[Point]) -> f64 {
@@ -135,7 +142,7 @@ impl Outcome {
 }
 
 /// How a pair comes out, or what is said where it should have a law and has none.
-fn outcome(seed: u64, bands: bool) -> Result<Outcome, String> {
+fn outcome(seed: u64, bands: bool) -> std::result::Result<Outcome, String> {
     let pair = measured_pair(seed);
     let place = place(&pair, bands);
     let output = place.run(&["calibrate", "m.toml", "-o", "o", "-q"]);
@@ -147,7 +154,8 @@ fn outcome(seed: u64, bands: bool) -> Result<Outcome, String> {
         };
     }
     let stiffness = serde_json::from_str(&place.read("o/stiffness.json")).unwrap();
-    let changes = truth(&pair).map(|truth| {
+    let truth = truth(&pair).map_err(|error| println!("{}: no truth: {error}", pair.name)).ok();
+    let changes = truth.map(|truth| {
         let off = approach(&place.read("o/load_curve.csv")).into_iter().filter_map(|(force, mm)| {
             let (_, metres) = truth.iter().find(|(own, _)| (own / (1e3 * force) - 1.0).abs() < 1e-6)?;
             Some(metres / (1e-3 * mm) - 1.0)

@@ -6,7 +6,6 @@ use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Monitor;
 use std::sync::Mutex;
 
-use super::Pipeline;
 use crate::stages::{self, CoarserBodies, Geometry, Meshes, MovingBodies};
 use crate::store::{Address, Artefact, Kind, Store};
 use crate::study::Study;
@@ -29,25 +28,6 @@ pub(crate) struct BodySource<'a> {
     pub monitor: &'a dyn Monitor,
     /// Who hears what the store does not keep, and what is damaged there; none: `monitor`, in the order of the bodies.
     pub trouble: Option<&'a dyn Monitor>,
-}
-
-impl<'a> Pipeline<'a> {
-    /// Where the condensed bodies of the study come from; those of refined meshes one after the other.
-    pub(super) fn body_source(&self) -> BodySource<'a> {
-        let Self { store, fresh, study, resources, .. } = self;
-        let foot_held = study.calibration.foot_held;
-        let together = self.room.condensing && study.target_error.is_none();
-        let monitor = resources.monitor;
-        BodySource {
-            store: *store,
-            fresh: *fresh,
-            foot_held,
-            together,
-            study: &study.name,
-            monitor,
-            trouble: None,
-        }
-    }
 }
 
 impl<'a> BodySource<'a> {

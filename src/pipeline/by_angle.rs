@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use railspring_profiles::error::Result;
 
-use super::stage::{Made, Stage};
-use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, Pipeline, part_json};
+use super::solids::Solids;
+use super::stage::{Engine, Made, Stage};
+use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, part_json};
 use crate::output::to_json;
 use crate::records::{Sealed, StiffnessByAngleRecord, StiffnessRecord, to_csv};
 use crate::results::NewFile;
@@ -13,13 +14,14 @@ use crate::stages;
 use crate::store::{Address, Artefact, Kind};
 
 /// The laws of the study's shifts, on the bodies of its calibration.
-pub(super) struct ByAngle<'a> {
+pub(super) struct ByAngle<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
     /// The springs of that calibration, which follow from the same inputs.
-    pub stiffness: &'a StiffnessRecord,
+    pub stiffness: &'s StiffnessRecord,
 }
 
 /// Address of the laws of the study's shifts, on bodies with zones that reach as far as those of its calibration.
-pub(super) fn by_angle_address(at: &mut Pipeline<'_>) -> Result<Address> {
+pub(super) fn by_angle_address(at: &mut Solids<'_>) -> Result<Address> {
     let reach = at.reach()?;
     // the condensed element has the wheel's modes
     let modes = at.study.wants_condensed().then(|| at.study.modes());
@@ -27,24 +29,25 @@ pub(super) fn by_angle_address(at: &mut Pipeline<'_>) -> Result<Address> {
     Ok(Address::of(Kind::ByAngle, &inputs))
 }
 
-impl Stage for ByAngle<'_> {
+impl Stage for ByAngle<'_, '_> {
     type Value = StiffnessByAngleRecord;
 
     fn name(&self) -> String {
         "law by contact angle".into()
     }
 
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
-        by_angle_address(at)
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        by_angle_address(self.solids)
     }
 
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let at = &mut *self.solids;
         let geometry = at.geometry()?;
         let (study, monitor) = (at.study, at.resources.monitor);
         let bodies = match at.condensed.take() {
             Some(bodies) => bodies,
             None => {
-                let meshes = at.meshes(Pipeline::calibration_work)?;
+                let meshes = at.meshes(engine, Solids::calibration_work)?;
                 let solids = stages::solids(study, &geometry, &meshes);
                 let bodies = Arc::new(at.body_source().condensed(&solids, "", study.modes())?);
                 at.go_on_with(meshes);
@@ -53,7 +56,7 @@ impl Stage for ByAngle<'_> {
         };
         // with the zones of the calibration, with which the runs on the solids go on
         let coarser = || {
-            let meshes = at.meshes(Pipeline::calibration_work)?;
+            let meshes = at.meshes(engine, Solids::calibration_work)?;
             let coarser = at.coarser(&geometry, &meshes)?;
             let element = meshes.contact_element();
             at.go_on_with(meshes);
@@ -66,7 +69,8 @@ impl Stage for ByAngle<'_> {
         Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }
 
-    fn value(&self, artefact: &Artefact, key: &str, at: &mut Pipeline<'_>) -> Result<StiffnessByAngleRecord> {
+    fn value(&mut self, artefact: &Artefact, key: &str) -> Result<StiffnessByAngleRecord> {
+        let at = &*self.solids;
         let mut laws: StiffnessByAngleRecord = part_json(artefact, BY_ANGLE)?;
         laws.study.clone_from(&at.study.name);
         laws.input_hash = key.into();
@@ -74,13 +78,7 @@ impl Stage for ByAngle<'_> {
         Ok(laws.sealed())
     }
 
-    fn files(
-        &self,
-        artefact: &Artefact,
-        value: &StiffnessByAngleRecord,
-        key: &str,
-        _: &Pipeline<'_>,
-    ) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, value: &StiffnessByAngleRecord, key: &str) -> Vec<NewFile> {
         let rows = artefact.part(BY_ANGLE_ROWS).unwrap_or_default().to_vec();
         let files = [(BY_ANGLE, to_json(value)), (BY_ANGLE_ROWS, rows)];
         files.map(|(name, content)| NewFile::new(name, content, key)).into()

@@ -8,26 +8,30 @@ use railspring_profiles::field::InputField;
 use railspring_profiles::units::MILLIMETRE;
 
 use super::bodies::BodySource;
-use super::stage::{Made, REACH, Stage};
+use super::solids::{REACH, Solids};
+use super::stage::{Engine, Made, Stage};
 use super::{
-    FIGURES, LOAD_CURVE, PATCHES, Pipeline, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION, load_curve,
-    part_json, part_text,
+    FIGURES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION, load_curve, part_json,
+    part_text,
 };
 use crate::estimate::Work;
 use crate::measure::Stopwatch;
 use crate::output::to_json;
 use crate::records::{
-    AssumedRecord, ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Sealed, StiffnessRecord, to_csv,
+    AssumedRecord, ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Reach, Sealed, StiffnessRecord,
+    to_csv,
 };
 use crate::results::NewFile;
-use crate::stages::{
-    self, Calibration, CoarserBodies, FoundSprings, Geometry, Meshes, PressedStudy, Reached, Within,
-};
+use crate::stages::{self, Calibration, FoundSprings, Geometry, Meshes, PressedStudy, Reached, Within};
 use crate::store::{Address, Artefact};
 use crate::study::Study;
 
 /// The springs of the study, its load curve, patches and fields.
-pub(super) struct Calibrate;
+pub(super) struct Calibrate<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    /// Springs that were found before.
+    pub found: Option<FoundOn>,
+}
 
 /// The springs of a study on the meshes that they end with, before their fields and mostly before their error bands: all that runs on the
 /// solids need of a calibration.
@@ -69,29 +73,32 @@ fn is_field(name: &str) -> bool {
     [".vtu", ".pvd"].iter().any(|ending| name.ends_with(ending))
 }
 
-impl Stage for Calibrate {
+impl Stage for Calibrate<'_, '_> {
     type Value = Calibration;
 
     fn name(&self) -> String {
         "calibration".into()
     }
 
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
-        Ok(stages::calibration_address(at.study))
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        Ok(stages::calibration_address(self.solids.study))
     }
 
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let springs = match at.springs.take() {
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let springs = match self.found.take() {
             Some(springs) => springs,
-            None => at.found_springs()?,
+            None => found_springs(self.solids, engine)?,
         };
+        let at = &mut *self.solids;
         let FoundOn { meshes, condensed, pressed, band, refused, watch } = springs;
         at.resources.monitor.notice(&stages::law_so_far(at.study, pressed.found()));
-        at.watch = watch.or(at.watch.take());
+        engine.watch = watch.or(engine.watch.take());
         let (study, geometry) = (at.study, at.geometry()?);
         let fields = || stages::calibrate(study, &geometry, &meshes, &condensed, &pressed);
         let band = || match band {
-            None if study.wants_error_band() => at.band(&geometry, &meshes, &condensed, &pressed).map(Some),
+            None if study.wants_error_band() => {
+                error_band(at, &geometry, &meshes, &condensed, &pressed).map(Some)
+            }
             band => Ok(band),
         };
         let (fields, band) = if at.room.stages { rayon::join(fields, band) } else { (fields(), band()) };
@@ -102,7 +109,7 @@ impl Stage for Calibrate {
                 record.error_band = horizontal;
             }
         }
-        calibration.stiffness.assumed = at.assumed(&geometry, (&meshes, &condensed), pressed.found())?;
+        calibration.stiffness.assumed = assumed(at, &geometry, (&meshes, &condensed), pressed.found())?;
         let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
         let reach = at.go_on_with(meshes);
         at.condensed = (study.wants_by_angle() || study.modes() > 0).then_some(condensed);
@@ -120,7 +127,8 @@ impl Stage for Calibrate {
         Ok(Made { complete, failure, ..Made::whole(artefact) })
     }
 
-    fn value(&self, artefact: &Artefact, key: &str, at: &mut Pipeline<'_>) -> Result<Calibration> {
+    fn value(&mut self, artefact: &Artefact, key: &str) -> Result<Calibration> {
+        let at = &mut *self.solids;
         let mut stiffness: StiffnessRecord = part_json(artefact, STIFFNESS)?;
         label(&mut stiffness, key, at.study, &*at.geometry()?);
         let stiffness = stiffness.sealed();
@@ -132,7 +140,7 @@ impl Stage for Calibrate {
         Ok(Calibration::kept(stiffness, load_curve, patches))
     }
 
-    fn files(&self, artefact: &Artefact, value: &Calibration, key: &str, _: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, value: &Calibration, key: &str) -> Vec<NewFile> {
         let part = |name| (name, artefact.part(name).unwrap_or_default().to_vec());
         let fields = artefact.parts().filter(|(name, _)| is_field(name));
         let fields = fields.map(|(name, content)| (name, content.to_vec()));
@@ -146,89 +154,81 @@ impl Stage for Calibrate {
         &OF_THE_CALIBRATION
     }
 
-    fn ends_with_reach(&self) -> bool {
-        true
+    fn reach(&self) -> Option<Reach> {
+        self.solids.reach_now()
     }
 }
 
-impl Pipeline<'_> {
-    /// Whether the calibration is to be made, as far as the store says.
-    pub(super) fn calibrates(&mut self) -> Result<bool> {
-        let address = Calibrate.address(self)?;
-        Ok(self.fresh || !self.store.is_some_and(|store| store.has(&address)))
-    }
+/// Whether the calibration is to be made, as far as the store says.
+pub(super) fn calibrates(study: &Study, engine: &Engine<'_>) -> bool {
+    let address = stages::calibration_address(study);
+    engine.fresh || !engine.store.is_some_and(|store| store.has(&address))
+}
 
-    /// The springs of the study, on meshes with zones as long and elements as fine as they have to be.
-    ///
-    /// # Errors
-    /// Those of the bodies and of pressing them.
-    pub(super) fn found_springs(&mut self) -> Result<FoundOn> {
-        let geometry = self.geometry()?;
-        let mut meshes = self.meshes(Pipeline::calibration_work)?;
-        let (study, monitor, budget) = (self.study, self.resources.monitor, self.resources.budget);
-        let (source, modes) = (self.body_source(), study.modes());
-        let accept = |larger: &Meshes| {
-            budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ())
-        };
-        let press = |meshes: &Meshes| {
-            let solids = stages::solids(study, &geometry, meshes);
-            let condensed = source.condensed(&solids, "", modes)?;
-            let pressed = stages::press(study, &geometry, &condensed, monitor)?;
-            Ok((Arc::new(condensed), pressed))
-        };
-        let reached = |(_, pressed): &Pressed| match pressed.ended() {
-            Some(Error::Numerics(cause)) => Reached::by(cause),
-            _ => None,
-        };
-        loop {
-            let Within { result: (condensed, pressed), refused } =
-                stages::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
-                    .map_err(|error| uncarried(study, error))?;
-            let mut band = None;
-            if study.wants_error_band() && study.target_error.is_some() {
-                let (band, _) = band.insert(self.band(&geometry, &meshes, &condensed, &pressed)?);
-                if let Some(finer) = stages::finer_meshes(study, &geometry, &meshes, band, accept, monitor)? {
-                    meshes = finer;
-                    continue;
-                }
+/// The springs of the study, on meshes with zones as long and elements as fine as they have to be.
+///
+/// # Errors
+/// Those of the bodies and of pressing them.
+pub(super) fn found_springs(at: &mut Solids<'_>, engine: &mut Engine<'_>) -> Result<FoundOn> {
+    let geometry = at.geometry()?;
+    let mut meshes = at.meshes(engine, Solids::calibration_work)?;
+    let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
+    let (source, modes) = (at.body_source(), study.modes());
+    let accept =
+        |larger: &Meshes| budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ());
+    let press = |meshes: &Meshes| {
+        let solids = stages::solids(study, &geometry, meshes);
+        let condensed = source.condensed(&solids, "", modes)?;
+        let pressed = stages::press(study, &geometry, &condensed, monitor)?;
+        Ok((Arc::new(condensed), pressed))
+    };
+    let reached = |(_, pressed): &Pressed| match pressed.ended() {
+        Some(Error::Numerics(cause)) => Reached::by(cause),
+        _ => None,
+    };
+    loop {
+        let Within { result: (condensed, pressed), refused } =
+            stages::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
+                .map_err(|error| uncarried(study, error))?;
+        let mut band = None;
+        if study.wants_error_band() && study.target_error.is_some() {
+            let (band, _) = band.insert(error_band(at, &geometry, &meshes, &condensed, &pressed)?);
+            if let Some(finer) = stages::finer_meshes(study, &geometry, &meshes, band, accept, monitor)? {
+                meshes = finer;
+                continue;
             }
-            let watch = self.watch.take();
-            return Ok(FoundOn { meshes, condensed, pressed, band, refused, watch });
         }
+        let watch = engine.watch.take();
+        return Ok(FoundOn { meshes, condensed, pressed, band, refused, watch });
     }
+}
 
-    /// The bodies of coarser meshes.
-    pub(super) fn coarser(&self, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
-        self.body_source().coarser(self.study, geometry, meshes)
-    }
+/// What was assumed of the bodies, with others in their place.
+fn assumed(
+    at: &Solids<'_>,
+    geometry: &Geometry,
+    own: (&Meshes, &CondensedPair),
+    found: &FoundSprings,
+) -> Result<Option<AssumedRecord>> {
+    let (study, monitor) = (at.study, at.resources.monitor);
+    let condense = |geometry: &Geometry, meshes: &Meshes| {
+        let source = BodySource { foot_held: false, ..at.body_source() };
+        source.condensed(&stages::solids(study, geometry, meshes), " of another pair", 0)
+    };
+    stages::assumed(study, geometry, own, found, condense, monitor)
+}
 
-    /// What was assumed of the bodies, with others in their place.
-    fn assumed(
-        &self,
-        geometry: &Geometry,
-        own: (&Meshes, &CondensedPair),
-        found: &FoundSprings,
-    ) -> Result<Option<AssumedRecord>> {
-        let (study, monitor) = (self.study, self.resources.monitor);
-        let condense = |geometry: &Geometry, meshes: &Meshes| {
-            let source = BodySource { foot_held: false, ..self.body_source() };
-            source.condensed(&stages::solids(study, geometry, meshes), " of another pair", 0)
-        };
-        stages::assumed(study, geometry, own, found, condense, monitor)
-    }
-
-    /// The error bands. The bodies of coarser meshes that they need are condensed here, not beside the others: the law comes first.
-    fn band(
-        &self,
-        geometry: &Geometry,
-        meshes: &Meshes,
-        bodies: &CondensedPair,
-        pressed: &PressedStudy,
-    ) -> Result<Band> {
-        let coarser = self.coarser(geometry, meshes)?;
-        let monitor = self.resources.monitor;
-        stages::error_band(self.study, geometry, meshes, bodies, pressed.found(), &coarser, monitor)
-    }
+/// The error bands. The bodies of coarser meshes that they need are condensed here, not beside the others: the law comes first.
+fn error_band(
+    at: &Solids<'_>,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    bodies: &CondensedPair,
+    pressed: &PressedStudy,
+) -> Result<Band> {
+    let coarser = at.coarser(geometry, meshes)?;
+    let monitor = at.resources.monitor;
+    stages::error_band(at.study, geometry, meshes, bodies, pressed.found(), &coarser, monitor)
 }
 
 /// Puts in what a calibration carries of the study that asks for it and does not depend on, names of the study and of files, and the key of

@@ -4,20 +4,24 @@ use std::path::Path;
 
 use railspring_profiles::error::{Error, InputError, Result};
 
-use super::stage::{Made, Stage};
+use super::stage::{Engine, Made, Stage};
 use super::{CROSSCHECK, DIFFERENCES, Pipeline, part_json};
 use crate::crosscheck::exchange::Case;
 use crate::crosscheck::{self, Solvers};
+use crate::estimate::Resources;
 use crate::output::{OutputFolder, to_json};
 use crate::records::crosscheck::CrosscheckRecord;
 use crate::results::NewFile;
 use crate::store::{Address, Artefact, Kind};
+use crate::study::Study;
 
 /// Folder of the questions and answers inside the output folder.
 const EXCHANGE_FOLDER: &str = "crosscheck";
 
 /// Questions to reference solvers, and the comparison.
 struct Crosscheck<'a> {
+    study: &'a Study,
+    resources: Resources<'a>,
     cases: &'a [Case],
     solvers: &'a Solvers,
 }
@@ -29,24 +33,24 @@ impl Stage for Crosscheck<'_> {
         "cross-check".into()
     }
 
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
         let cases: Vec<&str> = self.cases.iter().map(|case| case.name()).collect();
-        Ok(Address::of(Kind::Crosscheck, &(&at.study.keys.crosscheck, cases, self.solvers.versions())))
+        Ok(Address::of(Kind::Crosscheck, &(&self.study.keys.crosscheck, cases, self.solvers.versions())))
     }
 
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let folder = OutputFolder::create(&at.folder.file(EXCHANGE_FOLDER))?;
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER))?;
         let (record, differences) =
-            crosscheck::crosscheck(at.study, &folder, self.cases, self.solvers, &at.resources)?;
+            crosscheck::crosscheck(self.study, &folder, self.cases, self.solvers, &self.resources)?;
         let artefact = Artefact::default().with(CROSSCHECK, to_json(&record));
         Ok(Made::whole(artefact.with(DIFFERENCES, to_json(&differences))))
     }
 
-    fn value(&self, artefact: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<CrosscheckRecord> {
+    fn value(&mut self, artefact: &Artefact, _: &str) -> Result<CrosscheckRecord> {
         part_json(artefact, CROSSCHECK)
     }
 
-    fn files(&self, artefact: &Artefact, _: &CrosscheckRecord, key: &str, _: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, _: &CrosscheckRecord, key: &str) -> Vec<NewFile> {
         let part = |name: &str| {
             let content = artefact.part(name).unwrap_or_default().to_vec();
             // seconds, date and host are in it
@@ -74,8 +78,9 @@ impl Pipeline<'_> {
     ) -> Result<CrosscheckRecord> {
         // first, so that whatever is missing is reported before anything is computed
         let keep = keep.map(kept_in).transpose()?;
-        let solvers = Solvers::find(cases, calculix, &self.resources)?;
-        let record = self.get(&Crosscheck { cases, solvers: &solvers })?;
+        let solvers = Solvers::find(cases, calculix, &self.solids.resources)?;
+        let (study, resources) = (self.study, self.solids.resources);
+        let record = self.engine.get(&mut Crosscheck { study, resources, cases, solvers: &solvers })?;
         if let Some((kept, name)) = keep {
             kept.write_json(&name, &record)?;
         }

@@ -3,10 +3,10 @@
 use railspring_profiles::error::Result;
 
 use super::runs::{Other, Run, Runs};
-use super::stage::{Made, Stage};
-use super::{
-    BY_ANGLE, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, Pipeline, REPORT, REPORT_PDF, STIFFNESS,
-};
+use super::solids::Solids;
+use super::stage::{Engine, Made, Stage};
+use super::{BY_ANGLE, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, REPORT, REPORT_PDF, STIFFNESS};
+use crate::output::OutputFolder;
 use crate::records::crosscheck::{CrosscheckRecord, Differences, SectionDifference};
 use crate::records::{StiffnessByAngleRecord, VerificationRecord};
 use crate::report::crosscheck::{Crosscheck, PageData, page};
@@ -14,28 +14,31 @@ use crate::report::{self, ModelRun, ReportData, ScenarioRun};
 use crate::results::{Entry, NewFile};
 use crate::stages::{self, Calibration};
 use crate::store::{Address, Artefact, Kind};
+use crate::study::Study;
 use crate::verify::Band;
 
 /// The report on all results.
-pub(super) struct Report<'a> {
-    pub calibration: &'a Calibration,
+pub(super) struct Report<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    pub calibration: &'s Calibration,
     /// The laws by contact angle, if the study wants them.
-    pub by_angle: Option<&'a StiffnessByAngleRecord>,
-    pub runs: &'a [(String, Runs)],
-    pub verdict: &'a VerificationRecord,
+    pub by_angle: Option<&'s StiffnessByAngleRecord>,
+    pub runs: &'s [(String, Runs)],
+    pub verdict: &'s VerificationRecord,
 }
 
-impl<'a> Stage for Report<'a> {
+impl<'s> Stage for Report<'s, '_> {
     type Value = ();
 
     fn name(&self) -> String {
         "report".into()
     }
 
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        let study = self.solids.study;
         let springs =
             [Some(&self.calibration.stiffness.input_hash), self.by_angle.map(|laws| &laws.input_hash)];
-        let inputs = (&self.verdict.input_hash, springs, &at.study.description, &at.study.resolved);
+        let inputs = (&self.verdict.input_hash, springs, &study.description, &study.resolved);
         Ok(Address::of(Kind::Report, &inputs))
     }
 
@@ -43,16 +46,17 @@ impl<'a> Stage for Report<'a> {
         false
     }
 
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let geometry = at.geometry()?;
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let geometry = self.solids.geometry()?;
+        let study = self.solids.study;
         let profiles = stages::profiles(&geometry);
         let scenarios = self
             .runs
             .iter()
             .map(|(name, runs)| {
-                let scenario = &at.study.scenarios[name];
-                let limits = &at.study.limits;
-                let drawn = |name, run: &'a Run| ModelRun {
+                let scenario = &study.scenarios[name];
+                let limits = &study.limits;
+                let drawn = |name, run: &'s Run| ModelRun {
                     name,
                     history: &run.history,
                     carrying: run.model().carrying(limits.ratio_max),
@@ -70,25 +74,24 @@ impl<'a> Stage for Report<'a> {
                 }
             })
             .collect();
-        let crosscheck = at.own_crosscheck();
-        let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| at.differences(record));
+        let crosscheck = own_crosscheck(study, engine.folder);
+        let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| differences(engine.folder, record));
         // The folder may have runs of other load cases.
         let inputs = [STIFFNESS, BY_ANGLE].into_iter().chain(self.verdict.inputs.keys().map(String::as_str));
-        let entries: Vec<Entry> = inputs.filter_map(|name| at.results.entry(name)).collect();
+        let entries: Vec<Entry> = inputs.filter_map(|name| engine.results.entry(name)).collect();
         let keys: Vec<&String> = entries.iter().map(|entry| &entry.key).collect();
         let programs: Vec<String> = entries.iter().map(Entry::program).collect();
-        let mut measured = at.measured.clone();
+        let mut measured = engine.measured.clone();
         measured.stages.retain(|stage| keys.contains(&&stage.key));
         let data = ReportData {
-            name: &at.study.name,
-            description: &at.study.description,
-            file: at
-                .study
+            name: &study.name,
+            description: &study.description,
+            file: study
                 .source
                 .path()
                 .file_name()
-                .map(|name| (name.to_string_lossy().into_owned(), at.study.source.hash().to_string())),
-            inputs: &at.study.resolved,
+                .map(|name| (name.to_string_lossy().into_owned(), study.source.hash().to_string())),
+            inputs: &study.resolved,
             stiffness: &self.calibration.stiffness,
             load_curve: &self.calibration.load_curve,
             patches: &self.calibration.patches,
@@ -97,13 +100,13 @@ impl<'a> Stage for Report<'a> {
             surfaces: &geometry.surfaces,
             bodies: &geometry.outlines(),
             scenarios,
-            ratio_window: at.study.limits.ratio_window_s,
+            ratio_window: study.limits.ratio_window_s,
             verdict: self.verdict,
             programs: &programs,
             measured: &measured,
             crosscheck: match &crosscheck {
                 Some(record) => Crosscheck::Fresh(record, &sections),
-                None if at.folder.file(CROSSCHECK).exists() => Crosscheck::Stale,
+                None if engine.folder.file(CROSSCHECK).exists() => Crosscheck::Stale,
                 None => Crosscheck::Absent,
             },
         };
@@ -113,11 +116,11 @@ impl<'a> Stage for Report<'a> {
         Ok(Made::whole(artefact.with(REPORT, built.html)))
     }
 
-    fn value(&self, _: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<()> {
+    fn value(&mut self, _: &Artefact, _: &str) -> Result<()> {
         Ok(())
     }
 
-    fn files(&self, artefact: &Artefact, (): &(), key: &str, _: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, (): &(), key: &str) -> Vec<NewFile> {
         let file = |(name, content): (&str, &[u8])| {
             // The page shows seconds and the host.
             NewFile { reproducible: name != REPORT, ..NewFile::new(name, content.to_vec(), key) }
@@ -134,49 +137,55 @@ impl<'a> Stage for Report<'a> {
     }
 }
 
-impl Pipeline<'_> {
-    /// The report, and the page of this study's cross-check again, because it now has a report to point to.
-    pub(super) fn report_stage(&mut self, report: &Report<'_>) -> Result<()> {
-        self.get(report)?;
-        let Some(record) = self.own_crosscheck() else { return Ok(()) };
-        self.crosscheck_page(&record, &self.differences(&record), true)
-    }
+/// The report, and the page of this study's cross-check again, because it now has a report to point to.
+///
+/// # Errors
+/// Those of the geometry, and files that cannot be written.
+pub(super) fn write_report(engine: &mut Engine<'_>, mut report: Report<'_, '_>) -> Result<()> {
+    engine.get(&mut report)?;
+    let (study, folder) = (report.solids.study, engine.folder);
+    let Some(record) = own_crosscheck(study, folder) else { return Ok(()) };
+    crosscheck_page(study, folder, &record, true)
+}
 
-    /// The page of the folder's cross-check where there is no report.
-    pub(super) fn crosscheck_alone(&self) -> Result<()> {
-        let record = self.folder.read_json(CROSSCHECK, "crosscheck")?;
-        self.crosscheck_page(&record, &self.differences(&record), false)
-    }
+/// The page of the folder's cross-check where there is no report.
+///
+/// # Errors
+/// A cross-check that is not there, and a page that cannot be written.
+pub(super) fn crosscheck_alone(study: &Study, folder: &OutputFolder) -> Result<()> {
+    let record = folder.read_json(CROSSCHECK, "crosscheck")?;
+    crosscheck_page(study, folder, &record, false)
+}
 
-    /// The cross-check of the folder if it is one of this study: `None` if it is of another study
-    /// or has another layout.
-    fn own_crosscheck(&self) -> Option<CrosscheckRecord> {
-        let record: CrosscheckRecord = self.folder.read_json(CROSSCHECK, "crosscheck").ok()?;
-        (record.input_hash == self.study.keys.crosscheck).then_some(record)
-    }
+/// The cross-check of the folder if it is one of this study: `None` if it is of another study
+/// or has another layout.
+fn own_crosscheck(study: &Study, folder: &OutputFolder) -> Option<CrosscheckRecord> {
+    let record: CrosscheckRecord = folder.read_json(CROSSCHECK, "crosscheck").ok()?;
+    (record.input_hash == study.keys.crosscheck).then_some(record)
+}
 
-    /// The sections of that very cross-check; none if they are not there.
-    fn differences(&self, record: &CrosscheckRecord) -> Vec<SectionDifference> {
-        self.folder
-            .read_json::<Differences>(DIFFERENCES, "crosscheck")
-            .ok()
-            .filter(|d| d.input_hash == record.input_hash && d.begun_utc == record.begun_utc)
-            .map_or_else(Vec::new, |d| d.sections)
-    }
+/// The sections of that very cross-check; none if they are not there.
+fn differences(folder: &OutputFolder, record: &CrosscheckRecord) -> Vec<SectionDifference> {
+    folder
+        .read_json::<Differences>(DIFFERENCES, "crosscheck")
+        .ok()
+        .filter(|d| d.input_hash == record.input_hash && d.begun_utc == record.begun_utc)
+        .map_or_else(Vec::new, |d| d.sections)
+}
 
-    fn crosscheck_page(
-        &self,
-        record: &CrosscheckRecord,
-        sections: &[SectionDifference],
-        report: bool,
-    ) -> Result<()> {
-        let data = PageData {
-            description: &self.study.description,
-            inputs: &self.study.resolved,
-            record,
-            sections,
-            report,
-        };
-        self.folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
-    }
+fn crosscheck_page(
+    study: &Study,
+    folder: &OutputFolder,
+    record: &CrosscheckRecord,
+    report: bool,
+) -> Result<()> {
+    let sections = differences(folder, record);
+    let data = PageData {
+        description: &study.description,
+        inputs: &study.resolved,
+        record,
+        sections: &sections,
+        report,
+    };
+    folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
 }

@@ -5,15 +5,16 @@ use std::path::Path;
 use railspring_profiles::error::{Error, Result};
 use railspring_simulate::time::history::{Ending, History};
 
-use super::stage::{Made, Stage};
-use super::{OF_THE_RUNS, Pipeline, history_file, part_json, part_text, unreadable};
+use super::solids::Solids;
+use super::stage::{Engine, Made, Stage};
+use super::{OF_THE_RUNS, history_file, part_json, part_text, unreadable};
 use crate::output::to_json;
 use crate::records::{RunRecord, SpringsRecord, StiffnessByAngleRecord, history_csv};
 use crate::results::NewFile;
 use crate::springs;
 use crate::stages;
 use crate::store::{Address, Artefact, Kind};
-use crate::study::{ContactElementKey, StudyScenario};
+use crate::study::{ContactElementKey, Study, StudyScenario};
 use crate::verify::ModelRun;
 
 /// Part of an artefact: the rows as the output folder has them.
@@ -58,17 +59,19 @@ impl Run {
 }
 
 /// A load case on the simple model.
-pub(super) struct Simulate<'a> {
-    pub name: &'a str,
-    pub scenario: &'a StudyScenario,
-    pub springs: &'a SpringsRecord,
+pub(super) struct Simulate<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    pub name: &'s str,
+    pub scenario: &'s StudyScenario,
+    pub springs: &'s SpringsRecord,
 }
 
 /// The same in the contact element that the study has not chosen, with its springs.
-pub(super) struct SimulateOther<'a> {
-    pub name: &'a str,
-    pub scenario: &'a StudyScenario,
-    pub springs: &'a SpringsRecord,
+pub(super) struct SimulateOther<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    pub name: &'s str,
+    pub scenario: &'s StudyScenario,
+    pub springs: &'s SpringsRecord,
 }
 
 /// The contact element that the study has not chosen.
@@ -85,27 +88,27 @@ pub(super) struct Runs {
     pub solid: Option<Run>,
 }
 
-impl Stage for Simulate<'_> {
+impl Stage for Simulate<'_, '_> {
     type Value = Run;
 
     fn name(&self) -> String {
         format!("simple model, {}", self.name)
     }
 
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
-        Ok(Address::of(Kind::SimpleRun, &at.study.keys.simple(self.name, self.springs)))
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        Ok(simple_run_address(self.solids.study, self.name, self.springs))
     }
 
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        at.simple_run(self.name, self.scenario, self.springs).map(Made::whole)
+    fn make(&mut self, _: &mut Engine<'_>) -> Result<Made> {
+        simple_run(self.solids, self.name, self.scenario, self.springs).map(Made::whole)
     }
 
-    fn value(&self, artefact: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<Run> {
+    fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Run> {
         run(artefact).map(|run| run.noted(self.scenario))
     }
 
-    fn files(&self, artefact: &Artefact, value: &Run, key: &str, at: &Pipeline<'_>) -> Vec<NewFile> {
-        files(SIMPLE.map(|stem| history_file(at.study, self.name, stem)), artefact, value, key)
+    fn files(&self, artefact: &Artefact, value: &Run, key: &str) -> Vec<NewFile> {
+        files(SIMPLE.map(|stem| history_file(self.solids.study, self.name, stem)), artefact, value, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -113,38 +116,36 @@ impl Stage for Simulate<'_> {
     }
 }
 
-impl Stage for SimulateOther<'_> {
+impl Stage for SimulateOther<'_, '_> {
     type Value = std::result::Result<Run, String>;
 
     fn name(&self) -> String {
         format!("simple model, {}, {} element", self.name, springs::element(self.springs).name())
     }
 
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
-        // a failure is kept here, too, and that of the chosen element never
-        let run = at.study.keys.simple(self.name, self.springs);
-        Ok(Address::of(Kind::SimpleRun, &("other element", run)))
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        Ok(other_run_address(self.solids.study, self.name, self.springs))
     }
 
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        Ok(Made::whole(match at.simple_run(self.name, self.scenario, self.springs) {
+    fn make(&mut self, _: &mut Engine<'_>) -> Result<Made> {
+        Ok(Made::whole(match simple_run(self.solids, self.name, self.scenario, self.springs) {
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             Err(reason) => Artefact::default().with(FAILURE, reason.to_string()),
             Ok(artefact) => artefact,
         }))
     }
 
-    fn value(&self, artefact: &Artefact, _: &str, _: &mut Pipeline<'_>) -> Result<Self::Value> {
+    fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Self::Value> {
         match artefact.part(FAILURE) {
             Some(_) => Ok(Err(part_text(artefact, FAILURE)?.into())),
             None => run(artefact).map(|run| Ok(run.noted(self.scenario))),
         }
     }
 
-    fn files(&self, artefact: &Artefact, value: &Self::Value, key: &str, at: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(&self, artefact: &Artefact, value: &Self::Value, key: &str) -> Vec<NewFile> {
         let names = of_element(springs::element(self.springs));
         let Ok(run) = value else { return Vec::new() };
-        files(names.map(|stem| history_file(at.study, self.name, &stem)), artefact, run, key)
+        files(names.map(|stem| history_file(self.solids.study, self.name, &stem)), artefact, run, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -152,52 +153,59 @@ impl Stage for SimulateOther<'_> {
     }
 }
 
-impl Pipeline<'_> {
-    /// A load case on the simple model as an artefact.
-    fn simple_run(
-        &mut self,
-        name: &str,
-        scenario: &StudyScenario,
-        springs: &SpringsRecord,
-    ) -> Result<Artefact> {
-        let used = springs::springs(springs)?;
-        let geometry = self.geometry()?;
-        let (history, tried) =
-            stages::simulate(self.study, &geometry, &used, scenario, self.resources.monitor)
-                .map_err(|error| self.study.in_scenario(name, error))?;
-        let runs_with = format!("simple model: the {} contact element", springs::element(springs).name());
-        let notes = [runs_with].into_iter().chain(springs::range_note(springs, &history)).collect();
-        let record = RunRecord {
-            wheel_mass_kg: Some(scenario.scenario.wheel_mass.unwrap_or(used.mass())),
-            ..RunRecord::new(&history, Some(springs), tried.worth, notes)
-        };
-        Ok(artefact(&history, &record, tried.disturbed.as_ref()))
-    }
+/// Address of a load case on the simple model with some springs.
+pub(super) fn simple_run_address(study: &Study, case: &str, springs: &SpringsRecord) -> Address {
+    Address::of(Kind::SimpleRun, &study.keys.simple(case, springs))
+}
 
-    /// The load case in the contact element that the study has not chosen, as far as it can run beside `springs`. Nothing of it is an error of the study.
-    ///
-    /// # Errors
-    /// An interruption, and files that cannot be written or removed.
-    pub(super) fn other_element(
-        &mut self,
-        name: &str,
-        scenario: &StudyScenario,
-        springs: &SpringsRecord,
-        laws: Option<&StiffnessByAngleRecord>,
-    ) -> Result<Other> {
-        let chosen = springs::element(springs);
-        let element = chosen.other();
-        let run = match springs::in_other_element(springs, laws) {
-            Ok(springs) => self.get(&SimulateOther { name, scenario, springs: &springs })?,
-            Err(reason) => Err(reason),
-        };
-        // what an earlier command has left of an element that does not run beside this one
-        let gone = [Some(chosen), run.is_err().then_some(element)].into_iter().flatten();
-        let gone: Vec<String> =
-            gone.flat_map(of_element).map(|stem| history_file(self.study, name, &stem)).collect();
-        self.results.withdraw(&gone, &OF_THE_RUNS)?;
-        Ok(Other { element, run })
-    }
+/// The same in the contact element that the study has not chosen: a failure is kept there, too, and that of the chosen element never.
+pub(super) fn other_run_address(study: &Study, case: &str, springs: &SpringsRecord) -> Address {
+    Address::of(Kind::SimpleRun, &("other element", study.keys.simple(case, springs)))
+}
+
+/// A load case on the simple model as an artefact.
+fn simple_run(
+    at: &mut Solids<'_>,
+    name: &str,
+    scenario: &StudyScenario,
+    springs: &SpringsRecord,
+) -> Result<Artefact> {
+    let used = springs::springs(springs)?;
+    let geometry = at.geometry()?;
+    let (history, tried) = stages::simulate(at.study, &geometry, &used, scenario, at.resources.monitor)
+        .map_err(|error| at.study.in_scenario(name, error))?;
+    let runs_with = format!("simple model: the {} contact element", springs::element(springs).name());
+    let notes = [runs_with].into_iter().chain(springs::range_note(springs, &history)).collect();
+    let record = RunRecord {
+        wheel_mass_kg: Some(scenario.scenario.wheel_mass.unwrap_or(used.mass())),
+        ..RunRecord::new(&history, Some(springs), tried.worth, notes)
+    };
+    Ok(artefact(&history, &record, tried.disturbed.as_ref()))
+}
+
+/// The load case in the contact element that the study has not chosen, as far as it can run beside `springs`. Nothing of it is an error of the study.
+///
+/// # Errors
+/// An interruption, and files that cannot be written or removed.
+pub(super) fn other_element(
+    engine: &mut Engine<'_>,
+    solids: &mut Solids<'_>,
+    (name, scenario): (&str, &StudyScenario),
+    springs: &SpringsRecord,
+    laws: Option<&StiffnessByAngleRecord>,
+) -> Result<Other> {
+    let study = solids.study;
+    let chosen = springs::element(springs);
+    let element = chosen.other();
+    let run = match springs::in_other_element(springs, laws) {
+        Ok(springs) => engine.get(&mut SimulateOther { solids, name, scenario, springs: &springs })?,
+        Err(reason) => Err(reason),
+    };
+    // what an earlier command has left of an element that does not run beside this one
+    let gone = [Some(chosen), run.is_err().then_some(element)].into_iter().flatten();
+    let gone: Vec<String> = gone.flat_map(of_element).map(|stem| history_file(study, name, &stem)).collect();
+    engine.results.withdraw(&gone, &OF_THE_RUNS)?;
+    Ok(Other { element, run })
 }
 
 /// A run as an artefact, with the one that has a larger input.

@@ -12,64 +12,77 @@ use railspring_simulate::solid::TransientRun;
 use super::bodies::BodySource;
 use super::calibration::FoundOn;
 use super::runs::{Run, SOLID, artefact, files, run};
-use super::stage::{Made, REACH, Stage};
-use super::{Moving, OF_THE_RUNS, Pipeline, history_file};
+use super::solids::{Moving, REACH, Solids, solid_run_address};
+use super::stage::{Engine, Made, Stage};
+use super::{OF_THE_RUNS, history_file};
 use crate::estimate::{Budget, Work};
 use crate::measure::Stopwatch;
 use crate::output::to_json;
 use crate::records::{Reach, RunRecord};
 use crate::results::NewFile;
 use crate::stages::{self, Geometry, Meshes, MovingBodies, Reached, Tried, Within};
-use crate::store::{Address, Artefact, Kind, Store};
+use crate::store::{Address, Artefact, Store};
 use crate::study::{Study, StudyScenario};
 
 /// A load case on the solid model.
-pub(super) struct SimulateSolid<'a> {
-    pub name: &'a str,
-    pub scenario: &'a StudyScenario,
+pub(super) struct SimulateSolid<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    /// Runs that were made beside other stages, if any.
+    pub begun: Option<&'s Begun<'a>>,
+    pub name: &'s str,
+    pub scenario: &'s StudyScenario,
 }
 
-impl Stage for SimulateSolid<'_> {
+impl Stage for SimulateSolid<'_, '_> {
     type Value = Run;
 
     fn name(&self) -> String {
-        format!("solid model, {}", self.name)
+        stage_name(self.name)
     }
 
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
-        let reach = at.reach()?;
-        Ok(self.with_reach(at.study, reach))
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        let reach = self.solids.reach()?;
+        Ok(solid_run_address(self.solids.study, self.name, reach))
     }
 
-    fn begun(&self, at: &Pipeline<'_>) -> Option<Result<Made>> {
-        at.begun.take(self.name)
+    fn begun(&self) -> Option<Result<Made>> {
+        self.begun?.take(self.name)
     }
 
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let mut runs = at.solid_runs(Pipeline::solid_work)?;
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let at = &mut *self.solids;
+        let mut runs = SolidRuns::after(at, engine)?;
         let made = runs.run(self.name, self.scenario, at.resources.monitor)?;
         at.moving = runs.moving;
         at.go_on_with(runs.meshes);
         Ok(made)
     }
 
-    fn value(&self, artefact: &Artefact, _: &str, at: &mut Pipeline<'_>) -> Result<Run> {
+    fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Run> {
         let run = run(artefact)?;
-        at.go_on_with_reach(artefact)?;
+        self.solids.go_on_with_reach(artefact)?;
         Ok(run)
     }
 
-    fn files(&self, artefact: &Artefact, value: &Run, key: &str, at: &Pipeline<'_>) -> Vec<NewFile> {
-        files(SOLID.map(|stem| history_file(at.study, self.name, stem)), artefact, value, key)
+    fn files(&self, artefact: &Artefact, value: &Run, key: &str) -> Vec<NewFile> {
+        files(SOLID.map(|stem| history_file(self.solids.study, self.name, stem)), artefact, value, key)
     }
 
     fn outdates(&self) -> &'static [&'static str] {
         &OF_THE_RUNS
     }
 
-    fn ends_with_reach(&self) -> bool {
-        true
+    fn reach(&self) -> Option<Reach> {
+        self.solids.reach_now()
     }
+}
+
+fn stage_name(case: &str) -> String {
+    format!("solid model, {case}")
+}
+
+fn moving_of(study: &Study, pair: Arc<CondensedPair>) -> Moving {
+    (study.modes(), Arc::new(MovingBodies::OfCalibration(pair)))
 }
 
 /// Runs on the solids, one load case after the other: each goes on with the meshes and the bodies of the one before.
@@ -83,6 +96,29 @@ pub(super) struct SolidRuns<'a> {
 }
 
 impl<'a> SolidRuns<'a> {
+    /// The runs from here on, on meshes made for them, with the bodies of the calibration if they are there.
+    fn after(at: &mut Solids<'a>, engine: &mut Engine<'_>) -> Result<Self> {
+        let meshes = at.meshes(engine, Solids::solid_work)?;
+        let of_calibration = at.condensed.take().map(|pair| moving_of(at.study, pair));
+        let moving = of_calibration.or(at.moving.take());
+        Self::with(at, meshes, moving)
+    }
+
+    /// The runs beside what is left of a calibration that has its springs.
+    ///
+    /// # Errors
+    /// Those of the geometry.
+    pub fn beside(at: &mut Solids<'a>, springs: &FoundOn) -> Result<Self> {
+        let (meshes, bodies) = springs.bodies();
+        let moving = moving_of(at.study, bodies.clone());
+        Self::with(at, meshes.clone(), Some(moving))
+    }
+
+    fn with(at: &mut Solids<'a>, meshes: Meshes, moving: Option<Moving>) -> Result<Self> {
+        let (study, geometry, source) = (at.study, at.geometry()?, at.body_source());
+        Ok(Self { study, geometry, source, budget: at.resources.budget, meshes, moving })
+    }
+
     /// A load case.
     ///
     /// # Errors
@@ -146,9 +182,9 @@ impl<'a> SolidRuns<'a> {
     pub fn all(mut self, store: Option<&Store>, begun: &Begun<'a>) {
         let study = self.study;
         for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
-            let stage = SimulateSolid { name, scenario };
+            let stage = stage_name(name);
             let watch = Stopwatch::start();
-            let address = store.map(|store| (store, stage.with_reach(study, self.reach())));
+            let address = store.map(|store| (store, solid_run_address(study, name, self.reach())));
             if address.as_ref().is_some_and(|(store, address)| begun.takes && store.has(address)) {
                 return;
             }
@@ -156,8 +192,8 @@ impl<'a> SolidRuns<'a> {
             let failed = made.is_err();
             let made = made.map(|made| {
                 if let Some((store, address)) = address.filter(|_| made.complete) {
-                    let say = |text| begun.monitor.notice(&format!("{}: {text}", stage.name()));
-                    store.keep(&address, &stage.name(), &study.name, &made.artefact, &say);
+                    let say = |text| begun.monitor.notice(&format!("{stage}: {text}"));
+                    store.keep(&address, &stage, &study.name, &made.artefact, &say);
                 }
                 Made { elsewhere: Some(watch.held()), ..made }
             });
@@ -211,61 +247,5 @@ impl Monitor for Begun<'_> {
 
     fn notice(&self, text: &str) {
         self.monitor.notice(text);
-    }
-}
-
-impl SimulateSolid<'_> {
-    /// Its address where it begins with zones that reach so far.
-    fn with_reach(&self, study: &Study, reach: Reach) -> Address {
-        Address::of(Kind::SolidRun, &(study.keys.solid(self.name), reach))
-    }
-}
-
-impl<'a> Pipeline<'a> {
-    /// The runs on the solids from here on, on meshes made for `work`, with the bodies of the calibration if they are there.
-    pub(super) fn solid_runs(
-        &mut self,
-        work: impl FnOnce(&mut Self) -> Result<Work>,
-    ) -> Result<SolidRuns<'a>> {
-        let meshes = self.meshes(work)?;
-        let of_calibration = self.condensed.take().map(|pair| self.moving_of(pair));
-        let moving = of_calibration.or(self.moving.take());
-        self.solid_runs_with(meshes, moving)
-    }
-
-    /// The runs on the solids beside what is left of a calibration that has its springs.
-    pub(super) fn solid_runs_on(&mut self, springs: &FoundOn) -> Result<SolidRuns<'a>> {
-        let (meshes, bodies) = springs.bodies();
-        let moving = self.moving_of(bodies.clone());
-        self.solid_runs_with(meshes.clone(), Some(moving))
-    }
-
-    fn moving_of(&self, pair: Arc<CondensedPair>) -> Moving {
-        (self.study.modes(), Arc::new(MovingBodies::OfCalibration(pair)))
-    }
-
-    fn solid_runs_with(&mut self, meshes: Meshes, moving: Option<Moving>) -> Result<SolidRuns<'a>> {
-        let (study, geometry, source) = (self.study, self.geometry()?, self.body_source());
-        Ok(SolidRuns { study, geometry, source, budget: self.resources.budget, meshes, moving })
-    }
-
-    /// The runs on the solids that the store does not have, as far as that can be said now.
-    pub(super) fn solid_work(&mut self) -> Result<Work> {
-        let mut work = Work::of(self.study, false, true);
-        if let (Some(store), false) = (self.store, self.fresh) {
-            let study = self.study;
-            for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
-                let address = SimulateSolid { name, scenario }.address(self)?;
-                if store.has(&address) {
-                    work.solids.retain(|(other, _)| other != name);
-                }
-            }
-        }
-        Ok(work)
-    }
-
-    /// The same with the calibration.
-    pub(super) fn calibration_work(&mut self) -> Result<Work> {
-        Ok(Work { calibrate: true, ..self.solid_work()? })
     }
 }

@@ -4,9 +4,8 @@ use railspring_profiles::error::{Error, InputError, Result};
 use railspring_simulate::time::history::{Ending, History};
 
 use super::by_angle::by_angle_address;
-use super::runs::{Other, Run, Runs, SIMPLE, SOLID, Simulate, SimulateOther, of_element};
-use super::solid_runs::SimulateSolid;
-use super::stage::Stage;
+use super::runs::{Other, Run, Runs, SIMPLE, SOLID, of_element, other_run_address, simple_run_address};
+use super::solids::solid_run_address;
 use super::verdict::verdict_address;
 use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
@@ -40,11 +39,11 @@ pub(super) struct Stored {
 impl Pipeline<'_> {
     /// The folder's springs, if they were calibrated from this study's inputs.
     pub(super) fn stored_stiffness(&mut self) -> Result<StiffnessRecord> {
-        let text = self.results.text(STIFFNESS, "calibrate")?;
-        let stiffness = parse_json(&self.folder.file(STIFFNESS), &text, "calibrate")?;
+        let text = self.engine.results.text(STIFFNESS, "calibrate")?;
+        let stiffness = parse_json(&self.engine.folder.file(STIFFNESS), &text, "calibrate")?;
         let address = stages::calibration_address(self.study);
-        let entry = self.results.check(STIFFNESS, &text, address.key(), "calibrate")?;
-        entry.reach.into_iter().for_each(|reach| self.go_on_from(reach));
+        let entry = self.engine.results.check(STIFFNESS, &text, address.key(), "calibrate")?;
+        entry.reach.into_iter().for_each(|reach| self.solids.go_on_from(reach));
         Ok(stiffness)
     }
 
@@ -64,23 +63,33 @@ impl Pipeline<'_> {
         if !self.study.wants_by_angle() {
             return Ok(None);
         }
-        let text = self.results.text(BY_ANGLE, "calibrate")?;
-        let laws = parse_json(&self.folder.file(BY_ANGLE), &text, "calibrate")?;
-        let address = by_angle_address(self)?;
-        self.results.check(BY_ANGLE, &text, address.key(), "calibrate")?;
+        let text = self.engine.results.text(BY_ANGLE, "calibrate")?;
+        let laws = parse_json(&self.engine.folder.file(BY_ANGLE), &text, "calibrate")?;
+        let address = by_angle_address(&mut self.solids)?;
+        self.engine.results.check(BY_ANGLE, &text, address.key(), "calibrate")?;
         Ok(Some(laws))
     }
 
     fn stored_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
-        let text = self.results.text(LOAD_CURVE, "calibrate")?;
-        self.results.check(LOAD_CURVE, &text, stages::calibration_address(self.study).key(), "calibrate")?;
-        load_curve(&self.folder.file(LOAD_CURVE).display().to_string(), &text)
+        let text = self.engine.results.text(LOAD_CURVE, "calibrate")?;
+        self.engine.results.check(
+            LOAD_CURVE,
+            &text,
+            stages::calibration_address(self.study).key(),
+            "calibrate",
+        )?;
+        load_curve(&self.engine.folder.file(LOAD_CURVE).display().to_string(), &text)
     }
 
     fn stored_patches(&self) -> Result<PatchesRecord> {
-        let text = self.results.text(PATCHES, "calibrate")?;
-        let patches = parse_json(&self.folder.file(PATCHES), &text, "calibrate")?;
-        self.results.check(PATCHES, &text, stages::calibration_address(self.study).key(), "calibrate")?;
+        let text = self.engine.results.text(PATCHES, "calibrate")?;
+        let patches = parse_json(&self.engine.folder.file(PATCHES), &text, "calibrate")?;
+        self.engine.results.check(
+            PATCHES,
+            &text,
+            stages::calibration_address(self.study).key(),
+            "calibrate",
+        )?;
         Ok(patches)
     }
 
@@ -89,6 +98,7 @@ impl Pipeline<'_> {
         let all_from_files = !self.study.scenarios.is_empty()
             && self.study.scenarios.keys().all(|name| {
                 let run = self
+                    .engine
                     .results
                     .entry(&history_file(self.study, name, SIMPLE[0]))
                     .and_then(|entry| entry.run);
@@ -113,13 +123,13 @@ impl Pipeline<'_> {
         scenario: &StudyScenario,
     ) -> Result<SimpleRun> {
         let files = SIMPLE.map(|stem| history_file(self.study, name, stem));
-        let noted = self.results.entry(&files[0]).and_then(|entry| entry.run).filter(from_file);
+        let noted = self.engine.results.entry(&files[0]).and_then(|entry| entry.run).filter(from_file);
         let springs = match (noted.and_then(|run| run.springs), stiffness) {
             (Some(springs), _) => (springs, None),
             (None, Some(stiffness)) => self.springs_of(stiffness)?,
             (None, None) => self.stored_springs()?,
         };
-        let address = Simulate { name, scenario, springs: &springs.0 }.address(self)?;
+        let address = simple_run_address(self.study, name, &springs.0);
         Ok((self.stored_run(&files, scenario, address.key(), "simulate")?, springs))
     }
 
@@ -143,17 +153,17 @@ impl Pipeline<'_> {
             return Ok(of(reason));
         }
         let files = of_element(element).map(|stem| history_file(self.study, name, &stem));
-        let address = SimulateOther { name, scenario, springs: &springs }.address(self)?;
+        let address = other_run_address(self.study, name, &springs);
         Ok(Other { element, run: Ok(self.stored_run(&files, scenario, address.key(), "simulate")?) })
     }
 
     /// A run of the solid model.
     pub(super) fn stored_solid_run(&mut self, name: &str, scenario: &StudyScenario) -> Result<Run> {
         let files = SOLID.map(|stem| history_file(self.study, name, stem));
-        let address = SimulateSolid { name, scenario }.address(self)?;
+        let address = solid_run_address(self.study, name, self.solids.reach()?);
         let run = self.stored_run(&files, scenario, address.key(), "verify")?;
-        let entry = self.results.entry(&files[0]);
-        entry.and_then(|entry| entry.reach).into_iter().for_each(|reach| self.go_on_from(reach));
+        let entry = self.engine.results.entry(&files[0]);
+        entry.and_then(|entry| entry.reach).into_iter().for_each(|reach| self.solids.go_on_from(reach));
         Ok(run)
     }
 
@@ -178,11 +188,11 @@ impl Pipeline<'_> {
         key: &str,
         made_by: &str,
     ) -> Result<(History, RunRecord)> {
-        let text = self.results.text(file, made_by)?;
-        let path = self.folder.file(file);
+        let text = self.engine.results.text(file, made_by)?;
+        let path = self.engine.folder.file(file);
         // First, because it names the line of what was edited.
         let mut history = history_csv::read(&path, &text, 0, Ending::Completed)?;
-        let entry: Entry = self.results.check(file, &text, key, made_by)?;
+        let entry: Entry = self.engine.results.check(file, &text, key, made_by)?;
         let known = entry.run.and_then(|record| record.ending().map(|ending| (record, ending)));
         let (record, ending) = known.ok_or_else(|| {
             InputError::new(
@@ -200,10 +210,10 @@ impl Pipeline<'_> {
 
     /// The verdict, if it is one on these very files and limits.
     fn stored_verdict(&self, with_stiffness: bool) -> Result<VerificationRecord> {
-        let text = self.results.text(VERIFICATION, "verify")?;
-        let verdict = parse_json(&self.folder.file(VERIFICATION), &text, "verify")?;
-        let address = verdict_address(self, with_stiffness);
-        self.results.check(VERIFICATION, &text, address.key(), "verify")?;
+        let text = self.engine.results.text(VERIFICATION, "verify")?;
+        let verdict = parse_json(&self.engine.folder.file(VERIFICATION), &text, "verify")?;
+        let address = verdict_address(self.study, &self.engine.results, with_stiffness);
+        self.engine.results.check(VERIFICATION, &text, address.key(), "verify")?;
         Ok(verdict)
     }
 

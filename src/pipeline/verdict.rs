@@ -8,8 +8,8 @@ use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::judged::{Judging, hub_deviations, place};
 use super::runs::{Run, Runs, SIMPLE, SOLID, of_element};
-use super::stage::{Made, Stage};
-use super::{OF_THE_VERDICT, Pipeline, STIFFNESS, VERIFICATION, history_file, part_json};
+use super::stage::{Engine, Made, Stage};
+use super::{OF_THE_VERDICT, STIFFNESS, VERIFICATION, history_file, part_json};
 use crate::output::to_json;
 use crate::records::{
     BY_ANGLE, ElementDifferences, ElementVerdict, ScenarioVerdict, StiffnessByAngleRecord, StiffnessRecord,
@@ -23,6 +23,7 @@ use crate::version;
 
 /// The comparison of both models; `stiffness` is that of the study, if one of the simple models ran with it.
 pub(super) struct Verify<'a> {
+    pub study: &'a Study,
     pub stiffness: Option<&'a StiffnessRecord>,
     /// The laws by contact angle of these springs, if the study wants them.
     pub by_angle: Option<&'a StiffnessByAngleRecord>,
@@ -36,16 +37,16 @@ impl Stage for Verify<'_> {
         "verdict".into()
     }
 
-    fn address(&self, at: &mut Pipeline<'_>) -> Result<Address> {
-        Ok(verdict_address(at, self.stiffness.is_some()))
+    fn address(&mut self, engine: &Engine<'_>) -> Result<Address> {
+        Ok(verdict_address(self.study, &engine.results, self.stiffness.is_some()))
     }
 
     fn is_kept(&self) -> bool {
         false
     }
 
-    fn make(&self, at: &mut Pipeline<'_>) -> Result<Made> {
-        let study = at.study;
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let study = self.study;
         let mut scenarios = Vec::new();
         for (name, Runs { simple, other, solid }) in self.runs {
             let compared = |run: &Run| {
@@ -107,7 +108,7 @@ impl Stage for Verify<'_> {
                 .map_or_else(Vec::new, |(record, laws)| statics_lines(study, record, laws)),
             scenarios,
             input_hash: String::new(),
-            inputs: contents(inputs(study, &at.results, self.stiffness.is_some())),
+            inputs: contents(inputs(study, &engine.results, self.stiffness.is_some())),
             version: env!("CARGO_PKG_VERSION").into(),
             commit: version::COMMIT.into(),
         };
@@ -118,12 +119,12 @@ impl Stage for Verify<'_> {
         Ok(Made::whole(Artefact::default().with(VERIFICATION, to_json(&verdict))))
     }
 
-    fn value(&self, artefact: &Artefact, key: &str, _: &mut Pipeline<'_>) -> Result<VerificationRecord> {
+    fn value(&mut self, artefact: &Artefact, key: &str) -> Result<VerificationRecord> {
         let verdict: VerificationRecord = part_json(artefact, VERIFICATION)?;
         Ok(VerificationRecord { input_hash: key.into(), ..verdict })
     }
 
-    fn files(&self, _: &Artefact, value: &VerificationRecord, key: &str, _: &Pipeline<'_>) -> Vec<NewFile> {
+    fn files(&self, _: &Artefact, value: &VerificationRecord, key: &str) -> Vec<NewFile> {
         vec![NewFile::new(VERIFICATION, to_json(value), key)]
     }
 
@@ -137,8 +138,7 @@ impl Stage for Verify<'_> {
 }
 
 /// Address of the verdict on the files of the folder; with the springs if one of the load cases ran with those of the study.
-pub(super) fn verdict_address(at: &Pipeline<'_>, with_stiffness: bool) -> Address {
-    let Pipeline { study, results, .. } = at;
+pub(super) fn verdict_address(study: &Study, results: &Results<'_>, with_stiffness: bool) -> Address {
     let files: BTreeMap<String, [String; 2]> = inputs(study, results, with_stiffness)
         .into_iter()
         .map(|(name, entry)| (name, [entry.key, entry.blake3.unwrap_or_default()]))
