@@ -301,6 +301,15 @@ pub(crate) fn readable_by_all(path: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Writes rows as CSV with a heading.
+pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).expect("records are plain data");
+    }
+    writer.into_inner().expect("a vector grows")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

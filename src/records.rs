@@ -4,6 +4,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::study::PairRecord;
+use mesh::{BodyMeshRecord, ProfileRecord};
 use railspring_calibrate::beam::BeamCorrection;
 
 pub mod crosscheck;
@@ -12,6 +14,7 @@ mod law;
 mod inputs;
 mod touch;
 mod measured;
+pub mod mesh;
 mod reach;
 mod run;
 mod verdict;
@@ -40,7 +43,7 @@ pub use law::LawConstants;
 pub use measured::{MachineRecord, Measured, StageMeasure};
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use reach::Reach;
-pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
+pub use run::{ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use scaling::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
 };
@@ -51,19 +54,6 @@ pub use verdict::{
     ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,
     with_unit,
 };
-
-/// One key of a resolved study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct ResolvedKey {
-    /// Section, for instance `track`; empty for the top level.
-    pub section: String,
-    /// Key with its unit, for instance `gauge_mm`.
-    pub key: String,
-    /// The value as text.
-    pub value: String,
-    /// Whether the file says so itself, or the default applies.
-    pub given: bool,
-}
 
 /// `stiffness.json`: the springs and what made them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -416,100 +406,6 @@ pub struct PenaltyRecord {
     pub penetration_over_displacement: Option<f64>,
 }
 
-/// Size and quality of one mesh.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct BodyMeshRecord {
-    /// `rail` or `wheel`.
-    pub body: String,
-    /// The mesh file as the study names it; none for the tool's own mesh.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub file: Option<String>,
-    /// Number of nodes.
-    pub nodes: usize,
-    /// Number of hexahedra.
-    pub elements: usize,
-    /// Degrees of freedom.
-    pub degrees_of_freedom: usize,
-    /// Number of candidate contact nodes.
-    pub contact_nodes: usize,
-    /// Edge length in the contact zone, mm.
-    pub contact_element_mm: f64,
-    /// Smallest scaled Jacobian.
-    pub min_scaled_jacobian: f64,
-    /// Mean scaled Jacobian.
-    pub mean_scaled_jacobian: f64,
-    /// Mass, kg.
-    pub mass_kg: f64,
-    /// Young's modulus at the contact surface, GPa, where the groups of a mesh file have their own materials.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface_young_gpa: Option<f64>,
-    /// Poisson's ratio there.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub surface_poisson: Option<f64>,
-    /// What was found in the mesh file under the names of the study; none for the tool's own mesh.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub named: Option<NamedRecord>,
-}
-
-/// Sizes of what a study names in a mesh file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct NamedRecord {
-    /// Nodes that hold the body.
-    pub held_nodes: usize,
-    /// Faces of the contact surface within the window.
-    pub contact_faces: usize,
-    /// Groups that have a material, in the order of their names.
-    pub groups: Vec<GroupRecord>,
-}
-
-/// A group of hexahedra that has a material.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct GroupRecord {
-    /// Its name in the file.
-    pub name: String,
-    /// Number of its hexahedra.
-    pub elements: usize,
-}
-
-/// A measured profile on its way to a section, or a section from a file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct ProfileRecord {
-    /// `rail` or `wheel`; `rail section` or `wheel section` for the closed section of a file.
-    pub body: String,
-    /// The file as the study names it.
-    pub file: String,
-    /// BLAKE3 hash of its content; none in results of earlier versions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub content_hash: Option<String>,
-    /// Format of the file.
-    pub format: String,
-    /// The body that it is joined to: a standard, or the file of a section.
-    pub standard: String,
-    /// Number of points of the file, or of its lines and arcs.
-    pub points: usize,
-    /// What was found, and what became of it.
-    pub findings: Vec<FindingRecord>,
-}
-
-/// Something found in a profile file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct FindingRecord {
-    /// What it is about, for instance `spike`.
-    pub kind: String,
-    /// First line of the file that it concerns.
-    pub first_line: Option<usize>,
-    /// Last line of the file that it concerns.
-    pub last_line: Option<usize>,
-    /// The value that gave rise to it.
-    pub value: Option<f64>,
-    /// Unit of the value.
-    pub unit: Option<String>,
-    /// `noted`, `repaired` or `left`.
-    pub action: String,
-    /// What it is and what was done, in words.
-    pub text: String,
-}
-
 /// One row of `load_curve.csv`: one load, with the reference in use.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LoadCurveRow {
@@ -543,11 +439,3 @@ pub struct LoadCurveRow {
     pub shear_depth_mm: Option<f64>,
 }
 
-/// Writes rows as CSV with a heading.
-pub fn to_csv<T: Serialize>(rows: &[T]) -> Vec<u8> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for row in rows {
-        writer.serialize(row).expect("records are plain data");
-    }
-    writer.into_inner().expect("a vector grows")
-}

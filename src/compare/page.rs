@@ -9,11 +9,12 @@ use super::rows::{common_shifts, tangent_at};
 use super::{Comparison, Side};
 use crate::records::{BandPointRecord, LoadCurveRow, ReferenceRecord, ShiftRecord, TangentRecord};
 use crate::report::accessible::inline;
-use crate::report::figures::{WIDTH, hertz_tangent};
+use crate::report::figures::hertz_tangent;
+use crate::report::number::WIDTH;
 use crate::report::html;
 use crate::report::panel::{Panel, stacked, stacked_over_names};
 use crate::report::plot::{DARK, Dash, GREY, Marker, ORANGE, RED, Series};
-use crate::report::tables::number;
+use crate::report::number::number;
 use crate::rounding::with_minus_signs;
 
 /// Points of a smooth curve.

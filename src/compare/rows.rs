@@ -8,7 +8,7 @@ use super::Side;
 use super::solid::{Solid, loads};
 use super::values::{Compared, Value};
 use crate::records::{FixedLoadRecord, ShiftRecord, with_unit};
-use crate::report::tables::number;
+use crate::report::number::number;
 use crate::verify::Line;
 
 /// Names of the groups that the summary speaks of.
@@ -264,11 +264,11 @@ pub(super) fn inputs(a: &Side, b: &Side) -> Vec<InputChange> {
             .collect()
     };
     let keys = |side: &Side| -> BTreeMap<String, String> {
-        let name = |key: &crate::records::ResolvedKey| match key.section.is_empty() {
+        let name = |key: &crate::study::ResolvedKey| match key.section.is_empty() {
             true => key.key.clone(),
             false => format!("{}.{}", key.section, key.key),
         };
-        let value = |key: &crate::records::ResolvedKey| match key.given {
+        let value = |key: &crate::study::ResolvedKey| match key.given {
             true => key.value.clone(),
             false => format!("{} (default)", key.value),
         };

@@ -9,10 +9,8 @@ use serde::de::DeserializeOwned;
 use super::About;
 use crate::output::{OutputFolder, parse_json, read_text};
 use crate::pipeline::{LOAD_CURVE, STIFFNESS, VERIFICATION, load_curve};
-use crate::records::{
-    BY_ANGLE, INPUTS, InputsRecord, LoadCurveRow, ResolvedKey, StiffnessByAngleRecord, StiffnessRecord,
-    VerificationRecord, history_csv,
-};
+use crate::records::{BY_ANGLE, INPUTS, InputsRecord, LoadCurveRow, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord, history_csv};
+use crate::study::ResolvedKey;
 use crate::results::{Entry, RESULTS, Results, hash};
 
 /// What a folder has of a study; what it does not have is left out.

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use super::*;
 use crate::output::{OutputFolder, to_json};
-use crate::records::{
-    FixedLoadRecord, InputsRecord, ResolvedKey, RunRecord, StiffnessRecord, VerificationRecord, history_csv,
-};
+use crate::records::{FixedLoadRecord, InputsRecord, RunRecord, StiffnessRecord, VerificationRecord, history_csv};
+use crate::study::ResolvedKey;
 use crate::report::samples;
 use crate::results::{NewFile, Results};
 use railspring_simulate::time::history::History;

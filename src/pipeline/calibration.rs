@@ -17,10 +17,8 @@ use super::{
 use crate::estimate::Work;
 use crate::measure::Stopwatch;
 use crate::output::to_json;
-use crate::records::{
-    AssumedRecord, ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Reach, Sealed, StiffnessRecord,
-    to_csv,
-};
+use crate::records::{AssumedRecord, ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Reach, Sealed, StiffnessRecord};
+use crate::output::to_csv;
 use crate::results::NewFile;
 use crate::stages::{self, Calibration, FoundSprings, Geometry, Meshes, PressedStudy, Reached, Within};
 use crate::store::{Address, Artefact};

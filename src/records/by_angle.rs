@@ -3,8 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::study::PairRecord;
+
 use super::{
-    BandPointRecord, DisplacementRecord, ElementRecord, ErrorBandRecord, LawRecord, PairRecord, Sealed,
+    BandPointRecord, DisplacementRecord, ElementRecord, ErrorBandRecord, LawRecord, Sealed,
 };
 
 /// Name of the file with the laws by contact angle.

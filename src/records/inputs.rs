@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::ResolvedKey;
+use crate::study::ResolvedKey;
 
 /// Name of the file.
 pub const INPUTS: &str = "inputs.json";

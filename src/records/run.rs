@@ -248,15 +248,6 @@ pub enum SpringsSource {
     },
 }
 
-/// The pair that a law was calibrated for. The rail's length is no part of it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct PairRecord {
-    /// The pair in words.
-    pub name: String,
-    /// Hash of profiles, bodies, their places in the track and the material.
-    pub hash: String,
-}
-
 #[cfg(test)]
 mod tests {
     use railspring_simulate::time::history::{ContactMode, ContactState, HistoryRow};

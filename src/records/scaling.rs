@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{MachineRecord, to_csv};
+use super::MachineRecord;
+use crate::output::to_csv;
 
 /// What both bodies share, in tables.
 pub const BOTH: &str = "both bodies";

@@ -6,6 +6,23 @@ use railspring_profiles::units::MILLIMETRE;
 use super::panel::{Panel, stacked};
 use super::plot::{DARK, Dash, GREY, Series, nice_range};
 
+/// The two profiles as polylines, and where they stand.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProfilePair {
+    /// Outline of the rail, profile frame of the rail (y to the field side, z down), m.
+    pub rail: Vec<Point2<f64>>,
+    /// Angle of the rail's profile frame in the world, rad.
+    pub rail_angle: f64,
+    /// Origin of the rail's profile frame in the world, m.
+    pub rail_origin: Point2<f64>,
+    /// Running profile of the wheel with the outer part of its body, profile frame of the wheel, m.
+    pub wheel: Vec<Point2<f64>>,
+    /// Origin of the wheel's profile frame (the tape point) in the world at t = 0, m.
+    pub wheel_origin: Point2<f64>,
+    /// Where the lowered wheel first touches the rail, world, m.
+    pub touch: Point2<f64>,
+}
+
 /// The outline of a body in the world frame: y to the field side, z down, m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyOutline {

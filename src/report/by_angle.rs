@@ -6,10 +6,10 @@ use serde::Serialize;
 use crate::records::{ErrorBandRecord, ShiftRecord, StiffnessByAngleRecord};
 use crate::rounding::{significant, with_minus_signs};
 
-use super::figures::WIDTH;
+use super::number::WIDTH;
 use super::panel::{Panel, stacked_over_names};
 use super::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
-use super::tables::number;
+use super::number::number;
 
 /// References, what their panels are called, and their columns.
 const PANELS: [(&str, &str, &str); 3] = [

@@ -17,12 +17,10 @@ use super::plot::{
     BLUE, DARK, Dash, GREY, LIGHT, Marker, ORANGE, RED, Series, frame, label, nice_range, px, stroke, svg,
     tick,
 };
-use super::tables::number;
+use super::number::{WIDTH, number};
 
 /// Share of the longest bar below which a negative part is left to the files.
 const HARDLY_SEEN: f64 = 0.004;
-/// Width of all figures, px.
-pub const WIDTH: u32 = 860;
 /// Points of a smooth curve.
 const CURVE_POINTS: usize = 160;
 
@@ -371,8 +369,3 @@ pub fn in_order(references: &mut [ReferenceRecord]) {
     references.sort_by_key(|reference| rank(&reference.reference));
 }
 
-/// A number without needless decimals.
-pub fn round(value: f64) -> String {
-    let rounded = (value * 1e3).round() / 1e3;
-    format!("{rounded}")
-}

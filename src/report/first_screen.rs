@@ -4,8 +4,10 @@ use serde_json::{Value, json};
 
 use super::ReportData;
 use super::reasons::reason;
-use super::tables::{self, number};
-use crate::records::{LawRecord, ResolvedKey, SpringsSource, StiffnessRecord, VerdictOn, VerdictSubject};
+use super::number::number;
+use super::tables;
+use crate::records::{LawRecord, SpringsSource, StiffnessRecord, VerdictOn, VerdictSubject};
+use crate::study::ResolvedKey;
 use crate::rounding::{rounded_to, significant};
 
 /// The springs in use, the limits that fail, and what the springs are valid for.

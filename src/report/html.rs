@@ -3,7 +3,7 @@
 use minijinja::value::Serde;
 use serde_json::Value;
 
-use super::tables;
+use super::number;
 use crate::rounding::{significant, with_minus_signs};
 
 /// The pages, and the parts that they share.
@@ -28,7 +28,7 @@ pub(crate) fn render(template: &str, context: Value) -> String {
 fn filled(template: &str, context: Value) -> Result<String, minijinja::Error> {
     let mut environment = minijinja::Environment::new();
     environment.set_auto_escape_callback(|_| minijinja::AutoEscape::Html);
-    environment.add_filter("number", tables::number);
+    environment.add_filter("number", number::number);
     environment.add_filter("percent", percent);
     environment.add_filter("coded", coded);
     environment.add_filter("signed", |text: String| with_minus_signs(&text));

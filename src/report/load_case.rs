@@ -5,15 +5,42 @@ use plotters::style::text_anchor::{HPos, VPos};
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use railspring_simulate::time::history::{ContactMode, History, HistoryRow};
 
-use crate::verify::{Band, FLANGE_SIDE, averaged_ratio};
+use crate::verify::{Band, Carrying, FLANGE_SIDE, averaged_ratio};
 
-use super::figures::{WIDTH, round};
+use super::number::{WIDTH, round};
 use super::legend::{Entry, draw_legend, legend_height};
 use super::panel::{Panel, stacked};
 use super::plot::{
     DARK, Dash, Drawn, GREY, ORANGE, PALE_BLUE, RED, Series, frame, label, nice_step, px, stroke, svg, tick,
 };
-use super::{ModelRun, ScenarioRun};
+
+/// A run of a model, as figures show it.
+#[derive(Debug, Clone, Copy)]
+pub struct ModelRun<'a> {
+    /// What figures call it: `solid`, or the contact element of the simple model.
+    pub name: &'a str,
+    /// The run.
+    pub history: &'a History,
+    /// Where its averaged P carries Q/P.
+    pub carrying: Carrying,
+}
+
+/// The runs of one scenario.
+#[derive(Debug, Clone)]
+pub struct ScenarioRun<'a> {
+    /// Name of the scenario.
+    pub name: &'a str,
+    /// What happens in it.
+    pub description: &'a str,
+    /// Times of the pictures of the contact positions, s.
+    pub snapshots: &'a [f64],
+    /// The simple model's runs: with the study's contact element, then with the other one, if that ran.
+    pub elements: Vec<ModelRun<'a>>,
+    /// The solid model's run, if it ran.
+    pub solid: Option<ModelRun<'a>>,
+    /// What the solid's run is worth at each of its times, if that is known.
+    pub band: Option<Band>,
+}
 
 /// P and Q of all models over time.
 pub fn forces(run: &ScenarioRun<'_>) -> String {

@@ -3,6 +3,7 @@
 //! Everything the page shows comes in through [`ReportData`]; nothing is
 //! computed here but what a picture or a table needs.
 
+pub(crate) mod number;
 pub mod plot;
 mod legend;
 pub mod panel;
@@ -10,9 +11,10 @@ pub(crate) mod tables;
 pub(crate) mod html;
 pub(crate) mod figures;
 pub(crate) mod accessible;
+pub mod collector;
 mod reasons;
 mod first_screen;
-mod load_case;
+pub mod load_case;
 mod by_angle;
 mod statics;
 mod positions;
@@ -25,46 +27,14 @@ pub mod scaling;
 pub mod step_times;
 pub mod crosscheck;
 
-use railspring_simulate::time::history::History;
-use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::records::{
-    LoadCurveRow, Measured, PatchesRecord, ResolvedKey, StiffnessByAngleRecord, StiffnessRecord,
-    VerificationRecord,
-};
+use crate::records::{LoadCurveRow, Measured, PatchesRecord, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord};
+use crate::study::ResolvedKey;
 
-use crate::verify::{Band, Carrying};
-
-pub use positions::ProfilePair;
-
-/// A run of a model, as figures show it.
-#[derive(Debug, Clone, Copy)]
-pub struct ModelRun<'a> {
-    /// What figures call it: `solid`, or the contact element of the simple model.
-    pub name: &'a str,
-    /// The run.
-    pub history: &'a History,
-    /// Where its averaged P carries Q/P.
-    pub carrying: Carrying,
-}
-
-/// The runs of one scenario.
-#[derive(Debug, Clone)]
-pub struct ScenarioRun<'a> {
-    /// Name of the scenario.
-    pub name: &'a str,
-    /// What happens in it.
-    pub description: &'a str,
-    /// Times of the pictures of the contact positions, s.
-    pub snapshots: &'a [f64],
-    /// The simple model's runs: with the study's contact element, then with the other one, if that ran.
-    pub elements: Vec<ModelRun<'a>>,
-    /// The solid model's run, if it ran.
-    pub solid: Option<ModelRun<'a>>,
-    /// What the solid's run is worth at each of its times, if that is known.
-    pub band: Option<Band>,
-}
+use bodies::ProfilePair;
+use collector::Collector;
+use load_case::ScenarioRun;
 
 /// Everything the report shows.
 #[derive(Debug, Clone)]
@@ -112,14 +82,6 @@ pub struct Report {
     pub html: String,
     /// The figures by name, as SVG.
     pub figures: Vec<(String, String)>,
-}
-
-/// A figure as the page shows it.
-#[derive(Debug, Clone, Serialize)]
-struct Figure {
-    svg: String,
-    caption: String,
-    number: usize,
 }
 
 /// Builds the page and its figures.
@@ -176,7 +138,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
     let chapter = crosscheck::chapter(&data.crosscheck, &mut collected);
     let assumed_bodies = stiffness.assumed.as_ref().map(|record| {
         let caption = bodies::caption(&record.sentence());
-        collected.add("assumed-bodies", bodies::figure(figures::WIDTH, data.bodies), caption)
+        collected.add("assumed-bodies", bodies::figure(number::WIDTH, data.bodies), caption)
     });
     let surfaces: Vec<Value> = data.surfaces.iter().map(|of| surface(of, &mut collected)).collect();
     let html = html::render(
@@ -212,7 +174,7 @@ pub fn build(data: &ReportData<'_>) -> Report {
 }
 
 fn surface(of: &measured::OnStandard, collected: &mut Collector) -> Value {
-    let drawn = measured::figure(figures::WIDTH, of, &[]);
+    let drawn = measured::figure(number::WIDTH, of, &[]);
     let figure = collected.add(&format!("measured-{}", of.body), drawn, measured::caption(of));
     json!({ "body": of.body, "figure": figure, "rows": of.rows() })
 }
@@ -223,7 +185,7 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
     let until = until.map_or_else(String::new, |time| {
         format!(
             " From {} ms on the motion of the solid is not determined, and statistics are compared.",
-            tables::number(1e3 * time)
+            number::number(1e3 * time)
         )
     });
     let band = load_case::band_caption(run);
@@ -267,20 +229,6 @@ fn scenario(run: &ScenarioRun<'_>, data: &ReportData<'_>, collected: &mut Collec
         "separations": tables::separations(run),
         "modes": tables::modes(run),
     })
-}
-
-/// Numbers the figures and keeps their files.
-#[derive(Default)]
-struct Collector {
-    figures: Vec<(String, String)>,
-}
-
-impl Collector {
-    fn add(&mut self, name: &str, svg: String, caption: String) -> Figure {
-        let inline = accessible::inline(&svg, &caption);
-        self.figures.push((name.to_string(), svg));
-        Figure { svg: inline, caption, number: self.figures.len() }
-    }
 }
 
 #[cfg(test)]

@@ -8,14 +8,15 @@ use railspring_profiles::units::MILLIMETRE;
 
 use crate::records::{HertzRecord, PatchRecord, PatchesRecord};
 
-use super::figures::WIDTH;
+use super::number::WIDTH;
 use super::legend::{Entry, draw_legend, legend_height};
 use super::patches::loads;
 use super::plot::{
     Area, BLUE, DARK, Dash, Drawn, GREY, LIGHT, ORANGE, Series, label, nice_step, px, stroke, svg, tick,
 };
-use super::positions::{ProfilePair, WHEEL_FILL, Window, fine};
-use super::tables::number;
+use super::bodies::ProfilePair;
+use super::positions::{WHEEL_FILL, Window, fine};
+use super::number::number;
 
 /// Height of the pictures, px.
 const PICTURE: u32 = 300;

@@ -7,12 +7,12 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use crate::records::{HertzRecord, PatchRecord, PatchesRecord, PointState};
 
-use super::figures::WIDTH;
+use super::number::WIDTH;
 use super::legend::{Entry, draw_legend, legend_height};
 use super::plot::{
     Area, DARK, Drawn, LABEL_TEXT, LIGHT, ORANGE, TICK_TEXT, frame, label, nice_step, px, stroke, svg, tick,
 };
-use super::tables::number;
+use super::number::number;
 
 /// Left of the panels, px.
 const LEFT: u32 = 58;

@@ -6,30 +6,14 @@ use plotters::style::text_anchor::{HPos, VPos};
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use railspring_simulate::time::history::{ContactMode, History, HistoryRow};
 
-use super::ModelRun;
-use super::figures::{WIDTH, round};
+use super::bodies::ProfilePair;
+use super::load_case::ModelRun;
+use super::number::{WIDTH, round};
 use super::legend::{Entry, draw_legend, legend_height};
 use super::plot::{
     Area, BLUE, DARK, Dash, Drawn, GREY, LIGHT, Marker, RED, Series, frame, label, mark, px, stroke, svg,
 };
 use crate::rounding::with_minus_signs;
-
-/// The two profiles as polylines, and where they stand.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ProfilePair {
-    /// Outline of the rail, profile frame of the rail (y to the field side, z down), m.
-    pub rail: Vec<Point2<f64>>,
-    /// Angle of the rail's profile frame in the world, rad.
-    pub rail_angle: f64,
-    /// Origin of the rail's profile frame in the world, m.
-    pub rail_origin: Point2<f64>,
-    /// Running profile of the wheel with the outer part of its body, profile frame of the wheel, m.
-    pub wheel: Vec<Point2<f64>>,
-    /// Origin of the wheel's profile frame (the tape point) in the world at t = 0, m.
-    pub wheel_origin: Point2<f64>,
-    /// Where the lowered wheel first touches the rail, world, m.
-    pub touch: Point2<f64>,
-}
 
 impl ProfilePair {
     pub(super) fn rail_to_world(&self, point: &Point2<f64>) -> Point2<f64> {

@@ -6,9 +6,10 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Point2;
 use railspring_simulate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
-use crate::records::{MachineRecord, Measured, ResolvedKey, StageMeasure};
+use crate::records::{MachineRecord, Measured, StageMeasure};
+use crate::study::ResolvedKey;
 
-use super::ProfilePair;
+use super::bodies::ProfilePair;
 
 mod springs;
 mod patches;

@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::figures::WIDTH;
+use super::number::WIDTH;
 use super::panel::{Panel, stacked_logarithmic};
 use super::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, PALE_BLUE, RED, Series};
 use crate::records::{ExponentRecord, ScalingRecord, ScalingSize};

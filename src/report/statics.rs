@@ -5,10 +5,10 @@ use plotters::prelude::*;
 use crate::records::{FixedLoadRecord, ShiftRecord, StiffnessByAngleRecord};
 use crate::rounding::with_minus_signs;
 
-use super::figures::WIDTH;
+use super::number::WIDTH;
 use super::panel::{Panel, stacked_over_names};
 use super::plot::{DARK, Dash, Marker, ORANGE, RED, Series};
-use super::tables::number;
+use super::number::number;
 
 /// How much of the distance of two shifts their loads take.
 const SPREAD: f64 = 0.7;

@@ -12,10 +12,8 @@ use super::{
     ACCEPTED, accepted_reference, own, own_springs, revolved_mass, springs, wheel_is_known, with_element,
 };
 use crate::output::read_text;
-use crate::records::{
-    BY_ANGLE, BeamFactors, LawConstants, PairRecord, Sealed, SpringsRecord, SpringsSource,
-    StiffnessByAngleRecord, StiffnessRecord,
-};
+use crate::records::{BY_ANGLE, BeamFactors, LawConstants, Sealed, SpringsRecord, SpringsSource, StiffnessByAngleRecord, StiffnessRecord};
+use crate::study::PairRecord;
 use crate::results::hash;
 use crate::stages::{self, Geometry};
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, Study};

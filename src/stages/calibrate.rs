@@ -23,12 +23,8 @@ use super::fields::{PressedSolids, field_files};
 use super::mesh_files::named;
 use super::patches::{below_record, chosen, patch_record};
 use super::{FieldFile, Geometry, Meshes, contact_field, enforcement, solids};
-use crate::records::{
-    BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HertzRecord,
-    HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, LoadEndRecord,
-    PatchesRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TableRecord,
-    TangentRecord, TouchRecord,
-};
+use crate::records::{BeamRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HertzRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, LoadEndRecord, PatchesRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord, TouchRecord};
+use crate::records::mesh::BodyMeshRecord;
 use crate::rounding::significant;
 use crate::store::{Address, Kind};
 use crate::study::{EnforcementKey, MeshFile, Study};

@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use super::Geometry;
 use crate::python::{Purpose, Python, cache_folder};
-use crate::records::{GroupRecord, NamedRecord};
+use crate::records::mesh::{GroupRecord, NamedRecord};
 use crate::study::{MeshFile, Study};
 
 /// Version of the reader's answer.

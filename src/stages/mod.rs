@@ -55,8 +55,8 @@ use railspring_profiles::profile_file::ProfileKind;
 use railspring_profiles::section::{RailSection, WheelSection};
 use railspring_profiles::units::MILLIMETRE;
 
-use crate::records::ProfileRecord;
-use crate::report::ProfilePair;
+use crate::records::mesh::ProfileRecord;
+use crate::report::bodies::ProfilePair;
 use crate::report::bodies::BodyOutline;
 use crate::report::measured::OnStandard;
 use crate::study::{ElementKey, EnforcementKey, FieldKey, MeshFile, Study};

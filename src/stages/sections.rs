@@ -18,7 +18,7 @@ use railspring_profiles::section::{
 
 use super::measured::{self, Nominal, Surface};
 use super::on_standard::{Seams, on_standard};
-use crate::records::{FindingRecord, ProfileRecord};
+use crate::records::mesh::{FindingRecord, ProfileRecord};
 use crate::report::measured::OnStandard;
 use crate::study::{MeasuredSurface, RailBody, SectionFile, Study};
 

@@ -3,6 +3,7 @@
 
 pub mod document;
 
+mod record;
 mod check;
 mod source;
 mod settings;
@@ -44,12 +45,12 @@ pub use document::{
 };
 pub use explain::{KeyText, SectionText, explain, sections};
 pub use keys::Keys;
+pub use record::{PairRecord, ResolvedKey};
 pub use settings::Setting;
 pub use source::{LocatedError, Mistakes, Place, Source};
 
 use source::Lines;
 
-use crate::records::{PairRecord, ResolvedKey};
 use crate::rounding::ratio;
 use crate::verify::Limits;
 

@@ -27,7 +27,7 @@ use super::source::LocatedError;
 use super::{
     CalibrationSettings, ContactSettings, SECTIONS, SimulationSettings, Source, Study, StudyScenario, Track,
 };
-use crate::records::ResolvedKey;
+use super::record::ResolvedKey;
 
 use bodies::{rail, wheel};
 

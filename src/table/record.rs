@@ -11,7 +11,7 @@ use super::document::{SideKey, TableDocument};
 use super::making::PlaceRecord;
 use super::places::Place;
 use super::rows::Status;
-use crate::records::ResolvedKey;
+use crate::study::ResolvedKey;
 
 /// The table with its provenance; borrowed where it is written, owned where it is read.
 #[derive(Debug, Clone, Serialize, Deserialize)]

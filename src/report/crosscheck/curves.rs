@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 
 use crate::records::crosscheck::{Check, CrosscheckRecord, HUB_DISPLACEMENT, TANGENT_STIFFNESS};
-use crate::report::figures::WIDTH;
+use crate::report::number::WIDTH;
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Dash, GREY, Marker, ORANGE, RED, Series};
 

@@ -6,9 +6,11 @@ mod section;
 
 use serde_json::{Value, json};
 
-use super::tables::{self, number};
-use super::{Collector, Figure, html};
-use crate::records::ResolvedKey;
+use super::number::number;
+use super::tables;
+use super::collector::{Collector, Figure};
+use super::html;
+use crate::study::ResolvedKey;
 use crate::records::crosscheck::{Check, CrosscheckRecord, SectionDifference};
 use crate::rounding::with_minus_signs;
 

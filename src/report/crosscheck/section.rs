@@ -7,7 +7,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 
 use super::power_of_ten;
 use crate::records::crosscheck::SectionDifference;
-use crate::report::figures::WIDTH;
+use crate::report::number::WIDTH;
 use crate::report::plot::{
     DARK_RED, GREY, LABEL_TEXT, ORANGE, TICK_TEXT, frame, label, nice_range, nice_step, px, stroke, svg, tick,
 };

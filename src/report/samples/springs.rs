@@ -1,13 +1,8 @@
 //! Made-up springs: the calibration and the laws by contact angle.
 
-use crate::records::{
-    AngleLawRecord, BandPointRecord, BeamFactors, BeamRecord, BodyMeshRecord, BoundRecord, ComplianceRecord,
-    DisplacementRecord, ErrorBandRecord, FindingRecord, FixedLoadRecord, FixedReferenceRecord, GroupRecord,
-    HertzRecord, HorizontalBandRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord,
-    LoadCurveRow, NamedRecord, PairRecord, PenaltyRecord, ProfileRecord, ReferenceBandRecord,
-    ReferenceRecord, ShiftRecord, ShiftTouchRecord, StiffnessByAngleRecord, StiffnessRecord, TableRecord,
-    TangentRecord, TouchRecord,
-};
+use crate::records::{AngleLawRecord, BandPointRecord, BeamFactors, BeamRecord, BoundRecord, ComplianceRecord, DisplacementRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord, HertzRecord, HorizontalBandRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, PenaltyRecord, ReferenceBandRecord, ReferenceRecord, ShiftRecord, ShiftTouchRecord, StiffnessByAngleRecord, StiffnessRecord, TableRecord, TangentRecord, TouchRecord};
+use crate::records::mesh::{BodyMeshRecord, FindingRecord, GroupRecord, NamedRecord, ProfileRecord};
+use crate::study::PairRecord;
 
 fn law(a: f64, b: f64, c: f64) -> LawRecord {
     LawRecord {
