@@ -43,7 +43,7 @@ pub use law::LawConstants;
 pub use measured::{MachineRecord, Measured, StageMeasure};
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use reach::Reach;
-pub use run::{ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
+pub use run::{RUN_NOTE, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
 pub use scaling::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
 };

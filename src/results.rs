@@ -12,10 +12,11 @@
 use std::collections::BTreeMap;
 
 use railspring_profiles::error::{InputError, Result};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 use crate::output::OutputFolder;
-use crate::records::{Reach, RunRecord};
 use crate::version;
 
 /// Name of the list.
@@ -23,7 +24,6 @@ pub const RESULTS: &str = "results.json";
 
 /// What is known about one file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Entry {
     /// Key of its address ([`crate::store::Address`]): the hash of everything that the file was made from, the program included.
     pub key: String,
@@ -35,15 +35,20 @@ pub struct Entry {
     /// The commit that this program was built from.
     #[serde(default)]
     pub commit: String,
-    /// The run, if the file is a history.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub run: Option<RunRecord>,
-    /// The contact zones that its stage has ended with, where later stages go on with them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reach: Option<Reach>,
+    /// What its stage notes beside it, by name, for instance the run that a history is of.
+    #[serde(flatten)]
+    pub notes: Notes,
 }
 
+/// What stages note beside files: records by name.
+pub type Notes = Map<String, Value>;
+
 impl Entry {
+    /// The note of a name; none where there is none, or one of another form.
+    pub fn note<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
+        serde_json::from_value(self.notes.get(name)?.clone()).ok()
+    }
+
     /// The program that made the file.
     pub fn program(&self) -> String {
         format!("railspring {} ({})", self.version, self.commit)
@@ -65,10 +70,8 @@ pub struct NewFile {
     pub content: Vec<u8>,
     /// Key of its address.
     pub key: String,
-    /// The run, if the file is a history.
-    pub run: Option<RunRecord>,
-    /// The contact zones that later stages go on with.
-    pub reach: Option<Reach>,
+    /// What its stage notes beside it.
+    pub notes: Notes,
     /// Whether the content follows from the key alone and is listed with its hash.
     pub reproducible: bool,
 }
@@ -76,7 +79,15 @@ pub struct NewFile {
 impl NewFile {
     /// A file whose content follows from its key.
     pub fn new(name: impl Into<String>, content: Vec<u8>, key: &str) -> Self {
-        Self { name: name.into(), content, key: key.into(), run: None, reach: None, reproducible: true }
+        Self { name: name.into(), content, key: key.into(), notes: Notes::new(), reproducible: true }
+    }
+
+    /// The same with a note beside it.
+    #[must_use]
+    pub fn noted(mut self, name: &str, record: &impl Serialize) -> Self {
+        let record = serde_json::to_value(record).expect("a record is plain data");
+        self.notes.insert(name.into(), record);
+        self
     }
 }
 
@@ -118,8 +129,7 @@ impl<'a> Results<'a> {
                     blake3: file.reproducible.then(|| hash(&file.content)),
                     version: env!("CARGO_PKG_VERSION").into(),
                     commit: version::COMMIT.into(),
-                    run: file.run,
-                    reach: file.reach,
+                    notes: file.notes,
                 };
                 (file.name, entry, file.content)
             })

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use super::About;
 use crate::output::{OutputFolder, parse_json, read_text};
 use crate::pipeline::{LOAD_CURVE, STIFFNESS, VERIFICATION, load_curve};
-use crate::records::{BY_ANGLE, INPUTS, InputsRecord, LoadCurveRow, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord, history_csv};
+use crate::records::{BY_ANGLE, INPUTS, InputsRecord, LoadCurveRow, RUN_NOTE, RunRecord, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord, history_csv};
 use crate::study::ResolvedKey;
 use crate::results::{Entry, RESULTS, Results, hash};
 
@@ -148,7 +148,7 @@ impl Files<'_> {
         let named = format!("history-{scenario}.csv");
         let name = if self.folder.file(&named).exists() { named } else { "history.csv".into() };
         let Some((text, entry)) = self.text(&name)? else { return Ok(None) };
-        let Some((size, ending)) = entry.run.and_then(|run| Some((run.degrees_of_freedom, run.ending()?)))
+        let Some((size, ending)) = entry.note::<RunRecord>(RUN_NOTE).and_then(|run| Some((run.degrees_of_freedom, run.ending()?)))
         else {
             return Ok(None);
         };

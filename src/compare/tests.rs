@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::output::{OutputFolder, to_json};
-use crate::records::{FixedLoadRecord, InputsRecord, RunRecord, StiffnessRecord, VerificationRecord, history_csv};
+use crate::records::{FixedLoadRecord, InputsRecord, RUN_NOTE, RunRecord, StiffnessRecord, VerificationRecord, history_csv};
 use crate::study::ResolvedKey;
 use crate::report::samples;
 use crate::results::{NewFile, Results};
@@ -345,7 +345,7 @@ fn a_folder_is_read_as_it_was_written() {
         let history = |name: &str, shift: f64| {
             let history = samples::history(shift);
             let rows = history_csv::write(&history);
-            NewFile { run: Some(RunRecord::bare(&history)), ..NewFile::new(name, rows, "") }
+            NewFile::new(name, rows, "").noted(RUN_NOTE, &RunRecord::bare(&history))
         };
         let files = vec![
             NewFile::new("stiffness.json", to_json(&made.stiffness), ""),

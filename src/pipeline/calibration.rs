@@ -14,10 +14,12 @@ use super::{
     FIGURES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION, load_curve, part_json,
     part_text,
 };
+use serde_json::Value;
+
 use crate::estimate::Work;
 use crate::measure::Stopwatch;
 use crate::output::to_json;
-use crate::records::{AssumedRecord, ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Reach, Sealed, StiffnessRecord};
+use crate::records::{AssumedRecord, ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Sealed, StiffnessRecord};
 use crate::output::to_csv;
 use crate::results::NewFile;
 use crate::stages::{self, Calibration, FoundSprings, Geometry, Meshes, PressedStudy, Reached, Within};
@@ -152,8 +154,8 @@ impl Stage for Calibrate<'_, '_> {
         &OF_THE_CALIBRATION
     }
 
-    fn reach(&self) -> Option<Reach> {
-        self.solids.reach_now()
+    fn note(&self) -> Option<(&'static str, Value)> {
+        self.solids.reach_note()
     }
 }
 

@@ -9,7 +9,7 @@ use super::solids::Solids;
 use super::stage::{Engine, Made, Stage};
 use super::{OF_THE_RUNS, history_file, part_json, part_text, unreadable};
 use crate::output::to_json;
-use crate::records::{RunRecord, SpringsRecord, StiffnessByAngleRecord, history_csv};
+use crate::records::{RUN_NOTE, RunRecord, SpringsRecord, StiffnessByAngleRecord, history_csv};
 use crate::results::NewFile;
 use crate::springs;
 use crate::stages;
@@ -239,10 +239,10 @@ fn part(artefact: &Artefact, [rows, size]: [&str; 2]) -> Result<(History, RunRec
 
 /// The files of a run with their names.
 pub(super) fn files([name, other]: [String; 2], artefact: &Artefact, run: &Run, key: &str) -> Vec<NewFile> {
-    let file = |name, part, record| {
+    let file = |name, part, record: &RunRecord| {
         let rows = artefact.part(part).unwrap_or_default().to_vec();
-        NewFile { run: Some(record), ..NewFile::new(name, rows, key) }
+        NewFile::new(name, rows, key).noted(RUN_NOTE, record)
     };
-    let disturbed = run.disturbed.as_ref().map(|run| file(other, DISTURBED[0], RunRecord::bare(run)));
-    [file(name, ROWS, run.record.clone())].into_iter().chain(disturbed).collect()
+    let disturbed = run.disturbed.as_ref().map(|run| file(other, DISTURBED[0], &RunRecord::bare(run)));
+    [file(name, ROWS, &run.record)].into_iter().chain(disturbed).collect()
 }

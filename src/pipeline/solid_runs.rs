@@ -15,6 +15,8 @@ use super::runs::{Run, SOLID, artefact, files, run};
 use super::solids::{Moving, REACH, Solids, solid_run_address};
 use super::stage::{Engine, Made, Stage};
 use super::{OF_THE_RUNS, history_file};
+use serde_json::Value;
+
 use crate::estimate::{Budget, Work};
 use crate::measure::Stopwatch;
 use crate::output::to_json;
@@ -72,8 +74,8 @@ impl Stage for SimulateSolid<'_, '_> {
         &OF_THE_RUNS
     }
 
-    fn reach(&self) -> Option<Reach> {
-        self.solids.reach_now()
+    fn note(&self) -> Option<(&'static str, Value)> {
+        self.solids.reach_note()
     }
 }
 

@@ -6,6 +6,8 @@ use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::CondensedPair;
 use railspring_profiles::error::Result;
 
+use serde_json::Value;
+
 use super::bodies::BodySource;
 use super::part_json;
 use super::stage::Engine;
@@ -18,6 +20,8 @@ use crate::study::Study;
 
 /// Part of an artefact: how far the contact zones reached in the end.
 pub(super) const REACH: &str = "reach.json";
+/// The same as a note beside files of an output folder.
+pub(super) const REACH_NOTE: &str = "reach";
 
 /// Bodies of a run on the solids, and the modes that were asked for.
 pub(super) type Moving = (usize, Arc<MovingBodies>);
@@ -164,9 +168,10 @@ impl<'a> Solids<'a> {
         Ok(meshes)
     }
 
-    /// How far they reach, if that is known.
-    pub fn reach_now(&self) -> Option<Reach> {
-        self.reach
+    /// How far they reach, if that is known, as a note beside files.
+    pub fn reach_note(&self) -> Option<(&'static str, Value)> {
+        let reach = serde_json::to_value(self.reach?).expect("a record is plain data");
+        Some((REACH_NOTE, reach))
     }
 
     /// Hands back the meshes that a run has ended with.

@@ -3,9 +3,11 @@
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
 
+use serde_json::Value;
+
 use crate::measure::{Stopwatch, begin};
 use crate::output::OutputFolder;
-use crate::records::{Measured, Reach};
+use crate::records::Measured;
 use crate::results::{NewFile, Results};
 use crate::store::{Address, Artefact, Store};
 
@@ -54,8 +56,8 @@ pub trait Stage {
     /// Files that are made from these, and go when one of these changes.
     fn outdates(&self) -> &'static [&'static str];
 
-    /// The contact zones that it has ended with, where later stages go on with them.
-    fn reach(&self) -> Option<Reach> {
+    /// What is noted beside all its files, by name.
+    fn note(&self) -> Option<(&'static str, Value)> {
         None
     }
 
@@ -145,9 +147,10 @@ impl<'a> Engine<'a> {
                 (artefact, value, failure)
             }
         };
-        let reach = stage.reach();
         let files = stage.files(&artefact, &value, key).into_iter();
-        self.results.write(files.map(|file| NewFile { reach, ..file }).collect(), stage.outdates())?;
+        let note = stage.note();
+        let noted = |file: NewFile| note.iter().fold(file, |file, (name, note)| file.noted(name, note));
+        self.results.write(files.map(noted).collect(), stage.outdates())?;
         if stage.is_measured() {
             self.note(&stage.name(), key, is_taken)?;
             let whence = if is_taken { "taken from the store" } else { "made" };

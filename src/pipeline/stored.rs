@@ -5,12 +5,12 @@ use railspring_simulate::time::history::{Ending, History};
 
 use super::by_angle::by_angle_address;
 use super::runs::{Other, Run, Runs, SIMPLE, SOLID, of_element, other_run_address, simple_run_address};
-use super::solids::solid_run_address;
+use super::solids::{REACH_NOTE, solid_run_address};
 use super::verdict::verdict_address;
 use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
 use crate::output::parse_json;
 use crate::records::{
-    LoadCurveRow, PatchesRecord, RunRecord, SpringsRecord, SpringsSource, StiffnessByAngleRecord,
+    LoadCurveRow, PatchesRecord, RUN_NOTE, RunRecord, SpringsRecord, SpringsSource, StiffnessByAngleRecord,
     StiffnessRecord, VerificationRecord, history_csv,
 };
 use crate::results::Entry;
@@ -43,7 +43,7 @@ impl Pipeline<'_> {
         let stiffness = parse_json(&self.engine.folder.file(STIFFNESS), &text, "calibrate")?;
         let address = stages::calibration_address(self.study);
         let entry = self.engine.results.check(STIFFNESS, &text, address.key(), "calibrate")?;
-        entry.reach.into_iter().for_each(|reach| self.solids.go_on_from(reach));
+        entry.note(REACH_NOTE).into_iter().for_each(|reach| self.solids.go_on_from(reach));
         Ok(stiffness)
     }
 
@@ -101,7 +101,7 @@ impl Pipeline<'_> {
                     .engine
                     .results
                     .entry(&history_file(self.study, name, SIMPLE[0]))
-                    .and_then(|entry| entry.run);
+                    .and_then(|entry| entry.note::<RunRecord>(RUN_NOTE));
                 run.is_some_and(|run| from_file(&run))
             });
         let stiffness = if all_from_files { None } else { Some(self.stored_stiffness()?) };
@@ -123,7 +123,7 @@ impl Pipeline<'_> {
         scenario: &StudyScenario,
     ) -> Result<SimpleRun> {
         let files = SIMPLE.map(|stem| history_file(self.study, name, stem));
-        let noted = self.engine.results.entry(&files[0]).and_then(|entry| entry.run).filter(from_file);
+        let noted = self.engine.results.entry(&files[0]).and_then(|entry| entry.note::<RunRecord>(RUN_NOTE)).filter(from_file);
         let springs = match (noted.and_then(|run| run.springs), stiffness) {
             (Some(springs), _) => (springs, None),
             (None, Some(stiffness)) => self.springs_of(stiffness)?,
@@ -163,7 +163,7 @@ impl Pipeline<'_> {
         let address = solid_run_address(self.study, name, self.solids.reach()?);
         let run = self.stored_run(&files, scenario, address.key(), "verify")?;
         let entry = self.engine.results.entry(&files[0]);
-        entry.and_then(|entry| entry.reach).into_iter().for_each(|reach| self.solids.go_on_from(reach));
+        entry.and_then(|entry| entry.note(REACH_NOTE)).into_iter().for_each(|reach| self.solids.go_on_from(reach));
         Ok(run)
     }
 
@@ -193,7 +193,7 @@ impl Pipeline<'_> {
         // First, because it names the line of what was edited.
         let mut history = history_csv::read(&path, &text, 0, Ending::Completed)?;
         let entry: Entry = self.engine.results.check(file, &text, key, made_by)?;
-        let known = entry.run.and_then(|record| record.ending().map(|ending| (record, ending)));
+        let known = entry.note::<RunRecord>(RUN_NOTE).and_then(|record| record.ending().map(|ending| (record, ending)));
         let (record, ending) = known.ok_or_else(|| {
             InputError::new(
                 path.display().to_string(),

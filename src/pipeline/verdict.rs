@@ -12,7 +12,7 @@ use super::stage::{Engine, Made, Stage};
 use super::{OF_THE_VERDICT, STIFFNESS, VERIFICATION, history_file, part_json};
 use crate::output::to_json;
 use crate::records::{
-    BY_ANGLE, ElementDifferences, ElementVerdict, ScenarioVerdict, StiffnessByAngleRecord, StiffnessRecord,
+    BY_ANGLE, ElementDifferences, ElementVerdict, RUN_NOTE, RunRecord, ScenarioVerdict, StiffnessByAngleRecord, StiffnessRecord,
     VerdictSubject, VerificationRecord,
 };
 use crate::results::{Entry, NewFile, Results};
@@ -156,7 +156,7 @@ fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMa
     let histories = study.scenarios.iter().flat_map(|(name, scenario)| {
         let files = |stems: [&str; 2]| -> Vec<String> {
             let [file, disturbed] = stems.map(|stem| history_file(study, name, stem));
-            let entry = results.entry(&file).and_then(|entry| entry.run);
+            let entry = results.entry(&file).and_then(|entry| entry.note::<RunRecord>(RUN_NOTE));
             let known = entry.is_some_and(|run| run.spread.is_some());
             [file].into_iter().chain(known.then_some(disturbed)).collect()
         };

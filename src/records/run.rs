@@ -13,6 +13,9 @@ use super::{BeamFactors, ElementRecord, HubDeviationRecord, LawConstants};
 use crate::rounding::significant;
 use crate::verify::{ModelChange, ModelRun, Spread, StepChange, Worth};
 
+/// The run that a history is of, as a note beside its file.
+pub const RUN_NOTE: &str = "run";
+
 /// A run of one of the models.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RunRecord {

@@ -20,7 +20,8 @@ use super::Geometry;
 use super::calibrate::{
     MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record, subsurface_values,
 };
-use super::error_band::{CoarserBodies, band_record, bodies_of};
+use super::coarser::{CoarserBodies, bodies_of};
+use super::error_band::band_record;
 use crate::records::{
     AngleLawRecord, ElementRecord, ErrorBandRecord, FixedLoadRecord, FixedReferenceRecord,
     HubDeviationRecord, ShiftRecord, ShiftTouchRecord, StiffnessByAngleRecord, StiffnessRecord,

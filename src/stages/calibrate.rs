@@ -26,7 +26,6 @@ use super::{FieldFile, Geometry, Meshes, contact_field, enforcement, solids};
 use crate::records::{BeamRecord, BoundRecord, ComplianceRecord, DisplacementRecord, HertzRecord, HorizontalPointRecord, HorizontalRecord, LawConstants, LawRecord, LoadCurveRow, LoadEndRecord, PatchesRecord, PenaltyRecord, ReferenceRecord, StiffnessRecord, SubsurfaceRecord, TableRecord, TangentRecord, TouchRecord};
 use crate::records::mesh::BodyMeshRecord;
 use crate::rounding::significant;
-use crate::store::{Address, Kind};
 use crate::study::{EnforcementKey, MeshFile, Study};
 use crate::version;
 
@@ -216,7 +215,7 @@ pub fn calibrate(
         profiles: geometry.profiles.clone(),
         touch: touch_record(geometry, bodies),
         pair: study.pair(),
-        input_hash: calibration_address(study).key().into(),
+        input_hash: super::calibration_address(study).key().into(),
         version: env!("CARGO_PKG_VERSION").into(),
         commit: version::COMMIT.into(),
         content_blake3: String::new(),
@@ -234,7 +233,7 @@ pub fn calibrate(
         field: study.contact.field.name().into(),
         friction: study.contact.friction,
         patches: chosen(states.len()).into_iter().map(patch).collect(),
-        input_hash: calibration_address(study).key().into(),
+        input_hash: super::calibration_address(study).key().into(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
     let horizontal_failure = horizontal_failure.clone();
@@ -255,11 +254,6 @@ pub fn law_so_far(study: &Study, found: &FoundSprings) -> String {
         |h| format!("k_h = {} kN/m", significant(h.stiffness / KILONEWTON_PER_METRE, 4)),
     );
     format!("law: {law}, {horizontal}; error bands and laws by contact angle follow")
-}
-
-/// Address of the calibration of a study, with its fields for other programs.
-pub fn calibration_address(study: &Study) -> Address {
-    Address::of(Kind::Calibration, &(&study.keys.springs, study.output))
 }
 
 /// The end of ascending `loads` (N) after the first `carried` ones.

@@ -1,9 +1,8 @@
 //! What the laws of a calibration are worth, and finer meshes for laws that are to be worth more.
 
 use railspring_calibrate::calibration::Reference;
-use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::{
-    BandPoint, COARSER, Changed, CondensedPair, ErrorBand, Solid, SolidPoints, error_bands,
+    BandPoint, Changed, CondensedPair, ErrorBand, Solid, SolidPoints, error_bands,
     horizontal_changes,
 };
 use railspring_profiles::error::{Error, InputError, Result};
@@ -11,18 +10,12 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use super::calibrate::{FoundSprings, contact_conditions};
-use super::coarser::{on_coarser_meshes, with_longer_zones};
+use super::coarser::{COARSER_MESHES, Coarser, CoarserBodies, FINER, bodies_of};
 use super::{Geometry, Meshes, remeshed_with};
 use crate::records::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };
 use crate::study::Study;
-
-/// The part of a band that coarser meshes are.
-const COARSER_MESHES: &str = "coarser meshes";
-
-/// Ratio of the elements of meshes to those of the next finer ones.
-pub const FINER: f64 = std::f64::consts::SQRT_2;
 
 /// Refuses a wanted error of meshes that the program cannot refine.
 ///
@@ -41,49 +34,6 @@ pub fn check_target(study: &Study) -> Result<()> {
         "leave the key out, or the mesh file",
     )
     .into())
-}
-
-/// Sizes of the coarser meshes. Their contact zones are longer by two of their elements, so that they hold what the others hold.
-pub fn coarser_options(geometry: &Geometry, options: &MeshOptions) -> MeshOptions {
-    with_longer_zones(geometry, options.refined(1.0 / COARSER))
-}
-
-/// Bodies of coarser meshes.
-pub struct Coarser {
-    /// Larger edge of their contact elements, m.
-    contact_element: f64,
-    bodies: CondensedPair,
-}
-
-impl Coarser {
-    /// Bodies of meshes whose contact elements have a larger edge of so many metres.
-    pub fn new(contact_element: f64, bodies: CondensedPair) -> Self {
-        Self { contact_element, bodies }
-    }
-}
-
-/// The bodies of coarser meshes, which `condense` has, or why there are none.
-pub type CoarserBodies = std::result::Result<Coarser, String>;
-
-/// The bodies of meshes that are coarser than `meshes`, if the study wants bands.
-///
-/// # Errors
-/// An interruption.
-pub fn coarser_bodies(
-    study: &Study,
-    geometry: &Geometry,
-    meshes: &Meshes,
-    condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
-) -> Result<CoarserBodies> {
-    let options = coarser_options(geometry, meshes.options());
-    on_coarser_meshes(study, geometry, meshes, options, |coarse| {
-        Ok(Coarser { contact_element: coarse.contact_element(), bodies: condense(coarse)? })
-    })
-}
-
-/// The bodies, if there are any.
-pub fn bodies_of(coarser: &CoarserBodies) -> Option<&CondensedPair> {
-    coarser.as_ref().ok().map(|coarser| &coarser.bodies)
 }
 
 /// The bands of the laws of `bodies` on `meshes`, and of the horizontal stiffness, if there is one: on a grid of half the spacing, and on the bodies of

@@ -24,13 +24,12 @@ pub use assumed::{assumed, others_by_body};
 pub use bodies::{MovingBodies, solids};
 pub use by_angle::{PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y, with_element};
 pub use calibrate::{
-    Calibration, FoundSprings, PressedStudy, calibrate, calibration_address, check_friction,
+    Calibration, FoundSprings, PressedStudy, calibrate, check_friction,
     contact_conditions, law_so_far, press,
 };
 pub use crosscheck::{AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held};
-pub use error_band::{
-    Coarser, CoarserBodies, FINER, check_target, coarser_bodies, coarser_options, error_band, finer_meshes,
-};
+pub use coarser::{Coarser, CoarserBodies, FINER, coarser_bodies, coarser_options};
+pub use error_band::{check_target, error_band, finer_meshes};
 pub use fields::{FIELDS, FieldFile, mesh_vtu};
 pub use on_standard::{Seams, on_standard};
 pub use other_solids::{CoarserContact, coarser_contact};
@@ -55,6 +54,7 @@ use railspring_profiles::profile_file::ProfileKind;
 use railspring_profiles::section::{RailSection, WheelSection};
 use railspring_profiles::units::MILLIMETRE;
 
+use crate::store::{Address, Kind};
 use crate::records::mesh::ProfileRecord;
 use crate::report::bodies::ProfilePair;
 use crate::report::bodies::BodyOutline;
@@ -91,6 +91,11 @@ pub struct Meshes {
     options: MeshOptions,
     /// Orders of the equations on them.
     orders: Orders,
+}
+
+/// Address of the calibration of a study, with its fields for other programs.
+pub fn calibration_address(study: &Study) -> Address {
+    Address::of(Kind::Calibration, &(&study.keys.springs, study.output))
 }
 
 /// Sections, placement and first touch.
