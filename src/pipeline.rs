@@ -6,10 +6,11 @@
 //! at all, so that a later failure takes nothing away. What a stage reads, it
 //! takes only if it was made from the same inputs as it would be now.
 
+pub mod names;
 mod stage;
 mod bodies;
 mod solids;
-mod calibration;
+pub(crate) mod calibration;
 mod by_angle;
 mod crosscheck;
 mod runs;
@@ -23,26 +24,25 @@ pub mod files;
 use std::path::Path;
 
 use railspring_calibrate::mesh::MeshSize;
-use railspring_profiles::error::{Error, InputError, Result};
+use railspring_profiles::error::Result;
 use railspring_simulate::time::history::Ending;
-use serde::de::DeserializeOwned;
 
 use crate::estimate::{Resources, Work};
 use crate::output::{OutputFolder, to_json};
-pub use crate::records::BY_ANGLE;
 use crate::records::{
-    INPUTS, InputsRecord, LoadCurveRow, RunRecord, SpringsRecord, StiffnessByAngleRecord, StiffnessRecord,
+    INPUTS, InputsRecord, RunRecord, SpringsRecord, StiffnessByAngleRecord, StiffnessRecord,
     VerificationRecord,
 };
 use crate::results::{NewFile, hash};
 use crate::springs;
 use crate::stages::{self, Calibration, Geometry};
-use crate::store::{Address, Artefact, Kind, Store};
+use crate::store::{Address, Kind, Store};
 use crate::study::{LawKey, Study, StudyScenario};
 use crate::version;
 
 pub(crate) use bodies::{BodySource, body_address};
 use by_angle::ByAngle;
+use names::STIFFNESS;
 use calibration::{Calibrate, FoundOn, calibrates, found_springs};
 use pages::{Report, crosscheck_alone, write_report};
 use runs::{Other, Run, Runs, Simulate, other_element};
@@ -53,34 +53,6 @@ pub use stage::MEASURED;
 use stored::Stored;
 use verdict::Verify;
 pub use verdict::statics_lines;
-
-/// The laws and the horizontal stiffness.
-pub const STIFFNESS: &str = "stiffness.json";
-/// The calibrated load curve with the reference in use.
-pub const LOAD_CURVE: &str = "load_curve.csv";
-/// The contact patches under some loads of the calibration.
-pub const PATCHES: &str = "contact_patches.json";
-/// The same at fixed loads, as a table.
-pub const BY_ANGLE_ROWS: &str = "stiffness_by_angle.csv";
-/// The verdict.
-pub const VERIFICATION: &str = "verification.json";
-/// The report.
-pub const REPORT: &str = "report.html";
-/// The report as it is printed, if it was.
-pub const REPORT_PDF: &str = "report.pdf";
-/// The figures of the report.
-const FIGURES: &str = "figures/";
-/// What independent programs say.
-pub const CROSSCHECK: &str = "crosscheck.json";
-/// The page about it.
-pub const CROSSCHECK_PAGE: &str = "crosscheck.html";
-/// Where on the bodies tool and reference differ.
-pub const DIFFERENCES: &str = "crosscheck/differences.json";
-
-/// What is made from springs and histories, and goes when one of them changes.
-const OF_THE_RUNS: [&str; 4] = [VERIFICATION, REPORT, REPORT_PDF, FIGURES];
-/// What is made from the verdict.
-const OF_THE_VERDICT: [&str; 3] = [REPORT, REPORT_PDF, FIGURES];
 
 /// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.
 type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>);
@@ -386,41 +358,3 @@ impl<'a> Pipeline<'a> {
     }
 }
 
-/// Name of a history file: plain for the main scenario, else with the scenario's name.
-fn history_file(study: &Study, scenario: &str, stem: &str) -> String {
-    if study.main_scenario.as_deref() == Some(scenario) {
-        format!("{stem}.csv")
-    } else {
-        format!("{stem}-{scenario}.csv")
-    }
-}
-
-/// The rows of a load curve; `path` is only named in messages.
-pub(crate) fn load_curve(path: &str, text: &str) -> Result<Vec<LoadCurveRow>> {
-    let rows = csv::Reader::from_reader(text.as_bytes()).deserialize().collect::<std::result::Result<_, _>>();
-    rows.map_err(|cause| {
-        InputError::new(
-            path,
-            cause,
-            "a load curve as `railspring calibrate` writes it",
-            "write it again with that command",
-        )
-        .into()
-    })
-}
-
-/// The text of a part of an artefact.
-fn part_text<'a>(artefact: &'a Artefact, name: &str) -> Result<&'a str> {
-    let content = artefact.part(name).ok_or_else(|| unreadable(name, "it is missing"))?;
-    std::str::from_utf8(content).map_err(|cause| unreadable(name, &cause.to_string()))
-}
-
-/// The record in a part of an artefact.
-fn part_json<T: DeserializeOwned>(artefact: &Artefact, name: &str) -> Result<T> {
-    serde_json::from_str(part_text(artefact, name)?).map_err(|cause| unreadable(name, &cause.to_string()))
-}
-
-fn unreadable(part: &str, reason: &str) -> Error {
-    InputError::new(part, reason, "a part as this program writes it", "make the result again with --fresh")
-        .into()
-}

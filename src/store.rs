@@ -16,6 +16,7 @@ use std::sync::OnceLock;
 use std::time::{Duration, SystemTime};
 
 use railspring_profiles::error::{Error, InputError, Result};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::output::{OutputFolder, TEMPORARY};
@@ -151,6 +152,29 @@ impl Artefact {
     pub fn part(&self, name: &str) -> Option<&[u8]> {
         self.parts.iter().find(|(found, _)| found == name).map(|(_, content)| content.as_slice())
     }
+
+    /// The text of a part.
+    ///
+    /// # Errors
+    /// A part that is missing or no text.
+    pub fn text(&self, name: &str) -> Result<&str> {
+        let content = self.part(name).ok_or_else(|| unreadable(name, "it is missing"))?;
+        std::str::from_utf8(content).map_err(|cause| unreadable(name, &cause.to_string()))
+    }
+
+    /// The record in a part.
+    ///
+    /// # Errors
+    /// A part that is missing or of another form.
+    pub fn json<T: DeserializeOwned>(&self, name: &str) -> Result<T> {
+        serde_json::from_str(self.text(name)?).map_err(|cause| unreadable(name, &cause.to_string()))
+    }
+}
+
+/// The error of a part of an artefact that cannot be read.
+pub fn unreadable(part: &str, reason: &str) -> Error {
+    InputError::new(part, reason, "a part as this program writes it", "make the result again with --fresh")
+        .into()
 }
 
 /// The second line of an entry.

@@ -8,7 +8,8 @@ use serde::de::DeserializeOwned;
 
 use super::About;
 use crate::output::{OutputFolder, parse_json, read_text};
-use crate::pipeline::{LOAD_CURVE, STIFFNESS, VERIFICATION, load_curve};
+use crate::pipeline::calibration::load_curve;
+use crate::pipeline::names::{LOAD_CURVE, STIFFNESS, VERIFICATION};
 use crate::records::{BY_ANGLE, INPUTS, InputsRecord, LoadCurveRow, RUN_NOTE, RunRecord, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord, history_csv};
 use crate::study::ResolvedKey;
 use crate::results::{Entry, RESULTS, Results, hash};

@@ -6,7 +6,8 @@ use railspring_profiles::error::Result;
 
 use super::solids::Solids;
 use super::stage::{Engine, Made, Stage};
-use super::{BY_ANGLE, BY_ANGLE_ROWS, OF_THE_VERDICT, part_json};
+use super::names::{BY_ANGLE_ROWS, OF_THE_VERDICT};
+use crate::records::BY_ANGLE;
 use crate::output::to_json;
 use crate::records::{Sealed, StiffnessByAngleRecord, StiffnessRecord};
 use crate::output::to_csv;
@@ -72,7 +73,7 @@ impl Stage for ByAngle<'_, '_> {
 
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<StiffnessByAngleRecord> {
         let at = &*self.solids;
-        let mut laws: StiffnessByAngleRecord = part_json(artefact, BY_ANGLE)?;
+        let mut laws: StiffnessByAngleRecord = artefact.json(BY_ANGLE)?;
         laws.study.clone_from(&at.study.name);
         laws.input_hash = key.into();
         laws.pair = at.study.pair();

@@ -10,16 +10,13 @@ use railspring_profiles::units::MILLIMETRE;
 use super::bodies::BodySource;
 use super::solids::{REACH, Solids};
 use super::stage::{Engine, Made, Stage};
-use super::{
-    FIGURES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION, load_curve, part_json,
-    part_text,
-};
+use super::names::{FIGURES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION};
 use serde_json::Value;
 
 use crate::estimate::Work;
 use crate::measure::Stopwatch;
 use crate::output::to_json;
-use crate::records::{AssumedRecord, ErrorBandRecord, HorizontalBandRecord, PatchesRecord, Sealed, StiffnessRecord};
+use crate::records::{AssumedRecord, ErrorBandRecord, HorizontalBandRecord, LoadCurveRow, PatchesRecord, Sealed, StiffnessRecord};
 use crate::output::to_csv;
 use crate::results::NewFile;
 use crate::stages::{self, Calibration, FoundSprings, Geometry, Meshes, PressedStudy, Reached, Within};
@@ -129,11 +126,11 @@ impl Stage for Calibrate<'_, '_> {
 
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<Calibration> {
         let at = &mut *self.solids;
-        let mut stiffness: StiffnessRecord = part_json(artefact, STIFFNESS)?;
+        let mut stiffness: StiffnessRecord = artefact.json(STIFFNESS)?;
         label(&mut stiffness, key, at.study, &*at.geometry()?);
         let stiffness = stiffness.sealed();
-        let load_curve = load_curve(LOAD_CURVE, part_text(artefact, LOAD_CURVE)?)?;
-        let mut patches: PatchesRecord = part_json(artefact, PATCHES)?;
+        let load_curve = load_curve(LOAD_CURVE, artefact.text(LOAD_CURVE)?)?;
+        let mut patches: PatchesRecord = artefact.json(PATCHES)?;
         patches.study.clone_from(&at.study.name);
         patches.input_hash = key.into();
         at.go_on_with_reach(artefact)?;
@@ -229,6 +226,20 @@ fn error_band(
     let coarser = at.coarser(geometry, meshes)?;
     let monitor = at.resources.monitor;
     stages::error_band(at.study, geometry, meshes, bodies, pressed.found(), &coarser, monitor)
+}
+
+/// The rows of a load curve; `path` is only named in messages.
+pub fn load_curve(path: &str, text: &str) -> Result<Vec<LoadCurveRow>> {
+    let rows = csv::Reader::from_reader(text.as_bytes()).deserialize().collect::<std::result::Result<_, _>>();
+    rows.map_err(|cause| {
+        InputError::new(
+            path,
+            cause,
+            "a load curve as `railspring calibrate` writes it",
+            "write it again with that command",
+        )
+        .into()
+    })
 }
 
 /// Puts in what a calibration carries of the study that asks for it and does not depend on, names of the study and of files, and the key of

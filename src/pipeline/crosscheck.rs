@@ -5,7 +5,8 @@ use std::path::Path;
 use railspring_profiles::error::{Error, InputError, Result};
 
 use super::stage::{Engine, Made, Stage};
-use super::{CROSSCHECK, DIFFERENCES, Pipeline, part_json};
+use super::names::{CROSSCHECK, DIFFERENCES};
+use super::{Pipeline};
 use crate::crosscheck::exchange::Case;
 use crate::crosscheck::{self, Solvers};
 use crate::estimate::Resources;
@@ -47,7 +48,7 @@ impl Stage for Crosscheck<'_> {
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<CrosscheckRecord> {
-        part_json(artefact, CROSSCHECK)
+        artefact.json(CROSSCHECK)
     }
 
     fn files(&self, artefact: &Artefact, _: &CrosscheckRecord, key: &str) -> Vec<NewFile> {

@@ -3,10 +3,9 @@
 use schemars::{JsonSchema, schema_for};
 use serde_json::Value;
 
-use super::{
-    BY_ANGLE, BY_ANGLE_ROWS, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, LOAD_CURVE, MEASURED, PATCHES, REPORT,
-    REPORT_PDF, STIFFNESS, VERIFICATION,
-};
+use super::names::{BY_ANGLE_ROWS, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION};
+use crate::records::BY_ANGLE;
+use super::{MEASURED};
 use crate::records::{
     ByAngleRow, INPUTS, InputsRecord, LoadCurveRow, Measured, PatchesRecord, StiffnessByAngleRecord,
     StiffnessRecord, VerificationRecord,

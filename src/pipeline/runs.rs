@@ -7,7 +7,8 @@ use railspring_simulate::time::history::{Ending, History};
 
 use super::solids::Solids;
 use super::stage::{Engine, Made, Stage};
-use super::{OF_THE_RUNS, history_file, part_json, part_text, unreadable};
+use super::names::{OF_THE_RUNS};
+use crate::store::unreadable;
 use crate::output::to_json;
 use crate::records::{RUN_NOTE, RunRecord, SpringsRecord, StiffnessByAngleRecord, history_csv};
 use crate::results::NewFile;
@@ -137,7 +138,7 @@ impl Stage for SimulateOther<'_, '_> {
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Self::Value> {
         match artefact.part(FAILURE) {
-            Some(_) => Ok(Err(part_text(artefact, FAILURE)?.into())),
+            Some(_) => Ok(Err(artefact.text(FAILURE)?.into())),
             None => run(artefact).map(|run| Ok(run.noted(self.scenario))),
         }
     }
@@ -230,9 +231,9 @@ pub(super) fn run(artefact: &Artefact) -> Result<Run> {
 
 /// A history of an artefact with its record.
 fn part(artefact: &Artefact, [rows, size]: [&str; 2]) -> Result<(History, RunRecord)> {
-    let record: RunRecord = part_json(artefact, size)?;
+    let record: RunRecord = artefact.json(size)?;
     let ending: Ending = record.ending().ok_or_else(|| unreadable(size, "an unknown ending"))?;
-    let text = part_text(artefact, rows)?;
+    let text = artefact.text(rows)?;
     let history = history_csv::read(Path::new(rows), text, record.degrees_of_freedom, ending)?;
     Ok((history, record))
 }
@@ -245,4 +246,13 @@ pub(super) fn files([name, other]: [String; 2], artefact: &Artefact, run: &Run, 
     };
     let disturbed = run.disturbed.as_ref().map(|run| file(other, DISTURBED[0], &RunRecord::bare(run)));
     [file(name, ROWS, &run.record)].into_iter().chain(disturbed).collect()
+}
+
+/// Name of a history file: plain for the main scenario, else with the scenario's name.
+pub fn history_file(study: &Study, scenario: &str, stem: &str) -> String {
+    if study.main_scenario.as_deref() == Some(scenario) {
+        format!("{stem}.csv")
+    } else {
+        format!("{stem}-{scenario}.csv")
+    }
 }

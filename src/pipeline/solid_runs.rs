@@ -14,7 +14,8 @@ use super::calibration::FoundOn;
 use super::runs::{Run, SOLID, artefact, files, run};
 use super::solids::{Moving, REACH, Solids, solid_run_address};
 use super::stage::{Engine, Made, Stage};
-use super::{OF_THE_RUNS, history_file};
+use super::names::{OF_THE_RUNS};
+use super::runs::history_file;
 use serde_json::Value;
 
 use crate::estimate::{Budget, Work};

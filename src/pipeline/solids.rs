@@ -9,7 +9,6 @@ use railspring_profiles::error::Result;
 use serde_json::Value;
 
 use super::bodies::BodySource;
-use super::part_json;
 use super::stage::Engine;
 use crate::estimate::{self, Resources, Room, Work};
 use crate::measure::Stopwatch;
@@ -132,7 +131,7 @@ impl<'a> Solids<'a> {
 
     /// Goes on with the zones that an artefact has ended with.
     pub fn go_on_with_reach(&mut self, artefact: &Artefact) -> Result<()> {
-        self.go_on_from(part_json(artefact, REACH)?);
+        self.go_on_from(artefact.json(REACH)?);
         Ok(())
     }
 

@@ -7,7 +7,11 @@ use super::by_angle::by_angle_address;
 use super::runs::{Other, Run, Runs, SIMPLE, SOLID, of_element, other_run_address, simple_run_address};
 use super::solids::{REACH_NOTE, solid_run_address};
 use super::verdict::verdict_address;
-use super::{BY_ANGLE, LOAD_CURVE, PATCHES, Pipeline, STIFFNESS, VERIFICATION, history_file, load_curve};
+use super::names::{LOAD_CURVE, PATCHES, STIFFNESS, VERIFICATION};
+use crate::records::BY_ANGLE;
+use super::runs::history_file;
+use super::calibration::load_curve;
+use super::{Pipeline};
 use crate::output::parse_json;
 use crate::records::{
     LoadCurveRow, PatchesRecord, RUN_NOTE, RunRecord, SpringsRecord, SpringsSource, StiffnessByAngleRecord,

@@ -9,7 +9,8 @@ use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 use super::judged::{Judging, hub_deviations, place};
 use super::runs::{Run, Runs, SIMPLE, SOLID, of_element};
 use super::stage::{Engine, Made, Stage};
-use super::{OF_THE_VERDICT, STIFFNESS, VERIFICATION, history_file, part_json};
+use super::names::{OF_THE_VERDICT, STIFFNESS, VERIFICATION};
+use super::runs::history_file;
 use crate::output::to_json;
 use crate::records::{
     BY_ANGLE, ElementDifferences, ElementVerdict, RUN_NOTE, RunRecord, ScenarioVerdict, StiffnessByAngleRecord, StiffnessRecord,
@@ -120,7 +121,7 @@ impl Stage for Verify<'_> {
     }
 
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<VerificationRecord> {
-        let verdict: VerificationRecord = part_json(artefact, VERIFICATION)?;
+        let verdict: VerificationRecord = artefact.json(VERIFICATION)?;
         Ok(VerificationRecord { input_hash: key.into(), ..verdict })
     }
 

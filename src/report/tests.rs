@@ -3,6 +3,9 @@
 use super::crosscheck::Crosscheck;
 use super::samples;
 use super::*;
+use super::load_case::ModelRun;
+use crate::verify::Carrying;
+use railspring_simulate::time::history::History;
 use crate::records::{ElementVerdict, RunRecord, ScenarioVerdict, Sealed, VerdictOn, VerdictSubject};
 use crate::verify::{self, Band, ChangedLimit, Limits, Spread, Worth, compare};
 

@@ -275,21 +275,21 @@ impl Meshes {
     }
 }
 
-fn formulation(study: &Study) -> Formulation {
+pub(crate) fn formulation(study: &Study) -> Formulation {
     match study.element {
         ElementKey::IncompatibleModes => Formulation::IncompatibleModes,
         ElementKey::FullIntegration => Formulation::FullIntegration,
     }
 }
 
-fn contact_field(study: &Study) -> ContactField {
+pub(crate) fn contact_field(study: &Study) -> ContactField {
     match study.contact.field {
         FieldKey::Hybrid => ContactField::Hybrid,
         FieldKey::Elements => ContactField::Elements,
     }
 }
 
-fn enforcement(study: &Study) -> Enforcement {
+pub(crate) fn enforcement(study: &Study) -> Enforcement {
     match study.contact.enforcement {
         EnforcementKey::Exact => Enforcement::Exact,
         EnforcementKey::Penalty => Enforcement::Penalty(study.contact.penalty),
