@@ -15,10 +15,10 @@ use railspring_profiles::monitor::Monitor;
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::estimate::Resources;
-use crate::output::TEMPORARY;
+use crate::engine::output::TEMPORARY;
+use crate::engine::store::Store;
 use crate::python::{Python, cache_folder};
-use crate::store::Store;
+use crate::results::bodies::estimate::Resources;
 use crate::table::{Places, SentCase, Table};
 
 /// Pause between two looks at whether the user wants to stop.

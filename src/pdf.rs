@@ -8,7 +8,7 @@ use std::time::Duration;
 use railspring_profiles::error::{InputError, Result};
 
 use crate::child::{Limits, Stop, run};
-use crate::output::OutputFolder;
+use crate::engine::output::OutputFolder;
 
 /// Names of the browser on the search path.
 const BROWSERS: [&str; 6] =

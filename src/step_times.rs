@@ -4,6 +4,7 @@
 //! The cases take turns on one thread, and of each the run with the least CPU time counts: what else the machine does lengthens a run and never
 //! shortens it.
 
+use crate::results::bodies::geometry;
 use std::time::Instant;
 
 use nalgebra::Vector2;
@@ -18,9 +19,9 @@ use railspring_simulate::element::published::{MovingModel, MovingRun, WheelSprin
 use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
 
-use crate::measure::{machine, now_utc, thread_seconds};
-use crate::records::{PeerTime, StepTime, StepTimesRecord};
-use crate::stages::{self, Geometry};
+use crate::engine::measure::{machine, now_utc, thread_seconds};
+use crate::records::step_times::{PeerTime, StepTime, StepTimesRecord};
+use crate::results::bodies::geometry::Geometry;
 use crate::study::{ContactElementKey, Study};
 
 /// Names of the cases.
@@ -174,7 +175,7 @@ fn peers() -> Vec<PeerTime> {
 }
 
 fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Vec<Case>> {
-    let geometry = stages::geometry(study)?;
+    let geometry = geometry::geometry(study)?;
     let Some(constant) = study.scenarios.get(CONSTANT) else {
         let remedy = "name another study, or none, with --study";
         return Err(InputError::new(

@@ -6,10 +6,11 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use railspring::crosscheck::deck::{Deck, Format};
-use railspring::crosscheck::{Prepared, calculix, prepare};
-use railspring::estimate::Resources;
-use railspring::stages::{AnsweredCurve, check_friction};
+use railspring::results::bodies::estimate::Resources;
+use railspring::results::crosscheck::answers::AnsweredCurve;
+use railspring::results::crosscheck::deck::{Deck, Format};
+use railspring::results::crosscheck::{Prepared, calculix, prepare};
+use railspring::results::springs::make::check_friction;
 use railspring::study::Study;
 use railspring_profiles::monitor::Silent;
 use railspring_testing::{Need, needs};

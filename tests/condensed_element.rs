@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
-use railspring::records::history_csv;
+use railspring::results::run::history_csv;
 use railspring::verify::{Carrying, averaged_ratio};
 use railspring_simulate::time::history::{Ending, History};
 use serde_json::Value;

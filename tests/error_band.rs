@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use railspring::estimate::{Resources, Work, dry_run};
-use railspring::records::{ErrorBandRecord, StiffnessRecord};
+use railspring::results::bodies::estimate::{Resources, Work, dry_run};
+use railspring::results::springs::band_record::ErrorBandRecord;
+use railspring::results::springs::record::StiffnessRecord;
 use railspring::study::Study;
 use railspring_profiles::monitor::Silent;
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Matrix3;
-use railspring::stages::Springs;
+use railspring::results::run::make::Springs;
 use railspring::verify::Limits;
 use railspring_simulate::element::condensed::parts::{PairElement, StripModulus, StripPlace, StripStiffness};
 use railspring_simulate::time::history::{History, HistoryRow};

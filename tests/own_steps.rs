@@ -1,13 +1,15 @@
 //! What the condensed element's own steps are worth in the load cases of the default studies: `cargo own-steps`.
 
+use railspring::results::bodies::geometry;
+use railspring::results::run::make;
 use std::path::Path;
 use std::time::Instant;
 
-use railspring::estimate::Resources;
-use railspring::output::OutputFolder;
-use railspring::pipeline::Pipeline;
-use railspring::springs;
-use railspring::stages::{self, Springs};
+use railspring::engine::output::OutputFolder;
+use railspring::results::bodies::estimate::Resources;
+use railspring::results::run::make::Springs;
+use railspring::results::run::springs;
+use railspring::results::study_run::StudyRun;
 use railspring::study::Study;
 use railspring_profiles::monitor::Silent;
 use railspring_simulate::element::condensed::CondensedModel;
@@ -57,9 +59,12 @@ fn steps_of_a_study_are_worth_half_of_the_solids() {
     let place = tempfile::tempdir().unwrap();
     let folder = OutputFolder::create(place.path()).unwrap();
     let first = parsed((STUDIES[0].0, STUDIES[0].1));
-    Pipeline::new(&first, &folder, Resources::of_the_machine(&Silent)).calibrate().unwrap();
-    let record =
-        springs::from_file(&first, &stages::geometry(&first).unwrap(), &place.path().join("stiffness.json"));
+    StudyRun::new(&first, &folder, Resources::of_the_machine(&Silent)).calibrate().unwrap();
+    let record = springs::from_file(
+        &first,
+        &geometry::geometry(&first).unwrap(),
+        &place.path().join("stiffness.json"),
+    );
     let springs: Springs = springs::springs(&record.unwrap()).unwrap();
     let element = springs.element.clone().expect("the default study has an element");
     println!(
@@ -68,12 +73,12 @@ fn steps_of_a_study_are_worth_half_of_the_solids() {
     let mut worst = 0.0_f64;
     for (name, text, cases) in STUDIES {
         let study = parsed((name, text));
-        let geometry = stages::geometry(&study).unwrap();
+        let geometry = geometry::geometry(&study).unwrap();
         let beam = geometry.beam.corrected(&springs.beam).unwrap();
         let model = CondensedModel::of_pair(&geometry.pair, beam, study.materials(), element.clone());
         for &(key, of_solid) in cases {
             let case = &study.scenarios[key];
-            let (history, tried) = stages::simulate(&study, &geometry, &springs, case, &Silent).unwrap();
+            let (history, tried) = make::simulate(&study, &geometry, &springs, case, &Silent).unwrap();
             let spread = tried.worth.spread.unwrap();
             let own = spread.determined_until_s.unwrap_or(f64::INFINITY);
             let until = own.min(of_solid);

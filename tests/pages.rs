@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use railspring::output::OutputFolder;
+use railspring::engine::output::OutputFolder;
 use railspring::pdf::Printer;
 
 const COARSE: &str = include_str!("studies/coarse.toml");

@@ -1,8 +1,9 @@
 //! What the verdict can see: errors planted in the simple model alone. `cargo planted-errors` prints the table of docs/verdict.md.
 
 use nalgebra::Matrix3;
-use railspring::pipeline::statics_lines;
-use railspring::stages::{self, Springs};
+use railspring::results::by_angle::make;
+use railspring::results::run::make::Springs;
+use railspring::results::verdict::stage::statics_lines;
 use railspring::study::{Study, StudyScenario};
 use railspring::verify::{Limits, Line};
 use railspring_simulate::element::condensed::parts::{PairElement, StripModulus, StripPlace, StripStiffness};
@@ -192,7 +193,7 @@ impl<'a> Case<'a> {
         let statics = match &springs.element {
             Some(element) if Some(element) != self.sound.springs.element.as_ref() => {
                 let laws =
-                    stages::with_element(study, &self.solved.geometry, &self.solved.laws, element).unwrap();
+                    make::with_element(study, &self.solved.geometry, &self.solved.laws, element).unwrap();
                 statics_lines(study, &self.solved.stiffness, &laws)
             }
             _ => self.statics.clone(),

@@ -9,7 +9,7 @@ use std::process::Output;
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
-use railspring::output::OutputFolder;
+use railspring::engine::output::OutputFolder;
 use serde_json::Value;
 
 /// The coarse study with a short load case.

@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use railspring::estimate::Resources;
-use railspring::output::OutputFolder;
-use railspring::pipeline::Pipeline;
+use railspring::engine::output::OutputFolder;
+use railspring::results::bodies::estimate::Resources;
+use railspring::results::study_run::StudyRun;
 use railspring::study::Study;
 use railspring_profiles::monitor::Silent;
 use serde_json::Value;
@@ -37,7 +37,7 @@ fn run(keys: &str) -> Finished {
     let study = study(keys);
     let place = tempfile::tempdir().unwrap();
     let folder = OutputFolder::create(place.path()).unwrap();
-    let pipeline = Pipeline::new(&study, &folder, Resources::of_the_machine(&Silent));
+    let pipeline = StudyRun::new(&study, &folder, Resources::of_the_machine(&Silent));
     pipeline.run().unwrap_or_else(|e| panic!("{e}"));
     let read = |name: &str| std::fs::read_to_string(place.path().join(name)).unwrap();
     let names = ["solid_history.csv", "solid_history-sine.csv"];

@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::{Mutex, OnceLock};
 
-use railspring::crosscheck::compare::{ROUNDOFF, ReferenceResult, compare};
-use railspring::crosscheck::exchange::{Case, Exchange};
-use railspring::crosscheck::{Prepared, prepare};
-use railspring::estimate::Resources;
-use railspring::output::OutputFolder;
+use railspring::engine::output::OutputFolder;
 use railspring::python::{Purpose, Python};
-use railspring::records::crosscheck::Check;
+use railspring::results::bodies::estimate::Resources;
+use railspring::results::crosscheck::compare::{ROUNDOFF, ReferenceResult, compare};
+use railspring::results::crosscheck::exchange::{Case, Exchange};
+use railspring::results::crosscheck::record::Check;
+use railspring::results::crosscheck::{Prepared, prepare};
 use railspring::study::Study;
 use railspring_calibrate::solid::Material;
 use railspring_profiles::monitor::Silent;
@@ -198,7 +198,7 @@ fn another_contact_formulation_agrees_and_converges() {
     if !railspring_testing::python() {
         return;
     }
-    use railspring::crosscheck::compare::{
+    use railspring::results::crosscheck::compare::{
         DISCRETISATION_DISPLACEMENT as HUB, DISCRETISATION_RINGS as RINGS,
     };
     let (frictionless, frictional) = ("contact without friction", "contact with friction 0.5");

@@ -3,10 +3,11 @@
 //! Source: scikit-fem's serendipity elements of 20 nodes, 1.5 by 1.125 mm at the contact with nodes in the middle of their edges, 672,000
 //! degrees of freedom, as kept in `data/crosscheck`. Units mm, kN, kN/m.
 
+use railspring::results::bodies::{solids, zones};
 use std::path::Path;
 
-use railspring::records::crosscheck::CrosscheckRecord;
-use railspring::stages;
+use railspring::results::bodies::geometry;
+use railspring::results::crosscheck::record::CrosscheckRecord;
 use railspring::study::Study;
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference, load_points, press_loads};
 use railspring_calibrate::pair::{ContactConditions, PairBody};
@@ -41,10 +42,10 @@ fn the_fine_grid_agrees_with_elements_of_second_order() {
     assert!(hub.len() >= 8 && hub.len() == tangent.len(), "{} {}", hub.len(), tangent.len());
     let loads: Vec<f64> = hub.iter().map(|(load, ..)| load * KILONEWTON).collect();
 
-    let geometry = stages::geometry(&study).unwrap();
-    let options = stages::mesh_options(&study, &geometry);
-    let meshes = stages::meshes(&study, &geometry, options, None, &Silent).unwrap();
-    let solids = stages::solids(&study, &geometry, &meshes);
+    let geometry = geometry::geometry(&study).unwrap();
+    let options = zones::mesh_options(&study, &geometry);
+    let meshes = geometry::meshes(&study, &geometry, options, None, &Silent).unwrap();
+    let solids = solids::solids(&study, &geometry, &meshes);
     let condense = |body| solids.condense(body, solids.key(body)).unwrap();
     let (rail, wheel) = rayon::join(|| condense(PairBody::RailOnEnds), || condense(PairBody::Wheel));
     let contact =

@@ -1,17 +1,22 @@
 //! A default study that the program has solved in a folder, for tests that run its simple model again in other ways.
 
+use railspring::results::bodies::geometry;
+use railspring::results::run::make;
 use std::path::Path;
 
-use railspring::estimate::Resources;
-use railspring::output::OutputFolder;
-use railspring::pipeline::Pipeline;
-use railspring::records::{
-    BY_ANGLE, RunRecord, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord, history_csv,
-};
-use railspring::stages::{self, Geometry, Springs, Tried};
+use railspring::engine::list as results;
+use railspring::engine::output::OutputFolder;
+use railspring::results::bodies::estimate::Resources;
+use railspring::results::bodies::geometry::Geometry;
+use railspring::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
+use railspring::results::run::make::{Springs, Tried};
+use railspring::results::run::record::RunRecord;
+use railspring::results::run::{history_csv, springs};
+use railspring::results::springs::record::StiffnessRecord;
+use railspring::results::study_run::StudyRun;
+use railspring::results::verdict::record::VerificationRecord;
 use railspring::study::{Study, StudyScenario};
 use railspring::verify::{Comparison, Limits, ModelRun, compare};
-use railspring::{results, springs};
 use railspring_profiles::monitor::Silent;
 use railspring_simulate::time::history::{Ending, History};
 use serde_json::Value;
@@ -50,7 +55,7 @@ impl Solved {
         let study = Study::read(&path).unwrap_or_else(|e| panic!("{name}: {e}"));
         let place = tempfile::tempdir().unwrap();
         let folder = OutputFolder::create(place.path()).unwrap();
-        Pipeline::new(&study, &folder, Resources::of_the_machine(&Silent))
+        StudyRun::new(&study, &folder, Resources::of_the_machine(&Silent))
             .run()
             .unwrap_or_else(|e| panic!("{name}: {e}"));
         let text = |name: &str| std::fs::read_to_string(place.path().join(name)).unwrap();
@@ -68,7 +73,7 @@ impl Solved {
         };
         let cases = study.scenarios.iter().filter(|(_, case)| case.solid);
         let solids = cases.map(|(scenario, _)| (scenario.clone(), solid(scenario))).collect();
-        let geometry = stages::geometry(&study).unwrap();
+        let geometry = geometry::geometry(&study).unwrap();
         let record = springs::from_file(&study, &geometry, &place.path().join("stiffness.json")).unwrap();
         Self {
             springs: springs::springs(&record).unwrap(),
@@ -90,7 +95,7 @@ impl Solved {
         solid: &SolidRun,
         limits: &Limits,
     ) -> Result<(History, Comparison), String> {
-        let run = stages::simulate(study, &self.geometry, springs, case, &Silent);
+        let run = make::simulate(study, &self.geometry, springs, case, &Silent);
         let (history, Tried { worth, disturbed }) = run.map_err(|error| error.to_string())?;
         let discretisation: Vec<_> = worth.discretisation.into_iter().filter_map(Result::ok).collect();
         let simple = ModelRun {

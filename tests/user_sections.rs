@@ -6,9 +6,8 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use nalgebra::Point2;
-use railspring_profiles::profile::lines_and_arcs;
 use railspring_profiles::profile::rails::{RailOutline, rail_outline};
-use railspring_profiles::profile::{ProfileKind, Segment, polyline};
+use railspring_profiles::profile::{ProfileKind, Segment, lines_and_arcs, polyline};
 use railspring_profiles::profile_file::parse_rail_section;
 use railspring_profiles::section::{rail_section, rail_section_on, wheel_section};
 use railspring_testing::dxf::{self, Entity};

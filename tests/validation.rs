@@ -5,16 +5,18 @@
 //! (mm) and tangent stiffness (kN/m) of the tool under every load of the record, and the verdict. Accuracy:
 //! hashes exactly, numbers to what the order of sums on another processor may change.
 
+use railspring::results::bodies::zones;
+use railspring::results::crosscheck::answers;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use railspring::crosscheck::questions::tool_curves;
-use railspring::estimate::Resources;
-use railspring::output::OutputFolder;
-use railspring::pipeline::Pipeline;
+use railspring::engine::output::OutputFolder;
 use railspring::python::package_hash;
-use railspring::records::crosscheck::{CrosscheckRecord, ToolCurve};
-use railspring::stages;
+use railspring::results::bodies::estimate::Resources;
+use railspring::results::bodies::geometry;
+use railspring::results::crosscheck::questions::tool_curves;
+use railspring::results::crosscheck::record::{CrosscheckRecord, ToolCurve};
+use railspring::results::study_run::StudyRun;
 use railspring::study::Study;
 use railspring_profiles::monitor::Silent;
 
@@ -34,10 +36,10 @@ fn read(path: &Path) -> CrosscheckRecord {
 
 /// The tool's load curves of a study.
 fn now(study: &Study) -> Vec<ToolCurve> {
-    let geometry = stages::geometry(study).unwrap_or_else(|e| panic!("{e}"));
-    let meshes = stages::meshes(study, &geometry, stages::mesh_options(study, &geometry), None, &Silent)
+    let geometry = geometry::geometry(study).unwrap_or_else(|e| panic!("{e}"));
+    let meshes = geometry::meshes(study, &geometry, zones::mesh_options(study, &geometry), None, &Silent)
         .unwrap_or_else(|e| panic!("{e}"));
-    tool_curves(&stages::answers(study, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
+    tool_curves(&answers::answers(study, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
 /// What is stale in a record, or does not hold; the tool's numbers by its `curves`, if they are there.
@@ -199,7 +201,7 @@ fn report_and_page_belong_together() {
     let other = OutputFolder::create(&made.out.with_file_name("alone")).unwrap();
     let study = Study::read(&made.study).unwrap_or_else(|e| panic!("{e}"));
     other.write("crosscheck.json", made.page("crosscheck.json").as_bytes()).unwrap();
-    assert!(!Pipeline::new(&study, &other, Resources::of_the_machine(&Silent)).crosscheck_pages().unwrap());
+    assert!(!StudyRun::new(&study, &other, Resources::of_the_machine(&Silent)).crosscheck_pages().unwrap());
     let alone = std::fs::read_to_string(other.file("crosscheck.html")).unwrap();
     assert!(!alone.contains("href=") && !other.file("report.html").exists());
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
-use railspring::pipeline::files::RESULT_FILES;
+use railspring::results::files::RESULT_FILES;
 use serde_json::Value;
 
 const STUDY: &str = r#"

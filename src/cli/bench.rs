@@ -9,12 +9,13 @@ use super::output::say;
 use super::progress::Progress;
 use super::set_args::SetArgs;
 use super::{Failure, positive, take_threads};
-use crate::estimate::{Budget, Resources};
-use crate::output::OutputFolder;
-use crate::records::{ScalingRecord, StepTimesRecord};
+use crate::engine::output::OutputFolder;
+use crate::records::scaling::ScalingRecord;
+use crate::records::step_times::StepTimesRecord;
 use crate::report::{scaling, step_times as times_figure};
+use crate::results::bodies::estimate::{Budget, Resources};
+use crate::results::run::springs;
 use crate::scaling::{Sweep, sweep};
-use crate::springs;
 use crate::step_times::{PEERS_MADE, step_times};
 use crate::study::Study;
 

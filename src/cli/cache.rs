@@ -8,7 +8,7 @@ use railspring_profiles::error::Result;
 
 use super::output::say;
 use super::positive;
-use crate::store::{Listed, Prune, Store, default_folder};
+use crate::engine::store::{Listed, Prune, Store, default_folder};
 
 /// Entries that were not used for so many days go, if nothing else is said.
 const UNUSED_DAYS: f64 = 30.0;

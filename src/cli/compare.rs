@@ -10,7 +10,7 @@ use super::Failure;
 use super::pdf_args::PdfArgs;
 use super::results::Results;
 use crate::compare::{Comparison, Side, compare, page};
-use crate::output::OutputFolder;
+use crate::engine::output::OutputFolder;
 
 /// Most values of a group that are printed.
 const LISTED: usize = 10;

@@ -18,7 +18,8 @@ use super::shapes::write;
 use super::{Failure, say};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Dash, GREY, RED, Series};
-use crate::stages::{geometry, repairs};
+use crate::results::bodies::geometry::geometry;
+use crate::results::bodies::sections::repairs;
 use crate::study::{Setting, Study};
 
 /// Which pair, and where.

@@ -8,9 +8,9 @@ use railspring_profiles::error::{Error, InputError};
 use super::output::remark;
 use super::set_args::SetArgs;
 use super::{Failure, say};
+use crate::engine::output::OutputFolder;
 use crate::export::{Condition, ExportFile, ExportRow, Format, SpringsFile, index, of_calibration, rows};
-use crate::output::OutputFolder;
-use crate::records::StiffnessRecord;
+use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::{Table, TableRecord};
 

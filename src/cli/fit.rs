@@ -12,7 +12,7 @@ use super::results::Results;
 use super::set_args::SetArgs;
 use super::staged::{Action, RunArgs, done};
 use super::{Failure, WorkArgs};
-use crate::output::{OutputFolder, TEMPORARY, readable_by_all};
+use crate::engine::output::{OutputFolder, TEMPORARY, readable_by_all};
 use crate::study::Study;
 
 /// The study that a fit leaves in its folder.

@@ -30,8 +30,8 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use railspring_profiles::error::{Error, InputError};
 
-use crate::estimate::{Budget, Resources};
-use crate::store;
+use crate::engine::store;
+use crate::results::bodies::estimate::{Budget, Resources};
 use crate::study::{LocatedError, Mistakes, Study, explain, schema};
 use crate::version;
 

@@ -22,8 +22,8 @@ use railspring_profiles::units::MILLIMETRE;
 use super::file_args::FileArgs;
 use super::shapes::write;
 use super::{Failure, say};
-use crate::report::measured::figure;
-use crate::stages::{Seams, on_standard};
+use crate::results::bodies::on_standard::{Seams, on_standard};
+use crate::results::bodies::surface_figure::figure;
 
 /// Diameter of the wheel at the tape circle, m.
 const TAPE_DIAMETER: f64 = 0.92;

@@ -9,8 +9,8 @@ use serde_json::Value;
 
 use super::Cli;
 use super::output::say;
-use crate::output::OutputFolder;
-use crate::pipeline::files::{RESULT_FILES, ResultFile};
+use crate::engine::output::OutputFolder;
+use crate::results::files::{RESULT_FILES, ResultFile};
 use crate::study::sections;
 
 /// Said at the head of every page.

@@ -7,14 +7,16 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::output::{Line, Tone, say, say_line};
-use crate::estimate::Estimate;
-use crate::pipeline::Found;
-use crate::records::crosscheck::{Check, CrosscheckRecord};
-use crate::records::{
-    AssumedRecord, LawRecord, RunRecord, StiffnessRecord, VerdictOn, VerificationRecord, with_unit,
-};
+use crate::results::bodies::estimate::needs::Estimate;
+use crate::results::commands::Found;
+use crate::results::crosscheck::record::{Check, CrosscheckRecord};
+use crate::results::run::record::RunRecord;
+use crate::results::springs::assumed_record::AssumedRecord;
+use crate::results::springs::record::{LawRecord, StiffnessRecord};
+use crate::results::verdict::record::{VerdictOn, VerificationRecord, with_unit};
 use crate::rounding::{rounded_to, significant};
-use crate::verify::{self, ChangedLimit, NotApplicable};
+use crate::verify;
+use crate::verify::{ChangedLimit, NotApplicable};
 
 /// Most limits that are listed of those that fail.
 const WORST: usize = 3;

@@ -19,7 +19,7 @@ use railspring_profiles::units::MILLIMETRE;
 use super::findings::{Listed, Mark, marked};
 use super::output::remark;
 use super::say;
-use crate::output::OutputFolder;
+use crate::engine::output::OutputFolder;
 use crate::report::catalogue::{Shape, catalogue};
 use crate::report::panel::{Panel, stacked_with_notes};
 use crate::report::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};

@@ -9,7 +9,7 @@ use railspring_profiles::error::{Error, InputError};
 
 use super::Cli;
 use super::output::{print, say};
-use crate::output::OutputFolder;
+use crate::engine::output::OutputFolder;
 
 /// Where the manual pages go.
 #[derive(Debug, Args)]

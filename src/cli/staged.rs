@@ -12,16 +12,17 @@ use super::progress::Progress;
 use super::results::Results;
 use super::set_args::SetArgs;
 use super::{Failure, WorkArgs, take_threads};
-use crate::crosscheck::deck::Format;
-use crate::crosscheck::exchange::Case;
-use crate::crosscheck::write_deck;
-use crate::estimate::{self, Work};
-use crate::output::OutputFolder;
-use crate::pipeline::Pipeline;
-use crate::pipeline::names::{CROSSCHECK_PAGE, REPORT};
+use crate::engine::output::OutputFolder;
+use crate::engine::store::Store;
 use crate::python::Purpose;
-use crate::springs;
-use crate::store::Store;
+use crate::results::bodies::estimate;
+use crate::results::bodies::estimate::Work;
+use crate::results::crosscheck::deck::Format;
+use crate::results::crosscheck::exchange::Case;
+use crate::results::crosscheck::write_deck;
+use crate::results::names::{CROSSCHECK_PAGE, REPORT};
+use crate::results::run::springs;
+use crate::results::study_run::StudyRun;
 use crate::study::Study;
 
 #[derive(Debug, Subcommand)]
@@ -229,7 +230,7 @@ pub(super) fn done(
     let progress = Progress::new(work.quiet);
     let resources = work.resources(&progress);
     let store = if action.keeps() { open_store(work, &progress)? } else { None };
-    let pipeline = Pipeline::new(study, &folder, resources).keeping(store.as_ref(), *fresh);
+    let pipeline = StudyRun::new(study, &folder, resources).keeping(store.as_ref(), *fresh);
     let (results, holds) = match action {
         Action::Mesh => {
             let sizes = pipeline.mesh()?;

@@ -11,9 +11,9 @@ use super::progress::Progress;
 use super::results::Results;
 use super::{Failure, WorkArgs, take_threads};
 use crate::cluster::Cluster;
-use crate::estimate::Resources;
-use crate::output::{OutputFolder, to_json};
-use crate::store::Store;
+use crate::engine::output::{OutputFolder, to_json};
+use crate::engine::store::Store;
+use crate::results::bodies::estimate::Resources;
 use crate::table::rows::{Rows, Status};
 use crate::table::{Places, Table, changes, page, record};
 

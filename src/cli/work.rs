@@ -8,7 +8,7 @@ use railspring_profiles::error::{Error, InputError};
 use super::output::say;
 use super::progress::Progress;
 use super::{WorkArgs, take_threads};
-use crate::store::{Store, program};
+use crate::engine::store::{Store, program};
 use crate::table::Work;
 
 /// Largest step that is read, bytes.

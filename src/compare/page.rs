@@ -7,14 +7,15 @@ use serde_json::{Value, json};
 
 use super::rows::{common_shifts, tangent_at};
 use super::{Comparison, Side};
-use crate::records::{BandPointRecord, LoadCurveRow, ReferenceRecord, ShiftRecord, TangentRecord};
 use crate::report::accessible::inline;
-use crate::report::figures::hertz_tangent;
-use crate::report::number::WIDTH;
 use crate::report::html;
+use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked, stacked_over_names};
 use crate::report::plot::{DARK, Dash, GREY, Marker, ORANGE, RED, Series};
-use crate::report::number::number;
+use crate::results::by_angle::record::ShiftRecord;
+use crate::results::springs::band_record::BandPointRecord;
+use crate::results::springs::figures::hertz_tangent;
+use crate::results::springs::record::{LoadCurveRow, ReferenceRecord, TangentRecord};
 use crate::rounding::with_minus_signs;
 
 /// Points of a smooth curve.
@@ -162,7 +163,7 @@ fn tangents(sides: &[&Side; 2], reference: &str) -> String {
     series.extend(of_both(sides, |side, n| {
         let (_, color, dash, _) = LOOKS[n];
         let law = reference_of(side, reference).map(|found| found.law);
-        let curve = |law: crate::records::LawRecord| {
+        let curve = |law: crate::results::springs::record::LawRecord| {
             forces_to(law.range_kn[1]).map(|f| (f, law.constants.tangent(f) * 1e-6)).collect()
         };
         law.map(|law| Series::line("", curve(law), color, dash)).into_iter().collect()

@@ -7,12 +7,17 @@ use railspring_simulate::time::history::History;
 use serde::de::DeserializeOwned;
 
 use super::About;
-use crate::output::{OutputFolder, parse_json, read_text};
-use crate::pipeline::calibration::load_curve;
-use crate::pipeline::names::{LOAD_CURVE, STIFFNESS, VERIFICATION};
-use crate::records::{BY_ANGLE, INPUTS, InputsRecord, LoadCurveRow, RUN_NOTE, RunRecord, StiffnessByAngleRecord, StiffnessRecord, VerificationRecord, history_csv};
+use crate::engine::list::{Entry, RESULTS, Results, hash};
+use crate::engine::output::{OutputFolder, parse_json, read_text};
+use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
+use crate::results::inputs::{INPUTS, InputsRecord};
+use crate::results::names::{LOAD_CURVE, STIFFNESS, VERIFICATION};
+use crate::results::run::history_csv;
+use crate::results::run::record::{RUN_NOTE, RunRecord};
+use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
+use crate::results::springs::stage::load_curve;
+use crate::results::verdict::record::VerificationRecord;
 use crate::study::ResolvedKey;
-use crate::results::{Entry, RESULTS, Results, hash};
 
 /// What a folder has of a study; what it does not have is left out.
 #[derive(Debug, Clone)]
@@ -149,7 +154,8 @@ impl Files<'_> {
         let named = format!("history-{scenario}.csv");
         let name = if self.folder.file(&named).exists() { named } else { "history.csv".into() };
         let Some((text, entry)) = self.text(&name)? else { return Ok(None) };
-        let Some((size, ending)) = entry.note::<RunRecord>(RUN_NOTE).and_then(|run| Some((run.degrees_of_freedom, run.ending()?)))
+        let Some((size, ending)) =
+            entry.note::<RunRecord>(RUN_NOTE).and_then(|run| Some((run.degrees_of_freedom, run.ending()?)))
         else {
             return Ok(None);
         };

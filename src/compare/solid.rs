@@ -1,6 +1,7 @@
 //! The solid of a result at any load of its range.
 
-use crate::records::{BandPointRecord, ReferenceRecord, TangentRecord};
+use crate::results::springs::band_record::BandPointRecord;
+use crate::results::springs::record::{ReferenceRecord, TangentRecord};
 
 use super::Side;
 use super::values::Value;

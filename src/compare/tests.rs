@@ -3,11 +3,16 @@
 use std::path::Path;
 
 use super::*;
-use crate::output::{OutputFolder, to_json};
-use crate::records::{FixedLoadRecord, InputsRecord, RUN_NOTE, RunRecord, StiffnessRecord, VerificationRecord, history_csv};
+use crate::engine::list::{NewFile, Results};
+use crate::engine::output::{OutputFolder, to_json};
+use crate::results::by_angle::record::FixedLoadRecord;
+use crate::results::inputs::InputsRecord;
+use crate::results::run::history_csv;
+use crate::results::run::record::{RUN_NOTE, RunRecord};
+use crate::results::samples;
+use crate::results::springs::record::StiffnessRecord;
+use crate::results::verdict::record::VerificationRecord;
 use crate::study::ResolvedKey;
-use crate::report::samples;
-use crate::results::{NewFile, Results};
 use railspring_simulate::time::history::History;
 
 /// ROUNDOFF: a product and a quotient of numbers of order one.

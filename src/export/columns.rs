@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::points::Points;
 use super::spring::{ExportFile, Spring, commented};
-use crate::output::to_json;
+use crate::engine::output::to_json;
 
 const COMPRESSION: &str = "displacement and force are positive in compression";
 

@@ -76,7 +76,9 @@ pub(super) fn files(spring: &Spring, surfaces: &Surfaces<'_>) -> Result<Vec<Expo
 /// The loads of the solid model next to those that are shown, with k_z from its tangents there.
 fn loads(spring: &Spring) -> Result<Vec<Load>> {
     let nearest = |wanted: f64| {
-        let away = |point: &&crate::records::TangentRecord| (point.force_kn * KILONEWTON - wanted).abs();
+        let away = |point: &&crate::results::springs::record::TangentRecord| {
+            (point.force_kn * KILONEWTON - wanted).abs()
+        };
         spring.points.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
     };
     let mut loads: Vec<Load> = Vec::new();

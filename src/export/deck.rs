@@ -8,7 +8,7 @@ use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use super::points::Points;
 use super::spring::{ExportFile, Spring, commented};
-use crate::crosscheck::deck::Format;
+use crate::results::crosscheck::deck::Format;
 
 /// The deck: the spring, and steps that lower the wheel to its displacements under some loads.
 pub(super) fn file(spring: &Spring, format: Format) -> ExportFile {

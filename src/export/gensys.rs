@@ -12,7 +12,7 @@ use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 
 use super::spring::{ExportFile, Spring, commented};
 use super::surfaces::Surfaces;
-use crate::records::ShiftRecord;
+use crate::results::by_angle::record::ShiftRecord;
 use crate::table::document::DirectionKey;
 
 /// Extent of a wheel's profile in KPF, mm.

@@ -22,9 +22,10 @@ use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::crosscheck::deck::Format as DeckFormat;
-use crate::output::{parse_json, read_json, read_text};
-use crate::records::{BY_ANGLE, ShiftRecord, StiffnessByAngleRecord, StiffnessRecord};
+use crate::engine::output::{parse_json, read_json, read_text};
+use crate::results::by_angle::record::{BY_ANGLE, ShiftRecord, StiffnessByAngleRecord};
+use crate::results::crosscheck::deck::Format as DeckFormat;
+use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::TableRecord;
 pub use spring::ExportFile;

@@ -5,7 +5,7 @@ use railspring_calibrate::law::{REFERENCE_FORCE, StiffnessLaw};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::KILONEWTON;
 
-use crate::records::{LawRecord, StiffnessRecord, TangentRecord};
+use crate::results::springs::record::{LawRecord, StiffnessRecord, TangentRecord};
 use crate::table::document::DirectionKey;
 
 /// A file to be written.

@@ -1,11 +1,12 @@
 //! The running surfaces of a study, for programs that want profiles beside the springs.
 
+use crate::results::bodies::geometry;
 use nalgebra::{Point2, Vector2};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::units::MILLIMETRE;
 
-use crate::stages::{self, Geometry};
+use crate::results::bodies::geometry::Geometry;
 use crate::study::Study;
 
 /// Points are at most this far apart, and a straight line between them stays as close to the surface, m.
@@ -32,7 +33,7 @@ impl<'a> Surfaces<'a> {
                 "name it with --study STUDY.toml",
             )
         })?;
-        Ok(Self { study, geometry: stages::geometry(study)? })
+        Ok(Self { study, geometry: geometry::geometry(study)? })
     }
 
     /// The rail in the track as its program has it: y to the field side, z down from the highest point, `y_origin` (m, from the

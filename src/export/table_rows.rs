@@ -9,7 +9,8 @@ use railspring_profiles::units::MILLIMETRE;
 
 use super::spring::{ExportFile, Spring, no_reference, range};
 use super::{Format, files};
-use crate::records::{ShiftRecord, TangentRecord};
+use crate::results::by_angle::record::ShiftRecord;
+use crate::results::springs::record::TangentRecord;
 use crate::study::Study;
 use crate::table::document::DirectionKey;
 use crate::table::rows::{IDENTITY, WITH_A_COLUMN};
@@ -288,7 +289,7 @@ impl ExportRow<'_> {
 
 fn points(at: &ShiftRecord, reference: &str) -> Vec<TangentRecord> {
     let loads = at.loads.iter();
-    let point = |load: &crate::records::FixedLoadRecord| {
+    let point = |load: &crate::results::by_angle::record::FixedLoadRecord| {
         let of = load.references.iter().find(|of| of.reference == reference)?;
         Some(TangentRecord {
             force_kn: load.force_kn,

@@ -17,8 +17,9 @@ use railspring_profiles::error::{InputError, NumericsError, Result, StopReason};
 use railspring_profiles::monitor::Monitor;
 use tempfile::TempDir;
 
+use crate::child;
 pub(crate) use crate::child::messages_of;
-use crate::child::{self, Ended, Limits, Stop};
+use crate::child::{Ended, Limits, Stop};
 use crate::study::MeshFile;
 pub use environment::cache_folder;
 use package::{CLUSTER, Package, REFERENCE};

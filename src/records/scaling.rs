@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::MachineRecord;
-use crate::output::to_csv;
+use crate::engine::measured::MachineRecord;
+use crate::engine::output::to_csv;
 
 /// What both bodies share, in tables.
 pub const BOTH: &str = "both bodies";

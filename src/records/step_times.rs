@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::MachineRecord;
-use crate::output::to_csv;
+use crate::engine::measured::MachineRecord;
+use crate::engine::output::to_csv;
 
 /// `moving.json`: every case that was timed, and what is known of other programs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

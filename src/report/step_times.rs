@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::number::WIDTH;
 use super::panel::{Panel, stacked_logarithmic};
 use super::plot::{DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
-use crate::records::StepTimesRecord;
+use crate::records::step_times::StepTimesRecord;
 
 /// Looks of the program's own curves: a colour for each element, a marker for each case.
 const ELEMENTS: [RGBColor; 2] = [DARK, RED];

@@ -11,15 +11,16 @@ mod sizes;
 
 pub use power::PowerLaw;
 
+use crate::results::bodies::{geometry, solids, zones};
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::solid::START_MODES;
 
-use crate::estimate::{CONTACT_OF_STEP, GIB, Resources, least_memory};
-use crate::measure::{Stopwatch, machine, now_utc};
-use crate::records::{
+use crate::engine::measure::{Stopwatch, machine, now_utc};
+use crate::records::scaling::{
     BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, SkippedSize,
 };
-use crate::stages;
+use crate::results::bodies::estimate::condensing::{CONTACT_OF_STEP, least_memory};
+use crate::results::bodies::estimate::{GIB, Resources};
 use crate::study::Study;
 use sizes::Sizes;
 
@@ -70,8 +71,8 @@ pub fn sweep(
     each: &mut dyn FnMut(&ScalingRecord) -> Result<()>,
 ) -> Result<ScalingRecord> {
     refuse_mesh_files(study)?;
-    let geometry = stages::geometry(study)?;
-    let options = stages::mesh_options(study, &geometry);
+    let geometry = geometry::geometry(study)?;
+    let options = zones::mesh_options(study, &geometry);
     let mut sizes = Sizes::new(study, &geometry, &options)?;
     let wanted = sweep.wanted(sizes.least())?;
     let mut record = ScalingRecord {
@@ -150,8 +151,8 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
     let Sizes { study, geometry, options, .. } = *sizes;
     let options = options.with_bodies_refined(refined);
     let (meshes, mesh) =
-        parts::timed("mesh", || stages::meshes(study, geometry, options, interpreter, monitor))?;
-    let solids = stages::solids(study, geometry, &meshes);
+        parts::timed("mesh", || geometry::meshes(study, geometry, options, interpreter, monitor))?;
+    let solids = solids::solids(study, geometry, &meshes);
     let modes = study.solid.modes.unwrap_or(START_MODES);
     let ordered = parts::Ordered::both(&solids, modes, monitor)?;
     let resident = Stopwatch::start().read().1.unwrap_or(0.0) * MIB;
@@ -246,7 +247,7 @@ mod tests {
     use railspring_profiles::monitor::Monitor;
 
     use super::*;
-    use crate::estimate::Budget;
+    use crate::results::bodies::estimate::Budget;
 
     const COARSE: &str = include_str!("../../tests/studies/coarse.toml");
 

@@ -1,5 +1,6 @@
 //! The stages of one size, each with its time and its peak of the memory.
 
+use crate::results::springs::make;
 use railspring_calibrate::calibration::{Reference, load_points, press_loads};
 use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::superelement::{CondensedBody, FactorSize, Step};
@@ -10,10 +11,10 @@ use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 use railspring_simulate::time::steps::InnerSteps;
 
 use super::clock::Clock;
-use crate::estimate::{condensing, stepping};
-use crate::measure::Stopwatch;
-use crate::records::{ScalingBody, ScalingSize, ScalingStage};
-use crate::stages::{self, Geometry};
+use crate::engine::measure::Stopwatch;
+use crate::records::scaling::{ScalingBody, ScalingSize, ScalingStage};
+use crate::results::bodies::estimate::condensing::{condensing, stepping};
+use crate::results::bodies::geometry::Geometry;
 use crate::study::Study;
 
 /// Shares of the study's largest load that are pressed.
@@ -166,7 +167,7 @@ pub(super) fn contact(
     size: &mut ScalingSize,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    let conditions = stages::contact_conditions(study);
+    let conditions = make::contact_conditions(study);
     let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
     let on_rail = geometry.pair.wheel_on_rail(rail, wheel, conditions);
     one(size, ("one load", "loads"), monitor, |clock| {

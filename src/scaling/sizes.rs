@@ -4,7 +4,7 @@ use railspring_calibrate::mesh::{MeshOptions, rail_size, wheel_size};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::Monitor;
 
-use crate::stages::Geometry;
+use crate::results::bodies::geometry::Geometry;
 use crate::study::Study;
 
 /// Refinements between which is searched: elements so many times smaller than those of the study.

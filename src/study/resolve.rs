@@ -13,7 +13,6 @@ use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_simulate::time::steps::InnerSteps;
 use serde_json::Value;
 
-use super::case_notes;
 use super::check::{Finding, nearest};
 use super::collect::Collector;
 use super::document::{
@@ -23,11 +22,12 @@ use super::document::{
 };
 use super::fields::translate;
 use super::keys::Keys;
+use super::record::ResolvedKey;
 use super::source::LocatedError;
 use super::{
     CalibrationSettings, ContactSettings, SECTIONS, SimulationSettings, Source, Study, StudyScenario, Track,
+    case_notes,
 };
-use super::record::ResolvedKey;
 
 use bodies::{rail, wheel};
 

@@ -1,5 +1,6 @@
 //! The cases of a table: each is a study, made of the keys of its wheel, its rail and all that is varied.
 
+use crate::results::springs::make;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -10,7 +11,6 @@ use serde_json::{Map, Value};
 
 use super::bodies::{Body, beside, bodies, product};
 use super::document::{CaseKeys, TableDocument};
-use crate::stages;
 use crate::study::{LocatedError, Mistakes, Source, Study, parsed, schema_of, text_of};
 
 /// What messages call a table.
@@ -266,7 +266,7 @@ fn case(
     keys.insert("name".into(), document.name.clone().into());
     let study = Study::parse(path, &text_of_keys(&keys))?;
     let of_a_case = |mistake: InputError| Mistakes::sorted(vec![study.source.locate(mistake)]);
-    if let Err(railspring_profiles::error::Error::Input(mistake)) = stages::check_friction(&study) {
+    if let Err(railspring_profiles::error::Error::Input(mistake)) = make::check_friction(&study) {
         return Err(of_a_case(mistake));
     }
     in_range(document, &study).map_err(of_a_case)?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use railspring_profiles::error::{InputError, Result};
 
 use super::rows::{INPUTS, Rows};
-use crate::output::read_text;
+use crate::engine::output::read_text;
 
 /// A value that is another one now.
 #[derive(Debug, Clone, PartialEq)]

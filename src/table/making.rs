@@ -1,5 +1,7 @@
 //! What is made of one case of a table: its bodies and its places, each kept in the store as soon as it is there.
 
+use crate::results::bodies::{coarser, geometry, solids, zones};
+use crate::results::by_angle::make;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::pair::{CondensedPair, PairBody};
 use railspring_profiles::error::{Error, Result};
@@ -8,12 +10,14 @@ use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 use serde::{Deserialize, Serialize};
 
 use super::document::{DirectionKey, TableDocument};
-use crate::estimate::{self, Resources, Room, Work};
-use crate::output::to_json;
-use crate::pipeline::BodySource;
-use crate::records::ShiftRecord;
-use crate::stages::{self, Geometry, Meshes, PlaceSettings};
-use crate::store::{Address, Artefact, Kind, Store};
+use crate::engine::output::to_json;
+use crate::engine::store::{Address, Artefact, Kind, Store};
+use crate::results::bodies::estimate;
+use crate::results::bodies::estimate::{Resources, Room, Work};
+use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::source::BodySource;
+use crate::results::by_angle::make::PlaceSettings;
+use crate::results::by_angle::record::ShiftRecord;
 use crate::study::Study;
 
 /// Part of an artefact: the place.
@@ -41,7 +45,7 @@ impl PlaceRecord {
     pub(super) fn read(artefact: &Artefact) -> Result<Self> {
         let content = artefact.part(PLACE).unwrap_or_default();
         let text = std::str::from_utf8(content).unwrap_or_default();
-        crate::output::parse_json(std::path::Path::new(PLACE), text, "table")
+        crate::engine::output::parse_json(std::path::Path::new(PLACE), text, "table")
     }
 
     /// One without a law.
@@ -113,8 +117,8 @@ impl CaseWork<'_> {
     pub fn meshed(&self) -> Result<Meshed> {
         self.with_keys(|| {
             let study = self.study;
-            let geometry = stages::geometry(study)?;
-            let options = stages::mesh_options(study, &geometry);
+            let geometry = geometry::geometry(study)?;
+            let options = zones::mesh_options(study, &geometry);
             let work = Work::of(study, true, false);
             let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
             Ok(Meshed { geometry, meshes, room })
@@ -130,7 +134,7 @@ impl CaseWork<'_> {
         self.with_keys(|| {
             let Meshed { geometry, meshes, .. } = &meshed;
             let (study, source) = (self.study, self.source(meshed.room));
-            let bodies = source.condensed(&stages::solids(study, geometry, meshes), "", 0)?;
+            let bodies = source.condensed(&solids::solids(study, geometry, meshes), "", 0)?;
             let coarser =
                 study.wants_error_band().then(|| source.coarser(study, geometry, meshes)).transpose()?;
             let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
@@ -158,11 +162,11 @@ impl CaseWork<'_> {
             let Some(bodies) = known(own)? else { return Ok(None) };
             let coarser = if study.wants_error_band() {
                 let Some(coarser) = known(coarser)? else { return Ok(None) };
-                Some((*element, Ok(stages::Coarser::new(*of_coarser, coarser))))
+                Some((*element, Ok(coarser::Coarser::new(*of_coarser, coarser))))
             } else {
                 None
             };
-            Ok(Some(Ready { geometry: stages::geometry(study)?, room, bodies, coarser }))
+            Ok(Some(Ready { geometry: geometry::geometry(study)?, room, bodies, coarser }))
         })
     }
 
@@ -173,7 +177,7 @@ impl CaseWork<'_> {
         let coarser =
             (self.study.wants_error_band() && own_mesh).then(|| self.coarser(meshed)).and_then(Result::ok);
         let keys = |meshes: &Meshes| -> Vec<String> {
-            let solids = stages::solids(self.study, geometry, meshes);
+            let solids = solids::solids(self.study, geometry, meshes);
             self.of_pair().iter().map(|body| solids.key(*body)).collect()
         };
         Prepared {
@@ -202,12 +206,12 @@ impl CaseWork<'_> {
     /// Those of meshing and condensing.
     pub fn condense(&self, meshed: &Meshed, BodyOfCase { coarser, body }: BodyOfCase) -> Result<()> {
         let meshes = if coarser { &self.coarser(meshed)? } else { &meshed.meshes };
-        self.source(meshed.room).one(&stages::solids(self.study, &meshed.geometry, meshes), body, 0)
+        self.source(meshed.room).one(&solids::solids(self.study, &meshed.geometry, meshes), body, 0)
     }
 
     fn coarser(&self, Meshed { geometry, meshes, .. }: &Meshed) -> Result<Meshes> {
-        let options = stages::coarser_options(geometry, meshes.options());
-        stages::remeshed_with(self.study, geometry, meshes, options)
+        let options = coarser::coarser_options(geometry, meshes.options());
+        geometry::remeshed_with(self.study, geometry, meshes, options)
     }
 
     /// Whether the store has the place at a shift towards the rail (mm), complete.
@@ -229,7 +233,7 @@ impl CaseWork<'_> {
         let pressed = PlaceSettings { direction: settings.direction.into(), fixed_loads: &fixed_loads };
         let shift = shift_mm * MILLIMETRE;
         let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));
-        let at = stages::place(study, geometry, bodies, &pressed, shift, coarser, self.resources.monitor)?;
+        let at = make::place(study, geometry, bodies, &pressed, shift, coarser, self.resources.monitor)?;
         let record = PlaceRecord {
             rolling_radius_mm: at
                 .touch
@@ -277,7 +281,7 @@ pub(super) struct Ready {
     geometry: Geometry,
     room: Room,
     bodies: CondensedPair,
-    coarser: Option<(f64, stages::CoarserBodies)>,
+    coarser: Option<(f64, coarser::CoarserBodies)>,
 }
 
 impl Ready {
@@ -300,7 +304,7 @@ pub(super) struct Prepared {
 /// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces
 /// as large as the loads (N), kN/m.
 fn hertz(study: &Study, geometry: &Geometry, bodies: &CondensedPair, shift: f64, loads: &[f64]) -> Vec<f64> {
-    let Ok(pair) = geometry.pair.with_wheel_at(stages::tape_y(study, &geometry.pair, shift)) else {
+    let Ok(pair) = geometry.pair.with_wheel_at(make::tape_y(study, &geometry.pair, shift)) else {
         return Vec::new();
     };
     let [along, across] = pair.relative_radii();

@@ -6,11 +6,10 @@ use serde_json::{Value, json};
 
 use super::rows::{Cell, Rows, Status};
 use crate::report::accessible::inline;
-use crate::report::number::WIDTH;
 use crate::report::html;
+use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Marker, RED, Series};
-use crate::report::number::number;
 use crate::rounding::{ratio, with_minus_signs};
 
 /// Most points of a curve.

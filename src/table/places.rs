@@ -16,8 +16,9 @@ use super::cases::{Case, Table};
 use super::document::SideKey;
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
 use super::turns::{Pairs, in_turn};
-use crate::estimate::{self, GIB, Resources, Work};
-use crate::store::Store;
+use crate::engine::store::Store;
+use crate::results::bodies::estimate;
+use crate::results::bodies::estimate::{GIB, Resources, Work};
 
 /// A pair at one shift of the wheelset.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::cases::{Case, Table};
 use super::making::PlaceRecord;
 use super::places::Place;
-use crate::records::{AngleLawRecord, FixedLoadRecord};
+use crate::results::by_angle::record::{AngleLawRecord, FixedLoadRecord};
 
 /// Columns that say which place a row is of; the varied keys come after them.
 pub const IDENTITY: [&str; 9] = [

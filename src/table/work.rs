@@ -13,9 +13,9 @@ use serde_json::{Map, Value};
 use super::cases::{Case, Table, text_of_keys};
 use super::document::DirectionKey;
 use super::making::{BodyOfCase, CaseWork, Prepared, Settings};
-use crate::estimate::Resources;
-use crate::pipeline::body_address;
-use crate::store::Store;
+use crate::engine::store::Store;
+use crate::results::bodies::estimate::Resources;
+use crate::results::bodies::source::body_address;
 use crate::study::Study;
 
 /// A case that goes to another machine: its keys, with the files that they name.

@@ -1,9 +1,10 @@
 //! How far a run is from itself at each of its times, for the band around it in figures.
 
 use super::change::{FORCES, scales};
+use super::column;
 use super::model_run::ModelRun;
 use super::signals::averaged_ratio;
-use super::{Limits, column};
+use crate::verify::Limits;
 
 /// How far a run is from itself, row by row of its history: other steps and an input that is 0.1 % larger together as the root of their squares, as in the
 /// verdict's lines.
@@ -71,7 +72,8 @@ mod tests {
     use railspring_simulate::time::steps::InnerSteps;
 
     use super::*;
-    use crate::verify::{Spread, StepChange};
+    use crate::verify::Spread;
+    use crate::verify::StepChange;
 
     /// ROUNDOFF: sums and roots of some numbers of order 1e5.
     const ROUNDOFF: f64 = 1e-9;

@@ -7,7 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::signals::{Carrying, averaged_forces, averaged_ratio};
-use super::{Limits, column, peak, rms};
+use super::{column, peak, rms};
+use crate::verify::Limits;
 
 /// A force is measured against its peak, and against this share of the other one's at least.
 const SMALLEST_PEAK: f64 = 0.05;

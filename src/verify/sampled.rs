@@ -5,8 +5,8 @@ use super::limits::Limits;
 use super::line::{Criterion, Line};
 use super::model_run::ModelRun;
 use super::rows_before;
-use super::separations;
 use super::statistics::{LEAST_BLOCKS, MOST_BLOCKS, NUMBERS, OF_FORCE, chance, numbers, sample, step};
+use crate::verify::separations;
 use railspring_simulate::time::history::History;
 
 /// The row from which statistics are compared, if there is one: where the solid's motion is not determined any more, and enough is left.

@@ -10,8 +10,8 @@ use railspring_simulate::time::history::{ContactMode, History};
 
 use super::change::{FORCES, least_contact};
 use super::limits::Limits;
-use super::separations;
 use super::signals::mode;
+use crate::verify::separations;
 
 /// Fewest blocks that the time is cut into, each as long as the window of the averaged Q/P at least.
 pub(super) const LEAST_BLOCKS: usize = 3;

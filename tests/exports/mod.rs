@@ -13,7 +13,7 @@ use std::process::Output;
 use std::sync::OnceLock;
 
 use assert_cmd::Command;
-use railspring::records::LawConstants;
+use railspring::results::springs::law::LawConstants;
 use railspring_calibrate::law::StiffnessLaw;
 use serde_json::Value;
 use tempfile::TempDir;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use railspring::crosscheck::calculix;
+use railspring::results::crosscheck::calculix;
 use railspring_profiles::monitor::Silent;
 use railspring_testing::{Need, needs};
 

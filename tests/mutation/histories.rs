@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use nalgebra::Point2;
-use railspring::records::history_csv;
+use railspring::results::run::history_csv;
 use railspring::verify::{Limits, ModelRun, Spread, compare};
 use railspring_simulate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 

@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use railspring::records::SpringsRecord;
-use railspring::springs;
-use railspring::stages::{Geometry, geometry};
+use railspring::results::bodies::geometry::{Geometry, geometry};
+use railspring::results::run::record::SpringsRecord;
+use railspring::results::run::springs;
 use railspring::study::Study;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;

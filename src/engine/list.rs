@@ -1,0 +1,331 @@
+//! `results.json`: which files of an output folder are results, what they were made from, and their content.
+//!
+//! Every file is complete or absent, but a folder can hold files of several
+//! studies, of a run that was killed half way, or files that were edited. So
+//! each result is listed with the key of its address, which the store keeps it
+//! under too, and with the hash of its content. A reader takes a file only if
+//! both are what it expects.
+//!
+//! The list is written after the files it lists. Whoever is stopped between
+//! the two leaves files whose content is not the listed one; they are refused.
+
+use std::collections::BTreeMap;
+
+use railspring_profiles::error::{InputError, Result};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use crate::engine::output::OutputFolder;
+use crate::version;
+
+/// Name of the list.
+pub const RESULTS: &str = "results.json";
+
+/// What is known about one file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// Key of its address ([`crate::engine::store::Address`]): the hash of everything that the file was made from, the program included.
+    pub key: String,
+    /// BLAKE3 hash of the content; none for a page that shows times of day, which no command reads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blake3: Option<String>,
+    /// Version of the program that made it.
+    pub version: String,
+    /// The commit that this program was built from.
+    #[serde(default)]
+    pub commit: String,
+    /// What its stage notes beside it, by name, for instance the run that a history is of.
+    #[serde(flatten)]
+    pub notes: Notes,
+}
+
+/// What stages note beside files: records by name.
+pub type Notes = Map<String, Value>;
+
+impl Entry {
+    /// The note of a name; none where there is none, or one of another form.
+    pub fn note<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
+        serde_json::from_value(self.notes.get(name)?.clone()).ok()
+    }
+
+    /// The program that made the file.
+    pub fn program(&self) -> String {
+        format!("railspring {} ({})", self.version, self.commit)
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct List {
+    files: BTreeMap<String, Entry>,
+}
+
+/// A file to be written and listed.
+#[derive(Debug, Clone)]
+pub struct NewFile {
+    /// Name in the folder.
+    pub name: String,
+    /// Content.
+    pub content: Vec<u8>,
+    /// Key of its address.
+    pub key: String,
+    /// What its stage notes beside it.
+    pub notes: Notes,
+    /// Whether the content follows from the key alone and is listed with its hash.
+    pub reproducible: bool,
+}
+
+impl NewFile {
+    /// A file whose content follows from its key.
+    pub fn new(name: impl Into<String>, content: Vec<u8>, key: &str) -> Self {
+        Self { name: name.into(), content, key: key.into(), notes: Notes::new(), reproducible: true }
+    }
+
+    /// The same with a note beside it.
+    #[must_use]
+    pub fn noted(mut self, name: &str, record: &impl Serialize) -> Self {
+        let record = serde_json::to_value(record).expect("a record is plain data");
+        self.notes.insert(name.into(), record);
+        self
+    }
+}
+
+/// The results of an output folder.
+#[derive(Debug)]
+pub struct Results<'a> {
+    folder: &'a OutputFolder,
+}
+
+impl<'a> Results<'a> {
+    /// The results of a folder.
+    pub fn new(folder: &'a OutputFolder) -> Self {
+        Self { folder }
+    }
+
+    /// What is listed about a file.
+    pub fn entry(&self, name: &str) -> Option<Entry> {
+        self.list().files.remove(name)
+    }
+
+    /// Whether a result that was made from `key` is listed.
+    pub fn has(&self, key: &str) -> bool {
+        self.list().files.values().any(|entry| entry.key == key)
+    }
+
+    /// Writes the files of one stage and lists them together.
+    ///
+    /// If one of them changes, the files `derived` from it are removed first, so that nothing stands beside results
+    /// that it was not made from; a name that ends in `/` means all listed files of that folder.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path of a file that cannot be written or removed.
+    pub fn write(&self, files: Vec<NewFile>, derived: &[&str]) -> Result<()> {
+        let entries: Vec<(String, Entry, Vec<u8>)> = files
+            .into_iter()
+            .map(|file| {
+                let entry = Entry {
+                    key: file.key,
+                    blake3: file.reproducible.then(|| hash(&file.content)),
+                    version: env!("CARGO_PKG_VERSION").into(),
+                    commit: version::COMMIT.into(),
+                    notes: file.notes,
+                };
+                (file.name, entry, file.content)
+            })
+            .collect();
+        let mut list = self.list();
+        if entries.iter().any(|(name, entry, _)| list.files.get(name) != Some(entry)) {
+            self.remove(&mut list, derived)?;
+        }
+        for (name, _, content) in &entries {
+            self.folder.write(name, content)?;
+        }
+        list.files.extend(entries.into_iter().map(|(name, entry, _)| (name, entry)));
+        self.folder.write_json(RESULTS, &list)
+    }
+
+    /// Removes results that there are no longer, and before them what was `derived` from one that is listed.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path of a file that cannot be removed.
+    pub fn withdraw(&self, names: &[String], derived: &[&str]) -> Result<()> {
+        let mut list = self.list();
+        let listed: Vec<&str> =
+            names.iter().map(String::as_str).filter(|name| list.files.contains_key(*name)).collect();
+        if listed.is_empty() {
+            return Ok(());
+        }
+        self.remove(&mut list, derived)?;
+        self.remove(&mut list, &listed)
+    }
+
+    /// The content of a file that `made_by` writes, not yet checked.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path, if the file cannot be read or is no text.
+    pub fn text(&self, name: &str, made_by: &str) -> Result<String> {
+        crate::engine::output::read_text(&self.folder.file(name), made_by)
+    }
+
+    /// What is listed about a file, if it is the result of `key` with the listed content.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path, if the file is not listed, was made from other input or has another
+    /// content.
+    pub fn check(&self, name: &str, content: &str, key: &str, made_by: &str) -> Result<Entry> {
+        let entry = self.entry(name).ok_or_else(|| {
+            self.refused(name, format!("not listed in {RESULTS}"), "a result that is listed there", made_by)
+        })?;
+        let changed = |found: String, expected: String| {
+            let mut error = self.refused(name, found, &expected, made_by);
+            error.remedy = format!("the study or the program has changed since; {}", error.remedy);
+            Err(error.into())
+        };
+        let program = format!("railspring {}", version::FULL);
+        if entry.program() != program {
+            return changed(format!("made by {}", entry.program()), format!("a result of {program}"));
+        }
+        if entry.key != key {
+            let found = format!("made from input {}", short(&entry.key));
+            return changed(found, format!("a result of this study ({})", short(key)));
+        }
+        if entry.blake3.as_deref() != Some(&hash(content.as_bytes())) {
+            let found = format!("another content than is listed in {RESULTS}");
+            let expected = "a file as it was written, by a command that was not stopped";
+            return Err(self.refused(name, found, expected, made_by).into());
+        }
+        Ok(entry)
+    }
+
+    fn refused(&self, name: &str, found: String, expected: &str, made_by: &str) -> InputError {
+        InputError::new(
+            self.folder.file(name).display().to_string(),
+            found,
+            expected,
+            format!("make it again with `railspring {made_by}`"),
+        )
+    }
+
+    /// A list that cannot be read lists nothing: its files are made again.
+    fn list(&self) -> List {
+        self.folder.read_json(RESULTS, "run").unwrap_or_default()
+    }
+
+    fn remove(&self, list: &mut List, derived: &[&str]) -> Result<()> {
+        let is_derived =
+            |name: &str| derived.iter().any(|d| *d == name || (d.ends_with('/') && name.starts_with(d)));
+        let mut names: Vec<String> =
+            derived.iter().filter(|d| !d.ends_with('/')).map(ToString::to_string).collect();
+        names.extend(list.files.keys().filter(|name| is_derived(name)).cloned());
+        let before = list.files.len();
+        list.files.retain(|name, _| !is_derived(name));
+        if list.files.len() < before {
+            self.folder.write_json(RESULTS, list)?;
+        }
+        names.iter().try_for_each(|name| self.folder.remove(name))
+    }
+}
+
+/// BLAKE3 hash of a content, as hexadecimal digits.
+pub fn hash(content: &[u8]) -> String {
+    blake3::hash(content).to_hex().to_string()
+}
+
+/// The first digits of a hash.
+fn short(key: &str) -> &str {
+    key.get(..12).unwrap_or(key)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder() -> (tempfile::TempDir, OutputFolder) {
+        let root = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::create(&root.path().join("out")).unwrap();
+        (root, folder)
+    }
+
+    fn refusal(results: &Results<'_>, key: &str) -> String {
+        let text = results.text("a.csv", "simulate").unwrap();
+        results.check("a.csv", &text, key, "simulate").unwrap_err().to_string()
+    }
+
+    /// Goal: a result is taken with its own key and content, and refused with another key, an edited content, another
+    /// version, or where it is not listed; each refusal names the file and the command.
+    #[test]
+    fn results_are_taken_by_key_and_content() {
+        let (_root, folder) = folder();
+        let results = Results::new(&folder);
+        results.write(vec![NewFile::new("a.csv", b"1,2\n".into(), "k1")], &[]).unwrap();
+        assert_eq!(results.check("a.csv", "1,2\n", "k1", "simulate").unwrap().key, "k1");
+        for (text, reason) in [
+            (refusal(&results, "k2"), "made from input k1: expected a result of this study (k2)"),
+            (
+                {
+                    folder.write("a.csv", b"1,3\n").unwrap();
+                    refusal(&results, "k1")
+                },
+                "another content",
+            ),
+            (
+                {
+                    let list = std::fs::read_to_string(folder.file(RESULTS)).unwrap();
+                    folder
+                        .write(RESULTS, list.replace(env!("CARGO_PKG_VERSION"), "0.0.0").as_bytes())
+                        .unwrap();
+                    refusal(&results, "k1")
+                },
+                "made by railspring 0.0.0",
+            ),
+            (
+                {
+                    folder.write(RESULTS, b"{\"files\": {").unwrap();
+                    refusal(&results, "k1")
+                },
+                "not listed",
+            ),
+        ] {
+            assert!(text.contains(reason), "{reason:?} in {text}");
+            assert!(text.contains("a.csv = ") && text.contains("`railspring simulate`"), "{text}");
+        }
+    }
+
+    /// Goal: a result that is withdrawn goes with its entry and what was derived from it; a file that is not listed is a user's and stays, with what was
+    /// derived from others.
+    #[test]
+    fn what_is_withdrawn_goes_with_what_was_derived() {
+        let (_root, folder) = folder();
+        let results = Results::new(&folder);
+        let write = |name: &str| results.write(vec![NewFile::new(name, b"1".into(), "k")], &[]).unwrap();
+        ["a.csv", "b.csv", "figures/law.svg"].iter().for_each(|name| write(name));
+        folder.write("own.csv", b"a user's").unwrap();
+        results.withdraw(&["own.csv".into()], &["figures/"]).unwrap();
+        assert!(folder.file("own.csv").exists() && folder.file("figures/law.svg").exists());
+        results.withdraw(&["a.csv".into(), "own.csv".into()], &["figures/"]).unwrap();
+        assert!(!folder.file("a.csv").exists() && results.entry("a.csv").is_none());
+        assert!(!folder.file("figures/law.svg").exists() && results.entry("b.csv").is_some());
+    }
+
+    /// Goal: what was derived from a file goes when the file changes, and stays when it is written again as it was.
+    #[test]
+    fn a_change_removes_what_was_derived() {
+        let (_root, folder) = folder();
+        let results = Results::new(&folder);
+        let write = |content: &[u8]| {
+            results
+                .write(vec![NewFile::new("a.csv", content.into(), "k")], &["report.html", "figures/"])
+                .unwrap();
+        };
+        write(b"1");
+        folder.write("report.html", b"unlisted").unwrap();
+        folder.write("figures/own.svg", b"a user's").unwrap();
+        results.write(vec![NewFile::new("figures/law.svg", b"x".into(), "r")], &[]).unwrap();
+        write(b"1");
+        assert!(folder.file("report.html").exists() && folder.file("figures/law.svg").exists());
+        write(b"2");
+        assert!(!folder.file("report.html").exists() && !folder.file("figures/law.svg").exists());
+        assert!(folder.file("figures/own.svg").exists() && results.entry("figures/law.svg").is_none());
+    }
+}

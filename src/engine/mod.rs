@@ -1,0 +1,11 @@
+//! How results are had and kept: stages, the store, output folders with their lists, measures.
+//!
+//! Nothing here knows a result: what one is made from, how, and which files it becomes is said in its folder of [`crate::results`].
+
+pub mod output;
+pub mod list;
+pub mod store;
+pub mod measured;
+pub mod measure;
+pub mod seal;
+pub mod stage;

@@ -1,0 +1,482 @@
+//! The store: what stages have made, kept between runs and found again by what it was made from.
+//!
+//! An entry is one file, so that it is complete or absent: its first line has
+//! the hash of all that follows, its second says what it is, and its parts
+//! come after. It is written under a temporary name and renamed; of two
+//! processes that make the same entry both write the same bytes. Whatever does
+//! not have its hash is removed and made again.
+//!
+//! A key is the hash of an artefact's inputs and of the program itself: a
+//! program that was built anew may compute something else under the same
+//! version. The output folder lists its files by the same key.
+
+use std::io::{BufRead, BufReader, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::{Duration, SystemTime};
+
+use railspring_profiles::error::{Error, InputError, Result};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::engine::list::hash;
+use crate::engine::output::{OutputFolder, TEMPORARY};
+use crate::python::cache_folder;
+
+/// First word of an entry; the number changes with the layout.
+const MAGIC: &str = "railspring-artefact-1";
+/// Ending of an entry's name.
+const ENDING: &str = ".artefact";
+/// Largest second line that is read, bytes.
+const LARGEST_HEADER: u64 = 1 << 20;
+/// A temporary file that has not changed for so long belongs to a process that was killed.
+const ABANDONED: Duration = Duration::from_secs(24 * 3600);
+
+/// What an artefact is; the first part of its entry's name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// A body condensed to its contact nodes.
+    Body,
+    /// Springs, load curve and fields of a pair.
+    Calibration,
+    /// Laws of a pair by contact angle.
+    ByAngle,
+    /// A run of the simple model.
+    SimpleRun,
+    /// A run of the solid model.
+    SolidRun,
+    /// What reference solvers say of a study.
+    Crosscheck,
+    /// A place of a table: a pair at one shift.
+    Place,
+    /// Meshes alone; made sooner than read, so that no store has them, as what follows.
+    Meshes,
+    /// A verdict.
+    Verdict,
+    /// A report.
+    Report,
+}
+
+impl Kind {
+    const ALL: [Self; 10] = [
+        Self::Body,
+        Self::Calibration,
+        Self::ByAngle,
+        Self::SimpleRun,
+        Self::SolidRun,
+        Self::Crosscheck,
+        Self::Place,
+        Self::Meshes,
+        Self::Verdict,
+        Self::Report,
+    ];
+
+    /// The name in file names and lists.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Body => "body",
+            Self::Calibration => "calibration",
+            Self::ByAngle => "stiffness-by-angle",
+            Self::SimpleRun => "simple-run",
+            Self::SolidRun => "solid-run",
+            Self::Crosscheck => "crosscheck",
+            Self::Place => "place",
+            Self::Meshes => "meshes",
+            Self::Verdict => "verdict",
+            Self::Report => "report",
+        }
+    }
+}
+
+/// Address of an artefact: its kind, and the hash of all that it is made from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Address {
+    kind: Kind,
+    key: String,
+}
+
+impl Address {
+    /// The address of what this program makes from `inputs`, which is all that it depends on.
+    pub fn of(kind: Kind, inputs: &impl Serialize) -> Self {
+        // a program whose own file cannot be read is told from others by its commit
+        Self::by(kind, inputs, program().unwrap_or(crate::version::FULL))
+    }
+
+    fn by(kind: Kind, inputs: &impl Serialize, program: &str) -> Self {
+        let inputs = serde_json::to_value((kind.name(), inputs, program)).expect("inputs are plain data");
+        Self { kind, key: hash(inputs.to_string().as_bytes()) }
+    }
+
+    /// The hash: of what the artefact is made from, its kind and the program.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// Name of the entry's file in a store's folder; whoever copies the file takes the artefact to another store.
+    pub fn file(&self) -> String {
+        format!("{}-{}{ENDING}", self.kind.name(), self.key)
+    }
+
+    /// The address that a file name says; `None` for a file that is no entry.
+    fn of_file(name: &str) -> Option<Self> {
+        let stem = name.strip_suffix(ENDING)?;
+        Kind::ALL.into_iter().find_map(|kind| {
+            let key = stem.strip_prefix(kind.name())?.strip_prefix('-')?;
+            let is_hash = key.len() == 64 && key.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
+            is_hash.then(|| Self { kind, key: key.into() })
+        })
+    }
+}
+
+/// What a stage has made: named parts.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Artefact {
+    parts: Vec<(String, Vec<u8>)>,
+}
+
+impl Artefact {
+    /// Adds a part.
+    #[must_use]
+    pub fn with(mut self, name: impl Into<String>, content: impl Into<Vec<u8>>) -> Self {
+        self.parts.push((name.into(), content.into()));
+        self
+    }
+
+    /// All parts, in the order in which they were added.
+    pub fn parts(&self) -> impl Iterator<Item = (&str, &[u8])> {
+        self.parts.iter().map(|(name, content)| (name.as_str(), content.as_slice()))
+    }
+
+    /// The content of a part.
+    pub fn part(&self, name: &str) -> Option<&[u8]> {
+        self.parts.iter().find(|(found, _)| found == name).map(|(_, content)| content.as_slice())
+    }
+
+    /// The text of a part.
+    ///
+    /// # Errors
+    /// A part that is missing or no text.
+    pub fn text(&self, name: &str) -> Result<&str> {
+        let content = self.part(name).ok_or_else(|| unreadable(name, "it is missing"))?;
+        std::str::from_utf8(content).map_err(|cause| unreadable(name, &cause.to_string()))
+    }
+
+    /// The record in a part.
+    ///
+    /// # Errors
+    /// A part that is missing or of another form.
+    pub fn json<T: DeserializeOwned>(&self, name: &str) -> Result<T> {
+        serde_json::from_str(self.text(name)?).map_err(|cause| unreadable(name, &cause.to_string()))
+    }
+}
+
+/// The error of a part of an artefact that cannot be read.
+pub fn unreadable(part: &str, reason: &str) -> Error {
+    InputError::new(part, reason, "a part as this program writes it", "make the result again with --fresh")
+        .into()
+}
+
+/// The second line of an entry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Header {
+    kind: Kind,
+    key: String,
+    /// What was made, as the terminal says it.
+    name: String,
+    /// Name of the study that it was made for first.
+    study: String,
+    version: String,
+    /// Names and lengths (bytes) of the parts.
+    parts: Vec<(String, usize)>,
+}
+
+/// What the store has at an address.
+#[derive(Debug)]
+enum Found {
+    /// The artefact, complete.
+    Whole(Artefact),
+    /// An entry that cannot be used, with the reason; it is removed.
+    Damaged(String),
+    /// Nothing.
+    Nothing,
+}
+
+/// An entry in a list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Listed {
+    /// What it is.
+    pub kind: Kind,
+    /// Hash of what it was made from.
+    pub key: String,
+    /// Size of the file, bytes.
+    pub bytes: u64,
+    /// When it was last made or taken.
+    pub used: SystemTime,
+    /// What was made and for which study; `None` if the entry cannot be read.
+    pub made: Option<(String, String)>,
+    path: PathBuf,
+}
+
+/// What is pruned.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Prune {
+    /// All entries.
+    pub all: bool,
+    /// Entries that were not used for so long.
+    pub older_than: Option<Duration>,
+    /// Entries from the one not used for longest on, until the others have at most so many bytes.
+    pub larger_than: Option<u64>,
+}
+
+/// A folder of artefacts.
+#[derive(Debug)]
+pub struct Store {
+    folder: OutputFolder,
+    program: &'static str,
+}
+
+/// The folder of the store, left to the program: below that of `RAILSPRING_CACHE`, else below the user's cache folder.
+pub fn default_folder() -> PathBuf {
+    cache_folder().join("store")
+}
+
+impl Store {
+    /// Opens a store, made if need be.
+    ///
+    /// # Errors
+    /// [`InputError`] with key `--cache` if the folder cannot be created or written, or the program's own file, which
+    /// is a part of every key, cannot be read.
+    pub fn open(folder: &Path) -> Result<Self> {
+        let refused = |value: String| {
+            InputError::new(
+                "--cache",
+                value,
+                "a folder for the store that can be created and written",
+                "choose another one, or correct its permissions",
+            )
+        };
+        let program = program().ok_or_else(|| refused("the program's own file cannot be read".into()))?;
+        let folder = OutputFolder::create(folder).map_err(|error| match error {
+            Error::Input(cause) => refused(cause.value).into(),
+            other => other,
+        })?;
+        let store = Self { folder, program };
+        store.remove_abandoned();
+        Ok(store)
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Hash of the program, which is a part of every key: what another program makes is never taken.
+    pub fn program(&self) -> &'static str {
+        self.program
+    }
+
+    /// Whether there is an entry, complete or not.
+    pub fn has(&self, address: &Address) -> bool {
+        self.folder.file(&address.file()).is_file()
+    }
+
+    /// The artefact at an address; an entry that is not what was written is removed.
+    fn take(&self, address: &Address) -> Found {
+        let path = self.folder.file(&address.file());
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(cause) if cause.kind() == ErrorKind::NotFound => return Found::Nothing,
+            Err(cause) => return self.discard(address, cause.to_string()),
+        };
+        match decode(&bytes, address) {
+            Ok(artefact) => {
+                // What is pruned is what was not used for long; a store that is only read keeps its times.
+                let _ = std::fs::File::options()
+                    .write(true)
+                    .open(&path)
+                    .and_then(|file| file.set_modified(SystemTime::now()));
+                Found::Whole(artefact)
+            }
+            Err(reason) => self.discard(address, reason.into()),
+        }
+    }
+
+    /// What `read` makes of the artefact at an address; `say` hears why an entry cannot be used, which is then removed.
+    pub fn take_as<T>(
+        &self,
+        address: &Address,
+        read: impl FnOnce(Artefact) -> Result<T>,
+        say: &dyn Fn(String),
+    ) -> Option<T> {
+        let found = match self.take(address) {
+            Found::Whole(artefact) => match read(artefact) {
+                Ok(value) => return Some(value),
+                Err(cause) => self.discard(address, cause.to_string()),
+            },
+            found => found,
+        };
+        if let Found::Damaged(reason) = found {
+            say(format!("the entry of the store is damaged ({reason}): made again"));
+        }
+        None
+    }
+
+    /// Keeps an artefact, in place of what stands at its address; `name` and `study` are for lists. The result stands without
+    /// the store: `say` hears why it is not kept.
+    pub fn keep(
+        &self,
+        address: &Address,
+        name: &str,
+        study: &str,
+        artefact: &Artefact,
+        say: &dyn Fn(String),
+    ) {
+        if let Err(cause) = self.put(address, name, study, artefact) {
+            say(format!("not kept in the store: {cause}"));
+        }
+    }
+
+    /// Removes an entry that cannot be used.
+    fn discard(&self, address: &Address, reason: String) -> Found {
+        // One that cannot be removed is found damaged again, and is not used then either.
+        let _ = self.folder.remove(&address.file());
+        Found::Damaged(reason)
+    }
+
+    /// Keeps an artefact, in place of what stands at its address; `name` and `study` are for lists.
+    ///
+    /// # Errors
+    /// [`InputError`] if the file cannot be written; the store is then as it was.
+    fn put(&self, address: &Address, name: &str, study: &str, artefact: &Artefact) -> Result<()> {
+        self.folder.write(&address.file(), &encode(address, name, study, artefact))
+    }
+
+    /// The entries, from the one used last on.
+    pub fn list(&self) -> Vec<Listed> {
+        let mut listed: Vec<Listed> = std::fs::read_dir(self.path())
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter_map(|entry| {
+                let address = Address::of_file(&entry.file_name().to_string_lossy())?;
+                let about = entry.path().symlink_metadata().ok().filter(std::fs::Metadata::is_file)?;
+                let path = entry.path();
+                let made =
+                    read_header(&path, &address, about.len()).map(|header| (header.name, header.study));
+                let used = about.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+                let Address { kind, key } = address;
+                Some(Listed { kind, key, bytes: about.len(), used, made, path })
+            })
+            .collect();
+        listed.sort_by(|a, b| b.used.cmp(&a.used).then_with(|| a.path.cmp(&b.path)));
+        listed
+    }
+
+    /// Removes entries, those that cannot be read first; which ones are gone.
+    ///
+    /// # Errors
+    /// [`InputError`] whose key is the path of an entry that cannot be removed.
+    pub fn prune(&self, what: Prune) -> Result<Vec<Listed>> {
+        self.remove_abandoned();
+        let now = SystemTime::now();
+        let mut kept = 0;
+        let mut gone = Vec::new();
+        for entry in self.list() {
+            let idle = now.duration_since(entry.used).unwrap_or_default();
+            let goes = what.all
+                || entry.made.is_none()
+                || what.older_than.is_some_and(|age| idle > age)
+                || what.larger_than.is_some_and(|most| kept + entry.bytes > most);
+            if goes {
+                let name = entry.path.file_name().map(|name| name.to_string_lossy().into_owned());
+                self.folder.remove(&name.unwrap_or_default())?;
+                gone.push(entry);
+            } else {
+                kept += entry.bytes;
+            }
+        }
+        Ok(gone)
+    }
+
+    /// Removes what killed processes have left under temporary names.
+    fn remove_abandoned(&self) {
+        for entry in std::fs::read_dir(self.path()).into_iter().flatten().flatten() {
+            let temporary = entry.file_name().to_string_lossy().starts_with(TEMPORARY);
+            let idle =
+                entry.metadata().and_then(|about| about.modified()).ok().and_then(|t| t.elapsed().ok());
+            if temporary && idle.is_some_and(|idle| idle > ABANDONED) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+/// Hash of the program's own file.
+pub(crate) fn program() -> Option<&'static str> {
+    static HASH: OnceLock<Option<String>> = OnceLock::new();
+    HASH.get_or_init(|| {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(std::fs::File::open(std::env::current_exe().ok()?).ok()?).ok()?;
+        Some(hasher.finalize().to_hex().to_string())
+    })
+    .as_deref()
+}
+
+fn encode(address: &Address, name: &str, study: &str, artefact: &Artefact) -> Vec<u8> {
+    let header = Header {
+        kind: address.kind,
+        key: address.key.clone(),
+        name: name.into(),
+        study: study.into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        parts: artefact.parts.iter().map(|(name, content)| (name.clone(), content.len())).collect(),
+    };
+    let mut body = serde_json::to_vec(&header).expect("a header is plain data");
+    body.push(b'\n');
+    artefact.parts.iter().for_each(|(_, content)| body.extend_from_slice(content));
+    let mut bytes = format!("{MAGIC} {}\n", hash(&body)).into_bytes();
+    bytes.append(&mut body);
+    bytes
+}
+
+/// The artefact of an entry that is complete and stands where it belongs.
+fn decode(bytes: &[u8], address: &Address) -> std::result::Result<Artefact, &'static str> {
+    const CUT: &str = "it is not complete";
+    let end = bytes.iter().position(|byte| *byte == b'\n').ok_or(CUT)?;
+    let (first, body) = (&bytes[..end], &bytes[end + 1..]);
+    if first != format!("{MAGIC} {}", hash(body)).as_bytes() {
+        return Err("its content does not have its hash");
+    }
+    let end = body.iter().position(|byte| *byte == b'\n').ok_or(CUT)?;
+    let header: Header = serde_json::from_slice(&body[..end]).map_err(|_| "it has another layout")?;
+    if (header.kind, &header.key) != (address.kind, &address.key) {
+        return Err("it is another artefact");
+    }
+    let mut rest = &body[end + 1..];
+    let mut artefact = Artefact::default();
+    for (name, length) in header.parts {
+        let (content, after) = rest.split_at_checked(length).ok_or(CUT)?;
+        artefact = artefact.with(name, content);
+        rest = after;
+    }
+    Ok(artefact)
+}
+
+/// The second line of an entry that has its length; the content is checked when it is taken.
+fn read_header(path: &Path, address: &Address, bytes: u64) -> Option<Header> {
+    let mut lines = BufReader::new(std::fs::File::open(path).ok()?.take(LARGEST_HEADER));
+    let (mut first, mut second) = (String::new(), String::new());
+    lines.read_line(&mut first).ok()?;
+    lines.read_line(&mut second).ok()?;
+    let header: Header = serde_json::from_str(&second).ok()?;
+    let parts: usize = header.parts.iter().map(|(_, length)| length).sum();
+    let whole = first.starts_with(MAGIC)
+        && (header.kind, &header.key) == (address.kind, &address.key)
+        && (first.len() + second.len() + parts) as u64 == bytes;
+    whole.then_some(header)
+}
+
+#[cfg(test)]
+mod tests;

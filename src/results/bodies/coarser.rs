@@ -1,0 +1,86 @@
+//! Bodies of coarser meshes beside those of a study.
+
+use railspring_calibrate::mesh::MeshOptions;
+use railspring_calibrate::pair::{COARSER, CondensedPair};
+use railspring_profiles::error::{Result, or_reason};
+
+use crate::results::bodies::geometry::{Geometry, Meshes, remeshed_with};
+use crate::results::bodies::zones::extend_zones;
+use crate::study::Study;
+
+/// The part of a band that coarser meshes are.
+pub const COARSER_MESHES: &str = "coarser meshes";
+
+/// Ratio of the elements of meshes to those of the next finer ones.
+pub const FINER: f64 = std::f64::consts::SQRT_2;
+
+/// Coarser sizes with contact zones that are longer by two of their elements, so that they hold what the others hold.
+pub(crate) fn with_longer_zones(geometry: &Geometry, mut coarser: MeshOptions) -> MeshOptions {
+    for half_length in [&mut coarser.window_half_length, &mut coarser.contact_half_length] {
+        *half_length += 2.0 * coarser.contact_element_along;
+    }
+    let longer = 2.0 * coarser.contact_element;
+    extend_zones(geometry, &mut coarser, longer);
+    coarser
+}
+
+/// What `make` makes of coarser meshes in the place of `meshes`, or why there is nothing.
+///
+/// # Errors
+/// An interruption.
+pub(crate) fn on_coarser_meshes<T>(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    options: MeshOptions,
+    make: impl FnOnce(&Meshes) -> Result<T>,
+) -> Result<std::result::Result<T, String>> {
+    if let Some(file) = study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
+        return Ok(Err(format!("{} is not meshed by the program", file.file)));
+    }
+    or_reason(remeshed_with(study, geometry, meshes, options).and_then(|coarser| make(&coarser)))
+}
+
+/// Sizes of the coarser meshes. Their contact zones are longer by two of their elements, so that they hold what the others hold.
+pub fn coarser_options(geometry: &Geometry, options: &MeshOptions) -> MeshOptions {
+    with_longer_zones(geometry, options.refined(1.0 / COARSER))
+}
+
+/// Bodies of coarser meshes.
+pub struct Coarser {
+    /// Larger edge of their contact elements, m.
+    pub contact_element: f64,
+    /// They themselves.
+    pub bodies: CondensedPair,
+}
+
+impl Coarser {
+    /// Bodies of meshes whose contact elements have a larger edge of so many metres.
+    pub fn new(contact_element: f64, bodies: CondensedPair) -> Self {
+        Self { contact_element, bodies }
+    }
+}
+
+/// The bodies of coarser meshes, which `condense` has, or why there are none.
+pub type CoarserBodies = std::result::Result<Coarser, String>;
+
+/// The bodies of meshes that are coarser than `meshes`, if the study wants bands.
+///
+/// # Errors
+/// An interruption.
+pub fn coarser_bodies(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
+) -> Result<CoarserBodies> {
+    let options = coarser_options(geometry, meshes.options());
+    on_coarser_meshes(study, geometry, meshes, options, |coarse| {
+        Ok(Coarser { contact_element: coarse.contact_element(), bodies: condense(coarse)? })
+    })
+}
+
+/// The bodies, if there are any.
+pub fn bodies_of(coarser: &CoarserBodies) -> Option<&CondensedPair> {
+    coarser.as_ref().ok().map(|coarser| &coarser.bodies)
+}

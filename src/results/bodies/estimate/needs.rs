@@ -1,0 +1,476 @@
+//! What the stages of a study need: nodes, equations, contact nodes and the values of the factors are counted; bytes and seconds follow
+//! from them with the constants below, which were measured on whole runs.
+
+use crate::results::bodies::{coarser, solids};
+use crate::results::by_angle::make;
+use crate::results::springs::assumed;
+use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
+use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
+use railspring_calibrate::superelement::FactorSize;
+use railspring_profiles::error::Result;
+use railspring_simulate::time::steps::InnerSteps;
+
+use crate::python::Purpose;
+use crate::results::bodies::coarser::FINER;
+use crate::results::bodies::estimate::Work;
+use crate::results::bodies::estimate::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};
+use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::study::{FieldKey, Study, TransientKey};
+
+/// Bytes of Python with NumPy and SciPy.
+const PYTHON: f64 = 300e6;
+/// Bytes of the program itself with its profiles and texts.
+const PROGRAM: f64 = 40e6;
+/// Gap up to which points are candidates before the first solution at a load, m.
+const FIRST_GAP: f64 = 0.15e-3;
+/// Gap up to which they are kept with the load, m.
+const KEPT_GAP: f64 = 20e-6;
+/// Displacement of the hub under load, m/N, the rail held at its ends.
+const FLEXIBILITY: f64 = 1.5e-9;
+/// Seconds to assemble a hexahedron.
+const SECONDS_ASSEMBLY: f64 = 40e-6;
+/// Seconds to order a node.
+const SECONDS_ORDER: f64 = 10e-6;
+/// Multiplications a second of a factorisation.
+const SPEED: f64 = 20e9;
+/// Bytes a second of a substitution, which reads the factor twice.
+const BANDWIDTH: f64 = 10e9;
+/// Seconds of a load for every pair of candidates.
+const SECONDS_PAIR: f64 = 3e-7;
+/// Seconds of a load on a fine grid, with friction.
+const SECONDS_FINE: f64 = 0.06;
+/// Seconds of a load on a grid of half its spacing and on the grid itself, without friction.
+const SECONDS_HALVED: f64 = 0.4;
+/// Seconds of contact in a time step.
+const SECONDS_STEP: f64 = 0.008;
+/// Runs that are in memory together: with all modes, with fewer, and with a larger input.
+const RUNS: usize = 3;
+/// Steps that a reduced run does with fewer modes as well, at the usual time step.
+const STEPS_COMPARED: f64 = 120.0;
+/// Steps of the integration in a time step of a published load case in the mean, where they adapt themselves.
+const ADAPTED_STEPS: f64 = 3.0;
+/// Share of a substitution that one of several at the same time takes.
+const SOLVED_AT_ONCE: f64 = 0.2;
+
+/// Memory of the reference's Python, bytes, for the values of the study's factors; measured on studies of 20 and
+/// 113 million values.
+pub(crate) fn reference_memory(purpose: Purpose, values: f64) -> f64 {
+    let per_value = match purpose {
+        Purpose::FirstOrder => 22.0,
+        Purpose::SecondOrder => 104.0,
+    };
+    PYTHON + per_value * values
+}
+
+/// Time of the same, s.
+fn reference_seconds(purpose: Purpose, values: f64) -> f64 {
+    let per_value = match purpose {
+        Purpose::FirstOrder => 0.6e-6,
+        Purpose::SecondOrder => 3e-6,
+    };
+    per_value * values
+}
+
+/// Memory and time of one stage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StageEstimate {
+    /// What is done.
+    pub stage: String,
+    /// Largest memory, bytes.
+    pub memory: f64,
+    /// Time, s.
+    pub seconds: f64,
+}
+
+/// What a study takes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Rail and wheel.
+    pub bodies: [FactorSize; 2],
+    /// Their contact nodes.
+    pub contact_nodes: [usize; 2],
+    /// The stages that are to be done.
+    pub stages: Vec<StageEstimate>,
+    /// The calibration on the next finer meshes, where the study has a wanted error of meshes: how often they are refined is not known
+    /// before, so that no refinement is among the stages.
+    pub finer: Option<StageEstimate>,
+    /// Largest memory where stages that do not need each other are done at the same time, bytes.
+    pub(crate) beside: Beside,
+}
+
+/// Memory of stages at the same time, bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Beside {
+    /// All bodies of the calibration factored together.
+    pub condensing: f64,
+    /// The fields and the error bands of the calibration, its laws by contact angle, and runs on the solids.
+    pub stages: f64,
+}
+
+/// Steps of the integration in a time step.
+pub(crate) fn steps_in_each(study: &Study) -> f64 {
+    match study.solid.steps() {
+        InnerSteps::Equal(count) => count as f64,
+        InnerSteps::Adaptive(control) => ADAPTED_STEPS.min(control.most as f64),
+    }
+}
+
+impl Estimate {
+    /// What the stages of a study take on these meshes.
+    ///
+    /// # Errors
+    /// Those of counting the equations and the sizes of other meshes.
+    pub(crate) fn of(study: &Study, geometry: &Geometry, meshes: &Meshes, work: &Work) -> Result<Self> {
+        let solids = solids::solids(study, geometry, meshes);
+        let count = |body: PairBody| -> Result<FactorSize> { solids.parts(body)?.size() };
+        // references factor whole bodies, and so does full order in time
+        let whole = |mesh: MeshSize, body: PairBody| -> Result<Body> {
+            let system = solids.system(body)?;
+            Ok(Body { mesh, size: FactorSize::of(system.mesh, &system.numbering)? })
+        };
+        let (rail, wheel) = rayon::join(|| count(PairBody::RailOnEnds), || count(PairBody::Wheel));
+        let rail = Body { mesh: MeshSize::of(&meshes.rail), size: rail? };
+        let wheel = Body { mesh: MeshSize::of(&meshes.wheel), size: wheel? };
+        let base = PROGRAM + NODE * (rail.mesh.nodes + wheel.mesh.nodes) as f64;
+        let mut stages = Vec::new();
+        let mut finer = None;
+        let mut beside = Beside::default();
+        if work.calibrate {
+            let candidates = Candidates::of(study, geometry, meshes);
+            stages.push(calibration(study, [&rail, &wheel], candidates, base));
+            if study.wants_by_angle() {
+                stages.push(by_angle(study, geometry, meshes, [&rail, &wheel], candidates, base)?);
+            }
+            if study.wants_error_band() {
+                stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
+            }
+            let ways = ways_held(study);
+            let modes = study.modes() as f64;
+            beside.condensing =
+                base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
+            beside.stages = stages.iter().map(|stage| stage.memory).sum();
+            stages.extend(others(study, geometry, [&rail, &wheel], base));
+            if study.target_error.is_some() && meshes_are_ours(study) {
+                let options = meshes.options().refined(FINER);
+                let [finer_rail, finer_wheel] = resized(study, geometry, [&rail, &wheel], &options)?;
+                let candidates = candidates.times(finer_rail.mesh.contact as f64 / rail.mesh.contact as f64);
+                finer = Some(calibration(study, [&finer_rail, &finer_wheel], candidates, base));
+            }
+        }
+        if let Some(purpose) = work.reference {
+            let bodies = [whole(rail.mesh, PairBody::RailOnEnds)?, whole(wheel.mesh, PairBody::Wheel)?];
+            let values = bodies.iter().map(|body| body.size.values as f64).sum();
+            stages.push(StageEstimate {
+                stage: "reference".into(),
+                memory: reference_memory(purpose, values),
+                seconds: reference_seconds(purpose, values),
+            });
+        }
+        let both = [&rail, &wheel];
+        let substitution = |bodies: [&Body; 2]| -> f64 {
+            bodies.map(|body| 2.0 * VALUE * body.size.values as f64 / BANDWIDTH).iter().sum()
+        };
+        for (n, (name, steps)) in work.solids.iter().enumerate() {
+            let steps = *steps as f64;
+            let within = study.solid.steps();
+            let other = if within.doubled() == within { 0.0 } else { 1.0 };
+            let compared = steps.min(STEPS_COMPARED * steps_in_each(study));
+            let (memory, seconds) = match study.solid.transient {
+                TransientKey::Full => {
+                    let bodies =
+                        [whole(rail.mesh, PairBody::RailOnEnds)?, whole(wheel.mesh, PairBody::Wheel)?];
+                    let bodies = bodies.each_ref();
+                    (
+                        bodies.map(Body::making_in_time).iter().sum::<f64>(),
+                        // the first steps are done a second time with twice the length
+                        bodies.map(|body| (1.0 + other) * body.seconds()).iter().sum::<f64>()
+                            + (steps + 0.5 * other * compared) * (substitution(bodies) + SECONDS_STEP),
+                    )
+                }
+                TransientKey::Reduced => {
+                    let modes = study.modes() as f64;
+                    let condensing = condensing(&wheel, &rail, 0.0, modes);
+                    let stepping =
+                        both.map(|body| stepping(&body.size, study.modes(), RUNS)).iter().sum::<f64>();
+                    // on two threads: the run and the same with a larger input, the run with longer steps and its first steps with fewer
+                    // modes; where there are error bands, its first steps on a finer grid and all longer ones on other contact elements
+                    let beside = 0.5 * (other * steps + (1.0 + other) * compared);
+                    let banded = f64::from(study.wants_error_band());
+                    let other_solids = banded * (compared + 0.5 * steps);
+                    let contact = (steps + 0.5 * (beside + other_solids)) * SECONDS_STEP;
+                    let making = both.map(|body| body.seconds()).iter().sum::<f64>();
+                    let contact = contact + banded * making;
+                    // the calibration, and the load case before, leave their bodies
+                    if work.calibrate || n > 0 {
+                        (stepping, contact)
+                    } else {
+                        (
+                            condensing.max(stepping),
+                            contact + making + modes * SOLVED_AT_ONCE * substitution(both),
+                        )
+                    }
+                }
+            };
+            stages.push(StageEstimate {
+                stage: format!("solid model, {name}"),
+                memory: base + memory,
+                seconds,
+            });
+        }
+        // one load case after the other
+        let in_time = &stages[stages.len() - work.solids.len()..];
+        beside.stages += in_time.iter().map(|stage| stage.memory).fold(0.0, f64::max);
+        Ok(Self {
+            bodies: [rail.size, wheel.size],
+            contact_nodes: [rail.mesh.contact, wheel.mesh.contact],
+            stages,
+            finer,
+            beside,
+        })
+    }
+
+    /// Equations of both bodies.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.bodies.iter().map(|body| body.equations).sum()
+    }
+
+    /// Largest memory of all stages, bytes.
+    pub fn memory(&self) -> f64 {
+        self.stages.iter().map(|stage| stage.memory).fold(0.0, f64::max)
+    }
+}
+
+/// One body: its mesh and its factor.
+struct Body {
+    mesh: MeshSize,
+    size: FactorSize,
+}
+
+impl Body {
+    /// Bytes of the matrix of the contact nodes.
+    fn dense(&self) -> f64 {
+        VALUE * (self.size.retained as f64).powi(2)
+    }
+
+    /// Largest memory on the way there, with so many modes, bytes.
+    fn making(&self, modes: f64) -> f64 {
+        largest(&self.size, modes)
+    }
+
+    /// Bytes of the inside of the body: the factor and the matrix.
+    fn inside(&self) -> f64 {
+        factor(self.size.inside) + ENTRY * self.size.entries as f64
+    }
+
+    /// Time to make it, s: half of the multiplications.
+    fn seconds_inside(&self) -> f64 {
+        // the symmetric half alone
+        (SECONDS_ASSEMBLY * self.mesh.hexes as f64 + 0.5 * self.size.multiplications / SPEED)
+            / self.size.parts as f64
+    }
+
+    /// The same for a body at full order in time, which has its mass and its damping besides.
+    fn making_in_time(&self) -> f64 {
+        self.making(0.0) + ENTRY * self.size.entries as f64 + MASS * self.mesh.nodes as f64
+    }
+
+    /// The same body on a mesh of another size, whose factor grows as that of a body that is refined: the values with the power
+    /// 4/3 of its nodes, the multiplications with their square.
+    fn resized(&self, mesh: MeshSize) -> Self {
+        let ratio = mesh.nodes as f64 / self.mesh.nodes as f64;
+        let times = |count: usize, power: f64| (count as f64 * ratio.powf(power)) as usize;
+        let size = FactorSize {
+            parts: self.size.parts,
+            equations: times(self.size.equations, 1.0),
+            retained: 3 * mesh.contact,
+            entries: times(self.size.entries, 1.0),
+            values: times(self.size.values, 4.0 / 3.0),
+            inside: times(self.size.inside, 4.0 / 3.0),
+            multiplications: self.size.multiplications * ratio.powi(2),
+        };
+        Self { mesh, size }
+    }
+
+    /// Time of order, assembly, factor and reduction, s.
+    fn seconds(&self) -> f64 {
+        let parts = self.size.parts as f64;
+        let reduction = parts * (self.size.retained as f64 / parts).powi(3);
+        SECONDS_ORDER * self.mesh.nodes as f64
+            + SECONDS_ASSEMBLY * self.mesh.hexes as f64
+            + (self.size.multiplications + reduction) / SPEED
+    }
+}
+
+/// Contact points under the largest load: candidates before the first solution at a load, and those that are kept.
+#[derive(Clone, Copy)]
+struct Candidates {
+    first: f64,
+    kept: f64,
+}
+
+impl Candidates {
+    fn of(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Self {
+        let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
+        let lowered = FLEXIBILITY * largest;
+        let at = |gap| geometry.pair.candidates([&meshes.rail, &meshes.wheel], lowered, gap) as f64;
+        Self { first: at(FIRST_GAP), kept: at(KEPT_GAP) }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self { first: factor * self.first, kept: factor * self.kept }
+    }
+
+    /// Bytes of the matrix of so many points.
+    fn dense(points: f64) -> f64 {
+        VALUE * (3.0 * points).powi(2)
+    }
+}
+
+/// Shares of the candidates by load: patches grow with the cube root of the load in each direction.
+fn shares(loads: &[f64]) -> Vec<f64> {
+    let largest = loads.last().copied().unwrap_or(0.0);
+    loads.iter().map(|load| (load / largest).powf(2.0 / 3.0)).collect()
+}
+
+/// Time of `loads`, the rail held in one way, s.
+fn pressing(study: &Study, loads: &[f64], candidates: Candidates) -> f64 {
+    match study.contact.field {
+        FieldKey::Elements => {
+            shares(loads).iter().map(|share| SECONDS_PAIR * (share * candidates.first).powi(2)).sum()
+        }
+        FieldKey::Hybrid => SECONDS_FINE * loads.len() as f64,
+    }
+}
+
+/// The calibration without its error bands; `base` are the bytes of program and meshes.
+fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates, base: f64) -> StageEstimate {
+    let ways = ways_held(study);
+    let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
+    let states = ways * shares(&study.calibration.loads).iter().map(of_states).sum::<f64>();
+    let modes = study.modes() as f64;
+    // one more of the rail is against its section; beside the pressed bodies the inside of one of them at a time
+    let pressed = wheel.dense() + (ways + 1.0) * rail.dense() + states;
+    let memory = [
+        condensing(wheel, rail, (ways - 1.0) * rail.dense(), modes),
+        pressed + ways * Candidates::dense(candidates.first) + wheel.inside().max(rail.inside()),
+    ];
+    StageEstimate {
+        stage: "calibration".into(),
+        memory: base + memory.into_iter().fold(0.0, f64::max),
+        seconds: wheel.seconds()
+            + wheel.seconds_inside()
+            + ways * rail.seconds()
+            + rail.seconds_inside()
+            + ways * pressing(study, &study.calibration.loads, candidates),
+    }
+}
+
+/// In how many ways the rail is held: with its section, and with its foot where the study wants laws against that.
+fn ways_held(study: &Study) -> f64 {
+    if study.calibration.foot_held { 2.0 } else { 1.0 }
+}
+
+/// Bytes of the bodies with `modes` modes: the wheel, which is condensed first, or the rail after it and after another of so many bytes.
+fn condensing(wheel: &Body, rail: &Body, other: f64, modes: f64) -> f64 {
+    wheel.making(modes).max(wheel.dense() + other + rail.making(modes))
+}
+
+/// The laws by contact angle with their error bands.
+fn by_angle(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    [rail, wheel]: [&Body; 2],
+    candidates: Candidates,
+    base: f64,
+) -> Result<StageEstimate> {
+    // each thread presses the wheel in one place, and keeps no state but the last
+    let shifts = make::shifts(study, &geometry.pair).len() as f64;
+    let threads = (rayon::current_num_threads() as f64).min(shifts);
+    // one more of the rail is against its section
+    let ways = ways_held(study);
+    let mut kept = wheel.dense() + (ways + 1.0) * rail.dense();
+    let mut of_a_shift = ways * pressing(study, &make::loads_by_angle(study), candidates);
+    if study.wants_error_band() {
+        let loads = FIXED_LOADS_CHANGED as f64;
+        let (on_grids, of_a_load) = changed(study);
+        of_a_shift += loads * on_grids;
+        if meshes_are_ours(study) {
+            let options = coarser::coarser_options(geometry, meshes.options());
+            let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
+            kept += wheel.dense() + (ways + 1.0) * rail.dense();
+            // on both meshes
+            of_a_shift += loads * 2.0 * ways * of_a_load;
+        }
+    }
+    Ok(StageEstimate {
+        stage: "law by contact angle".into(),
+        memory: base + kept + 2.0 * threads * Candidates::dense(candidates.first),
+        seconds: of_a_shift * (shifts / threads).ceil(),
+    })
+}
+
+/// Time of a load on the halved grid and on the grid itself, and of a load on other meshes, s.
+fn changed(study: &Study) -> (f64, f64) {
+    match study.contact.field {
+        FieldKey::Hybrid => (SECONDS_HALVED, SECONDS_FINE),
+        FieldKey::Elements => (0.0, SECONDS_STEP),
+    }
+}
+
+/// Whether both meshes are the program's, which can make them coarser and finer.
+fn meshes_are_ours(study: &Study) -> bool {
+    study.rail.mesh.is_none() && study.wheel.mesh.is_none()
+}
+
+/// Rail and wheel on the program's meshes with other sizes.
+fn resized(
+    study: &Study,
+    geometry: &Geometry,
+    [rail, wheel]: [&Body; 2],
+    options: &MeshOptions,
+) -> Result<[Body; 2]> {
+    let (on_rail, on_wheel) = rayon::join(
+        || rail_size(&geometry.pair.rail, study.rail.length, options),
+        || wheel_size(&geometry.pair.wheel, options),
+    );
+    Ok([rail.resized(on_rail?), wheel.resized(on_wheel?)])
+}
+
+/// The pair with others in the place of the bodies and places that are assumed, one after the other, if any are.
+fn others(study: &Study, geometry: &Geometry, [rail, wheel]: [&Body; 2], base: f64) -> Option<StageEstimate> {
+    let [rails, wheels] = assumed::others_by_body(study, geometry).map(|count| count as f64);
+    if rails + wheels == 0.0 {
+        return None;
+    }
+    let (_, of_a_load) = changed(study);
+    let loads = study.calibration.loads.len().min(LOADS_COARSER) as f64;
+    let pressed = (rails + wheels) * loads * of_a_load;
+    let seconds = rails * rail.seconds() + wheels * wheel.seconds() + pressed;
+    let memory = base + rail.dense() + wheel.dense() + condensing(wheel, rail, 0.0, 0.0);
+    Some(StageEstimate { stage: "other bodies and places".into(), memory, seconds })
+}
+
+/// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.
+fn error_band(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    [rail, wheel]: [&Body; 2],
+    base: f64,
+) -> Result<StageEstimate> {
+    let ways = ways_held(study);
+    let kept = (ways + 1.0) * rail.dense() + wheel.dense();
+    let loads = study.calibration.loads.len() as f64;
+    let (on_grids, of_a_load) = changed(study);
+    let seconds = loads.min(LOADS_HALVED as f64) * on_grids;
+    let mut estimate = StageEstimate { stage: "error band".into(), memory: base + kept, seconds };
+    if meshes_are_ours(study) {
+        let options = coarser::coarser_options(geometry, meshes.options());
+        let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
+        estimate.memory += condensing(&wheel, &rail, (ways - 1.0) * rail.dense(), 0.0);
+        estimate.seconds +=
+            wheel.seconds() + ways * (rail.seconds() + 2.0 * loads.min(LOADS_COARSER as f64) * of_a_load);
+    }
+    Ok(estimate)
+}

@@ -1,0 +1,489 @@
+//! How far the contact zone of the meshes reaches: as far as the contact goes.
+//!
+//! The zone of the study carries what it can. A contact window of the program's own choice is made as long as the
+//! Hertz patch of the largest load asks for before anything is meshed; where a run reaches the end of the zone, it is
+//! made larger, the bodies are meshed again, and the run starts again.
+
+use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::mesh::{ContactZone, MeshOptions, SectionOutline, rail_outline, wheel_outline};
+use railspring_profiles::error::{Error, InputError, NumericsError, Result};
+use railspring_profiles::field::InputField;
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::profile::ProfileCurve;
+use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
+use railspring_simulate::time::history::{Ending, SurfaceEnd};
+
+use crate::results::bodies::geometry::{Geometry, Meshes, remeshed_with};
+use crate::study::{FieldKey, Study};
+
+/// Times that the zone is made larger, at most.
+const EXTENSIONS: usize = 4;
+/// Length that the first extension adds at each end of the zone on a profile, m: two elements of the default mesh. Each further one adds
+/// twice as much, as a wheel that comes down from the air may be anywhere on the profiles.
+const LONGER: f64 = 4e-3;
+/// Distance that a zone keeps from the end of a profile and from the top of a flange, m.
+const FROM_THE_END: f64 = 0.5e-3;
+
+/// Length of a zone beyond the first touch, m: that of wide patches, and what the touch moves by under load.
+const AROUND: f64 = 8e-3;
+/// Distance of the first touch from the end of a zone from which it needs more, m: half the width of a usual patch.
+const NEAR_THE_END: f64 = 3e-3;
+
+/// The study's mesh sizes, with a zone that holds the Hertz patch of the largest load and goes on beyond the first touch; a worn flange is steeper and
+/// touches deeper, so beside measured profiles the zones go on further down the two faces.
+pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
+    const DEEPER: f64 = 6e-3;
+    let mut options = study.mesh.clone();
+    if study.rail.measured.is_some() || study.wheel.measured.is_some() {
+        options.rail_zone.face_depth += DEEPER;
+    }
+    // a shift that is given may be wrong, and is refused where it leads out of the zone
+    if meshes_are_ours(study) && !study.source.gives("track.lateral_shift_mm") {
+        let touches = [geometry.pair.touch.rail_s, geometry.pair.touch.wheel_s];
+        for ((zone, curve), s) in zones(geometry, &mut options).into_iter().zip(touches) {
+            let y = curve.point(s).x;
+            if y > zone.field_y - NEAR_THE_END {
+                zone.field_y = (y + AROUND).min(reach(curve).1).max(zone.field_y);
+            }
+        }
+    }
+    if let Some((_, _, patch)) = longest_patch(study, geometry)
+        && patch > options.window_half_length
+        && window_is_ours(study)
+    {
+        options.window_half_length = window_for(study, patch).min(longest_window(study, geometry));
+    }
+    options.contact_half_length = contact_half_length(study, geometry, options.window_half_length);
+    options
+}
+
+/// Half length of the contact grid of meshes with a window, m: a fine grid also carries a patch that goes on beyond the window, as that of
+/// the flange, so that one pair of bodies serves everywhere on the profiles.
+fn contact_half_length(study: &Study, geometry: &Geometry, window: f64) -> f64 {
+    const BEYOND: f64 = 2.0;
+    match study.contact.field {
+        FieldKey::Hybrid if window_is_ours(study) => (BEYOND * window).min(longest_window(study, geometry)),
+        FieldKey::Hybrid | FieldKey::Elements => window,
+    }
+}
+
+/// Checks that the wheel touches within the contact zone of the tool's own meshes, and that the Hertz patch of the
+/// largest load stays within it; says where the zone is made longer for that patch, and what has to be known of the load cases.
+///
+/// Where the bodies conform there is no Hertz patch; the contact solver then finds out.
+///
+/// # Errors
+/// [`InputError`] with the field of the shift, if the first touch lies elsewhere; with the field of the loads, if the
+/// patch is longer than the window that the study gives, or than
+/// any that wheel and rail have room for.
+pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) -> Result<()> {
+    check_touch(study, geometry)?;
+    for (name, case) in &study.scenarios {
+        case.notes.iter().for_each(|note| monitor.notice(&format!("{name}: {note}")));
+    }
+    let Some((field, load, patch)) = longest_patch(study, geometry) else { return Ok(()) };
+    let window = study.mesh.window_half_length;
+    if patch <= window {
+        return Ok(());
+    }
+    let most = if window_is_ours(study) { longest_window(study, geometry) } else { window };
+    if window_for(study, patch) <= most {
+        monitor.notice(&format!(
+            "contact window of \u{b1}{:.1} mm instead of \u{b1}{:.1} mm: the patch of {:.1} kN at {:.0}\u{b0} is about \u{b1}{:.1} mm long",
+            window_for(study, patch) / MILLIMETRE,
+            window / MILLIMETRE,
+            load / KILONEWTON,
+            geometry.pair.touch.contact_angle.to_degrees(),
+            patch / MILLIMETRE
+        ));
+        return Ok(());
+    }
+    Err(InputError::new(
+        field,
+        format!("{:.1} kN", load / KILONEWTON),
+        format!(
+            "loads whose contact patch fits the contact zone of \u{b1}{:.1} mm along the track; at a contact angle of {:.0}\u{b0} this one is about \u{b1}{:.1} mm long",
+            most / MILLIMETRE,
+            geometry.pair.touch.contact_angle.to_degrees(),
+            patch / MILLIMETRE
+        ),
+        "lower the load, or enlarge `window_half_length`",
+    )
+    .into())
+}
+
+/// Checks that the first touch lies within the contact zones: elsewhere no contact is looked for.
+fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
+    let options = mesh_options(study, geometry);
+    let outside = |outline: &SectionOutline, running: &ProfileCurve, s: f64, body: &str| {
+        let (first, last) = (outline.fine.first()?.s, outline.fine.last()?.s);
+        if first < s && s < last {
+            return None;
+        }
+        let y = |s: f64| running.point(s).x / MILLIMETRE;
+        Some(InputError::new(
+            InputField::LateralShift,
+            format!(
+                "{} mm, at which the {body} is touched at y = {:.1} mm of its profile",
+                study.track.lateral_shift / MILLIMETRE,
+                y(s)
+            ),
+            format!(
+                "a touch between y = {:.1} and {:.1} mm, in the contact zone of the mesh",
+                y(first),
+                y(last)
+            ),
+            "bring `lateral_shift` nearer to zero, or check `gauge` and `flange_back`",
+        ))
+    };
+    let touch = &geometry.pair.touch;
+    let (rail, wheel) = (&geometry.pair.rail, &geometry.pair.wheel);
+    if study.rail.mesh.is_none()
+        && let Some(error) = outside(&rail_outline(rail, &options)?, &rail.running, touch.rail_s, "rail")
+    {
+        return Err(error.into());
+    }
+    if study.wheel.mesh.is_none()
+        && let Some(error) = outside(&wheel_outline(wheel, &options)?, &wheel.running, touch.wheel_s, "wheel")
+    {
+        return Err(error.into());
+    }
+    Ok(())
+}
+
+/// Whether the study leaves the length of the contact window, and the meshes, to the program.
+fn window_is_ours(study: &Study) -> bool {
+    meshes_are_ours(study) && !study.source.gives("mesh.window_half_length_mm")
+}
+
+fn meshes_are_ours(study: &Study) -> bool {
+    study.rail.mesh.is_none() && study.wheel.mesh.is_none()
+}
+
+/// Half length of a window that a patch of the half length `patch` does not fill: an element beyond it, and what
+/// neighbouring curvatures may add; in whole steps, so that pairs whose patches are alike share their bodies.
+fn window_for(study: &Study, patch: f64) -> f64 {
+    const STEP: f64 = 4e-3;
+    ((1.15 * patch + study.mesh.contact_element_along) / STEP).ceil() * STEP
+}
+
+/// Half length of the longest window that leaves most of the rail, and of the wheel below its axle, to the coarser mesh.
+fn longest_window(study: &Study, geometry: &Geometry) -> f64 {
+    (0.25 * study.rail.length).min(0.25 * geometry.pair.wheel.radius)
+}
+
+/// The load with the longest Hertz patch along the track at the first touch: its field, the load (N) and the
+/// semi-axis (m), of the study's materials: the groups of a mesh are not known before it is read. Pressed down on a slope, the contact carries the load over the cosine of the contact angle.
+fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64, f64)> {
+    let [along, across] = geometry.pair.relative_radii();
+    let largest = |loads: &[f64]| loads.iter().copied().fold(0.0, f64::max);
+    let settings = &study.calibration;
+    let (field, load) = [
+        (InputField::Loads, largest(&settings.loads)),
+        (InputField::HorizontalPreloads, largest(&settings.horizontal_preloads)),
+    ]
+    .into_iter()
+    .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+    let normal = load / geometry.pair.touch.contact_angle.cos();
+    let patch = point_contact(normal, along, across, contact_modulus(study)).ok()?;
+    Some((field, load, patch.semi_axis_x))
+}
+
+/// Contact modulus of the study's materials, Pa.
+fn contact_modulus(study: &Study) -> f64 {
+    study.rail.material.contact_modulus(&study.wheel.material)
+}
+
+/// The end of a contact zone that a contact has reached.
+pub struct Reached {
+    end: SurfaceEnd,
+    /// When or under which load, in words.
+    cause: String,
+}
+
+impl Reached {
+    /// The end that numerics have stopped at, if it is that.
+    pub fn by(cause: &NumericsError) -> Option<Self> {
+        Some(Self { end: SurfaceEnd::of(cause.reason)?, cause: cause.to_string() })
+    }
+
+    /// The end that a run has ended at, if it has.
+    pub fn in_time(ending: Ending) -> Option<Self> {
+        match ending {
+            Ending::EndOfSurface { end, .. } => Some(Self { end, cause: ending.to_string() }),
+            Ending::Completed | Ending::Departed { .. } => None,
+        }
+    }
+}
+
+/// What work within the contact zones has come to.
+pub struct Within<T> {
+    /// Its result.
+    pub result: T,
+    /// Whether there would be more of it, had larger meshes not been refused: then it does not follow from the study alone.
+    pub refused: bool,
+}
+
+/// Runs `work` on the meshes. Where the contact reaches the end of the contact zone, makes the zone larger, meshes again,
+/// says so, and runs `work` again; `meshes` are then the larger ones, which `accept` has seen before. `reached` is the end of the zone
+/// that keeps a result from being whole; where no larger zone can be had, the result is what there is.
+///
+/// # Errors
+/// Those of `work`, with a contact at the end of a zone that cannot be made larger where there is no result without it; those of
+/// `accept`, unless there is a result.
+pub fn within_zones<T>(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &mut Meshes,
+    monitor: &dyn Monitor,
+    accept: impl Fn(&Meshes) -> Result<()>,
+    work: impl Fn(&Meshes) -> Result<T>,
+    reached: impl Fn(&T) -> Option<Reached>,
+) -> Result<Within<T>> {
+    let whole = |result| Within { result, refused: false };
+    for extension in 0..EXTENSIONS {
+        let done = work(meshes);
+        let at_the_end = match &done {
+            Ok(result) => reached(result),
+            Err(Error::Numerics(cause)) => Reached::by(cause),
+            Err(_) => None,
+        };
+        let Some(Reached { end, cause }) = at_the_end else { return done.map(whole) };
+        let Some(next) = enlarged(study, geometry, meshes, (end, extension)) else { return done.map(whole) };
+        match (accept(&next), done) {
+            (Ok(()), _) => {}
+            (Err(refusal @ Error::Input(_)), Ok(result)) => {
+                monitor.notice(&format!("{cause}; a larger contact zone is refused: {refusal}"));
+                return Ok(Within { result, refused: true });
+            }
+            (Err(refusal), _) => return Err(refusal),
+        }
+        monitor.notice(&format!(
+            "{cause}; meshed again with a contact zone down to {:.1} mm on the rail's and {:.1} mm on the wheel's face and \u{b1}{:.1} mm along the track",
+            next.options.rail_zone.face_depth / MILLIMETRE,
+            next.options.wheel_zone.face_depth / MILLIMETRE,
+            next.options.window_half_length / MILLIMETRE
+        ));
+        *meshes = next;
+    }
+    work(meshes).map(whole)
+}
+
+/// Meshes with a larger zone, where the contact has `reached` the end of that of `meshes` after so many extensions; `None` where no larger
+/// zone can be had.
+fn enlarged(
+    study: &Study,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    reached: (SurfaceEnd, usize),
+) -> Option<Meshes> {
+    let options = larger(study, geometry, &meshes.options, reached)?;
+    // a zone that the sections have no room for leaves the contact where it ended
+    remeshed_with(study, geometry, meshes, options).ok()
+}
+
+/// Options of a mesh with a larger zone; `None` if there is none.
+fn larger(
+    study: &Study,
+    geometry: &Geometry,
+    options: &MeshOptions,
+    (end, extensions): (SurfaceEnd, usize),
+) -> Option<MeshOptions> {
+    let mut next = options.clone();
+    match end {
+        SurfaceEnd::ContactWindow if window_is_ours(study) => {
+            let longer = 1.5 * next.window_half_length;
+            next.window_half_length =
+                longer.min(longest_window(study, geometry)).max(next.window_half_length);
+            next.contact_half_length = contact_half_length(study, geometry, next.window_half_length);
+        }
+        SurfaceEnd::ContactZone if meshes_are_ours(study) => {
+            extend_zones(geometry, &mut next, LONGER * f64::from(1 << extensions));
+        }
+        SurfaceEnd::ContactWindow | SurfaceEnd::ContactZone | SurfaceEnd::RailProfile => return None,
+    }
+    (next != *options).then_some(next)
+}
+
+/// Makes the zones on the profiles longer at both ends by a length (m), as far as the profiles go.
+pub(crate) fn extend_zones(geometry: &Geometry, options: &mut MeshOptions, by: f64) {
+    for (zone, curve) in zones(geometry, options) {
+        let (depth, field) = reach(curve);
+        zone.face_depth = (zone.face_depth + by).min(depth).max(zone.face_depth);
+        zone.field_y = (zone.field_y + by).min(field).max(zone.field_y);
+    }
+}
+
+/// The contact zones of rail and wheel, each with its running surface.
+fn zones<'a>(
+    geometry: &'a Geometry,
+    options: &'a mut MeshOptions,
+) -> [(&'a mut ContactZone, &'a ProfileCurve); 2] {
+    [
+        (&mut options.rail_zone, &geometry.pair.rail.running),
+        (&mut options.wheel_zone, &geometry.pair.wheel.running),
+    ]
+}
+
+/// How deep the face of a profile goes, down to the top of a flange, and how far the profile goes to the field side, m.
+fn reach(curve: &ProfileCurve) -> (f64, f64) {
+    let face = curve.sample(FROM_THE_END).into_iter().filter(|p| p.x < 0.0);
+    let depth = face.map(|p| p.y).fold(0.0, f64::max);
+    (depth - FROM_THE_END, curve.point(curve.length()).x - FROM_THE_END)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Mutex;
+
+    use railspring_calibrate::pair::{CondensedPair, PairBody, condense_all};
+
+    use super::*;
+    use crate::results::bodies::{geometry, solids};
+    use crate::results::springs::make;
+
+    /// Keeps the notes that are reported to it.
+    #[derive(Default)]
+    struct Notes(Mutex<Vec<String>>);
+
+    impl Monitor for Notes {
+        fn progress(&self, _: &str, _: usize, _: usize) -> Result<()> {
+            Ok(())
+        }
+
+        fn notice(&self, text: &str) {
+            self.0.lock().unwrap().push(text.into());
+        }
+    }
+
+    /// S1002 with its flange on the gauge face, coarse and in a moment; `keys` go to the end of the file.
+    fn flange_contact(keys: &str) -> Study {
+        let text = format!(
+            "name = \"flange\"\n[rail]\nprofile = \"60E1\"\nlength_m = 0.3\n[wheel]\nprofile = \"S1002\"\n\
+             tape_diameter_m = 0.858\n[track]\nlateral_shift_mm = 7\n[contact]\nfriction = 0.3\n\
+             [calibration]\nloads_kn = [1, 2, 4, 8]\nhorizontal_preloads_kn = [4]\n\
+             [mesh]\ncontact_element_mm = 3\ncontact_element_along_mm = 3\nelement = \"full-integration\"\n{keys}"
+        );
+        Study::parse(Path::new("flange.toml"), &text).map_err(|e| e.to_string()).unwrap()
+    }
+
+    /// Goal: a flange contact 13 mm below the tape circle, on a wheel whose zone ends 13.5 mm below it, reaches the end
+    /// of the zone; the zone is made longer until it holds the contact, and both the note and the meshes say so.
+    #[test]
+    fn a_zone_that_the_contact_leaves_is_made_longer() {
+        let mut study = flange_contact("");
+        study.mesh.wheel_zone.face_depth = 13.5e-3;
+        let notes = Notes::default();
+        let geometry = geometry::geometry(&study).unwrap();
+        let options = mesh_options(&study, &geometry);
+        let mut meshes = geometry::meshes(&study, &geometry, options, None, &notes).unwrap();
+        let press = |meshes: &Meshes| {
+            let solids = solids::solids(&study, &geometry, meshes);
+            let bodies = condense_all(("superelements", &notes), PairBody::of_pair(false), true, |body| {
+                solids.condense(body, solids.key(body))
+            })?;
+            let condensed = CondensedPair::new(bodies)?;
+            make::press(&study, &geometry, &condensed, &notes)
+        };
+        let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
+        assert_eq!(SurfaceEnd::of(cause.reason), Some(SurfaceEnd::ContactZone));
+        within_zones(&study, &geometry, &mut meshes, &notes, |_| Ok(()), press, |_| None).unwrap();
+        assert!(meshes.options.wheel_zone.face_depth > 17e-3, "{:?}", meshes.options.wheel_zone);
+        let notes = notes.0.into_inner().unwrap();
+        assert!(!notes.is_empty() && notes.iter().all(|n| n.contains("meshed again")), "{notes:?}");
+    }
+
+    /// Goal: a run that has ended at the end of a zone is kept where larger meshes are refused, with the reason, and is not whole then; where no larger
+    /// zone can be had (the end of a profile; a window that the study gives) it is kept as it is. Otherwise the zone is made longer, each time by
+    /// twice as much, until it holds the whole profiles. An error without a result stays the refusal.
+    #[test]
+    fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
+        use nalgebra::Point2;
+        use railspring_profiles::error::StopReason;
+        let study = flange_contact("window_half_length_mm = 12\n");
+        let geometry = geometry::geometry(&study).unwrap();
+        let options = mesh_options(&study, &geometry);
+        let meshes = geometry::meshes(&study, &geometry, options, None, &Notes::default()).unwrap();
+        let ended = |end| Ending::EndOfSurface { time: 0.0435, end, rail: Point2::new(-0.03, 0.01) };
+        let refuse = |_: &Meshes| {
+            Err(InputError::new("--memory", "1 GiB", "2 GiB for the larger meshes", "raise it").into())
+        };
+        let within = |end, accept: &dyn Fn(&Meshes) -> Result<()>| {
+            let (mut used, notes, runs) = (meshes.clone(), Notes::default(), Mutex::new(0));
+            let work = |_: &Meshes| {
+                *runs.lock().unwrap() += 1;
+                Ok(ended(end))
+            };
+            let reached = |ending: &Ending| Reached::in_time(*ending);
+            let done = within_zones(&study, &geometry, &mut used, &notes, accept, work, reached).unwrap();
+            assert_eq!(done.result, ended(end));
+            let longer = (used.options != meshes.options).then_some(used.options);
+            (done.refused, longer, runs.into_inner().unwrap(), notes.0.into_inner().unwrap())
+        };
+        let (refused, longer, runs, notes) = within(SurfaceEnd::ContactZone, &refuse);
+        assert_eq!((refused, longer, runs, notes.len()), (true, None, 1, 1));
+        assert!(notes[0].contains("at 0.0435 s") && notes[0].contains("is refused: --memory"), "{notes:?}");
+        for end in [SurfaceEnd::ContactWindow, SurfaceEnd::RailProfile] {
+            assert_eq!(within(end, &refuse), (false, None, 1, Vec::new()));
+        }
+        let (refused, longer, runs, notes) = within(SurfaceEnd::ContactZone, &|_| Ok(()));
+        // 4, 8 and 16 mm
+        let mut whole = meshes.options.clone();
+        extend_zones(&geometry, &mut whole, 28e-3);
+        let held = whole.clone();
+        extend_zones(&geometry, &mut whole, 1.0);
+        assert_eq!(held, whole);
+        assert_eq!((refused, longer, runs, notes.len()), (false, Some(whole), 4, 3));
+
+        let stop = NumericsError {
+            stage: "contact".into(),
+            step: None,
+            iteration: 0,
+            residual: 0.0,
+            active: 1,
+            reason: StopReason::EdgeOfCandidates,
+        };
+        let fail = |_: &Meshes| -> Result<Ending> { Err(stop.clone().into()) };
+        let notes = Notes::default();
+        let failed =
+            within_zones(&study, &geometry, &mut meshes.clone(), &notes, refuse, fail, |_| None).map(|_| ());
+        assert!(failed.unwrap_err().to_string().starts_with("--memory = 1 GiB"));
+
+        // a fine grid that does not settle is not a matter of the zone: nothing is meshed again for it
+        let unsettled = |_: &Meshes| -> Result<Ending> {
+            Err(NumericsError { reason: StopReason::GridUnsettled, ..stop.clone() }.into())
+        };
+        let failed =
+            within_zones(&study, &geometry, &mut meshes.clone(), &notes, |_| Ok(()), unsettled, |_| None);
+        let failed = failed.map(|_| ()).unwrap_err().to_string();
+        assert!(failed.contains("does not hold the patch"), "{failed}");
+        assert!(notes.0.into_inner().unwrap().is_empty());
+    }
+
+    /// Goal: the window that the program chooses is as long as the patch on the flange asks for, which the normal force,
+    /// the load over the cosine of the contact angle, makes; one that the study gives stays, and the load is refused.
+    #[test]
+    fn the_window_follows_the_patch_unless_the_study_gives_it() {
+        let loads = |text: &str| flange_contact(text);
+        let mut study = loads("");
+        study.rail.length = 0.555;
+        study.calibration.loads = vec![85e3];
+        let geometry = geometry::geometry(&study).unwrap();
+        let [along, across] = geometry.pair.relative_radii();
+        let hertz = |load| point_contact(load, along, across, contact_modulus(&study)).unwrap();
+        let patch = hertz(85e3 / geometry.pair.touch.contact_angle.cos()).semi_axis_x;
+        assert!(patch > 1.3 * hertz(85e3).semi_axis_x, "{patch}");
+        let notes = Notes::default();
+        check_loads(&study, &geometry, &notes).unwrap();
+        assert!(mesh_options(&study, &geometry).window_half_length > patch);
+        assert!(notes.0.into_inner().unwrap()[0].contains("instead of"));
+
+        let mut given = loads("window_half_length_mm = 12\n");
+        given.rail.length = 0.555;
+        given.calibration.loads = vec![85e3];
+        let refused = check_loads(&given, &geometry, &Notes::default()).unwrap_err().to_string();
+        assert!(refused.contains("fits the contact zone of \u{b1}12.0 mm"), "{refused}");
+        assert_eq!(mesh_options(&given, &geometry).window_half_length, 12e-3);
+    }
+}

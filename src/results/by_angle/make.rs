@@ -1,0 +1,445 @@
+//! The law by contact angle: the calibration's bodies with the wheel in other places across the track.
+
+use nalgebra::Matrix2;
+use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
+use railspring_calibrate::law::StiffnessLaw;
+use railspring_calibrate::pair::{
+    AngleLaw, AngleSettings, CondensedPair, FixedLoad, Pair, PressDirection, ShiftLaw, TouchPoint,
+    changed_by_shift, law_by_shift, loads_in_turn, spread,
+};
+use railspring_profiles::error::{Error, Result, StopReason};
+use railspring_profiles::monitor::Monitor;
+use railspring_profiles::units::{
+    KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
+};
+use railspring_simulate::element::condensed::parts::{ElementBodies, PairElement, PlaceApproaches};
+use railspring_simulate::element::condensed::{CondensedModel, fitted_element};
+use railspring_simulate::element::published::{HubStatics, MovingModel, WheelSprings};
+
+use crate::results::bodies::coarser::{CoarserBodies, bodies_of};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
+use crate::results::by_angle::record::{
+    AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
+    StiffnessByAngleRecord,
+};
+use crate::results::springs::band_record::ErrorBandRecord;
+use crate::results::springs::error_band::band_record;
+use crate::results::springs::make::{
+    MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record, subsurface_values,
+};
+use crate::results::springs::record::StiffnessRecord;
+use crate::study::Study;
+use crate::version;
+
+/// Loads along the contact normal at which displacement and stiffness are given, N.
+const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
+
+/// Loads of the calibration that are put on beside these, at most: with all 24 of them laws, displacements and tangents are the same but
+/// for a small part of their error bands (docs/laws.md).
+const LOADS_BESIDE: usize = 6;
+
+/// Loads of the laws of a study, N, ascending: some of its calibration, and the fixed ones within their range.
+pub fn loads_by_angle(study: &Study) -> Vec<f64> {
+    let of_calibration = &study.calibration.loads;
+    let some = spread(of_calibration.len(), LOADS_BESIDE).into_iter().map(|load| of_calibration[load]);
+    loads_in_turn(&some.collect::<Vec<f64>>(), &FIXED_LOADS)
+}
+
+/// The laws of the pair at the shifts of the study on the condensed bodies of its calibration, with their error bands where the study wants
+/// them, and the statics of both contact elements beside them, those of the published one with the calibrated springs `stiffness`: `coarser` has the edge of the contact elements of those bodies, m, and the bodies of coarser meshes beside them, or why there are
+/// none.
+///
+/// # Errors
+/// Loads that cannot be used, an interruption, and those of `coarser`; a shift without a law is an entry with its reason, and so is a
+/// part of a band.
+pub fn by_angle(
+    study: &Study,
+    geometry: &Geometry,
+    bodies: &CondensedPair,
+    stiffness: &StiffnessRecord,
+    coarser: impl FnOnce() -> Result<(f64, CoarserBodies)>,
+    monitor: &dyn Monitor,
+) -> Result<StiffnessByAngleRecord> {
+    let pair = &geometry.pair;
+    let shifts = shifts(study, pair);
+    let loads = loads_by_angle(study);
+    let settings = AngleSettings {
+        contact: contact_conditions(study),
+        direction: PressDirection::Normal,
+        loads: &loads,
+        fixed_loads: &FIXED_LOADS,
+    };
+    let places: Vec<f64> = shifts.iter().map(|shift| tape_y(study, pair, *shift)).collect();
+    let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
+    let bands = if study.wants_error_band() {
+        let (element, coarser) = coarser()?;
+        bands(geometry, bodies, (element, &coarser), &settings, &laws, monitor)?
+    } else {
+        vec![None; laws.len()]
+    };
+    let element = study.wants_condensed().then(|| {
+        let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
+        let beam = (&geometry.beam, study.materials());
+        fitted_element(
+            &ElementBodies::new(pair, bodies, geometry.beam.length())?,
+            beam,
+            places,
+            study.contact.friction,
+        )
+    });
+    let (element, element_missing) = match element {
+        Some(Ok(element)) => (Some(element), None),
+        Some(Err(reason)) => (None, Some(reason.to_string())),
+        None => (None, None),
+    };
+    let entries = shifts.iter().zip(laws.into_iter().zip(bands));
+    let mut records: Vec<ShiftRecord> =
+        entries.map(|(shift, (law, band))| shift_record(study, *shift, law, band)).collect();
+    let springs = published_springs(stiffness);
+    let published = springs.as_ref().map(|springs| (springs, stiffness.wheel_mass()));
+    enter_statics(study, geometry, (&mut records, &places), element.as_ref(), published)?;
+    let displacement = farthest(&records);
+    Ok(StiffnessByAngleRecord {
+        study: study.name.clone(),
+        friction: study.contact.friction,
+        element: element
+            .as_ref()
+            .map(|element| ElementRecord { displacement, ..ElementRecord::from(element) }),
+        element_missing,
+        shifts: records,
+        pair: study.pair(),
+        // the pipeline knows with which contact zones
+        input_hash: String::new(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        commit: version::COMMIT.into(),
+        content_blake3: String::new(),
+    })
+}
+
+/// Along what the wheel of a place is pressed, and at which loads (N, ascending) displacement and stiffness are given.
+#[derive(Debug, Clone, Copy)]
+pub struct PlaceSettings<'a> {
+    /// The direction.
+    pub direction: PressDirection,
+    /// The loads, within the range of the study's.
+    pub fixed_loads: &'a [f64],
+}
+
+/// The law of the pair under the loads of the study at one shift (m) of the wheelset, on condensed bodies; with its error band where there
+/// is `coarser`, the edge of their contact elements (m) and the bodies of coarser meshes. A place without a law has its reason.
+///
+/// # Errors
+/// Loads that cannot be used, and an interruption.
+pub fn place(
+    study: &Study,
+    geometry: &Geometry,
+    bodies: &CondensedPair,
+    &PlaceSettings { direction, fixed_loads }: &PlaceSettings,
+    shift: f64,
+    coarser: Option<(f64, &CoarserBodies)>,
+    monitor: &dyn Monitor,
+) -> Result<ShiftRecord> {
+    let pair = &geometry.pair;
+    let loads = &study.calibration.loads;
+    let settings = AngleSettings { contact: contact_conditions(study), direction, loads, fixed_loads };
+    let laws = law_by_shift(pair, bodies, &settings, &[tape_y(study, pair, shift)], monitor)?;
+    let bands =
+        coarser.map(|coarser| bands(geometry, bodies, coarser, &settings, &laws, monitor)).transpose()?;
+    let law = laws.into_iter().next().expect("one place has one law");
+    Ok(shift_record(study, shift, law, bands.and_then(|mut bands| bands.remove(0))))
+}
+
+/// What laws at the fixed loads are worth, on a finer grid, on the bodies of coarser meshes and by the scatter of measured profiles.
+///
+/// # Errors
+/// An interruption.
+fn bands(
+    geometry: &Geometry,
+    bodies: &CondensedPair,
+    (element, coarser): (f64, &CoarserBodies),
+    settings: &AngleSettings,
+    laws: &[ShiftLaw],
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<ErrorBandRecord>>> {
+    let Geometry { pair, replicates, .. } = geometry;
+    let changed = changed_by_shift(pair, bodies, bodies_of(coarser), replicates, settings, laws, monitor)?;
+    let band = |(points, changed): (_, _)| band_record(&points, changed, element, coarser);
+    Ok(changed.into_iter().map(|changed| changed.map(band)).collect())
+}
+
+/// World position of the tape circle at a shift of the wheelset, m.
+pub fn tape_y(study: &Study, pair: &Pair, shift: f64) -> f64 {
+    pair.tape_y + (shift - study.track.lateral_shift)
+}
+
+/// The shifts of the study, m, ascending. Left out: that of its track and places on tread, gauge corner and flange. The tread is
+/// where the contact angle stays below 10°; the flange where it reaches 95 % of its largest, and the corner lies between. Where the contact jumps from
+/// one to the other, a place shortly before that is among them.
+pub fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
+    if let Some(shifts) = &study.calibration.shifts {
+        return shifts.clone();
+    }
+    const TREAD: f64 = 10.0;
+    const FLANGE: f64 = 0.95;
+    // tread by 2 mm; corner and flange by half a millimetre, at most so many places
+    const ON_CORNER: usize = 4;
+    const ON_FLANGE: usize = 2;
+    let angle = |shift: f64| {
+        let touch = pair.with_wheel_at(tape_y(study, pair, shift)).ok()?.touch;
+        Some((shift, touch.contact_angle.to_degrees()))
+    };
+    let tread = (-2..=4).map(|n| f64::from(n) * 2.0 * MILLIMETRE).filter_map(angle);
+    let mut chosen: Vec<f64> =
+        tread.filter(|(_, angle)| angle.abs() < TREAD).map(|(shift, _)| shift).collect();
+    let beyond: Vec<(f64, f64)> =
+        (1..=40).map(|n| f64::from(n) * 0.5 * MILLIMETRE).filter_map(angle).collect();
+    let steepest = beyond.iter().map(|(_, angle)| *angle).fold(0.0, f64::max);
+    if steepest >= TREAD {
+        let first = beyond.iter().position(|(_, angle)| *angle >= FLANGE * steepest).unwrap_or(beyond.len());
+        let corner: Vec<f64> =
+            beyond[..first].iter().filter(|(_, angle)| *angle >= TREAD).map(|(shift, _)| *shift).collect();
+        let every = corner.len().div_ceil(ON_CORNER).max(1);
+        chosen.extend(corner.into_iter().step_by(every));
+        chosen.extend(beyond[first..].iter().take(ON_FLANGE).map(|(shift, _)| *shift));
+        chosen.extend(before_jump(angle, beyond[..first].last(), beyond.get(first)));
+    }
+    chosen.push(study.track.lateral_shift);
+    chosen.sort_by(f64::total_cmp);
+    chosen.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * MILLIMETRE);
+    chosen
+}
+
+/// A shift (m) between the last place on the corner and the first on the flange (m and degrees), from which the contact has not yet jumped.
+fn before_jump(
+    angle: impl Fn(f64) -> Option<(f64, f64)>,
+    corner: Option<&(f64, f64)>,
+    flange: Option<&(f64, f64)>,
+) -> Option<f64> {
+    const JUMP: f64 = 15.0;
+    // four fifths of the way, in whole parts of a metre
+    const PARTS: f64 = 1e5;
+    let (first, mut low, mut high) = (*corner?, *corner?, *flange?);
+    for _ in 0..10 {
+        let middle = angle(0.5 * (low.0 + high.0))?;
+        if middle.1 < 0.5 * (low.1 + high.1) { low = middle } else { high = middle }
+    }
+    let shift = ((first.0 + 0.8 * (low.0 - first.0)) * PARTS).floor() / PARTS;
+    (high.1 - low.1 > JUMP && shift * PARTS > first.0 * PARTS + 0.5).then_some(shift)
+}
+
+fn shift_record(
+    study: &Study,
+    shift: f64,
+    ShiftLaw { touch, law, .. }: ShiftLaw,
+    error_band: Option<ErrorBandRecord>,
+) -> ShiftRecord {
+    let shift_mm = shift / MILLIMETRE;
+    let touch = touch.map(touch_record);
+    match law {
+        Ok(AngleLaw { laws, fixed, ended }) => ShiftRecord {
+            shift_mm,
+            touch,
+            laws: laws.iter().map(|(_, law)| law_entry(law)).collect(),
+            published_secant_ratio: published_secant_ratio(&fixed),
+            loads: fixed.iter().map(load_record).collect(),
+            error_band,
+            reason: ended.map(|error| reason(study, shift_mm, error)),
+        },
+        Err(error) => ShiftRecord {
+            shift_mm,
+            touch,
+            laws: Vec::new(),
+            loads: Vec::new(),
+            published_secant_ratio: None,
+            error_band: None,
+            reason: Some(reason(study, shift_mm, error)),
+        },
+    }
+}
+
+/// Why a shift has no law, or its law ends early, and what can be done about it.
+fn reason(study: &Study, shift_mm: f64, error: Error) -> String {
+    match error {
+        Error::Numerics(cause) => {
+            let advice = match cause.reason {
+                StopReason::EndOfWindow => {
+                    "; a longer patch needs a larger `mesh.window_half_length_mm`, or a smaller `calibration.load_max_kn`"
+                }
+                StopReason::EdgeOfCandidates => {
+                    "; the contact leaves the contact zones of the meshes here: leave this shift out"
+                }
+                StopReason::SecondRegion => {
+                    "; the law of one contact angle ends there: a neighbouring shift has one contact"
+                }
+                _ => "; try a shift beside it, or a finer mesh in `mesh.contact_element_mm`",
+            };
+            format!("{cause}{advice}")
+        }
+        Error::Input(mut cause) if cause.key == "lateral_shift" => {
+            cause.key = "calibration.shifts_mm".into();
+            cause.value = format!("{shift_mm} mm, {}", cause.value);
+            let what = cause.remedy.split(';').next().unwrap_or_default();
+            cause.remedy = format!("{what}; leave this shift out");
+            cause.to_string()
+        }
+        Error::Input(cause) => study.with_keys(cause).to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// Secant stiffness against the foot between the ends of the range of the publication, over that of its law.
+fn published_secant_ratio(fixed: &[FixedLoad]) -> Option<f64> {
+    let displacement = |load: f64| {
+        let mut points = fixed.iter().filter_map(|fixed| fixed.points.foot.as_ref());
+        points.find(|point| point.force == load).map(|point| point.displacement)
+    };
+    let [from, to] = [FIXED_LOADS[0], FIXED_LOADS[FIXED_LOADS.len() - 1]];
+    let published = StiffnessLaw::published();
+    Some(
+        (published.displacement(to) - published.displacement(from))
+            / (displacement(to)? - displacement(from)?),
+    )
+}
+
+fn touch_record(TouchPoint { touch, on_rail, on_wheel, .. }: TouchPoint) -> ShiftTouchRecord {
+    ShiftTouchRecord {
+        contact_angle_deg: touch.contact_angle.to_degrees(),
+        rail_y_mm: on_rail.x / MILLIMETRE,
+        rail_z_mm: on_rail.y / MILLIMETRE,
+        wheel_y_mm: on_wheel.x / MILLIMETRE,
+        wheel_z_mm: on_wheel.y / MILLIMETRE,
+    }
+}
+
+fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
+    AngleLawRecord {
+        reference: calibration.reference.name().into(),
+        law: law_record(&calibration.fit),
+        displacement: displacement_record(calibration, &calibration.fit.law.into()),
+    }
+}
+
+/// Where the displacement of the condensed element's hub is farthest from the solid's.
+fn farthest(records: &[ShiftRecord]) -> Option<HubDeviationRecord> {
+    let beam = |load: &FixedLoadRecord| {
+        load.references.iter().find(|at| at.reference == Reference::Beam.name()).map(|at| at.displacement_mm)
+    };
+    let of_place = |record: &ShiftRecord| -> Vec<HubDeviationRecord> {
+        let Some(whole) = record.loads.last().and_then(beam) else { return Vec::new() };
+        let deviation = |load: &FixedLoadRecord| {
+            Some(HubDeviationRecord {
+                max_rel_error: (load.condensed_displacement_mm? - beam(load)?).abs() / whole,
+                shift_mm: record.shift_mm,
+                force_kn: load.force_kn,
+            })
+        };
+        record.loads.iter().filter_map(deviation).collect()
+    };
+    records.iter().flat_map(of_place).max_by(|a, b| a.max_rel_error.total_cmp(&b.max_rel_error))
+}
+
+/// Lateral, lateral with vertical, and vertical flexibility.
+fn hub_values(flexibility: &Matrix2<f64>) -> [f64; 3] {
+    [(0, 0), (0, 1), (1, 1)].map(|at| flexibility[at] / MICROMETRE_PER_KILONEWTON)
+}
+
+/// Flexibility, µm/kN, and displacement, mm, of a hub.
+fn hub_statics(at: HubStatics) -> ([f64; 3], f64) {
+    (hub_values(&at.flexibility), at.displacement / MILLIMETRE)
+}
+
+/// Enters how the hubs of both contact elements stand under the fixed loads of shifts with the tape circle at `places` (y, m), where they carry them: of a condensed
+/// element, and of the published one with its springs and the mass of its wheel (kg), whose values stay as they are without springs.
+fn enter_statics(
+    study: &Study,
+    geometry: &Geometry,
+    (records, places): (&mut [ShiftRecord], &[f64]),
+    element: Option<&PairElement>,
+    published: Option<(&WheelSprings, f64)>,
+) -> Result<()> {
+    let (materials, friction) = (study.materials(), study.contact.friction);
+    for (record, tape_y) in records.iter_mut().zip(places).filter(|(record, _)| record.touch.is_some()) {
+        let pair = geometry.pair.with_wheel_at(*tape_y)?;
+        let along = *PressDirection::Normal.at(&pair);
+        let beam = || geometry.beam.clone();
+        let condensed =
+            element.map(|element| CondensedModel::of_pair(&pair, beam(), materials, element.clone()));
+        let published = published
+            .map(|(springs, mass)| MovingModel::of_pair(&pair, beam(), materials, springs.clone(), mass));
+        for load in &mut record.loads {
+            let force = load.force_kn * KILONEWTON;
+            let of = condensed.as_ref().and_then(|model| model.pressed(along, force, friction).ok());
+            (load.condensed_hub_um_per_kn, load.condensed_displacement_mm) = of.map(hub_statics).unzip();
+            let Some(model) = &published else { continue };
+            let of = model.pressed(along, force, friction).ok();
+            (load.published_hub_um_per_kn, load.published_displacement_mm) = of.map(hub_statics).unzip();
+        }
+    }
+    Ok(())
+}
+
+/// Laws with the statics of another condensed element in the place of theirs.
+///
+/// # Errors
+/// Shifts at which the wheel misses the rail.
+pub fn with_element(
+    study: &Study,
+    geometry: &Geometry,
+    laws: &StiffnessByAngleRecord,
+    element: &PairElement,
+) -> Result<StiffnessByAngleRecord> {
+    let mut laws = laws.clone();
+    let place = |shift: &ShiftRecord| tape_y(study, &geometry.pair, shift.shift_mm * MILLIMETRE);
+    let places: Vec<f64> = laws.shifts.iter().map(place).collect();
+    enter_statics(study, geometry, (&mut laws.shifts, &places), Some(element), None)?;
+    let displacement = farthest(&laws.shifts);
+    laws.element = Some(ElementRecord { displacement, ..ElementRecord::from(element) });
+    Ok(laws)
+}
+
+/// The springs of the published element, if the calibration has them: the law against the rail's section and the horizontal stiffness.
+fn published_springs(stiffness: &StiffnessRecord) -> Option<WheelSprings> {
+    let beam = stiffness.references.iter().find(|law| law.reference == Reference::Beam.name())?;
+    let horizontal = stiffness.horizontal_kn_per_m? * KILONEWTON_PER_METRE;
+    let normal = StiffnessLaw::try_from(beam.law.constants).ok()?.into();
+    Some(WheelSprings { horizontal, normal, longitudinal: horizontal })
+}
+
+fn load_record(fixed: &FixedLoad) -> FixedLoadRecord {
+    let beam = &fixed.points.beam;
+    let reference = |(reference, p): (Reference, &LoadPoint)| {
+        let body = |part: f64| (reference != Reference::Local).then_some(part / MICROMETRE_PER_KILONEWTON);
+        FixedReferenceRecord {
+            reference: reference.name().into(),
+            displacement_mm: p.displacement / MILLIMETRE,
+            tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
+            local_um_per_kn: p.local_compliance / MICROMETRE_PER_KILONEWTON,
+            wheel_um_per_kn: body(p.wheel_compliance),
+            rail_um_per_kn: body(p.rail_compliance),
+            sliding_um_per_kn: body(p.sliding_compliance),
+        }
+    };
+    let [max_von_mises_mpa, von_mises_depth_mm, max_shear_mpa, shear_depth_mm] =
+        subsurface_values(fixed.subsurface.as_ref());
+    FixedLoadRecord {
+        force_kn: beam.force / KILONEWTON,
+        references: fixed.points.iter().map(reference).collect(),
+        hub_um_per_kn: hub_values(&fixed.flexibility),
+        condensed_hub_um_per_kn: None,
+        condensed_displacement_mm: None,
+        published_hub_um_per_kn: None,
+        published_displacement_mm: None,
+        horizontal_kn_per_m: fixed.horizontal_stiffness / KILONEWTON_PER_METRE,
+        tangential_kn_per_m: fixed.tangential_stiffness / KILONEWTON_PER_METRE,
+        lateral_contact_um_per_kn: Some(fixed.lateral_contact / MICROMETRE_PER_KILONEWTON),
+        contact_area_mm2: beam.contact_area / SQUARE_MILLIMETRE,
+        max_pressure_mpa: beam.max_pressure / MEGAPASCAL,
+        semi_axis_along_mm: beam.semi_axis_along / MILLIMETRE,
+        semi_axis_across_mm: beam.semi_axis_across / MILLIMETRE,
+        max_von_mises_mpa,
+        von_mises_depth_mm,
+        max_shear_mpa,
+        shear_depth_mm,
+    }
+}

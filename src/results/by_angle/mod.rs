@@ -1,0 +1,8 @@
+//! The laws by contact angle, and the condensed contact element.
+
+pub mod element;
+pub mod record;
+pub mod make;
+pub mod figure;
+pub mod statics_figure;
+pub mod stage;

@@ -1,0 +1,93 @@
+//! The law by contact angle as a stage.
+
+use crate::results::bodies::solids;
+use crate::results::by_angle::make;
+use std::sync::Arc;
+
+use railspring_profiles::error::Result;
+
+use crate::engine::list::NewFile;
+use crate::engine::output::{to_csv, to_json};
+use crate::engine::seal::Sealed;
+use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::store::{Address, Artefact, Kind};
+use crate::results::bodies::in_work::Solids;
+use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
+use crate::results::names::{BY_ANGLE_ROWS, OF_THE_VERDICT};
+use crate::results::springs::record::StiffnessRecord;
+
+/// The laws of the study's shifts, on the bodies of its calibration.
+pub(crate) struct ByAngle<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    /// The springs of that calibration, which follow from the same inputs.
+    pub stiffness: &'s StiffnessRecord,
+}
+
+/// Address of the laws of the study's shifts, on bodies with zones that reach as far as those of its calibration.
+pub(crate) fn by_angle_address(at: &mut Solids<'_>) -> Result<Address> {
+    let reach = at.reach()?;
+    // the condensed element has the wheel's modes
+    let modes = at.study.wants_condensed().then(|| at.study.modes());
+    let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach, modes);
+    Ok(Address::of(Kind::ByAngle, &inputs))
+}
+
+impl Stage for ByAngle<'_, '_> {
+    type Value = StiffnessByAngleRecord;
+
+    fn name(&self) -> String {
+        "law by contact angle".into()
+    }
+
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        by_angle_address(self.solids)
+    }
+
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let at = &mut *self.solids;
+        let geometry = at.geometry()?;
+        let (study, monitor) = (at.study, at.resources.monitor);
+        let bodies = match at.condensed.take() {
+            Some(bodies) => bodies,
+            None => {
+                let meshes = at.meshes(engine, Solids::calibration_work)?;
+                let solids = solids::solids(study, &geometry, &meshes);
+                let bodies = Arc::new(at.body_source().condensed(&solids, "", study.modes())?);
+                at.go_on_with(meshes);
+                bodies
+            }
+        };
+        // with the zones of the calibration, with which the runs on the solids go on
+        let coarser = || {
+            let meshes = at.meshes(engine, Solids::calibration_work)?;
+            let coarser = at.coarser(&geometry, &meshes)?;
+            let element = meshes.contact_element();
+            at.go_on_with(meshes);
+            Ok((element, coarser))
+        };
+        let laws = make::by_angle(study, &geometry, &bodies, self.stiffness, coarser, monitor)?;
+        // the runs on the solids take them next
+        at.condensed = (study.modes() > 0).then_some(bodies);
+        let rows = to_csv(&laws.rows());
+        Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
+    }
+
+    fn value(&mut self, artefact: &Artefact, key: &str) -> Result<StiffnessByAngleRecord> {
+        let at = &*self.solids;
+        let mut laws: StiffnessByAngleRecord = artefact.json(BY_ANGLE)?;
+        laws.study.clone_from(&at.study.name);
+        laws.input_hash = key.into();
+        laws.pair = at.study.pair();
+        Ok(laws.sealed())
+    }
+
+    fn files(&self, artefact: &Artefact, value: &StiffnessByAngleRecord, key: &str) -> Vec<NewFile> {
+        let rows = artefact.part(BY_ANGLE_ROWS).unwrap_or_default().to_vec();
+        let files = [(BY_ANGLE, to_json(value)), (BY_ANGLE_ROWS, rows)];
+        files.map(|(name, content)| NewFile::new(name, content, key)).into()
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_VERDICT
+    }
+}

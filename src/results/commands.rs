@@ -1,0 +1,366 @@
+//! From a study to its result files: which stages a command wants. A stage is
+//! what it needs, its key, how it is made and which files it becomes
+//! (`stage::Stage`); it is taken from the store or made.
+//!
+//! Every stage writes its files as soon as it has ended, each complete or not
+//! at all, so that a later failure takes nothing away. What a stage reads, it
+//! takes only if it was made from the same inputs as it would be now.
+
+use crate::results::bodies::{geometry, sections, zones};
+use crate::results::springs::{error_band, fields, make};
+use std::path::Path;
+
+use railspring_calibrate::mesh::MeshSize;
+use railspring_profiles::error::{Error, InputError, Result};
+use railspring_simulate::time::history::Ending;
+
+use crate::engine::list::{NewFile, hash};
+use crate::engine::output::{OutputFolder, to_json};
+use crate::engine::store::{Address, Kind};
+use crate::results::bodies::estimate::{Resources, Work};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::by_angle::record::StiffnessByAngleRecord;
+use crate::results::inputs::{INPUTS, InputsRecord};
+use crate::results::run::record::{RunRecord, SpringsRecord};
+use crate::results::run::springs;
+use crate::results::springs::make::Calibration;
+use crate::results::springs::record::StiffnessRecord;
+use crate::results::verdict::record::VerificationRecord;
+use crate::study::{LawKey, StudyScenario};
+use crate::version;
+
+use crate::results::by_angle::stage::ByAngle;
+use crate::results::crosscheck::Solvers;
+use crate::results::crosscheck::exchange::Case;
+use crate::results::crosscheck::record::CrosscheckRecord;
+use crate::results::crosscheck::stage::Crosscheck;
+use crate::results::names::STIFFNESS;
+use crate::results::page::stage::{Report, crosscheck_alone, write_report};
+use crate::results::run::solid_stage::{Begun, SimulateSolid, SolidRuns};
+use crate::results::run::stage::{Other, Run, Runs, Simulate, other_element};
+use crate::results::springs::stage::{Calibrate, FoundOn, calibrates, found_springs};
+use crate::results::stored::Stored;
+use crate::results::study_run::StudyRun;
+use crate::results::verdict::stage::Verify;
+pub use crate::results::verdict::stage::statics_lines;
+
+/// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.
+type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>);
+
+/// What a command has found of a study: as much as it had to look at.
+#[derive(Debug, Clone, Default)]
+pub struct Found {
+    /// The springs of the study; none where all load cases ran with those of a file.
+    pub stiffness: Option<StiffnessRecord>,
+    /// Load cases that were run on the simple model alone.
+    pub runs: Vec<(String, RunRecord)>,
+    /// The verdict.
+    pub verdict: Option<VerificationRecord>,
+}
+
+impl Found {
+    /// Whether all is as it should be: every limit of the verdict, every run to its last step, every load of the springs.
+    pub fn holds(&self) -> bool {
+        let whole = || self.stiffness.as_ref().is_none_or(|stiffness| stiffness.loads_left_out() == 0);
+        let completed = self.runs.iter().all(|(_, run)| run.ending() == Some(Ending::Completed));
+        completed && self.verdict.as_ref().map_or_else(whole, |verdict| verdict.holds)
+    }
+}
+
+impl<'a> StudyRun<'a> {
+    /// All stages; springs and verdict.
+    ///
+    /// # Errors
+    /// Those of the stages.
+    pub fn run(mut self) -> Result<Found> {
+        springs::check_reference(self.study)?;
+        self.engine.measured.stages.clear();
+        self.check_calibration()?;
+        let begun = Begun::new(!self.engine.fresh, self.engine.monitor);
+        // all that is done is done by the threads of the pool
+        let done = rayon::scope(|scope| {
+            let begin = |runs: SolidRuns<'a>| {
+                let (store, begun) = (runs.store(), &begun);
+                scope.spawn(move |_| runs.all(store, begun));
+            };
+            let done = self.without_solids(&begin);
+            if done.is_err() {
+                begun.stop();
+            }
+            done
+        });
+        let (calibration, by_angle, simple) = done?;
+        let mut runs = Vec::new();
+        for ((name, scenario), (simple, other)) in self.study.scenarios.iter().zip(simple) {
+            let solid = scenario.solid.then(|| self.solid_run(name, scenario, Some(&begun))).transpose()?;
+            runs.push((name.clone(), Runs { simple, other, solid }));
+        }
+        let verdict = self.engine.get(&mut Verify {
+            study: self.study,
+            stiffness: Some(&calibration.stiffness),
+            by_angle: by_angle.as_ref(),
+            runs: &runs,
+        })?;
+        self.write_report(&calibration, by_angle.as_ref(), &runs, &verdict)?;
+        self.note_inputs()?;
+        Ok(Found { stiffness: Some(calibration.stiffness), runs: Vec::new(), verdict: Some(verdict) })
+    }
+
+    /// Writes what the results were made from. The hash of the calibration's inputs in it says whether it is of the springs beside it.
+    fn note_inputs(&self) -> Result<()> {
+        let record = InputsRecord {
+            study: self.study.name.clone(),
+            description: self.study.description.clone(),
+            keys: self.study.resolved.clone(),
+            calibration: geometry::calibration_address(self.study).key().into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            commit: version::COMMIT.into(),
+        };
+        let content = to_json(&record);
+        let key = hash(&content);
+        self.engine.results.write(vec![NewFile::new(INPUTS, content, &key)], &[])
+    }
+
+    /// The stages but those on the solids in time. As soon as a calibration that is made has the springs, `begin` gets these runs: they need
+    /// its bodies, but neither its error bands and fields nor the laws by contact angle.
+    fn without_solids(&mut self, begin: &dyn Fn(SolidRuns<'a>)) -> Result<WithoutSolids> {
+        let mut found = None;
+        if calibrates(self.study, &self.engine) {
+            let springs = found.insert(found_springs(&mut self.solids, &mut self.engine)?);
+            if self.solids.room.stages && springs.is_whole() && self.study.modes() > 0 {
+                begin(SolidRuns::beside(&mut self.solids, springs)?);
+            }
+        }
+        let calibration = self.calibration(found)?;
+        let by_angle = self.by_angle(&calibration.stiffness)?;
+        let mut simple = Vec::new();
+        // without load cases the law need not suit the simple model
+        if !self.study.scenarios.is_empty() {
+            let springs = springs::own(self.study, &calibration.stiffness, by_angle.as_ref())?;
+            for (name, scenario) in &self.study.scenarios {
+                let run = self.simple_run(name, scenario, &springs)?;
+                let other = self.other_element(name, scenario, &springs, by_angle.as_ref())?;
+                simple.push((run, other));
+            }
+        }
+        Ok((calibration, by_angle, simple))
+    }
+
+    /// Calibration alone: `stiffness.json`, `load_curve.csv`, the laws by contact angle and the VTU files; the springs.
+    ///
+    /// # Errors
+    /// Those of the stages.
+    pub fn calibrate(mut self) -> Result<Found> {
+        self.check_calibration()?;
+        let stiffness = self.calibration(None)?.stiffness;
+        self.by_angle(&stiffness)?;
+        self.note_inputs()?;
+        Ok(Found { stiffness: Some(stiffness), ..Found::default() })
+    }
+
+    /// The calibration; says what its law is worth, and which loads it does not have.
+    fn calibration(&mut self, found: Option<FoundOn>) -> Result<Calibration> {
+        let calibration = self.engine.get(&mut Calibrate { solids: &mut self.solids, found })?;
+        for line in calibration.stiffness.shortened().into_iter().chain(calibration.stiffness.worth()) {
+            self.engine.monitor.notice(&line);
+        }
+        Ok(calibration)
+    }
+
+    /// The laws by contact angle, if the study wants them.
+    fn by_angle(&mut self, stiffness: &StiffnessRecord) -> Result<Option<StiffnessByAngleRecord>> {
+        let solids = &mut self.solids;
+        self.study.wants_by_angle().then(|| self.engine.get(&mut ByAngle { solids, stiffness })).transpose()
+    }
+
+    /// Says what was done to measured profiles, and checks that the study can be calibrated: friction, and room for the
+    /// loads.
+    fn check_calibration(&mut self) -> Result<()> {
+        make::check_friction(self.study)?;
+        error_band::check_target(self.study)?;
+        let geometry = self.solids.geometry()?;
+        self.say_repairs(&geometry);
+        zones::check_loads(self.study, &geometry, self.engine.monitor)
+    }
+
+    fn say_repairs(&self, geometry: &Geometry) {
+        sections::repairs(&geometry.profiles).iter().for_each(|line| self.engine.monitor.notice(line));
+    }
+
+    /// The meshes alone, of rail and wheel: `rail.vtu` and `wheel.vtu`.
+    ///
+    /// # Errors
+    /// Those of the stage.
+    pub fn mesh(mut self) -> Result<[MeshSize; 2]> {
+        let geometry = self.solids.geometry()?;
+        self.say_repairs(&geometry);
+        let Resources { budget, interpreter, monitor } = self.solids.resources;
+        budget.check_sizes(self.study, &geometry, &Work::default())?;
+        let options = zones::mesh_options(self.study, &geometry);
+        let meshes = geometry::meshes(self.study, &geometry, options, interpreter, monitor)?;
+        let address = Address::of(Kind::Meshes, &self.study.keys.springs);
+        let [of_rail, of_wheel] = [&self.study.rail.mesh, &self.study.wheel.mesh]
+            .map(|file| file.as_ref().map_or(&[][..], |file| &file.groups));
+        let files = [(&meshes.rail, of_rail, "rail.vtu"), (&meshes.wheel, of_wheel, "wheel.vtu")]
+            .into_iter()
+            .map(|(mesh, groups, name)| {
+                Ok(NewFile::new(name, fields::mesh_vtu(mesh, groups)?.into_bytes(), address.key()))
+            })
+            .collect::<Result<_>>()?;
+        self.engine.results.write(files, &[])?;
+        Ok([&meshes.rail, &meshes.wheel].map(MeshSize::of))
+    }
+
+    /// The simple model alone, with the springs of `law` or of the folder; its runs.
+    ///
+    /// # Errors
+    /// Those of the stage, and springs that are not there or do not suit the study.
+    pub fn simulate(mut self, law: Option<&Path>) -> Result<Found> {
+        let (springs, laws) = match law {
+            Some(path) => (springs::from_file(self.study, &*self.solids.geometry()?, path)?, None),
+            None => match self.springs_without_calibration()? {
+                Some(springs) => (springs, None),
+                None => self.stored_springs()?,
+            },
+        };
+        let mut runs = Vec::new();
+        for (name, scenario) in &self.study.scenarios {
+            let run = self.simple_run(name, scenario, &springs)?;
+            self.other_element(name, scenario, &springs, laws.as_ref())?;
+            runs.push((name.clone(), run.record));
+        }
+        self.note_inputs()?;
+        let own = law.is_none() && self.study.simulation.law == LawKey::Calibrated;
+        let stiffness = own.then(|| self.stored_stiffness()).transpose()?;
+        Ok(Found { stiffness, runs, verdict: None })
+    }
+
+    /// The springs that need no calibration, if the study has such and the folder has no calibration.
+    fn springs_without_calibration(&mut self) -> Result<Option<SpringsRecord>> {
+        if self.engine.folder.file(STIFFNESS).exists() || !springs::need_no_calibration(self.study) {
+            return Ok(None);
+        }
+        Ok(springs::without_calibration(self.study, &*self.solids.geometry()?))
+    }
+
+    /// The solid model on the load cases of the folder, and the verdict.
+    ///
+    /// Solid histories that the folder has for these very load cases stay as they are, unless all is to be made anew.
+    ///
+    /// # Errors
+    /// Those of the stages, and histories of the simple model that are missing or were made from other inputs.
+    pub fn verify(mut self) -> Result<Found> {
+        let (stiffness, simple) = self.stored_simple_runs()?;
+        let mut runs = Vec::new();
+        for ((name, scenario), (simple, (springs, laws))) in self.study.scenarios.iter().zip(simple) {
+            let other = self.other_element(name, scenario, &springs, laws.as_ref())?;
+            let solid = match scenario.solid {
+                false => None,
+                true => Some(match self.stored_solid_run(name, scenario) {
+                    Ok(run) if !self.engine.fresh => run,
+                    _ => self.solid_run(name, scenario, None)?,
+                }),
+            };
+            runs.push((name.clone(), Runs { simple, other, solid }));
+        }
+        let by_angle = if stiffness.is_some() { self.stored_by_angle()? } else { None };
+        let verdict = self.engine.get(&mut Verify {
+            study: self.study,
+            stiffness: stiffness.as_ref(),
+            by_angle: by_angle.as_ref(),
+            runs: &runs,
+        })?;
+        self.note_inputs()?;
+        Ok(Found { stiffness, runs: Vec::new(), verdict: Some(verdict) })
+    }
+
+    /// The report from the files of the folder.
+    ///
+    /// # Errors
+    /// Files that are missing or were made from other inputs: all of them in one message.
+    pub fn report(mut self) -> Result<Found> {
+        let Stored { calibration, by_angle, runs, verdict } = self.stored_results()?;
+        self.write_report(&calibration, by_angle.as_ref(), &runs, &verdict)?;
+        Ok(Found { stiffness: Some(calibration.stiffness), runs: Vec::new(), verdict: Some(verdict) })
+    }
+
+    fn simple_run(&mut self, name: &str, scenario: &StudyScenario, springs: &SpringsRecord) -> Result<Run> {
+        self.engine.get(&mut Simulate { solids: &mut self.solids, name, scenario, springs })
+    }
+
+    fn other_element(
+        &mut self,
+        name: &str,
+        scenario: &StudyScenario,
+        springs: &SpringsRecord,
+        laws: Option<&StiffnessByAngleRecord>,
+    ) -> Result<Other> {
+        other_element(&mut self.engine, &mut self.solids, (name, scenario), springs, laws)
+    }
+
+    fn solid_run(&mut self, name: &str, scenario: &StudyScenario, begun: Option<&Begun<'a>>) -> Result<Run> {
+        self.engine.get(&mut SimulateSolid { solids: &mut self.solids, begun, name, scenario })
+    }
+
+    fn write_report(
+        &mut self,
+        calibration: &Calibration,
+        by_angle: Option<&StiffnessByAngleRecord>,
+        runs: &[(String, Runs)],
+        verdict: &VerificationRecord,
+    ) -> Result<()> {
+        let report = Report { solids: &mut self.solids, calibration, by_angle, runs, verdict };
+        write_report(&mut self.engine, report)
+    }
+
+    /// The pages after a cross-check: the report too, if the folder has the study's other results;
+    /// whether it has.
+    ///
+    /// # Errors
+    /// As [`StudyRun::report`], and a cross-check that is not there.
+    pub fn crosscheck_pages(mut self) -> Result<bool> {
+        if self.stored_results().is_ok() {
+            self.report().map(|_| true)
+        } else {
+            crosscheck_alone(self.study, self.engine.folder).map(|()| false)
+        }
+    }
+
+    /// The cross-check with its page, and the report again if the folder has the study's other results; the record says
+    /// whether all limits hold. `keep` is a file that gets a copy of it.
+    ///
+    /// # Errors
+    /// A program that is missing, a copy that cannot be written, and those of the stages.
+    pub fn crosscheck(
+        mut self,
+        cases: &[Case],
+        calculix: bool,
+        keep: Option<&Path>,
+    ) -> Result<CrosscheckRecord> {
+        // first, so that whatever is missing is reported before anything is computed
+        let keep = keep.map(kept_in).transpose()?;
+        let solvers = Solvers::find(cases, calculix, &self.solids.resources)?;
+        let (study, resources) = (self.study, self.solids.resources);
+        let record = self.engine.get(&mut Crosscheck { study, resources, cases, solvers: &solvers })?;
+        if let Some((kept, name)) = keep {
+            kept.write_json(&name, &record)?;
+        }
+        self.crosscheck_pages()?;
+        Ok(record)
+    }
+}
+
+/// Folder and name of the copy.
+fn kept_in(path: &Path) -> Result<(OutputFolder, String)> {
+    let refused = |value: String| {
+        InputError::new("--keep", value, "a file in a folder that can be written", "choose another one")
+    };
+    let name = path.file_name().filter(|_| !path.is_dir());
+    let name = name.ok_or_else(|| refused(path.display().to_string()))?.to_string_lossy().into_owned();
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = OutputFolder::create(parent).map_err(|error| match error {
+        Error::Input(cause) => refused(cause.value).into(),
+        other => other,
+    })?;
+    Ok((folder, name))
+}

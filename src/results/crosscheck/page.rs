@@ -1,0 +1,219 @@
+//! The cross-validation: a chapter of the report, and a separate page for
+//! whoever must trust the numbers.
+
+mod curves;
+mod section;
+
+use serde_json::{Value, json};
+
+use crate::report::collector::{Collector, Figure};
+use crate::report::html;
+use crate::report::number::number;
+use crate::results::crosscheck::record::{Check, CrosscheckRecord, SectionDifference};
+use crate::results::verdict::tables;
+use crate::rounding::with_minus_signs;
+use crate::study::ResolvedKey;
+
+/// The state of the cross-validation in the output folder.
+#[derive(Debug, Clone, Copy)]
+pub enum Crosscheck<'a> {
+    /// Nothing.
+    Absent,
+    /// One of another study or of another version of the program.
+    Stale,
+    /// That of this study.
+    Fresh(&'a CrosscheckRecord, &'a [SectionDifference]),
+}
+
+/// Everything that the separate page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct PageData<'a> {
+    /// What the study is about.
+    pub description: &'a str,
+    /// The study's keys.
+    pub inputs: &'a [ResolvedKey],
+    /// The cross-validation.
+    pub record: &'a CrosscheckRecord,
+    /// Where the displacements differ.
+    pub sections: &'a [SectionDifference],
+    /// Whether there is a report in the same folder.
+    pub report: bool,
+}
+
+/// `crosscheck.html`: self-contained and printable.
+pub fn page(data: &PageData<'_>) -> String {
+    let mut collected = Collector::default();
+    let mut common = context(data.record, data.sections, &mut collected);
+    common["report"] = data.report.into();
+    let limits: Vec<Value> = data
+        .record
+        .limits
+        .iter()
+        .map(|limit| {
+            json!({
+                "value": scientific(limit.value),
+                "cause": limit.cause.name(),
+                "applies_to": limit.applies_to,
+                "derivation": limit.derivation,
+            })
+        })
+        .collect();
+    common["limits"] = limits.into();
+    html::render(
+        "crosscheck.html",
+        json!({
+            "c": common,
+            "description": data.description,
+            "every": groups(data.record.checks.iter().map(|check| (check, check.holds))),
+            "inputs": tables::grouped(data.inputs),
+        }),
+    )
+}
+
+/// What the report's template needs for its chapter.
+pub(crate) fn chapter(state: &Crosscheck<'_>, collected: &mut Collector) -> Value {
+    match state {
+        Crosscheck::Absent => json!({ "state": "absent" }),
+        Crosscheck::Stale => json!({ "state": "stale" }),
+        Crosscheck::Fresh(record, sections) => context(record, sections, collected),
+    }
+}
+
+/// What chapter and page have in common.
+fn context(record: &CrosscheckRecord, sections: &[SectionDifference], collected: &mut Collector) -> Value {
+    let failed = record.checks.iter().filter(|check| !check.holds).count();
+    let verdict = if record.holds && failed == 0 {
+        format!("All limits hold ({} checks)", record.checks.len())
+    } else {
+        format!("{failed} of {} checks fail", record.checks.len())
+    };
+    json!({
+        "state": "fresh",
+        "verdict": verdict,
+        "record": record,
+        "groups": groups(record.worst().into_iter()),
+        "figures": figures(record, sections, collected),
+    })
+}
+
+fn figures(
+    record: &CrosscheckRecord,
+    sections: &[SectionDifference],
+    collected: &mut Collector,
+) -> Vec<Figure> {
+    let mut found = vec![
+        collected.add(
+            "crosscheck-load",
+            curves::load_over_displacement(record),
+            "Load over hub displacement. Lines: the tool. Marks: the reference solvers.".into(),
+        ),
+        collected.add(
+            "crosscheck-displacement",
+            curves::displacement(record),
+            "Hub displacement of each reference solver less that of the tool, relative to the tool, with the limits. One panel per limit.".into(),
+        ),
+        collected.add(
+            "crosscheck-tangent",
+            curves::tangent(record),
+            "The same for the tangent stiffness.".into(),
+        ),
+    ];
+    for section in sections.iter().filter(|section| !section.cells.is_empty()) {
+        let [x, y, z] = section.largest_at_mm.map(number);
+        let (body, place) = match section.turned_deg {
+            Some(angle) => (
+                "Wheel",
+                format!(
+                    "Half a plane through the axle, turned by {}° from the load; y from the tape circle",
+                    number(angle.round())
+                ),
+            ),
+            None => (
+                "Rail",
+                format!(
+                    "Section at x = {x} mm, the load at 0; y from the middle of the track, z from the top of the rail"
+                ),
+            ),
+        };
+        let caption = format!(
+            "{body}: where the nodal displacements of tool and reference differ most under the same given forces. {place}. Every element with the largest difference of its corners. Circle: the largest of the whole body, {} mm at x = {x}, y = {y}, z = {z} mm, which is {} of the largest displacement, {} mm.",
+            scientific(section.largest_difference_mm),
+            scientific(section.largest_difference_mm / section.largest_displacement_mm),
+            number(section.largest_displacement_mm),
+        );
+        let name = format!("crosscheck-{}", section.body);
+        found.push(collected.add(&name, section::picture(section), caption));
+    }
+    found
+}
+
+/// Checks by problem and reference solver, in order of appearance, as text.
+fn groups<'a>(checks: impl Iterator<Item = (&'a Check, bool)>) -> Vec<Value> {
+    let mut found: Vec<(&str, &str, Vec<Value>)> = Vec::new();
+    for (check, holds) in checks {
+        let key = (check.problem.as_str(), check.reference_solver.as_str());
+        let at = found
+            .iter()
+            .position(|(problem, reference_solver, _)| (*problem, *reference_solver) == key)
+            .unwrap_or_else(|| {
+                found.push((key.0, key.1, Vec::new()));
+                found.len() - 1
+            });
+        found[at].2.push(row(check, holds));
+    }
+    found
+        .into_iter()
+        .map(|(problem, reference_solver, rows)| json!({ "problem": problem, "reference_solver": reference_solver, "rows": rows }))
+        .collect()
+}
+
+fn row(check: &Check, holds: bool) -> Value {
+    json!({
+        "quantity": check.quantity,
+        "load": check.load_kn.map_or_else(String::new, number),
+        "tool": value(check.tool),
+        "reference_value": value(check.reference_value),
+        "unit": check.unit,
+        "difference": scientific(check.difference),
+        "limit": scientific(check.limit),
+        "cause": check.cause.name(),
+        "holds": holds,
+    })
+}
+
+/// A value with enough digits to see the difference of two formulations.
+fn value(value: f64) -> String {
+    if !value.is_finite() {
+        return "none".into();
+    }
+    let whole = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    with_minus_signs(&format!("{value:.*}", (5 - whole).clamp(0, 12) as usize))
+}
+
+/// A difference or limit: plain from a thousandth on, else with a power of ten.
+fn scientific(value: f64) -> String {
+    if !value.is_finite() {
+        return "none".into();
+    }
+    if value == 0.0 || value.abs() >= 1e-3 {
+        return number(value);
+    }
+    let text = format!("{value:.1e}");
+    let (lead, power) = text.split_once('e').unwrap_or((&text, "0"));
+    let lead = lead.trim_end_matches(".0");
+    format!("{lead}\u{b7}{}", power_of_ten(power.parse().unwrap_or(0)))
+}
+
+/// Ten with a raised exponent.
+fn power_of_ten(power: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raised: String = power
+        .to_string()
+        .chars()
+        .map(|c| c.to_digit(10).map_or('\u{207b}', |digit| DIGITS[digit as usize]))
+        .collect();
+    format!("10{raised}")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,64 @@
+//! The cross-check as a stage: reference solvers repeat what the tool computed.
+
+use railspring_profiles::error::Result;
+
+use crate::engine::list::NewFile;
+use crate::engine::output::{OutputFolder, to_json};
+use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::store::{Address, Artefact, Kind};
+use crate::results::bodies::estimate::Resources;
+use crate::results::crosscheck;
+use crate::results::crosscheck::Solvers;
+use crate::results::crosscheck::exchange::Case;
+use crate::results::crosscheck::record::CrosscheckRecord;
+use crate::results::names::{CROSSCHECK, DIFFERENCES};
+use crate::study::Study;
+
+/// Folder of the questions and answers inside the output folder.
+const EXCHANGE_FOLDER: &str = "crosscheck";
+
+/// Questions to reference solvers, and the comparison.
+pub(crate) struct Crosscheck<'a> {
+    pub(crate) study: &'a Study,
+    pub(crate) resources: Resources<'a>,
+    pub(crate) cases: &'a [Case],
+    pub(crate) solvers: &'a Solvers,
+}
+
+impl Stage for Crosscheck<'_> {
+    type Value = CrosscheckRecord;
+
+    fn name(&self) -> String {
+        "cross-check".into()
+    }
+
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        let cases: Vec<&str> = self.cases.iter().map(|case| case.name()).collect();
+        Ok(Address::of(Kind::Crosscheck, &(&self.study.keys.crosscheck, cases, self.solvers.versions())))
+    }
+
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER))?;
+        let (record, differences) =
+            crosscheck::crosscheck(self.study, &folder, self.cases, self.solvers, &self.resources)?;
+        let artefact = Artefact::default().with(CROSSCHECK, to_json(&record));
+        Ok(Made::whole(artefact.with(DIFFERENCES, to_json(&differences))))
+    }
+
+    fn value(&mut self, artefact: &Artefact, _: &str) -> Result<CrosscheckRecord> {
+        artefact.json(CROSSCHECK)
+    }
+
+    fn files(&self, artefact: &Artefact, _: &CrosscheckRecord, key: &str) -> Vec<NewFile> {
+        let part = |name: &str| {
+            let content = artefact.part(name).unwrap_or_default().to_vec();
+            // seconds, date and host are in it
+            NewFile { reproducible: false, ..NewFile::new(name, content, key) }
+        };
+        vec![part(CROSSCHECK), part(DIFFERENCES)]
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &[]
+    }
+}

@@ -1,0 +1,5 @@
+//! The report: one page with all figures.
+
+pub mod first_screen;
+pub mod build;
+pub mod stage;

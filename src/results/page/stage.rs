@@ -1,0 +1,197 @@
+//! The report as a stage, and the page of the cross-check beside it.
+
+use crate::results::bodies::geometry;
+use railspring_profiles::error::Result;
+
+use super::build;
+use crate::engine::list::{Entry, NewFile};
+use crate::engine::output::OutputFolder;
+use crate::engine::stage::{Engine, Made, Stage};
+use crate::engine::store::{Address, Artefact, Kind};
+use crate::results::bodies::in_work::Solids;
+use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
+use crate::results::crosscheck::page::{Crosscheck, PageData, page};
+use crate::results::crosscheck::record::{CrosscheckRecord, Differences, SectionDifference};
+use crate::results::names::{
+    CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, REPORT, REPORT_PDF, STIFFNESS,
+};
+use crate::results::page::build::ReportData;
+use crate::results::run::figures::{ModelRun, ScenarioRun};
+use crate::results::run::stage::{Other, Run, Runs};
+use crate::results::springs::make::Calibration;
+use crate::results::verdict::record::VerificationRecord;
+use crate::study::Study;
+use crate::verify::Band;
+
+/// The report on all results.
+pub(crate) struct Report<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    pub calibration: &'s Calibration,
+    /// The laws by contact angle, if the study wants them.
+    pub by_angle: Option<&'s StiffnessByAngleRecord>,
+    pub runs: &'s [(String, Runs)],
+    pub verdict: &'s VerificationRecord,
+}
+
+impl<'s> Stage for Report<'s, '_> {
+    type Value = ();
+
+    fn name(&self) -> String {
+        "report".into()
+    }
+
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        let study = self.solids.study;
+        let springs =
+            [Some(&self.calibration.stiffness.input_hash), self.by_angle.map(|laws| &laws.input_hash)];
+        let inputs = (&self.verdict.input_hash, springs, &study.description, &study.resolved);
+        Ok(Address::of(Kind::Report, &inputs))
+    }
+
+    fn is_kept(&self) -> bool {
+        false
+    }
+
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let geometry = self.solids.geometry()?;
+        let study = self.solids.study;
+        let profiles = geometry::profiles(&geometry);
+        let scenarios = self
+            .runs
+            .iter()
+            .map(|(name, runs)| {
+                let scenario = &study.scenarios[name];
+                let limits = &study.limits;
+                let drawn = |name, run: &'s Run| ModelRun {
+                    name,
+                    history: &run.history,
+                    carrying: run.model().carrying(limits.ratio_max),
+                };
+                let Other { element, run: other } = &runs.other;
+                let own = drawn(element.other().name(), &runs.simple);
+                let other = other.as_ref().ok().map(|run| drawn(element.name(), run));
+                ScenarioRun {
+                    name,
+                    description: &scenario.description,
+                    snapshots: &scenario.snapshots,
+                    elements: [own].into_iter().chain(other).collect(),
+                    solid: runs.solid.as_ref().map(|run| drawn("solid", run)),
+                    band: runs.solid.as_ref().and_then(|run| Band::around(&run.model(), limits)),
+                }
+            })
+            .collect();
+        let crosscheck = own_crosscheck(study, engine.folder);
+        let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| differences(engine.folder, record));
+        // The folder may have runs of other load cases.
+        let inputs = [STIFFNESS, BY_ANGLE].into_iter().chain(self.verdict.inputs.keys().map(String::as_str));
+        let entries: Vec<Entry> = inputs.filter_map(|name| engine.results.entry(name)).collect();
+        let keys: Vec<&String> = entries.iter().map(|entry| &entry.key).collect();
+        let programs: Vec<String> = entries.iter().map(Entry::program).collect();
+        let mut measured = engine.measured.clone();
+        measured.stages.retain(|stage| keys.contains(&&stage.key));
+        let data = ReportData {
+            name: &study.name,
+            description: &study.description,
+            file: study
+                .source
+                .path()
+                .file_name()
+                .map(|name| (name.to_string_lossy().into_owned(), study.source.hash().to_string())),
+            inputs: &study.resolved,
+            stiffness: &self.calibration.stiffness,
+            load_curve: &self.calibration.load_curve,
+            patches: &self.calibration.patches,
+            by_angle: self.by_angle,
+            profiles: &profiles,
+            surfaces: &geometry.surfaces,
+            bodies: &geometry.outlines(),
+            scenarios,
+            ratio_window: study.limits.ratio_window_s,
+            verdict: self.verdict,
+            programs: &programs,
+            measured: &measured,
+            crosscheck: match &crosscheck {
+                Some(record) => Crosscheck::Fresh(record, &sections),
+                None if engine.folder.file(CROSSCHECK).exists() => Crosscheck::Stale,
+                None => Crosscheck::Absent,
+            },
+        };
+        let built = build::build(&data);
+        let figures = built.figures.into_iter().map(|(name, svg)| (format!("{FIGURES}{name}.svg"), svg));
+        let artefact = figures.fold(Artefact::default(), |all, (name, svg)| all.with(name, svg));
+        Ok(Made::whole(artefact.with(REPORT, built.html)))
+    }
+
+    fn value(&mut self, _: &Artefact, _: &str) -> Result<()> {
+        Ok(())
+    }
+
+    fn files(&self, artefact: &Artefact, (): &(), key: &str) -> Vec<NewFile> {
+        let file = |(name, content): (&str, &[u8])| {
+            // The page shows seconds and the host.
+            NewFile { reproducible: name != REPORT, ..NewFile::new(name, content.to_vec(), key) }
+        };
+        artefact.parts().map(file).collect()
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &[REPORT_PDF]
+    }
+
+    fn is_measured(&self) -> bool {
+        false
+    }
+}
+
+/// The report, and the page of this study's cross-check again, because it now has a report to point to.
+///
+/// # Errors
+/// Those of the geometry, and files that cannot be written.
+pub(crate) fn write_report(engine: &mut Engine<'_>, mut report: Report<'_, '_>) -> Result<()> {
+    engine.get(&mut report)?;
+    let (study, folder) = (report.solids.study, engine.folder);
+    let Some(record) = own_crosscheck(study, folder) else { return Ok(()) };
+    crosscheck_page(study, folder, &record, true)
+}
+
+/// The page of the folder's cross-check where there is no report.
+///
+/// # Errors
+/// A cross-check that is not there, and a page that cannot be written.
+pub(crate) fn crosscheck_alone(study: &Study, folder: &OutputFolder) -> Result<()> {
+    let record = folder.read_json(CROSSCHECK, "crosscheck")?;
+    crosscheck_page(study, folder, &record, false)
+}
+
+/// The cross-check of the folder if it is one of this study: `None` if it is of another study
+/// or has another layout.
+fn own_crosscheck(study: &Study, folder: &OutputFolder) -> Option<CrosscheckRecord> {
+    let record: CrosscheckRecord = folder.read_json(CROSSCHECK, "crosscheck").ok()?;
+    (record.input_hash == study.keys.crosscheck).then_some(record)
+}
+
+/// The sections of that very cross-check; none if they are not there.
+fn differences(folder: &OutputFolder, record: &CrosscheckRecord) -> Vec<SectionDifference> {
+    folder
+        .read_json::<Differences>(DIFFERENCES, "crosscheck")
+        .ok()
+        .filter(|d| d.input_hash == record.input_hash && d.begun_utc == record.begun_utc)
+        .map_or_else(Vec::new, |d| d.sections)
+}
+
+fn crosscheck_page(
+    study: &Study,
+    folder: &OutputFolder,
+    record: &CrosscheckRecord,
+    report: bool,
+) -> Result<()> {
+    let sections = differences(folder, record);
+    let data = PageData {
+        description: &study.description,
+        inputs: &study.resolved,
+        record,
+        sections: &sections,
+        report,
+    };
+    folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
+}

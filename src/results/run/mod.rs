@@ -1,0 +1,10 @@
+//! The load cases on both models.
+
+pub mod record;
+pub mod history_csv;
+pub mod springs;
+pub mod make;
+pub mod figures;
+pub mod positions_figure;
+pub mod stage;
+pub mod solid_stage;

@@ -1,0 +1,259 @@
+//! The load cases on the solids in time: as stages, and one after the other beside other stages.
+
+use crate::results::bodies::{other_solids, solids, zones};
+use crate::results::run::make;
+use std::cell::RefCell;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use railspring_calibrate::pair::{CondensedPair, PairBody};
+use railspring_profiles::error::{Error, Result};
+use railspring_profiles::monitor::Monitor;
+use railspring_simulate::solid::TransientRun;
+
+use crate::engine::stage::{Engine, Made, Stage};
+use crate::results::bodies::in_work::{Moving, REACH, Solids, solid_run_address};
+use crate::results::bodies::source::BodySource;
+use crate::results::names::OF_THE_RUNS;
+use crate::results::run::stage::{Run, SOLID, artefact, files, history_file, run};
+use crate::results::springs::stage::FoundOn;
+use serde_json::Value;
+
+use crate::engine::list::NewFile;
+use crate::engine::measure::Stopwatch;
+use crate::engine::output::to_json;
+use crate::engine::store::{Address, Artefact, Store};
+use crate::results::bodies::estimate::{Budget, Work};
+use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::reach::Reach;
+use crate::results::bodies::solids::MovingBodies;
+use crate::results::bodies::zones::{Reached, Within};
+use crate::results::run::make::Tried;
+use crate::results::run::record::RunRecord;
+use crate::study::{Study, StudyScenario};
+
+/// A load case on the solid model.
+pub(crate) struct SimulateSolid<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    /// Runs that were made beside other stages, if any.
+    pub begun: Option<&'s Begun<'a>>,
+    pub name: &'s str,
+    pub scenario: &'s StudyScenario,
+}
+
+impl Stage for SimulateSolid<'_, '_> {
+    type Value = Run;
+
+    fn name(&self) -> String {
+        stage_name(self.name)
+    }
+
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        let reach = self.solids.reach()?;
+        Ok(solid_run_address(self.solids.study, self.name, reach))
+    }
+
+    fn begun(&self) -> Option<Result<Made>> {
+        self.begun?.take(self.name)
+    }
+
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let at = &mut *self.solids;
+        let mut runs = SolidRuns::after(at, engine)?;
+        let made = runs.run(self.name, self.scenario, at.resources.monitor)?;
+        at.moving = runs.moving;
+        at.go_on_with(runs.meshes);
+        Ok(made)
+    }
+
+    fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Run> {
+        let run = run(artefact)?;
+        self.solids.go_on_with_reach(artefact)?;
+        Ok(run)
+    }
+
+    fn files(&self, artefact: &Artefact, value: &Run, key: &str) -> Vec<NewFile> {
+        files(SOLID.map(|stem| history_file(self.solids.study, self.name, stem)), artefact, value, key)
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_RUNS
+    }
+
+    fn note(&self) -> Option<(&'static str, Value)> {
+        self.solids.reach_note()
+    }
+}
+
+fn stage_name(case: &str) -> String {
+    format!("solid model, {case}")
+}
+
+fn moving_of(study: &Study, pair: Arc<CondensedPair>) -> Moving {
+    (study.modes(), Arc::new(MovingBodies::OfCalibration(pair)))
+}
+
+/// Runs on the solids, one load case after the other: each goes on with the meshes and the bodies of the one before.
+pub(crate) struct SolidRuns<'a> {
+    study: &'a Study,
+    geometry: Arc<Geometry>,
+    source: BodySource<'a>,
+    budget: Budget,
+    meshes: Meshes,
+    moving: Option<Moving>,
+}
+
+impl<'a> SolidRuns<'a> {
+    /// The runs from here on, on meshes made for them, with the bodies of the calibration if they are there.
+    fn after(at: &mut Solids<'a>, engine: &mut Engine<'_>) -> Result<Self> {
+        let meshes = at.meshes(engine, Solids::solid_work)?;
+        let of_calibration = at.condensed.take().map(|pair| moving_of(at.study, pair));
+        let moving = of_calibration.or(at.moving.take());
+        Self::with(at, meshes, moving)
+    }
+
+    /// The runs beside what is left of a calibration that has its springs.
+    ///
+    /// # Errors
+    /// Those of the geometry.
+    pub fn beside(at: &mut Solids<'a>, springs: &FoundOn) -> Result<Self> {
+        let (meshes, bodies) = springs.bodies();
+        let moving = moving_of(at.study, bodies.clone());
+        Self::with(at, meshes.clone(), Some(moving))
+    }
+
+    fn with(at: &mut Solids<'a>, meshes: Meshes, moving: Option<Moving>) -> Result<Self> {
+        let (study, geometry, source) = (at.study, at.geometry()?, at.body_source());
+        Ok(Self { study, geometry, source, budget: at.resources.budget, meshes, moving })
+    }
+
+    /// A load case.
+    ///
+    /// # Errors
+    /// Those of the bodies and of the run, with the name of the load case.
+    fn run(&mut self, name: &str, scenario: &StudyScenario, monitor: &dyn Monitor) -> Result<Made> {
+        let Self { study, geometry, budget, source, meshes, moving: bodies } = self;
+        let source = source.said_to(monitor);
+        let accept = |larger: &Meshes| {
+            budget.check(study, geometry, larger, &Work::of(study, false, true)).map(|_| ())
+        };
+        let moving = RefCell::new(bodies.take());
+        let run = |meshes: &Meshes| {
+            let solids = solids::solids(study, geometry, meshes);
+            let bodies = |modes| {
+                let wanted = [PairBody::RailOnEnds, PairBody::Wheel].map(|body| solids.key(body));
+                let known = moving.take().filter(|(with, bodies): &Moving| {
+                    *with == modes && bodies.both().iter().zip(&wanted).all(|(body, key)| body.key == *key)
+                });
+                let bodies = match known {
+                    Some((_, bodies)) => bodies,
+                    None => Arc::new(source.moving(&solids, "", modes)?),
+                };
+                moving.replace(Some((modes, bodies.clone())));
+                Ok(bodies)
+            };
+            let coarser = |modes| {
+                other_solids::coarser_contact(study, geometry, meshes, |coarser| {
+                    source.moving(
+                        &solids::solids(study, geometry, coarser),
+                        " of coarser contact elements",
+                        modes,
+                    )
+                })
+            };
+            make::simulate_solid(study, geometry, meshes, &bodies, &coarser, scenario, monitor)
+        };
+        let reached = |(run, _): &(TransientRun, Tried)| Reached::in_time(run.history.ending);
+        let Within { result: (run, tried), refused } =
+            zones::within_zones(study, geometry, meshes, monitor, accept, run, reached)
+                .map_err(|error| study.in_scenario(name, error))?;
+        *bodies = moving.into_inner();
+        let record = RunRecord {
+            wheel_mass_kg: Some(run.wheel_mass),
+            ..RunRecord::of_solid(&run.history, run.reduction.as_ref(), tried.worth)
+        };
+        let artefact =
+            artefact(&run.history, &record, tried.disturbed.as_ref()).with(REACH, to_json(&self.reach()));
+        Ok(Made { complete: !refused, ..Made::whole(artefact) })
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::of(self.meshes.options(), self.meshes.refinements(self.study))
+    }
+
+    /// Where its bodies are kept, and its results.
+    pub fn store(&self) -> Option<&'a Store> {
+        self.source.store
+    }
+
+    /// All load cases of the study up to one that the store has, which the stage takes from there.
+    pub fn all(mut self, store: Option<&Store>, begun: &Begun<'a>) {
+        let study = self.study;
+        for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
+            let stage = stage_name(name);
+            let watch = Stopwatch::start();
+            let address = store.map(|store| (store, solid_run_address(study, name, self.reach())));
+            if address.as_ref().is_some_and(|(store, address)| begun.takes && store.has(address)) {
+                return;
+            }
+            let made = self.run(name, scenario, begun);
+            let failed = made.is_err();
+            let made = made.map(|made| {
+                if let Some((store, address)) = address.filter(|_| made.complete) {
+                    let say = |text| begun.monitor.notice(&format!("{stage}: {text}"));
+                    store.keep(&address, &stage, &study.name, &made.artefact, &say);
+                }
+                Made { elsewhere: Some(watch.held()), ..made }
+            });
+            begun.add(name, made);
+            if failed {
+                return;
+            }
+        }
+    }
+}
+
+/// What was made of the runs on the solids beside other stages, by load case, until their stages ask for it.
+pub(crate) struct Begun<'a> {
+    made: Mutex<Vec<(String, Result<Made>)>>,
+    /// Whether the other stages have failed, so that nobody will ask.
+    stopped: AtomicBool,
+    /// Whether the store is asked first.
+    takes: bool,
+    monitor: &'a dyn Monitor,
+}
+
+impl<'a> Begun<'a> {
+    /// Nothing yet.
+    pub fn new(takes: bool, monitor: &'a dyn Monitor) -> Self {
+        Self { made: Mutex::default(), stopped: AtomicBool::new(false), takes, monitor }
+    }
+
+    fn add(&self, name: &str, made: Result<Made>) {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner).push((name.into(), made));
+    }
+
+    fn take(&self, name: &str) -> Option<Result<Made>> {
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = made.iter().position(|(other, _)| other == name)?;
+        Some(made.swap_remove(place).1)
+    }
+
+    /// Ends what is not done.
+    pub fn stop(&self) {
+        self.stopped.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Monitor for Begun<'_> {
+    fn progress(&self, stage: &str, done: usize, total: usize) -> Result<()> {
+        if self.stopped.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        self.monitor.progress(stage, done, total)
+    }
+
+    fn notice(&self, text: &str) {
+        self.monitor.notice(text);
+    }
+}

@@ -1,0 +1,335 @@
+//! The springs of a file: a `stiffness.json`, or a law written by hand.
+
+use crate::results::bodies::geometry;
+use std::path::Path;
+
+use railspring_profiles::error::{InputError, Result};
+use railspring_profiles::units::KILONEWTON_PER_METRE;
+use railspring_simulate::element::condensed::parts::PairElement;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use crate::engine::list::hash;
+use crate::engine::output::read_text;
+use crate::engine::seal::Sealed;
+use crate::results::bodies::geometry::Geometry;
+use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
+use crate::results::run::record::{SpringsRecord, SpringsSource};
+use crate::results::run::springs::{
+    ACCEPTED, accepted_reference, own, own_springs, revolved_mass, springs, wheel_is_known, with_element,
+};
+use crate::results::springs::law::LawConstants;
+use crate::results::springs::record::{BeamFactors, StiffnessRecord};
+use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, PairRecord, Study};
+
+/// A law as a person writes it: the constants and units of `stiffness.json`, and what is known about them.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenLaw {
+    a_kn_per_m: Option<f64>,
+    b_kn_per_m: Option<f64>,
+    c: Option<f64>,
+    f0_kn: Option<f64>,
+    horizontal_kn_per_m: Option<f64>,
+    wheel_mass_kg: Option<f64>,
+    reference: Option<String>,
+    range_kn: Option<[f64; 2]>,
+}
+
+/// What is taken of a `stiffness.json`; it has much more.
+#[derive(Debug, Deserialize)]
+struct CalibratedLaw {
+    law: CalibratedConstants,
+    horizontal_kn_per_m: Option<f64>,
+    reference: Option<String>,
+    pair: Option<PairRecord>,
+}
+
+#[derive(Debug, Deserialize)]
+struct CalibratedConstants {
+    a_kn_per_m: Option<f64>,
+    b_kn_per_m: Option<f64>,
+    c: Option<f64>,
+    f0_kn: Option<f64>,
+    range_kn: Option<[f64; 2]>,
+}
+
+/// The springs of a file: a `stiffness.json`, or a law written by hand.
+///
+/// # Errors
+/// [`InputError`] whose key is the file, with the key in it that is wrong: missing or impossible constants, another pair
+/// or another reference that the study does not accept.
+pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<SpringsRecord> {
+    let name = path.display().to_string();
+    if study.simulation.law == LawKey::Published {
+        return Err(InputError::new(
+            "simulation.law",
+            "\"published\"",
+            "\"calibrated\" beside --law, which names another law",
+            "remove simulation.law or the option --law",
+        )
+        .into());
+    }
+    let text = read_text(path, "calibrate")?;
+    let form: serde_json::Value = parsed(&name, &text)?;
+    let (law, pair) = if form.get("law").is_some() {
+        let file: CalibratedLaw = parsed(&name, &text)?;
+        let law = WrittenLaw {
+            a_kn_per_m: file.law.a_kn_per_m,
+            b_kn_per_m: file.law.b_kn_per_m,
+            c: file.law.c,
+            f0_kn: file.law.f0_kn,
+            range_kn: file.law.range_kn,
+            horizontal_kn_per_m: file.horizontal_kn_per_m,
+            wheel_mass_kg: None,
+            reference: file.reference,
+        };
+        (law, file.pair)
+    } else {
+        (parsed(&name, &text)?, None)
+    };
+    let laws = (study.element() == ContactElementKey::Condensed).then(|| laws_beside(study, path));
+    let (laws, without_laws) = match laws {
+        Some(Err(error)) if study.simulation.element.is_some() || broken_beside(path) => return Err(error),
+        // a law by hand has none beside it, and runs as springs
+        Some(Err(_)) => {
+            let note = format!("beside {name} lies no {BY_ANGLE} of this pair: the published element runs");
+            (None, Some(note))
+        }
+        Some(Ok(laws)) => (Some(laws), None),
+        None => (None, None),
+    };
+    let calibration = serde_json::from_str::<StiffnessRecord>(&text).ok();
+    let edited = |laws: &StiffnessByAngleRecord| {
+        (!laws.is_as_written()).then(|| edited(&path.with_file_name(BY_ANGLE).display().to_string()))
+    };
+    let without_laws: Vec<String> = without_laws.into_iter().chain(laws.as_ref().and_then(edited)).collect();
+    // The study's own calibration under another name is no other law.
+    let own_address = geometry::calibration_address(study);
+    let is_own = |it: &&StiffnessRecord| it.input_hash == own_address.key() && it.is_as_written();
+    if let Some(stiffness) = calibration.as_ref().filter(is_own) {
+        let springs = match &laws {
+            Some(laws) => own(study, stiffness, Some(laws))?,
+            None => own_springs(study, stiffness)?,
+        };
+        return Ok(SpringsRecord {
+            notes: springs.notes.into_iter().chain(without_laws).collect(),
+            ..springs
+        });
+    }
+    if study.simulation.law == LawKey::Table {
+        return Err(InputError::new(
+            "simulation.law",
+            "\"table\"",
+            "\"calibrated\" beside --law: a file of another calibration gives its constants",
+            "remove simulation.law or the option --law",
+        )
+        .into());
+    }
+    let mut notes = Vec::new();
+    notes.extend(accepted_reference(study, &format!("{name}: reference"), law.reference.as_deref())?);
+    notes.extend(accepted_pair(study, &name, pair.as_ref())?);
+    if law.range_kn.is_none() {
+        notes.push(format!("{name} says no range_kn: whether the run leaves the law's range is unknown"));
+    }
+    let of_pair = calibration.filter(|_| pair.as_ref().is_some_and(|pair| pair.hash == study.keys.pair));
+    notes.extend(match &of_pair {
+        Some(calibration) => of_other_calibration(study, &name, calibration),
+        None => vec![format!(
+            "{name}: the rail beam is not corrected to the solid rail, as `calibrate` does for its own law"
+        )],
+    });
+    notes.extend(without_laws);
+    let record = SpringsRecord {
+        source: SpringsSource::File { name: name.clone(), blake3: hash(text.as_bytes()) },
+        law: LawConstants {
+            a_kn_per_m: given(&name, "a_kn_per_m", law.a_kn_per_m)?,
+            b_kn_per_m: given(&name, "b_kn_per_m", law.b_kn_per_m)?,
+            c: given(&name, "c", law.c)?,
+            f0_kn: given(&name, "f0_kn", law.f0_kn)?,
+        },
+        table_kn_and_kn_per_m: Vec::new(),
+        horizontal_kn_per_m: match study.simulation.horizontal {
+            Some(horizontal) => horizontal / KILONEWTON_PER_METRE,
+            None => given(&name, "horizontal_kn_per_m", law.horizontal_kn_per_m)?,
+        },
+        wheel_mass_kg: match &of_pair {
+            Some(calibration) => calibration.wheel_mass(),
+            None => wheel_mass(study, geometry, &name, law.wheel_mass_kg)?,
+        },
+        reference: law.reference,
+        range_kn: law.range_kn,
+        beam: of_pair.map_or_else(BeamFactors::default, |calibration| calibration.beam.factors),
+        element_blake3: None,
+        element_displacement: None,
+        element: None,
+        notes,
+    };
+    check(&name, &record)?;
+    Ok(match laws.and_then(|laws| laws.element) {
+        Some(element) => with_element(record, element),
+        None => record,
+    })
+}
+
+/// What has to be known about the springs of another calibration of the study's pair, which come with the wheel and the beam that they were made with.
+fn of_other_calibration(study: &Study, name: &str, calibration: &StiffnessRecord) -> Vec<String> {
+    let StiffnessRecord { version, commit, beam, .. } = calibration;
+    let mut notes = vec![match calibration.is_as_written() {
+        true => format!(
+            "{name} is a calibration with other settings or of another program (railspring {version}, {commit}): its law, its wheel \
+             mass and its factors of the rail beam are used"
+        ),
+        false => edited(name),
+    }];
+    if (beam.length_m - study.rail.length).abs() > 1e-9 {
+        notes.push(format!(
+            "{name}: the factors of the rail beam are those of a rail of {} m, not of {} m",
+            beam.length_m, study.rail.length
+        ));
+    }
+    notes
+}
+
+/// That a file is not as the program wrote it.
+fn edited(name: &str) -> String {
+    format!("{name} was edited after it was written: its numbers are not those of a calibration")
+}
+
+/// The laws by contact angle beside a law file, of the study's own pair, for its condensed element.
+fn laws_beside(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
+    laws_of(study, &path.with_file_name(BY_ANGLE))
+}
+
+/// Whether laws by contact angle lie beside a law file that nothing can run with.
+fn broken_beside(path: &Path) -> bool {
+    let beside = path.with_file_name(BY_ANGLE);
+    beside.exists() && read_laws(&beside).is_err()
+}
+
+/// The condensed element of a file with laws by contact angle of the study's own pair.
+///
+/// # Errors
+/// [`InputError`] whose key is the file, if it cannot be read, is of another pair or has no element.
+pub fn element_of(study: &Study, path: &Path) -> Result<PairElement> {
+    let laws = laws_of(study, path)?;
+    let element = laws.element.as_ref().ok_or_else(|| {
+        InputError::new(
+            path.display().to_string(),
+            "no `element`",
+            "laws by contact angle with a condensed element, which a study with load cases makes",
+            laws.element_missing.as_deref().unwrap_or("calibrate such a study"),
+        )
+    })?;
+    Ok(PairElement::from(element))
+}
+
+fn laws_of(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
+    let laws = read_laws(path)?;
+    accepted_pair(study, &path.display().to_string(), Some(&laws.pair))?;
+    Ok(laws)
+}
+
+fn read_laws(path: &Path) -> Result<StiffnessByAngleRecord> {
+    let name = path.display().to_string();
+    let laws: StiffnessByAngleRecord =
+        serde_json::from_str(&read_text(path, "calibrate")?).map_err(|cause| {
+            let expected = "a stiffness_by_angle.json of `railspring calibrate`";
+            InputError::new(
+                &name,
+                cause,
+                expected,
+                "calibrate again, or take simulation.element = \"published\"",
+            )
+        })?;
+    if let Some(element) = &laws.element {
+        element.check(&name)?;
+    }
+    Ok(laws)
+}
+
+fn parsed<T: DeserializeOwned>(name: &str, text: &str) -> Result<T> {
+    serde_json::from_str(text).map_err(|cause| {
+        InputError::new(
+            name,
+            cause,
+            "a stiffness.json of `railspring calibrate`, or a law {\"a_kn_per_m\": …, \"b_kn_per_m\": …, \"c\": …, \
+             \"f0_kn\": …, \"horizontal_kn_per_m\": …}",
+            "correct the file; docs/laws.md describes it",
+        )
+        .into()
+    })
+}
+
+fn given(name: &str, key: &str, value: Option<f64>) -> Result<f64> {
+    value.ok_or_else(|| {
+        InputError::new(format!("{name}: {key}"), "(missing)", "a number", "add the key to the file").into()
+    })
+}
+
+/// Constants that are a law: k is positive and does not fall, and its displacement is finite.
+fn check(name: &str, record: &SpringsRecord) -> Result<()> {
+    let law = &record.law;
+    let wrong = |key: &str, value: String, expected: &str| {
+        InputError::new(format!("{name}: {key}"), value, expected, "correct the file")
+    };
+    let positive = |key: &str, value: f64| {
+        if value > 0.0 { Ok(()) } else { Err(wrong(key, value.to_string(), "a number above 0")) }
+    };
+    for (key, value) in [("a_kn_per_m", law.a_kn_per_m), ("b_kn_per_m", law.b_kn_per_m)] {
+        if !(value >= 0.0) {
+            return Err(wrong(key, value.to_string(), "a number of at least 0").into());
+        }
+    }
+    if !(0.0..1.0).contains(&law.c) {
+        return Err(wrong("c", law.c.to_string(), "a number from 0 to below 1").into());
+    }
+    if law.a_kn_per_m + law.b_kn_per_m == 0.0 {
+        return Err(wrong("b_kn_per_m", "0".into(), "a number above 0, because a_kn_per_m is 0").into());
+    }
+    positive("f0_kn", law.f0_kn)?;
+    positive("horizontal_kn_per_m", record.horizontal_kn_per_m)?;
+    positive("wheel_mass_kg", record.wheel_mass_kg)?;
+    if let Some([low, high]) = record.range_kn
+        && !(low >= 0.0 && high > low)
+    {
+        return Err(wrong("range_kn", format!("[{low}, {high}]"), "two ascending loads").into());
+    }
+    springs(record).map(drop)
+}
+
+/// Mass of the wheel: from the file, or of the study's wheel as a body of revolution.
+fn wheel_mass(study: &Study, geometry: &Geometry, name: &str, written: Option<f64>) -> Result<f64> {
+    match written {
+        Some(mass) => Ok(mass),
+        None if wheel_is_known(study) => Ok(revolved_mass(study, geometry)),
+        None => Err(InputError::new(
+            format!("{name}: wheel_mass_kg"),
+            "(missing)",
+            "a number, because the wheel of the study is a mesh from a file",
+            "add the key, or give every scenario a wheel_mass_t",
+        )
+        .into()),
+    }
+}
+
+/// What has to be said about the pair of a law, if the study accepts it.
+fn accepted_pair(study: &Study, name: &str, pair: Option<&PairRecord>) -> Result<Option<String>> {
+    let Some(pair) = pair else {
+        return Ok(Some(format!("{name} does not say for which pair its law is")));
+    };
+    if pair.hash == study.keys.pair {
+        return Ok(None);
+    }
+    let own = study.pair();
+    if study.simulation.law_accepted.contains(&LawAcceptedKey::AnotherPair) {
+        return Ok(Some(format!("the law is of another pair, accepted by {ACCEPTED}: {}", pair.name)));
+    }
+    Err(InputError::new(
+        format!("{name}: pair"),
+        &pair.name,
+        format!("the study's pair, {} ({})", own.name, "profiles, bodies, track and elastic material"),
+        format!("calibrate this study, or accept it with {ACCEPTED} = [\"another-pair\"]"),
+    )
+    .into())
+}

@@ -1,0 +1,300 @@
+//! Laws from files against the study's own: units, range, pair and reference.
+
+use crate::results::bodies::geometry;
+use std::path::PathBuf;
+
+use railspring_simulate::time::history::{ContactMode, ContactState, Ending, HistoryRow};
+
+use super::*;
+use crate::engine::seal::Sealed;
+use crate::results::by_angle::element::{ElasticWheelRecord, StripRecord};
+use crate::results::by_angle::record::BY_ANGLE;
+use crate::results::samples;
+use crate::results::springs::record::BeamRecord;
+
+/// ROUNDOFF: a power and some products of numbers of order one.
+const ROUNDOFF: f64 = 1e-13;
+const STUDY: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n[scenario.s]\nvertical_force = {}\nlateral_force = {}\n";
+const LAW: &str = r#"{"a_kn_per_m": 30000, "b_kn_per_m": 294000, "c": 0.241104, "f0_kn": 1, "horizontal_kn_per_m": 4e5, "reference": "beam", "range_kn": [1, 150]}"#;
+
+fn study(more: &str) -> Study {
+    Study::parse(&PathBuf::from("x.toml"), &format!("{STUDY}{more}")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn read(study: &Study, text: &str) -> Result<SpringsRecord> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("law.json");
+    std::fs::write(&path, text).unwrap();
+    from_file(study, &geometry::geometry(study).unwrap(), &path)
+}
+
+fn refusal(study: &Study, text: &str) -> String {
+    read(study, text).unwrap_err().to_string()
+}
+
+/// Source: `k = a + b·(f/f0)^c`. Goal: a law says the same whatever its f0, kN: with 10 kN for 1 kN, b grows by 10^c.
+#[test]
+fn the_reference_force_scales_the_power() {
+    let study = study("");
+    let own = springs(&read(&study, LAW).unwrap()).unwrap().normal;
+    let published = StiffnessLaw::published();
+    assert!((own.tangent(85e3) / published.tangent(85e3) - 1.0).abs() < ROUNDOFF);
+    let b = 294_000.0 * 10f64.powf(0.241104);
+    let other = LAW.replace("\"f0_kn\": 1", "\"f0_kn\": 10").replace("294000", &b.to_string());
+    let other = springs(&read(&study, &other).unwrap()).unwrap().normal;
+    for force in [1.0, 1e3, 85e3] {
+        assert!((other.tangent(force) / published.tangent(force) - 1.0).abs() < ROUNDOFF, "{force} N");
+    }
+    let unscaled = springs(&read(&study, &LAW.replace("\"f0_kn\": 1", "\"f0_kn\": 10")).unwrap()).unwrap();
+    let expected = 3e7 + 2.94e8 * 8.5f64.powf(0.241104);
+    assert!((unscaled.normal.tangent(85e3) / expected - 1.0).abs() < ROUNDOFF);
+}
+
+/// Source: the publication's constants, kN. Goal: the published law with a horizontal stiffness of the study needs no calibration and says what it goes without; anything
+/// else does. The wheel's mass is that of a body of revolution, kg. Accuracy: ROUNDOFF.
+#[test]
+fn published_springs_need_no_calibration() {
+    let published = "[simulation]\nlaw = \"published\"\n";
+    let own = study(&format!("{published}horizontal_kn_per_m = 65000\n"));
+    assert!(need_no_calibration(&own));
+    let geometry = geometry::geometry(&own).unwrap();
+    let springs = without_calibration(&own, &geometry).unwrap();
+    assert_eq!(springs.law, StiffnessLaw::published().into());
+    assert!((springs.horizontal_kn_per_m / 65_000.0 - 1.0).abs() < ROUNDOFF);
+    assert_eq!(springs.wheel_mass_kg, revolved_mass(&own, &geometry));
+    assert!(springs.notes.iter().any(|note| note.contains("nothing is calibrated")), "{:?}", springs.notes);
+    let others = [published, "[simulation]\nhorizontal_kn_per_m = 65000\n"];
+    for other in others.map(study) {
+        assert!(!need_no_calibration(&other) && without_calibration(&other, &geometry).is_none());
+    }
+}
+
+/// Goal: the condensed element is that of the laws by contact angle beside the law; without them a law runs as springs and says so, unless the study asks
+/// for the condensed element, and so it does with laws of another pair. What a study gives for springs alone asks for the published element.
+#[test]
+fn the_condensed_element_is_that_beside_the_law() {
+    let strip = |rail_s_mm: f64| StripRecord {
+        rail_s_mm,
+        modulus_gpa: 200.0,
+        hardening: 0.2,
+        tangential_gpa: 100.0,
+        relief: 0.9,
+    };
+    let element = || ElementRecord {
+        wheel: ElasticWheelRecord {
+            mass: [[300.0, 0.0, 0.0], [0.0, 300.0, 0.0], [0.0, 0.0, 9.0]],
+            hub_m: [0.0, -0.43],
+            modes: Vec::new(),
+            rest: [[1e-8, 0.0, 0.0], [0.0, 2e-10, 0.0], [0.0, 0.0, 2e-7]],
+        },
+        head: [[5e-9, 0.0, 0.0], [0.0, 7e-11, 0.0], [0.0, 0.0, 5e-7]],
+        held_end: None,
+        strips: vec![strip(0.0), strip(2.0)],
+        relief_um_mm_per_kn: 2.8,
+        strips_max_rel_error: 0.1,
+        displacement: None,
+        section_misfit: [0.0, 0.1],
+    };
+    let (default, asking) = (study(""), study("[simulation]\nelement = \"condensed\"\n"));
+    let laws =
+        StiffnessByAngleRecord { element: Some(element()), pair: default.pair(), ..samples::by_angle() };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("law.json");
+    std::fs::write(&path, LAW).unwrap();
+    let read = |study: &Study| from_file(study, &geometry::geometry(study).unwrap(), &path);
+    assert_eq!(read(&default).unwrap().element_blake3, None);
+    let missing = read(&asking).unwrap_err().to_string();
+    assert!(missing.contains(BY_ANGLE), "{missing}");
+    let beside = folder.path().join(BY_ANGLE);
+    std::fs::write(&beside, to_json(&laws)).unwrap();
+    for study in [&default, &asking] {
+        let springs = read(study).unwrap();
+        assert_eq!(springs.element.as_deref(), Some(&element()));
+        assert_eq!(springs.element_blake3.map(|hash| hash.len()), Some(64));
+    }
+    // what no calibration writes is refused with its key
+    type Change = fn(&mut ElementRecord);
+    let changes: [(&str, Change); 6] = [
+        ("element.strips", |element| element.strips.clear()),
+        ("element.strips[1].rail_s_mm", |element| element.strips[1].rail_s_mm = -2.0),
+        ("element.strips[0].modulus_gpa", |element| element.strips[0].modulus_gpa = 0.0),
+        ("element.strips[1].hardening", |element| element.strips[1].hardening = -1.0),
+        ("element.relief_um_mm_per_kn", |element| element.relief_um_mm_per_kn = -1.0),
+        ("element.wheel.mass", |element| element.wheel.mass[1][1] = 0.0),
+    ];
+    for (key, change) in changes {
+        let mut wrong = element();
+        change(&mut wrong);
+        std::fs::write(&beside, to_json(&StiffnessByAngleRecord { element: Some(wrong), ..laws.clone() }))
+            .unwrap();
+        for study in [&default, &asking] {
+            let said = read(study).unwrap_err().to_string();
+            assert!(
+                said.contains(key) && said.contains(BY_ANGLE) && said.contains("calibrate again"),
+                "{said}"
+            );
+        }
+    }
+    std::fs::write(&beside, to_json(&laws)).unwrap();
+    for keys in ["element = \"published\"", "horizontal_kn_per_m = 4e5"] {
+        let springs = read(&study(&format!("[simulation]\n{keys}\n"))).unwrap();
+        assert_eq!(springs.element_blake3, None, "{keys}");
+    }
+    std::fs::write(&beside, to_json(&StiffnessByAngleRecord { pair: samples::by_angle().pair, ..laws }))
+        .unwrap();
+    assert_eq!(read(&default).unwrap().element_blake3, None);
+    let another = read(&asking).unwrap_err().to_string();
+    assert!(another.contains("another-pair"), "{another}");
+}
+
+/// Source: the points of the calibration. Goal: `law = "table"` runs with the tangents (N/m) of the reference in use at its
+/// loads, the constants without it; a file of another calibration is refused beside it. Accuracy: ROUNDOFF.
+#[test]
+fn a_table_has_the_tangents_of_the_calibration() {
+    let with = study("[simulation]\nlaw = \"table\"\n");
+    let record = samples::stiffness();
+    let normal = springs(&own(&with, &record, None).unwrap()).unwrap().normal;
+    let points = &record.references.iter().find(|r| r.reference == record.reference).unwrap().points;
+    assert!(points.len() > 4);
+    for point in points {
+        let k = normal.tangent(1e3 * point.force_kn) / (1e3 * point.tangent_kn_per_m);
+        assert!((k - 1.0).abs() < ROUNDOFF, "{} kN: {k}", point.force_kn);
+    }
+    assert!(
+        own(&study("[simulation]\nelement = \"published\"\n"), &record, None)
+            .unwrap()
+            .table_kn_and_kn_per_m
+            .is_empty()
+    );
+    let said = refusal(&with, LAW);
+    assert!(said.contains("simulation.law = \"table\""), "{said}");
+}
+
+/// Goal: a law written by hand is taken, and the result says what is unknown about it; wrong ones name the key and what it needs.
+#[test]
+fn a_law_written_by_hand_is_checked() {
+    let study = study("");
+    let minimal = LAW.replace(", \"reference\": \"beam\", \"range_kn\": [1, 150]", "");
+    let record = read(&study, &minimal).unwrap();
+    assert_eq!(
+        record.notes.len(),
+        5,
+        "reference, pair and range are unknown, the beam is plain, there is no condensed element: {:?}",
+        record.notes
+    );
+    assert!(matches!(&record.source, SpringsSource::File { name, .. } if name.ends_with("law.json")));
+    // Mass of the generic wheel, kg: that of its section, and the file's if it says one.
+    assert!((200.0..400.0).contains(&record.wheel_mass_kg), "{}", record.wheel_mass_kg);
+    let heavy = LAW.replace("{\"a", "{\"wheel_mass_kg\": 512, \"a");
+    assert_eq!(read(&study, &heavy).unwrap().wheel_mass_kg, 512.0);
+    for (from, to, part) in [
+        ("30000", "-30000", "a_kn_per_m = -30000: expected a number of at least 0"),
+        ("294000", "NaN", "law.json = expected value at line 1 column 37"),
+        ("294000", "1e999", "law.json = number out of range"),
+        ("294000", "\"294000\"", "invalid type: string"),
+        ("0.241104", "1", "c = 1: expected a number from 0 to below 1"),
+        ("\"c\": 0.241104, ", "", "c = (missing): expected a number"),
+        ("\"f0_kn\": 1", "\"f0_kn\": 0", "f0_kn = 0: expected a number above 0"),
+        ("\"horizontal_kn_per_m\": 4e5, ", "", "horizontal_kn_per_m = (missing)"),
+        ("4e5", "-4e5", "horizontal_kn_per_m = -400000"),
+        ("[1, 150]", "[150, 1]", "range_kn = [150, 1]: expected two ascending loads"),
+        ("\"c\":", "\"d\": 1, \"c\":", "unknown field `d`"),
+        ("\"c\":", "\"c\": 0.3, \"c\":", "duplicate field `c`"),
+        ("\"beam\"", "\"hub\"", "reference = \"hub\": expected \"foot\", \"beam\" or \"local\""),
+    ] {
+        let text = refusal(&study, &LAW.replace(from, to));
+        assert!(text.contains(part), "{part:?} in {text}");
+    }
+    let without = study_with_horizontal();
+    let law = LAW.replace("\"horizontal_kn_per_m\": 4e5, ", "");
+    assert_eq!(read(&without, &law).unwrap().horizontal_kn_per_m, 7e4);
+}
+
+fn study_with_horizontal() -> Study {
+    study("[simulation]\nhorizontal_kn_per_m = 70000\n")
+}
+
+/// Goal: a law of another reference or of another pair is refused with the reason, and taken and said where the study
+/// accepts it; so is the study's own law of another reference, before anything is computed.
+#[test]
+fn another_reference_and_another_pair_need_the_studys_word() {
+    let plain = study("[simulation]\nelement = \"published\"\n");
+    let accepting = study(
+        "[simulation]\nelement = \"published\"\nlaw_accepted = [\"another-pair\", \"another-reference\"]\n",
+    );
+    for (reference, reason) in [("foot", "a second time"), ("local", "leaves out")] {
+        let law = LAW.replace("\"beam\"", &format!("{reference:?}"));
+        let text = refusal(&plain, &law);
+        assert!(text.contains(reason) && text.contains("law_accepted = [\"another-reference\"]"), "{text}");
+        assert!(read(&accepting, &law).unwrap().notes.iter().any(|note| note.contains(reason)));
+
+        let keys = format!("[calibration]\nreference = {reference:?}\n");
+        let own = check_reference(&study(&keys)).unwrap_err().to_string();
+        assert!(own.starts_with("calibration.reference = ") && own.contains(reason), "{own}");
+        let known = format!("{keys}[simulation]\nlaw_accepted = [\"another-reference\"]\n");
+        check_reference(&study(&known)).unwrap();
+        let published = format!("{keys}[simulation]\nlaw = \"published\"\n");
+        check_reference(&study(&published)).unwrap();
+    }
+    let mut record = samples::stiffness();
+    let json = |record: &StiffnessRecord| serde_json::to_string(record).unwrap();
+    let text = refusal(&plain, &json(&record));
+    assert!(text.contains("pair = 60E1 and S1002") && text.contains("[\"another-pair\"]"), "{text}");
+    assert!(read(&accepting, &json(&record)).unwrap().notes[0].contains("another pair"));
+    record.pair = plain.pair();
+    // one of the same pair with other settings comes with its wheel and its beam
+    record.beam.length_m = plain.rail.length;
+    let sealed = record.clone().sealed();
+    let own_pair = read(&plain, &json(&sealed)).unwrap();
+    assert!(own_pair.notes.len() == 1 && own_pair.notes[0].contains("with other settings"), "{own_pair:?}");
+    assert_eq!((own_pair.wheel_mass_kg, own_pair.beam), (record.wheel_mass(), record.beam.factors));
+    let longer = StiffnessRecord { beam: BeamRecord { length_m: 2.0, ..record.beam }, ..record.clone() };
+    let longer = read(&plain, &json(&longer.sealed())).unwrap().notes;
+    assert!(longer[1].contains("of a rail of 2 m"), "{longer:?}");
+    // The study's own calibration under another name is no other law, unless it was edited.
+    record.input_hash = geometry::calibration_address(&plain).key().into();
+    let sealed = record.clone().sealed();
+    assert_eq!(read(&plain, &json(&sealed)).unwrap(), own(&plain, &sealed, None).unwrap());
+    let mut edited = sealed;
+    edited.law.constants.b_kn_per_m *= 1.001;
+    let found = read(&plain, &json(&edited)).unwrap();
+    assert!(found.notes.len() == 1 && found.notes[0].contains("was edited"), "{found:?}");
+    assert!(matches!(found.source, SpringsSource::File { .. }), "{found:?}");
+    let published = study("[simulation]\nlaw = \"published\"\n");
+    assert!(refusal(&published, LAW).starts_with("simulation.law = "));
+}
+
+/// Goal: steps with contact outside the fitted range are counted, kN; steps without contact and the initial state are not.
+#[test]
+fn leaving_the_fitted_range_is_said() {
+    let row = |n: usize, load: f64| HistoryRow {
+        time: n as f64,
+        vertical_force: load * KILONEWTON,
+        lateral_force: 0.0,
+        wheel_y: 0.0,
+        wheel_z: 0.0,
+        load_y: 0.0,
+        energy: None,
+        contacts: (load > 0.0)
+            .then(|| ContactState {
+                mode: ContactMode::Stick,
+                rail: nalgebra::Point2::origin(),
+                wheel: nalgebra::Point2::origin(),
+                normal_force: load * KILONEWTON,
+                tangential_force: 0.0,
+            })
+            .into_iter()
+            .collect(),
+    };
+    let history = |loads: &[f64]| History {
+        rows: loads.iter().enumerate().map(|(n, load)| row(n, *load)).collect(),
+        degrees_of_freedom: 1,
+        ending: Ending::Completed,
+    };
+    let record = read(&study(""), LAW).unwrap();
+    assert_eq!(range_note(&record, &history(&[0.0, 1.0, 0.0, 150.0])), None);
+    let note = range_note(&record, &history(&[0.0, 0.5, 20.0, 0.0, 160.0, 151.0])).unwrap();
+    assert!(note.contains("from 0.5 kN to 160 kN"), "{note}");
+    assert!(note.contains("of 4 steps with contact 1 lie below it and 2 above"), "{note}");
+    assert_eq!(range_note(&SpringsRecord { range_kn: None, ..record }, &history(&[0.0, 1e3])), None);
+}

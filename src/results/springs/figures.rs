@@ -1,0 +1,372 @@
+//! The figures of the report, each from plain values to SVG.
+
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+use railspring_calibrate::law::StiffnessLaw;
+use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
+
+use crate::results::bodies::touch::HertzRecord;
+use crate::results::patches::record::PatchRecord;
+use crate::results::springs::band_record::BandPointRecord;
+use crate::results::springs::record::{
+    ComplianceRecord, HorizontalRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord, TangentRecord,
+};
+use crate::rounding::with_minus_signs;
+
+use crate::report::legend::{Entry, draw_legend, legend_height};
+use crate::report::number::{WIDTH, number};
+use crate::report::panel::{Panel, stacked};
+use crate::report::plot::{
+    BLUE, DARK, Dash, GREY, LIGHT, Marker, ORANGE, RED, Series, frame, label, nice_range, px, stroke, svg,
+    tick,
+};
+
+/// Share of the longest bar below which a negative part is left to the files.
+const HARDLY_SEEN: f64 = 0.004;
+/// Points of a smooth curve.
+const CURVE_POINTS: usize = 160;
+
+/// Tangent stiffness of Hertz at a load, kN/m and kN, from that at 1 kN.
+pub(crate) fn hertz_tangent(at_one_kn: f64, force_kn: f64) -> f64 {
+    at_one_kn * force_kn.cbrt()
+}
+
+/// Tangent stiffness over load: the solid, the fitted laws, Hertz and the published law.
+pub fn law(stiffness: &StiffnessRecord) -> String {
+    let largest = stiffness.law.range_kn[1];
+    let forces: Vec<f64> = (0..=CURVE_POINTS)
+        // Denser at small loads, where the curves bend.
+        .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
+        .collect();
+    let curve = |f: &dyn Fn(f64) -> f64| forces.iter().map(|x| (*x, f(*x) * 1e-6)).collect::<Vec<_>>();
+    let hertz = stiffness.touch.hertz_kn_per_m;
+    let name = "Hertz at the first touch";
+    let mut series = vec![Series::line(name, curve(&|f| hertz_tangent(hertz, f)), GREY, Dash::Dotted)];
+    let mut marks = Vec::new();
+    for reference in &stiffness.references {
+        let (marker, color) = reference_style(&reference.reference);
+        let name = format!("solid and its law: {}", reference_name(&reference.reference));
+        series.push(Series::line("", curve(&|f| reference.law.constants.tangent(f)), color, Dash::Solid));
+        let points = reference.points.iter().map(|p| (p.force_kn, p.tangent_kn_per_m * 1e-6)).collect();
+        marks.push(Series::marks(&name, points, color, marker).sampled(Dash::Solid));
+        let bars = error_bars(stiffness, reference, |p, band| {
+            let (tangent, force) = (p.tangent_kn_per_m * 1e-6, p.force_kn);
+            [-1.0, 1.0].map(|side| (force, tangent * (1.0 + side * band.tangent.unwrap_or(f64::NAN))))
+        });
+        marks.extend(bars.map(|points| Series::line("", points, color, Dash::Solid)));
+    }
+    // On top of the lines, so that it is seen where it coincides with one of them.
+    let published = StiffnessLaw::published();
+    let tangent = |f: f64| published.tangent(f * KILONEWTON) / KILONEWTON_PER_METRE;
+    series.push(Series::line("published law", curve(&tangent), RED, Dash::Dashed));
+    series.extend(marks);
+    stacked(
+        WIDTH,
+        380,
+        &[Panel {
+            x_label: "load P, kN".into(),
+            y_label: "tangent stiffness dP/d\u{3b4}, 10\u{2076} kN/m".into(),
+            from_zero: true,
+            series,
+        }],
+    )
+}
+
+/// Load over displacement: the solid with each reference and the published law.
+pub fn displacement(stiffness: &StiffnessRecord) -> String {
+    let largest = stiffness.law.range_kn[1];
+    let published = StiffnessLaw::published();
+    let mut series = Vec::new();
+    for reference in &stiffness.references {
+        let (marker, color) = reference_style(&reference.reference);
+        let name = format!("solid: {}", reference_name(&reference.reference));
+        let points = reference.points.iter().map(|p| (p.displacement_mm, p.force_kn)).collect();
+        series.push(Series::joined(&name, points, color, Dash::Solid, marker));
+        let bars = error_bars(stiffness, reference, |p, band| {
+            let side = |side: f64| 1.0 + side * band.displacement.unwrap_or(f64::NAN);
+            [-1.0, 1.0].map(|sign| (p.displacement_mm * side(sign), p.force_kn))
+        });
+        series.extend(bars.map(|points| Series::line("", points, color, Dash::Solid)));
+    }
+    let law = (0..=CURVE_POINTS)
+        .map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2))
+        .map(|f| (published.displacement(f * KILONEWTON) / MILLIMETRE, f))
+        .collect();
+    series.push(Series::line("published law", law, RED, Dash::Dashed));
+    let hertz = stiffness.touch.hertz_kn_per_m;
+    if hertz.is_finite() && hertz > 0.0 {
+        // the integral of df/(h·f^(1/3)), mm
+        let approach = |f: f64| 1e3 * 1.5 * f.cbrt().powi(2) / hertz;
+        let curve = (0..=CURVE_POINTS).map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(2));
+        let curve = curve.map(|f| (approach(f), f)).collect();
+        series.push(Series::line("Hertz at the first touch", curve, GREY, Dash::Dotted));
+    }
+    stacked(
+        WIDTH,
+        340,
+        &[Panel {
+            x_label: "displacement \u{3b4}, mm".into(),
+            y_label: "load P, kN".into(),
+            from_zero: true,
+            series,
+        }],
+    )
+}
+
+/// The error band of a reference as a line beside each point, between the two `ends`; none where there is no band.
+fn error_bars(
+    stiffness: &StiffnessRecord,
+    reference: &ReferenceRecord,
+    ends: impl Fn(&TangentRecord, &BandPointRecord) -> [(f64, f64); 2],
+) -> Option<Vec<(f64, f64)>> {
+    let band = stiffness.error_band.as_ref()?.of(&reference.reference)?;
+    let bar = |(point, band)| -> [(f64, f64); 3] {
+        let [low, high] = ends(point, band);
+        // what is not finite parts one bar from the next
+        [low, high, (f64::NAN, f64::NAN)]
+    };
+    band.largest().map(|_| reference.points.iter().zip(&band.points).flat_map(bar).collect())
+}
+
+/// Semi-axes and largest pressure of the patch over load, Hertz beside them.
+pub fn patch(rows: &[LoadCurveRow], hertz: Option<HertzRecord>) -> String {
+    let of = |value: fn(&LoadCurveRow) -> f64| {
+        rows.iter().map(|row| (row.force_kn, value(row))).collect::<Vec<_>>()
+    };
+    let largest = rows.last().map_or(0.0, |row| row.force_kn);
+    let of_hertz = |name: &str, color, value: fn(HertzRecord) -> f64| {
+        let loads = (0..=CURVE_POINTS).map(|n| largest * (n as f64 / CURVE_POINTS as f64).powi(3));
+        hertz.map(|hertz| {
+            Series::line(name, loads.map(|f| (f, value(hertz.at(f)))).collect(), color, Dash::Dotted)
+        })
+    };
+    let axes = [
+        Series::joined("along the track", of(|r| r.semi_axis_along_mm), BLUE, Dash::Solid, Marker::Disc),
+        Series::joined("across", of(|r| r.semi_axis_across_mm), RED, Dash::Dashed, Marker::Square),
+    ];
+    let pressure =
+        Series::joined("largest pressure", of(|r| r.max_pressure_mpa), DARK, Dash::Solid, Marker::Circle);
+    let of_axes = [
+        of_hertz("Hertz, along", GREY, |h| h.semi_axis_along_mm),
+        of_hertz("Hertz, across", ORANGE, |h| h.semi_axis_across_mm),
+    ];
+    let of_pressure = of_hertz("Hertz, pressure", GREY, |h| h.max_pressure_mpa);
+    stacked(
+        WIDTH,
+        230,
+        &[
+            Panel::new(
+                "load P, kN",
+                "semi-axis, mm",
+                true,
+                of_axes.into_iter().flatten().chain(axes).collect(),
+            ),
+            Panel::new(
+                "load P, kN",
+                "largest pressure, MPa",
+                true,
+                of_pressure.into_iter().chain([pressure]).collect(),
+            ),
+        ],
+    )
+}
+
+/// The largest stresses below the patch over the load, with their depths; then over the depth for the loads of `patches`. `None` for a contact
+/// between elements, which does not resolve them.
+pub fn subsurface(rows: &[LoadCurveRow], patches: &[PatchRecord]) -> Option<String> {
+    let of = |value: fn(&LoadCurveRow) -> Option<f64>| -> Option<Vec<(f64, f64)>> {
+        rows.iter().map(|row| Some((row.force_kn, value(row)?))).collect()
+    };
+    let mises = |points| Series::joined("von Mises", points, DARK, Dash::Solid, Marker::Disc);
+    let shear = |points| Series::joined("largest shear", points, ORANGE, Dash::Dashed, Marker::Square);
+    let over_load = |name: &str, series| Panel {
+        x_label: "load P, kN".into(),
+        y_label: name.into(),
+        from_zero: true,
+        series,
+    };
+    let looks = [(GREY, Dash::Dotted), (BLUE, Dash::Dashed), (DARK, Dash::Solid)];
+    let mut profiles = Vec::new();
+    for (patch, (color, dash)) in patches.iter().zip(looks) {
+        let below = patch.below.as_ref()?;
+        let points = |values: &[f64]| below.depth_mm.iter().copied().zip(values.iter().copied()).collect();
+        let load = number((patch.force_kn * 10.0).round() / 10.0);
+        let name = format!("{load} kN: von Mises (broad), shear");
+        profiles.push(Series::line(&name, points(&below.von_mises_mpa), color, dash).broad());
+        profiles.push(Series::line("", points(&below.shear_mpa), color, dash));
+    }
+    Some(stacked(
+        WIDTH,
+        220,
+        &[
+            over_load(
+                "largest stress, MPa",
+                vec![mises(of(|row| row.max_von_mises_mpa)?), shear(of(|row| row.max_shear_mpa)?)],
+            ),
+            over_load(
+                "its depth, mm",
+                vec![mises(of(|row| row.von_mises_depth_mm)?), shear(of(|row| row.shear_depth_mm)?)],
+            ),
+            Panel {
+                x_label: "depth below the place of the largest von Mises stress, mm".into(),
+                y_label: "stress, MPa".into(),
+                from_zero: true,
+                series: profiles,
+            },
+        ],
+    ))
+}
+
+/// Where the compliance sits, one bar per load.
+pub fn compliance(rows: &[ComplianceRecord]) -> String {
+    let rows = &some_loads(rows);
+    const ROW: u32 = 34;
+    const LEFT: u32 = 84;
+    type Part = (&'static str, RGBColor, fn(&ComplianceRecord) -> f64);
+    let parts: [Part; 5] = [
+        ("local contact", DARK, |r| r.local_um_per_kn),
+        ("wheel body", BLUE, |r| r.wheel_um_per_kn),
+        ("rail body", ORANGE, |r| r.rail_um_per_kn),
+        ("rail as a beam", LIGHT, |r| r.beam_um_per_kn),
+        ("missed by the beam", RED, |r| r.beam_missing_um_per_kn),
+    ];
+    let entries: Vec<Entry> = parts.iter().map(|(name, color, _)| Entry::patch(name, *color)).collect();
+    let top = legend_height(WIDTH, &entries);
+    let height = top + ROW * rows.len() as u32 + 52;
+    svg(WIDTH, height, |root| {
+        let (legend, rest) = root.split_vertically(px(top));
+        draw_legend(&legend, WIDTH, &entries)?;
+        // Negative parts stand left of zero, so that the sum is right end less left end.
+        let side = |row: &ComplianceRecord, sign: f64| {
+            parts.iter().map(|(_, _, value)| value(row)).filter(|v| v * sign > 0.0).sum::<f64>()
+        };
+        let longest = rows.iter().map(|row| side(row, 1.0)).fold(0.0, f64::max);
+        // a part that would hardly be seen takes no room left of zero
+        let seen = |end: f64| if end < -HARDLY_SEEN * longest { end } else { end.max(0.0) };
+        let (low, high, step) =
+            nice_range(rows.iter().flat_map(|row| [side(row, 1.0), seen(side(row, -1.0))]), true);
+        let x_of =
+            |value: f64| px(LEFT) + (f64::from(px(WIDTH - LEFT - 24)) * (value - low) / (high - low)) as i32;
+        let base = px(ROW * rows.len() as u32 + 4);
+        for n in 0..=((high - low) / step).round() as usize {
+            let value = low + n as f64 * step;
+            rest.draw(&PathElement::new([(x_of(value), 0), (x_of(value), base)], stroke(LIGHT, 7)))?;
+            let style = label(11, HPos::Center, VPos::Top);
+            rest.draw(&Text::new(tick(value, step), (x_of(value), base + px(5)), style))?;
+        }
+        for (index, row) in rows.iter().enumerate() {
+            let (a, b) = (px(ROW * index as u32 + 5), px(ROW * (index as u32 + 1) - 5));
+            let middle = (a + b) / 2;
+            let style = label(12, HPos::Right, VPos::Center);
+            rest.draw(&Text::new(
+                format!("{} kN", number((row.force_kn * 10.0).round() / 10.0)),
+                (px(LEFT - 8), middle),
+                style,
+            ))?;
+            let mut ends = [0.0f64, 0.0];
+            for (_, color, value) in &parts {
+                let value = value(row);
+                if value < 0.0 && value > -HARDLY_SEEN * longest {
+                    continue;
+                }
+                let end = &mut ends[usize::from(value < 0.0)];
+                let (left, right) = (x_of(end.min(*end + value)), x_of(end.max(*end + value)));
+                *end += value;
+                let corners = [(left, a), (right, b)];
+                rest.draw(&Rectangle::new(corners, color.filled()))?;
+                rest.draw(&frame(corners, stroke(BLACK, 6)))?;
+                let dark = *color == DARK || *color == BLUE;
+                let text = with_minus_signs(&format!("{value:.3}"));
+                // A number that does not fit its part is left to the files.
+                if right - left > px(text.chars().count() as u32 * 7) {
+                    let style =
+                        label(11, HPos::Center, VPos::Center).color(if dark { &WHITE } else { &BLACK });
+                    rest.draw(&Text::new(text, ((left + right) / 2, middle), style))?;
+                }
+            }
+        }
+        rest.draw(&PathElement::new([(x_of(low), base), (x_of(high), base)], stroke(BLACK, 8)))?;
+        let style = label(12, HPos::Center, VPos::Top);
+        let at = ((x_of(low) + x_of(high)) / 2, base + px(23));
+        rest.draw(&Text::new("tangent compliance d\u{3b4}/dP, \u{b5}m/kN", at, style))?;
+        Ok(())
+    })
+}
+
+/// A handful of loads over the whole range.
+fn some_loads(rows: &[ComplianceRecord]) -> Vec<ComplianceRecord> {
+    let largest = rows.iter().map(|row| row.force_kn).fold(0.0, f64::max);
+    let mut chosen: Vec<ComplianceRecord> = Vec::new();
+    for share in [0.02, 0.05, 0.12, 0.3, 0.6, 1.0] {
+        let distance = |row: &ComplianceRecord| (row.force_kn - share * largest).abs();
+        let near = rows.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        chosen.extend(near.filter(|row| !chosen.contains(row)).copied());
+    }
+    chosen
+}
+
+/// The horizontal stiffness over the preload; `constant_kn_per_m` is the one in use.
+pub fn horizontal(horizontal: &HorizontalRecord, constant_kn_per_m: f64) -> String {
+    let points: Vec<(f64, f64)> =
+        horizontal.points.iter().map(|p| (p.preload_kn, p.stiffness_kn_per_m * 1e-6)).collect();
+    let ends = points.iter().fold((f64::INFINITY, 0.0f64), |(a, b), (x, _)| (a.min(*x), b.max(*x)));
+    let constant = constant_kn_per_m * 1e-6;
+    let band = horizontal.error_band.as_ref().and_then(|band| band.band);
+    // what is not finite parts one bar from the next
+    let bar = |&(x, y): &(f64, f64)| {
+        band.map(|band| [(x, y * (1.0 - band)), (x, y * (1.0 + band)), (f64::NAN, f64::NAN)])
+    };
+    let bars: Vec<(f64, f64)> = points.iter().filter_map(bar).flatten().collect();
+    stacked(
+        WIDTH,
+        240,
+        &[Panel {
+            x_label: "vertical preload, kN".into(),
+            y_label: "dQ/dy, 10\u{2076} kN/m".into(),
+            from_zero: true,
+            series: vec![
+                Series::line(
+                    "constant in use",
+                    vec![(ends.0, constant), (ends.1, constant)],
+                    RED,
+                    Dash::Dashed,
+                ),
+                Series::line("", bars, BLUE, Dash::Solid),
+                Series::marks("solid, sticking", points, BLUE, Marker::Disc),
+            ],
+        }],
+    )
+}
+
+/// What the figure of the horizontal stiffness shows.
+pub fn horizontal_caption(horizontal: &HorizontalRecord) -> String {
+    let bars = match horizontal.error_band.as_ref().is_some_and(|band| band.band.is_some()) {
+        true => " The bars are the error band.",
+        false => "",
+    };
+    format!("Horizontal stiffness under sticking at several preloads, and the constant in use.{bars}")
+}
+
+fn reference_style(reference: &str) -> (Marker, RGBColor) {
+    match reference {
+        "foot" => (Marker::Square, BLUE),
+        "beam" => (Marker::Disc, DARK),
+        _ => (Marker::Triangle, ORANGE),
+    }
+}
+
+/// How the report names a reference.
+fn reference_name(reference: &str) -> &str {
+    match reference {
+        "foot" => "hub against rail foot",
+        "beam" => "hub against rail section",
+        "local" => "approach of the surfaces",
+        other => other,
+    }
+}
+
+/// Keeps the references in one order for all figures.
+pub fn in_order(references: &mut [ReferenceRecord]) {
+    let rank = |name: &str| ["local", "beam", "foot"].iter().position(|known| *known == name).unwrap_or(3);
+    references.sort_by_key(|reference| rank(&reference.reference));
+}

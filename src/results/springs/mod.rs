@@ -1,0 +1,12 @@
+//! The springs of a study: laws, horizontal stiffness, their error bands and what was assumed.
+
+pub mod law;
+pub mod band_record;
+pub mod assumed_record;
+pub mod record;
+pub mod make;
+pub mod fields;
+pub mod error_band;
+pub mod assumed;
+pub mod figures;
+pub mod stage;

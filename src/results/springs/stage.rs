@@ -1,0 +1,295 @@
+//! The calibration as a stage.
+
+use crate::results::bodies::{geometry, solids, zones};
+use crate::results::springs::{assumed, error_band, fields, make};
+use std::sync::Arc;
+
+use railspring_calibrate::pair::CondensedPair;
+use railspring_profiles::error::{Error, InputError, Result, StopReason};
+use railspring_profiles::field::InputField;
+use railspring_profiles::units::MILLIMETRE;
+
+use crate::engine::stage::{Engine, Made, Stage};
+use crate::results::bodies::in_work::{REACH, Solids};
+use crate::results::bodies::source::BodySource;
+use crate::results::names::{FIGURES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION};
+use serde_json::Value;
+
+use crate::engine::list::NewFile;
+use crate::engine::measure::Stopwatch;
+use crate::engine::output::{to_csv, to_json};
+use crate::engine::seal::Sealed;
+use crate::engine::store::{Address, Artefact};
+use crate::results::bodies::estimate::Work;
+use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::zones::{Reached, Within};
+use crate::results::patches::record::PatchesRecord;
+use crate::results::springs::assumed_record::AssumedRecord;
+use crate::results::springs::band_record::{ErrorBandRecord, HorizontalBandRecord};
+use crate::results::springs::make::{Calibration, FoundSprings, PressedStudy};
+use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
+use crate::study::Study;
+
+/// The springs of the study, its load curve, patches and fields.
+pub(crate) struct Calibrate<'s, 'a> {
+    pub solids: &'s mut Solids<'a>,
+    /// Springs that were found before.
+    pub found: Option<FoundOn>,
+}
+
+/// The springs of a study on the meshes that they end with, before their fields and mostly before their error bands: all that runs on the
+/// solids need of a calibration.
+pub(crate) struct FoundOn {
+    meshes: Meshes,
+    condensed: Arc<CondensedPair>,
+    pressed: PressedStudy,
+    /// Their bands, where these have said that the meshes are fine enough.
+    band: Option<Band>,
+    /// Whether larger contact zones were refused.
+    refused: bool,
+    /// The time of the calibration so far.
+    watch: Option<Stopwatch>,
+}
+
+impl FoundOn {
+    /// The meshes, and the bodies.
+    pub fn bodies(&self) -> (&Meshes, &Arc<CondensedPair>) {
+        (&self.meshes, &self.condensed)
+    }
+
+    /// Whether all loads are carried.
+    pub fn is_whole(&self) -> bool {
+        !self.refused && self.pressed.ended().is_none()
+    }
+}
+
+/// The error bands of laws and horizontal stiffness.
+type Band = (ErrorBandRecord, Option<HorizontalBandRecord>);
+
+/// Bodies with the springs that they have.
+type Pressed = (Arc<CondensedPair>, PressedStudy);
+
+/// What goes when springs or fields change: also the fields under other loads.
+const OF_THE_CALIBRATION: [&str; 5] = [VERIFICATION, REPORT, REPORT_PDF, FIGURES, fields::FIELDS];
+
+/// Whether a part of the artefact is a file of fields.
+fn is_field(name: &str) -> bool {
+    [".vtu", ".pvd"].iter().any(|ending| name.ends_with(ending))
+}
+
+impl Stage for Calibrate<'_, '_> {
+    type Value = Calibration;
+
+    fn name(&self) -> String {
+        "calibration".into()
+    }
+
+    fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
+        Ok(geometry::calibration_address(self.solids.study))
+    }
+
+    fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
+        let springs = match self.found.take() {
+            Some(springs) => springs,
+            None => found_springs(self.solids, engine)?,
+        };
+        let at = &mut *self.solids;
+        let FoundOn { meshes, condensed, pressed, band, refused, watch } = springs;
+        at.resources.monitor.notice(&make::law_so_far(at.study, pressed.found()));
+        engine.watch = watch.or(engine.watch.take());
+        let (study, geometry) = (at.study, at.geometry()?);
+        let fields = || make::calibrate(study, &geometry, &meshes, &condensed, &pressed);
+        let band = || match band {
+            None if study.wants_error_band() => {
+                error_band(at, &geometry, &meshes, &condensed, &pressed).map(Some)
+            }
+            band => Ok(band),
+        };
+        let (fields, band) = if at.room.stages { rayon::join(fields, band) } else { (fields(), band()) };
+        let ((mut calibration, fields), band) = (fields?, band?);
+        if let Some((band, horizontal)) = band {
+            calibration.stiffness.error_band = Some(band);
+            if let Some(record) = &mut calibration.stiffness.horizontal {
+                record.error_band = horizontal;
+            }
+        }
+        calibration.stiffness.assumed = assumed(at, &geometry, (&meshes, &condensed), pressed.found())?;
+        let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
+        let reach = at.go_on_with(meshes);
+        at.condensed = (study.wants_by_angle() || study.modes() > 0).then_some(condensed);
+        let mut artefact = Artefact::default()
+            .with(REACH, to_json(&reach))
+            .with(STIFFNESS, to_json(&stiffness))
+            .with(LOAD_CURVE, to_csv(&load_curve))
+            .with(PATCHES, to_json(&patches));
+        for (name, text) in fields {
+            artefact = artefact.with(name, text);
+        }
+        let complete = horizontal_failure.is_none() && !refused;
+        // what the calibration has finished is written; a study with a stiffness goes on with it
+        let failure = horizontal_failure.filter(|_| study.simulation.horizontal.is_none());
+        Ok(Made { complete, failure, ..Made::whole(artefact) })
+    }
+
+    fn value(&mut self, artefact: &Artefact, key: &str) -> Result<Calibration> {
+        let at = &mut *self.solids;
+        let mut stiffness: StiffnessRecord = artefact.json(STIFFNESS)?;
+        label(&mut stiffness, key, at.study, &*at.geometry()?);
+        let stiffness = stiffness.sealed();
+        let load_curve = load_curve(LOAD_CURVE, artefact.text(LOAD_CURVE)?)?;
+        let mut patches: PatchesRecord = artefact.json(PATCHES)?;
+        patches.study.clone_from(&at.study.name);
+        patches.input_hash = key.into();
+        at.go_on_with_reach(artefact)?;
+        Ok(Calibration::kept(stiffness, load_curve, patches))
+    }
+
+    fn files(&self, artefact: &Artefact, value: &Calibration, key: &str) -> Vec<NewFile> {
+        let part = |name| (name, artefact.part(name).unwrap_or_default().to_vec());
+        let fields = artefact.parts().filter(|(name, _)| is_field(name));
+        let fields = fields.map(|(name, content)| (name, content.to_vec()));
+        let records =
+            [(STIFFNESS, to_json(&value.stiffness)), part(LOAD_CURVE), (PATCHES, to_json(&value.patches))];
+        let files = records.into_iter().chain(fields);
+        files.map(|(name, content)| NewFile::new(name, content, key)).collect()
+    }
+
+    fn outdates(&self) -> &'static [&'static str] {
+        &OF_THE_CALIBRATION
+    }
+
+    fn note(&self) -> Option<(&'static str, Value)> {
+        self.solids.reach_note()
+    }
+}
+
+/// Whether the calibration is to be made, as far as the store says.
+pub(crate) fn calibrates(study: &Study, engine: &Engine<'_>) -> bool {
+    let address = geometry::calibration_address(study);
+    engine.fresh || !engine.store.is_some_and(|store| store.has(&address))
+}
+
+/// The springs of the study, on meshes with zones as long and elements as fine as they have to be.
+///
+/// # Errors
+/// Those of the bodies and of pressing them.
+pub(crate) fn found_springs(at: &mut Solids<'_>, engine: &mut Engine<'_>) -> Result<FoundOn> {
+    let geometry = at.geometry()?;
+    let mut meshes = at.meshes(engine, Solids::calibration_work)?;
+    let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
+    let (source, modes) = (at.body_source(), study.modes());
+    let accept =
+        |larger: &Meshes| budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ());
+    let press = |meshes: &Meshes| {
+        let solids = solids::solids(study, &geometry, meshes);
+        let condensed = source.condensed(&solids, "", modes)?;
+        let pressed = make::press(study, &geometry, &condensed, monitor)?;
+        Ok((Arc::new(condensed), pressed))
+    };
+    let reached = |(_, pressed): &Pressed| match pressed.ended() {
+        Some(Error::Numerics(cause)) => Reached::by(cause),
+        _ => None,
+    };
+    loop {
+        let Within { result: (condensed, pressed), refused } =
+            zones::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
+                .map_err(|error| uncarried(study, error))?;
+        let mut band = None;
+        if study.wants_error_band() && study.target_error.is_some() {
+            let (band, _) = band.insert(error_band(at, &geometry, &meshes, &condensed, &pressed)?);
+            if let Some(finer) = error_band::finer_meshes(study, &geometry, &meshes, band, accept, monitor)? {
+                meshes = finer;
+                continue;
+            }
+        }
+        let watch = engine.watch.take();
+        return Ok(FoundOn { meshes, condensed, pressed, band, refused, watch });
+    }
+}
+
+/// What was assumed of the bodies, with others in their place.
+fn assumed(
+    at: &Solids<'_>,
+    geometry: &Geometry,
+    own: (&Meshes, &CondensedPair),
+    found: &FoundSprings,
+) -> Result<Option<AssumedRecord>> {
+    let (study, monitor) = (at.study, at.resources.monitor);
+    let condense = |geometry: &Geometry, meshes: &Meshes| {
+        let source = BodySource { foot_held: false, ..at.body_source() };
+        source.condensed(&solids::solids(study, geometry, meshes), " of another pair", 0)
+    };
+    assumed::assumed(study, geometry, own, found, condense, monitor)
+}
+
+/// The error bands. The bodies of coarser meshes that they need are condensed here, not beside the others: the law comes first.
+fn error_band(
+    at: &Solids<'_>,
+    geometry: &Geometry,
+    meshes: &Meshes,
+    bodies: &CondensedPair,
+    pressed: &PressedStudy,
+) -> Result<Band> {
+    let coarser = at.coarser(geometry, meshes)?;
+    let monitor = at.resources.monitor;
+    error_band::error_band(at.study, geometry, meshes, bodies, pressed.found(), &coarser, monitor)
+}
+
+/// The rows of a load curve; `path` is only named in messages.
+pub fn load_curve(path: &str, text: &str) -> Result<Vec<LoadCurveRow>> {
+    let rows = csv::Reader::from_reader(text.as_bytes()).deserialize().collect::<std::result::Result<_, _>>();
+    rows.map_err(|cause| {
+        InputError::new(
+            path,
+            cause,
+            "a load curve as `railspring calibrate` writes it",
+            "write it again with that command",
+        )
+        .into()
+    })
+}
+
+/// Puts in what a calibration carries of the study that asks for it and does not depend on, names of the study and of files, and the key of
+/// its address.
+fn label(stiffness: &mut StiffnessRecord, key: &str, study: &Study, geometry: &Geometry) {
+    stiffness.study.clone_from(&study.name);
+    stiffness.input_hash = key.into();
+    stiffness.pair = study.pair();
+    stiffness.profiles.clone_from(&geometry.profiles);
+    for (mesh, file) in stiffness.mesh.iter_mut().zip([&study.rail.mesh, &study.wheel.mesh]) {
+        mesh.file = file.as_ref().map(|file| file.file.clone());
+    }
+}
+
+/// A contact at the end of a contact zone that cannot be made larger, under so small a load that there is no law, means loads too large
+/// for the study; on a profile under the smallest load, a place at which the two profiles have no room for a contact.
+fn uncarried(study: &Study, error: Error) -> Error {
+    let Error::Numerics(cause) = &error else { return error };
+    let given = study.rail.mesh.is_some() || study.wheel.mesh.is_some();
+    let load = cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}"));
+    match cause.reason {
+        StopReason::EdgeOfCandidates if cause.step.is_none_or(|step| step == 1) => InputError::new(
+            InputField::LateralShift,
+            format!("{} mm", study.track.lateral_shift / MILLIMETRE),
+            "a place at which the contact of the smallest load lies inside both running surfaces",
+            if given {
+                "move the wheel, or enlarge the contact surfaces of the mesh files"
+            } else {
+                "move the wheel, or check gauge and flange back distance"
+            },
+        )
+        .into(),
+        StopReason::EdgeOfCandidates | StopReason::EndOfWindow => InputError::new(
+            InputField::Loads,
+            load,
+            "loads whose contact patch stays within the contact zone of the mesh",
+            if given {
+                "lower the load, or enlarge `window_half_length` and the contact surfaces of the mesh files"
+            } else {
+                "lower the load, or enlarge `window_half_length`"
+            },
+        )
+        .into(),
+        _ => error,
+    }
+}
