@@ -16,15 +16,16 @@
 
 pub mod version;
 pub mod rounding;
+pub mod hash;
 mod child;
-pub mod pdf;
 pub mod verify;
 pub mod study;
 pub mod template;
 pub mod python;
 pub mod engine;
-pub mod report;
+pub mod pdf;
 pub mod records;
+pub mod report;
 pub mod results;
 pub mod scaling;
 pub mod step_times;

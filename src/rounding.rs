@@ -56,6 +56,16 @@ pub fn ratio(slope: f64) -> String {
     }
 }
 
+/// A value of a line as plain text.
+pub fn with_unit(value: Option<f64>, unit: &str) -> String {
+    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
+    match value {
+        None => "without a value".into(),
+        // As many decimals as six digits need; limits are often short.
+        Some(value) => format!("{}{unit}", (value * 1e4).round() / 1e4),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,7 @@
 //! Source: scikit-fem's serendipity elements of 20 nodes, 1.5 by 1.125 mm at the contact with nodes in the middle of their edges, 672,000
 //! degrees of freedom, as kept in `data/crosscheck`. Units mm, kN, kN/m.
 
+use railspring::results::bodies::meshes;
 use railspring::results::bodies::{solids, zones};
 use std::path::Path;
 
@@ -44,7 +45,7 @@ fn the_fine_grid_agrees_with_elements_of_second_order() {
 
     let geometry = geometry::geometry(&study).unwrap();
     let options = zones::mesh_options(&study, &geometry);
-    let meshes = geometry::meshes(&study, &geometry, options, None, &Silent).unwrap();
+    let meshes = meshes::meshes(&study, &geometry, options, None, &Silent).unwrap();
     let solids = solids::solids(&study, &geometry, &meshes);
     let condense = |body| solids.condense(body, solids.key(body)).unwrap();
     let (rail, wheel) = rayon::join(|| condense(PairBody::RailOnEnds), || condense(PairBody::Wheel));

@@ -5,6 +5,7 @@
 //! (mm) and tangent stiffness (kN/m) of the tool under every load of the record, and the verdict. Accuracy:
 //! hashes exactly, numbers to what the order of sums on another processor may change.
 
+use railspring::results::bodies::meshes;
 use railspring::results::bodies::zones;
 use railspring::results::crosscheck::answers;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ fn read(path: &Path) -> CrosscheckRecord {
 /// The tool's load curves of a study.
 fn now(study: &Study) -> Vec<ToolCurve> {
     let geometry = geometry::geometry(study).unwrap_or_else(|e| panic!("{e}"));
-    let meshes = geometry::meshes(study, &geometry, zones::mesh_options(study, &geometry), None, &Silent)
+    let meshes = meshes::meshes(study, &geometry, zones::mesh_options(study, &geometry), None, &Silent)
         .unwrap_or_else(|e| panic!("{e}"));
     tool_curves(&answers::answers(study, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }

@@ -9,7 +9,7 @@ use super::solid::{Solid, loads};
 use super::values::{Compared, Value};
 use crate::report::number::number;
 use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord};
-use crate::results::verdict::record::with_unit;
+use crate::rounding::with_unit;
 use crate::verify::Line;
 
 /// Names of the groups that the summary speaks of.

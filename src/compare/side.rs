@@ -7,8 +7,9 @@ use railspring_simulate::time::history::History;
 use serde::de::DeserializeOwned;
 
 use super::About;
-use crate::engine::list::{Entry, RESULTS, Results, hash};
+use crate::engine::list::{Entry, RESULTS, Results};
 use crate::engine::output::{OutputFolder, parse_json, read_text};
+use crate::hash::hash;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::inputs::{INPUTS, InputsRecord};
 use crate::results::names::{LOAD_CURVE, STIFFNESS, VERIFICATION};

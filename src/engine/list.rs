@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::engine::output::OutputFolder;
+use crate::hash::hash;
 use crate::version;
 
 /// Name of the list.
@@ -225,11 +226,6 @@ impl<'a> Results<'a> {
         }
         names.iter().try_for_each(|name| self.folder.remove(name))
     }
-}
-
-/// BLAKE3 hash of a content, as hexadecimal digits.
-pub fn hash(content: &[u8]) -> String {
-    blake3::hash(content).to_hex().to_string()
 }
 
 /// The first digits of a hash.

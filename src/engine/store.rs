@@ -19,8 +19,8 @@ use railspring_profiles::error::{Error, InputError, Result};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::engine::list::hash;
 use crate::engine::output::{OutputFolder, TEMPORARY};
+use crate::hash::hash;
 use crate::python::cache_folder;
 
 /// First word of an entry; the number changes with the layout.

@@ -6,6 +6,7 @@
 //! at all, so that a later failure takes nothing away. What a stage reads, it
 //! takes only if it was made from the same inputs as it would be now.
 
+use crate::results::bodies::meshes;
 use crate::results::bodies::{geometry, sections, zones};
 use crate::results::springs::{error_band, fields, make};
 use std::path::Path;
@@ -14,9 +15,10 @@ use railspring_calibrate::mesh::MeshSize;
 use railspring_profiles::error::{Error, InputError, Result};
 use railspring_simulate::time::history::Ending;
 
-use crate::engine::list::{NewFile, hash};
+use crate::engine::list::NewFile;
 use crate::engine::output::{OutputFolder, to_json};
 use crate::engine::store::{Address, Kind};
+use crate::hash::hash;
 use crate::results::bodies::estimate::{Resources, Work};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
@@ -197,7 +199,7 @@ impl<'a> StudyRun<'a> {
         let Resources { budget, interpreter, monitor } = self.solids.resources;
         budget.check_sizes(self.study, &geometry, &Work::default())?;
         let options = zones::mesh_options(self.study, &geometry);
-        let meshes = geometry::meshes(self.study, &geometry, options, interpreter, monitor)?;
+        let meshes = meshes::meshes(self.study, &geometry, options, interpreter, monitor)?;
         let address = Address::of(Kind::Meshes, &self.study.keys.springs);
         let [of_rail, of_wheel] = [&self.study.rail.mesh, &self.study.wheel.mesh]
             .map(|file| file.as_ref().map_or(&[][..], |file| &file.groups));

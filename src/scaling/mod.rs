@@ -11,6 +11,7 @@ mod sizes;
 
 pub use power::PowerLaw;
 
+use crate::results::bodies::meshes;
 use crate::results::bodies::{geometry, solids, zones};
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::solid::START_MODES;
@@ -151,7 +152,7 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
     let Sizes { study, geometry, options, .. } = *sizes;
     let options = options.with_bodies_refined(refined);
     let (meshes, mesh) =
-        parts::timed("mesh", || geometry::meshes(study, geometry, options, interpreter, monitor))?;
+        parts::timed("mesh", || meshes::meshes(study, geometry, options, interpreter, monitor))?;
     let solids = solids::solids(study, geometry, &meshes);
     let modes = study.solid.modes.unwrap_or(START_MODES);
     let ordered = parts::Ordered::both(&solids, modes, monitor)?;

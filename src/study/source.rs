@@ -8,7 +8,7 @@ use railspring_profiles::error::{InputError, printable};
 use toml::de::{DeTable, DeValue};
 
 use super::check::join;
-use crate::engine::list::hash;
+use crate::hash::hash;
 
 /// Shown in a message as the value of a key that has to be given.
 pub(super) const MISSING: &str = "(missing)";

@@ -1,5 +1,6 @@
 //! What is made of one case of a table: its bodies and its places, each kept in the store as soon as it is there.
 
+use crate::results::bodies::meshes;
 use crate::results::bodies::{coarser, geometry, solids, zones};
 use crate::results::by_angle::make;
 use railspring_calibrate::analytic::hertz::point_contact;
@@ -14,7 +15,8 @@ use crate::engine::output::to_json;
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::results::bodies::estimate;
 use crate::results::bodies::estimate::{Resources, Room, Work};
-use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::source::BodySource;
 use crate::results::by_angle::make::PlaceSettings;
 use crate::results::by_angle::record::ShiftRecord;
@@ -211,7 +213,7 @@ impl CaseWork<'_> {
 
     fn coarser(&self, Meshed { geometry, meshes, .. }: &Meshed) -> Result<Meshes> {
         let options = coarser::coarser_options(geometry, meshes.options());
-        geometry::remeshed_with(self.study, geometry, meshes, options)
+        meshes::remeshed_with(self.study, geometry, meshes, options)
     }
 
     /// Whether the store has the place at a shift towards the rail (mm), complete.
@@ -304,7 +306,9 @@ pub(super) struct Prepared {
 /// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces
 /// as large as the loads (N), kN/m.
 fn hertz(study: &Study, geometry: &Geometry, bodies: &CondensedPair, shift: f64, loads: &[f64]) -> Vec<f64> {
-    let Ok(pair) = geometry.pair.with_wheel_at(make::tape_y(study, &geometry.pair, shift)) else {
+    let Ok(pair) =
+        geometry.pair.with_wheel_at(crate::results::bodies::places::tape_y(study, &geometry.pair, shift))
+    else {
         return Vec::new();
     };
     let [along, across] = pair.relative_radii();

@@ -4,17 +4,14 @@ use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::{COARSER, CondensedPair};
 use railspring_profiles::error::{Result, or_reason};
 
-use crate::results::bodies::geometry::{Geometry, Meshes, remeshed_with};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::{Meshes, remeshed_with};
 use crate::results::bodies::zones::extend_zones;
 use crate::study::Study;
 
 /// The part of a band that coarser meshes are.
 pub const COARSER_MESHES: &str = "coarser meshes";
 
-/// Ratio of the elements of meshes to those of the next finer ones.
-pub const FINER: f64 = std::f64::consts::SQRT_2;
-
-/// Coarser sizes with contact zones that are longer by two of their elements, so that they hold what the others hold.
 pub(crate) fn with_longer_zones(geometry: &Geometry, mut coarser: MeshOptions) -> MeshOptions {
     for half_length in [&mut coarser.window_half_length, &mut coarser.contact_half_length] {
         *half_length += 2.0 * coarser.contact_element_along;

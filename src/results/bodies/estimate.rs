@@ -7,6 +7,7 @@ pub mod condensing;
 pub mod needs;
 mod table;
 
+use crate::results::bodies::meshes;
 use crate::results::bodies::{geometry, zones};
 use std::path::Path;
 
@@ -16,7 +17,8 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::MILLIMETRE;
 
 use crate::python::Purpose;
-use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::Meshes;
 use crate::study::{Study, TransientKey};
 
 pub use crate::results::bodies::estimate::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
@@ -198,7 +200,7 @@ fn made(
     &Resources { budget, interpreter, monitor }: &Resources<'_>,
 ) -> Result<(Meshes, Estimate)> {
     budget.check_sizes(study, geometry, work)?;
-    let meshes = geometry::meshes(study, geometry, options, interpreter, monitor)?;
+    let meshes = meshes::meshes(study, geometry, options, interpreter, monitor)?;
     let estimate = budget.check(study, geometry, &meshes, work)?;
     Ok((meshes, estimate))
 }
@@ -296,7 +298,7 @@ mod tests {
         let found = estimate(&coarse, Some(64.0)).unwrap_or_else(|e| panic!("{e}"));
         let geometry = geometry::geometry(&coarse).unwrap();
         let options = zones::mesh_options(&coarse, &geometry);
-        let meshes = geometry::meshes(&coarse, &geometry, options, None, &Silent).unwrap();
+        let meshes = meshes::meshes(&coarse, &geometry, options, None, &Silent).unwrap();
         let held = meshes.rail.ends.len() + meshes.wheel.bore.len();
         assert_eq!(
             found.degrees_of_freedom(),
@@ -336,7 +338,7 @@ mod tests {
         assert!(text.contains("not counted: meshes that mesh.target_error refines"), "{text}");
         assert_eq!(found.stages[0], as_is.stages[0]);
         let mut finer = coarse;
-        finer.mesh = finer.mesh.refined(coarser::FINER);
+        finer.mesh = finer.mesh.refined(crate::results::bodies::meshes::FINER);
         let (said, counted) = (found.finer.unwrap(), &estimate(&finer, Some(64.0)).unwrap().stages[0]);
         assert!(said.memory > as_is.stages[0].memory && said.seconds > as_is.stages[0].seconds);
         assert!((said.memory / counted.memory - 1.0).abs() < MODEL, "{said:?} {counted:?}");

@@ -3,26 +3,7 @@
 //! the report and the later stages use. Files and clocks are in
 //! [`crate::pipeline`].
 
-pub use crate::results::bodies::coarser::{Coarser, CoarserBodies, FINER, coarser_bodies, coarser_options};
-pub use crate::results::bodies::on_standard::{Seams, on_standard};
-pub use crate::results::bodies::other_solids::{CoarserContact, coarser_contact};
-pub use crate::results::bodies::sections::{Assumed, repairs};
-pub use crate::results::bodies::solids::{MovingBodies, solids};
-pub use crate::results::bodies::zones::{Reached, Within, check_loads, mesh_options, within_zones};
-pub use crate::results::by_angle::make::{
-    PlaceSettings, by_angle, loads_by_angle, place, shifts, tape_y, with_element,
-};
-pub use crate::results::crosscheck::answers::{
-    AnsweredBody, AnsweredCurve, Answers, answers, faceted, rail_held,
-};
-pub use crate::results::run::make::{Springs, Tried, simulate, simulate_solid};
-pub use crate::results::springs::assumed::{assumed, others_by_body};
-pub use crate::results::springs::error_band::{check_target, error_band, finer_meshes};
-pub use crate::results::springs::fields::{FIELDS, FieldFile, mesh_vtu};
-pub use crate::results::springs::make::{
-    Calibration, FoundSprings, PressedStudy, calibrate, check_friction, contact_conditions, law_so_far, press,
-};
-
+use super::sections::Assumed;
 use super::{mesh_files, sections};
 use std::path::Path;
 
@@ -61,22 +42,6 @@ pub struct Geometry {
     pub assumed: [Option<Assumed>; 2],
     /// The pair with surfaces without a quarter of their measured points each; none where nothing scatters.
     pub replicates: Vec<Pair>,
-}
-
-/// The meshes of both bodies.
-#[derive(Clone)]
-pub struct Meshes {
-    /// The rail, in the world frame.
-    pub rail: HexMesh,
-    /// The wheel, in its body frame.
-    pub wheel: HexMesh,
-    /// Edge of the elements in the contact zone across the track, of the rail and of the wheel, m: what the study asks
-    /// for, or the longest of a mesh from a file.
-    pub contact_elements: [f64; 2],
-    /// Sizes and contact zones of the tool's own meshes.
-    pub(crate) options: MeshOptions,
-    /// Orders of the equations on them.
-    pub(crate) orders: Orders,
 }
 
 /// Address of the calibration of a study, with its fields for other programs.
@@ -183,107 +148,6 @@ fn track(study: &Study, inclination: f64) -> TrackGeometry {
         flange_back: study.track.flange_back,
         inclination,
         lateral_shift: study.track.lateral_shift,
-    }
-}
-
-/// Meshes of both bodies: the tool's own with `options`, or those of the study's mesh files, which `interpreter` reads
-/// (`None`: the Python of the cache folder). Without mesh files no Python is needed.
-///
-/// # Errors
-/// Settings that give an inverted or flat element; a missing Python, and mesh files that cannot be used.
-pub fn meshes(
-    study: &Study,
-    geometry: &Geometry,
-    options: MeshOptions,
-    interpreter: Option<&Path>,
-    monitor: &dyn Monitor,
-) -> Result<Meshes> {
-    let mut files = mesh_files::Files::new(interpreter, monitor);
-    let rail =
-        study.rail.mesh.as_ref().map(|file| files.rail(file, study, geometry, &options)).transpose()?;
-    let wheel =
-        study.wheel.mesh.as_ref().map(|file| files.wheel(file, study, geometry, &options)).transpose()?;
-    Meshes::with_own(study, geometry, rail, wheel, options)
-}
-
-/// The tool's own meshes again with the sizes of `study`; those from files stay as they are in `meshes`.
-///
-/// # Errors
-/// Settings that give an inverted or flat element.
-pub fn remeshed(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<Meshes> {
-    remeshed_with(study, geometry, meshes, mesh_options(study, geometry))
-}
-
-/// The same with given sizes and zones.
-///
-/// # Errors
-/// As [`remeshed`].
-pub fn remeshed_with(
-    study: &Study,
-    geometry: &Geometry,
-    meshes: &Meshes,
-    options: MeshOptions,
-) -> Result<Meshes> {
-    let kept = |file: &Option<MeshFile>, mesh: &HexMesh| file.as_ref().map(|_| mesh.clone());
-    let (rail, wheel) = (kept(&study.rail.mesh, &meshes.rail), kept(&study.wheel.mesh, &meshes.wheel));
-    Meshes::with_own(study, geometry, rail, wheel, options)
-}
-
-impl Meshes {
-    /// The given meshes, and the tool's own where there is none.
-    pub(crate) fn with_own(
-        study: &Study,
-        geometry: &Geometry,
-        rail: Option<HexMesh>,
-        wheel: Option<HexMesh>,
-        options: MeshOptions,
-    ) -> Result<Self> {
-        let edge = |given: &Option<HexMesh>| {
-            given.as_ref().map_or(options.contact_element, |mesh| mesh.contact.longest_across())
-        };
-        let contact_elements = [edge(&rail), edge(&wheel)];
-        let own_rail = || mesh_rail(&geometry.pair.rail, &geometry.pair.placed, study.rail.length, &options);
-        let own_wheel = || mesh_wheel(&geometry.pair.wheel, &options);
-        let (rail, wheel) =
-            rayon::join(|| rail.map_or_else(own_rail, Ok), || wheel.map_or_else(own_wheel, Ok));
-        Ok(Self { rail: rail?, wheel: wheel?, contact_elements, options, orders: Orders::default() })
-    }
-
-    /// Sizes and contact zones of the tool's own meshes.
-    pub fn options(&self) -> &MeshOptions {
-        &self.options
-    }
-
-    /// Times that the study's sizes were refined for these meshes.
-    pub fn refinements(&self, study: &Study) -> u32 {
-        let times = (study.mesh.contact_element / self.options.contact_element).ln() / FINER.ln();
-        times.round().max(0.0) as u32
-    }
-
-    /// The larger edge of the two, m.
-    pub fn contact_element(&self) -> f64 {
-        self.contact_elements[0].max(self.contact_elements[1])
-    }
-}
-
-pub(crate) fn formulation(study: &Study) -> Formulation {
-    match study.element {
-        ElementKey::IncompatibleModes => Formulation::IncompatibleModes,
-        ElementKey::FullIntegration => Formulation::FullIntegration,
-    }
-}
-
-pub(crate) fn contact_field(study: &Study) -> ContactField {
-    match study.contact.field {
-        FieldKey::Hybrid => ContactField::Hybrid,
-        FieldKey::Elements => ContactField::Elements,
-    }
-}
-
-pub(crate) fn enforcement(study: &Study) -> Enforcement {
-    match study.contact.enforcement {
-        EnforcementKey::Exact => Enforcement::Exact,
-        EnforcementKey::Penalty => Enforcement::Penalty(study.contact.penalty),
     }
 }
 

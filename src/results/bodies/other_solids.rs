@@ -11,7 +11,8 @@ use railspring_simulate::time::history::History;
 use railspring_simulate::time::scenario::Scenario;
 
 use crate::results::bodies::coarser::{on_coarser_meshes, with_longer_zones};
-use crate::results::bodies::geometry::{Geometry, Meshes, contact_field, enforcement, formulation};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::{Meshes, contact_field, enforcement, formulation};
 use crate::results::bodies::solids::MovingBodies;
 use crate::study::Study;
 

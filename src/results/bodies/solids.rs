@@ -5,7 +5,8 @@ use std::sync::Arc;
 use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids};
 use railspring_calibrate::superelement::CondensedBody;
 
-use crate::results::bodies::geometry::{Geometry, Meshes, formulation};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::{Meshes, formulation};
 use crate::study::{ReferenceKey, Study};
 
 /// The solids of a study on its meshes.

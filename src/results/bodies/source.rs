@@ -9,7 +9,8 @@ use std::sync::Mutex;
 
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::results::bodies::coarser::CoarserBodies;
-use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::solids::MovingBodies;
 use crate::study::Study;
 

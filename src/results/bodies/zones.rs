@@ -4,6 +4,7 @@
 //! Hertz patch of the largest load asks for before anything is meshed; where a run reaches the end of the zone, it is
 //! made larger, the bodies are meshed again, and the run starts again.
 
+use crate::results::bodies::meshes;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::mesh::{ContactZone, MeshOptions, SectionOutline, rail_outline, wheel_outline};
 use railspring_profiles::error::{Error, InputError, NumericsError, Result};
@@ -13,7 +14,8 @@ use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use railspring_simulate::time::history::{Ending, SurfaceEnd};
 
-use crate::results::bodies::geometry::{Geometry, Meshes, remeshed_with};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::{Meshes, remeshed_with};
 use crate::study::{FieldKey, Study};
 
 /// Times that the zone is made larger, at most.
@@ -332,6 +334,14 @@ fn reach(curve: &ProfileCurve) -> (f64, f64) {
     (depth - FROM_THE_END, curve.point(curve.length()).x - FROM_THE_END)
 }
 
+/// The tool's own meshes again with the sizes of `study`; those from files stay as they are in `meshes`.
+///
+/// # Errors
+/// Settings that give an inverted or flat element.
+pub fn remeshed(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<Meshes> {
+    remeshed_with(study, geometry, meshes, mesh_options(study, geometry))
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -377,7 +387,7 @@ mod tests {
         let notes = Notes::default();
         let geometry = geometry::geometry(&study).unwrap();
         let options = mesh_options(&study, &geometry);
-        let mut meshes = geometry::meshes(&study, &geometry, options, None, &notes).unwrap();
+        let mut meshes = meshes::meshes(&study, &geometry, options, None, &notes).unwrap();
         let press = |meshes: &Meshes| {
             let solids = solids::solids(&study, &geometry, meshes);
             let bodies = condense_all(("superelements", &notes), PairBody::of_pair(false), true, |body| {
@@ -404,7 +414,7 @@ mod tests {
         let study = flange_contact("window_half_length_mm = 12\n");
         let geometry = geometry::geometry(&study).unwrap();
         let options = mesh_options(&study, &geometry);
-        let meshes = geometry::meshes(&study, &geometry, options, None, &Notes::default()).unwrap();
+        let meshes = meshes::meshes(&study, &geometry, options, None, &Notes::default()).unwrap();
         let ended = |end| Ending::EndOfSurface { time: 0.0435, end, rail: Point2::new(-0.03, 0.01) };
         let refuse = |_: &Meshes| {
             Err(InputError::new("--memory", "1 GiB", "2 GiB for the larger meshes", "raise it").into())

@@ -18,7 +18,8 @@ use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::KILONEWTON;
 
-use crate::results::bodies::geometry::{Geometry, Meshes, formulation};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::{Meshes, formulation};
 use crate::results::bodies::solids::{rail_in_use, solids};
 use crate::study::{ReferenceKey, Study};
 

@@ -17,7 +17,8 @@ use railspring_calibrate::solid::{Material, Materials};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::{MEGAPASCAL, MILLIMETRE};
 
-use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::Meshes;
 use crate::results::crosscheck::answers::rail_held;
 use crate::study::{ElementKey, Study};
 

@@ -10,7 +10,8 @@ use railspring_profiles::error::Result;
 use serde_json::{Value, json};
 
 use crate::engine::output::OutputFolder;
-use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::Meshes;
 use crate::results::crosscheck::answers::{Answers, rail_held};
 use crate::study::Study;
 

@@ -17,6 +17,7 @@ pub mod sections;
 pub mod stage;
 pub mod page;
 
+use crate::results::bodies::meshes;
 use crate::results::bodies::{geometry, zones};
 use std::time::Instant;
 
@@ -30,7 +31,8 @@ use crate::python;
 use crate::python::{Purpose, Python};
 use crate::results::bodies::estimate;
 use crate::results::bodies::estimate::{Resources, Work};
-use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::Meshes;
 use crate::results::crosscheck::answers::Answers;
 use crate::results::crosscheck::calculix::displacement_at;
 use crate::results::crosscheck::compare::{MODEL, ReferenceResult, compare, limits};
@@ -72,7 +74,7 @@ pub fn prepare(study: &Study, cases: &[Case], resources: &Resources<'_>) -> Resu
         let mut finer = study.clone();
         finer.mesh.contact_element *= FINER;
         finer.mesh.contact_element_along *= FINER;
-        Some(geometry::remeshed(&finer, &geometry, &meshes)?)
+        Some(crate::results::bodies::zones::remeshed(&finer, &geometry, &meshes)?)
     } else {
         None
     };

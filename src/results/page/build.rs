@@ -3,6 +3,7 @@
 //! Everything the page shows comes in through [`ReportData`]; nothing is
 //! computed here but what a picture or a table needs.
 
+use super::data::ReportData;
 use super::first_screen;
 use crate::report::{html, number};
 use crate::results::bodies::outline_figure::{BodyOutline, ProfilePair};
@@ -24,45 +25,6 @@ use crate::results::patches::record::PatchesRecord;
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::verdict::record::VerificationRecord;
 use crate::study::ResolvedKey;
-
-/// Everything the report shows.
-#[derive(Debug, Clone)]
-pub struct ReportData<'a> {
-    /// Name of the study.
-    pub name: &'a str,
-    /// What the study is about.
-    pub description: &'a str,
-    /// File of the study, without its folders, and the BLAKE3 hash of its text; none of both for a study without a file.
-    pub file: Option<(String, String)>,
-    /// The study's keys.
-    pub inputs: &'a [ResolvedKey],
-    /// The springs.
-    pub stiffness: &'a StiffnessRecord,
-    /// The load curve with the reference in use.
-    pub load_curve: &'a [LoadCurveRow],
-    /// The contact patches under some loads.
-    pub patches: &'a PatchesRecord,
-    /// The laws by contact angle, if there are any.
-    pub by_angle: Option<&'a StiffnessByAngleRecord>,
-    /// The two profiles.
-    pub profiles: &'a ProfilePair,
-    /// The measured profiles on their standards.
-    pub surfaces: &'a [OnStandard],
-    /// The outlines of both bodies, rail first.
-    pub bodies: &'a [BodyOutline; 2],
-    /// The load cases.
-    pub scenarios: Vec<ScenarioRun<'a>>,
-    /// Time over which Q and P are averaged, s.
-    pub ratio_window: f64,
-    /// The verdict.
-    pub verdict: &'a VerificationRecord,
-    /// The programs that made the files which the report is from.
-    pub programs: &'a [String],
-    /// Time, memory, host.
-    pub measured: &'a Measured,
-    /// What independent programs say.
-    pub crosscheck: crosscheck::page::Crosscheck<'a>,
-}
 
 /// The page and its figures.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::report::number::number;
-use crate::results::page::build::ReportData;
+use crate::results::page::data::ReportData;
 use crate::results::run::record::SpringsSource;
 use crate::results::springs::record::{LawRecord, StiffnessRecord};
 use crate::results::verdict::reasons::reason;

@@ -1,5 +1,6 @@
 //! The report: one page with all figures.
 
+pub mod data;
 pub mod first_screen;
 pub mod build;
 pub mod stage;

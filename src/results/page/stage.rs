@@ -15,7 +15,7 @@ use crate::results::crosscheck::record::{CrosscheckRecord, Differences, SectionD
 use crate::results::names::{
     CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, REPORT, REPORT_PDF, STIFFNESS,
 };
-use crate::results::page::build::ReportData;
+use crate::results::page::data::ReportData;
 use crate::results::run::figures::{ModelRun, ScenarioRun};
 use crate::results::run::stage::{Other, Run, Runs};
 use crate::results::springs::make::Calibration;

@@ -15,8 +15,8 @@ use crate::report::plot::{
     Area, BLUE, DARK, Dash, Drawn, GREY, LIGHT, ORANGE, Series, label, nice_step, px, stroke, svg, tick,
 };
 use crate::results::bodies::outline_figure::ProfilePair;
+use crate::results::bodies::profile_view::{WHEEL_FILL, Window, fine};
 use crate::results::patches::figure::loads;
-use crate::results::run::positions_figure::{WHEEL_FILL, Window, fine};
 
 /// Height of the pictures, px.
 const PICTURE: u32 = 300;

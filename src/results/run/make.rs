@@ -12,7 +12,8 @@ use railspring_simulate::time::history::History;
 use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
 
-use crate::results::bodies::geometry::{Geometry, Meshes, contact_field, enforcement, formulation};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::{Meshes, contact_field, enforcement, formulation};
 use crate::results::bodies::other_solids::{CoarserContact, OtherSolids, path_on};
 use crate::results::bodies::solids::MovingBodies;
 use crate::study::{ContactElementKey, SlidingMatrixKey, Study, StudyScenario, TransientKey};

@@ -2,8 +2,8 @@
 
 pub mod record;
 pub mod history_csv;
-pub mod springs;
 pub mod make;
+pub mod springs;
 pub mod figures;
 pub mod positions_figure;
 pub mod stage;

@@ -18,15 +18,15 @@ use railspring_simulate::element::condensed::parts::PairElement;
 use railspring_simulate::time::history::{History, HistoryRow};
 
 pub use self::file::{element_of, from_file};
-use crate::engine::list::hash;
 use crate::engine::output::to_json;
+use crate::hash::hash;
 use crate::results::bodies::geometry::Geometry;
 use crate::results::by_angle::element::ElementRecord;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::run::make::Springs;
 use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
-use crate::results::verdict::record::with_unit;
+use crate::rounding::with_unit;
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, ReferenceKey, Study};
 
 /// Key that accepts what is refused otherwise.

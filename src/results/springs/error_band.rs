@@ -8,8 +8,10 @@ use railspring_profiles::error::{Error, InputError, Result};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
-use crate::results::bodies::coarser::{COARSER_MESHES, Coarser, CoarserBodies, FINER, bodies_of};
-use crate::results::bodies::geometry::{Geometry, Meshes, remeshed_with};
+use crate::results::bodies::coarser::{COARSER_MESHES, Coarser, CoarserBodies, bodies_of};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::FINER;
+use crate::results::bodies::meshes::{Meshes, remeshed_with};
 use crate::results::springs::band_record::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };

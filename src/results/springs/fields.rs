@@ -12,7 +12,8 @@ use railspring_calibrate::superelement::CondensedBody;
 use railspring_profiles::error::Result;
 use railspring_profiles::units::KILONEWTON;
 
-use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::Meshes;
 use crate::results::patches::make::chosen;
 use crate::study::{OutputKeys, SolidLoadsKey, VerticalKey};
 

@@ -19,8 +19,9 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::results::bodies::geometry;
-use crate::results::bodies::geometry::{Geometry, Meshes, contact_field, enforcement};
+use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::mesh_files::named;
+use crate::results::bodies::meshes::{Meshes, contact_field, enforcement};
 use crate::results::bodies::record::BodyMeshRecord;
 use crate::results::bodies::solids::{rail_in_use, solids};
 use crate::results::bodies::touch::{HertzRecord, TouchRecord};

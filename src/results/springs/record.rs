@@ -1,35 +1,17 @@
 //! The content of the result files: the values that the stages return to the
 //! report and to later commands, in the units that the files name.
 
+use super::assumed_record::AssumedRecord;
+use super::band_record::{ErrorBandRecord, HorizontalBandRecord};
+use super::law::LawConstants;
 use crate::engine::seal::Sealed;
+use crate::results::bodies::touch::TouchRecord;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::bodies::record::{BodyMeshRecord, ProfileRecord};
 use crate::study::PairRecord;
 use railspring_calibrate::beam::BeamCorrection;
-
-pub use crate::results::bodies::reach::Reach;
-pub use crate::results::bodies::touch::{HertzRecord, TouchRecord};
-pub use crate::results::by_angle::element::{
-    ElasticWheelRecord, ElementRecord, EndPlaceRecord, HeldEndRecord, HubDeviationRecord, StripRecord,
-};
-pub use crate::results::by_angle::record::{
-    AngleLawRecord, BY_ANGLE, ByAngleRow, FixedLoadRecord, FixedReferenceRecord, ShiftRecord,
-    ShiftTouchRecord, StiffnessByAngleRecord,
-};
-pub use crate::results::inputs::{INPUTS, InputsRecord};
-pub use crate::results::patches::record::{BelowRecord, PatchRecord, PatchesRecord, PointState};
-pub use crate::results::run::record::{RUN_NOTE, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
-pub use crate::results::springs::assumed_record::{AssumedRecord, AssumedReference, OtherRecord};
-pub use crate::results::springs::band_record::{
-    BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
-};
-pub use crate::results::springs::law::LawConstants;
-pub use crate::results::verdict::record::{
-    ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,
-    with_unit,
-};
 
 /// `stiffness.json`: the springs and what made them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,10 +3,9 @@
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::run::stage::Runs;
 use crate::results::springs::record::StiffnessRecord;
-use crate::results::verdict::record::{
-    ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord, with_unit,
-};
+use crate::results::verdict::record::{ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord};
 use crate::rounding::significant;
+use crate::rounding::with_unit;
 use crate::study::Study;
 use crate::verify::{Line, touches_with_flange};
 

@@ -1,5 +1,6 @@
 //! `verification.json`: the verdict.
 
+use crate::rounding::with_unit;
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
@@ -290,15 +291,5 @@ impl VerificationRecord {
                 })
             ),
         }
-    }
-}
-
-/// A value of a line as plain text.
-pub fn with_unit(value: Option<f64>, unit: &str) -> String {
-    let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-    match value {
-        None => "without a value".into(),
-        // As many decimals as six digits need; limits are often short.
-        Some(value) => format!("{}{unit}", (value * 1e4).round() / 1e4),
     }
 }

@@ -2,8 +2,7 @@
 //! from them with the constants below, which were measured on whole runs.
 
 use crate::results::bodies::{coarser, solids};
-use crate::results::by_angle::make;
-use crate::results::springs::assumed;
+use crate::results::bodies::{others, places};
 use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
 use railspring_calibrate::superelement::FactorSize;
@@ -11,10 +10,11 @@ use railspring_profiles::error::Result;
 use railspring_simulate::time::steps::InnerSteps;
 
 use crate::python::Purpose;
-use crate::results::bodies::coarser::FINER;
 use crate::results::bodies::estimate::Work;
 use crate::results::bodies::estimate::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};
-use crate::results::bodies::geometry::{Geometry, Meshes};
+use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::meshes::FINER;
+use crate::results::bodies::meshes::Meshes;
 use crate::study::{FieldKey, Study, TransientKey};
 
 /// Bytes of Python with NumPy and SciPy.
@@ -385,12 +385,12 @@ fn by_angle(
     base: f64,
 ) -> Result<StageEstimate> {
     // each thread presses the wheel in one place, and keeps no state but the last
-    let shifts = make::shifts(study, &geometry.pair).len() as f64;
+    let shifts = places::shifts(study, &geometry.pair).len() as f64;
     let threads = (rayon::current_num_threads() as f64).min(shifts);
     // one more of the rail is against its section
     let ways = ways_held(study);
     let mut kept = wheel.dense() + (ways + 1.0) * rail.dense();
-    let mut of_a_shift = ways * pressing(study, &make::loads_by_angle(study), candidates);
+    let mut of_a_shift = ways * pressing(study, &places::loads_by_angle(study), candidates);
     if study.wants_error_band() {
         let loads = FIXED_LOADS_CHANGED as f64;
         let (on_grids, of_a_load) = changed(study);
@@ -439,7 +439,7 @@ fn resized(
 
 /// The pair with others in the place of the bodies and places that are assumed, one after the other, if any are.
 fn others(study: &Study, geometry: &Geometry, [rail, wheel]: [&Body; 2], base: f64) -> Option<StageEstimate> {
-    let [rails, wheels] = assumed::others_by_body(study, geometry).map(|count| count as f64);
+    let [rails, wheels] = others::others_by_body(study, geometry).map(|count| count as f64);
     if rails + wheels == 0.0 {
         return None;
     }

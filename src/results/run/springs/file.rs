@@ -9,9 +9,9 @@ use railspring_simulate::element::condensed::parts::PairElement;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use crate::engine::list::hash;
 use crate::engine::output::read_text;
 use crate::engine::seal::Sealed;
+use crate::hash::hash;
 use crate::results::bodies::geometry::Geometry;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::run::record::{SpringsRecord, SpringsSource};
