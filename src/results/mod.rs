@@ -16,3 +16,5 @@ pub mod stored;
 pub mod commands;
 #[cfg(test)]
 pub(crate) mod samples;
+#[cfg(test)]
+mod tests;

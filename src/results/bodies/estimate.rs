@@ -277,7 +277,6 @@ mod tests {
     use railspring_profiles::monitor::Silent;
 
     use super::*;
-    use crate::results::bodies::coarser;
 
     const COARSE: &str = include_str!("../../../tests/studies/coarse.toml");
 

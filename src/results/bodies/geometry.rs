@@ -3,19 +3,14 @@
 //! the report and the later stages use. Files and clocks are in
 //! [`crate::pipeline`].
 
+use super::sections;
 use super::sections::Assumed;
-use super::{mesh_files, sections};
-use std::path::Path;
 
 use nalgebra::Point2;
 use railspring_calibrate::beam::RailBeam;
-use railspring_calibrate::calibration::{ContactField, Enforcement};
-use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
-use railspring_calibrate::pair::{Orders, Pair};
-use railspring_calibrate::solid::Formulation;
+use railspring_calibrate::pair::Pair;
 use railspring_profiles::error::{Error, InputError, Result};
 use railspring_profiles::field::InputField;
-use railspring_profiles::monitor::Monitor;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::profile_file::ProfileKind;
@@ -26,7 +21,7 @@ use crate::engine::store::{Address, Kind};
 use crate::results::bodies::outline_figure::{BodyOutline, ProfilePair};
 use crate::results::bodies::record::ProfileRecord;
 use crate::results::bodies::surface_figure::OnStandard;
-use crate::study::{ElementKey, EnforcementKey, FieldKey, MeshFile, Study};
+use crate::study::Study;
 
 /// The two sections in place, and where they first touch.
 pub struct Geometry {

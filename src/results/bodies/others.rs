@@ -225,3 +225,22 @@ pub(crate) fn other_rails(base: &str) -> Vec<&'static str> {
     let above = RAIL_NAMES.into_iter().filter(|name| area(name) > (1.0 + APART) * own).min_by(lighter);
     below.into_iter().chain(above).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goal: values both ways, the ends among them and no two farther apart than the step. Accuracy: ROUNDOFF.
+    #[test]
+    fn values_both_ways_have_their_ends() {
+        for (most, count) in [(3.0, 4), (0.75, 1), (0.5, 1), (0.76, 2)] {
+            let values = both_ways(most, 0.75);
+            assert_eq!((values.len(), values[0], values[2 * count - 1]), (2 * count, -most, most));
+            assert!(
+                values
+                    .windows(2)
+                    .all(|w| w[1] - w[0] <= if w[0] < 0.0 && w[1] > 0.0 { 1.5 } else { 0.75 } + 1e-12)
+            );
+        }
+    }
+}

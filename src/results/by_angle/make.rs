@@ -4,7 +4,7 @@ use nalgebra::Matrix2;
 use railspring_calibrate::calibration::{LoadPoint, NormalCalibration, Reference};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_calibrate::pair::{
-    AngleLaw, AngleSettings, CondensedPair, FixedLoad, Pair, PressDirection, ShiftLaw, TouchPoint,
+    AngleLaw, AngleSettings, CondensedPair, FixedLoad, PressDirection, ShiftLaw, TouchPoint,
     changed_by_shift, law_by_shift,
 };
 use railspring_profiles::error::{Error, Result, StopReason};

@@ -17,7 +17,6 @@ pub mod sections;
 pub mod stage;
 pub mod page;
 
-use crate::results::bodies::meshes;
 use crate::results::bodies::{geometry, zones};
 use std::time::Instant;
 

@@ -6,7 +6,6 @@
 use super::data::ReportData;
 use super::first_screen;
 use crate::report::{html, number};
-use crate::results::bodies::outline_figure::{BodyOutline, ProfilePair};
 use crate::results::bodies::surface_figure::OnStandard;
 use crate::results::bodies::{outline_figure, surface_figure};
 use crate::results::by_angle::statics_figure;
@@ -18,13 +17,7 @@ use crate::results::verdict::tables;
 use crate::results::{by_angle, crosscheck, patches};
 use serde_json::{Value, json};
 
-use crate::engine::measured::Measured;
 use crate::report::collector::Collector;
-use crate::results::by_angle::record::StiffnessByAngleRecord;
-use crate::results::patches::record::PatchesRecord;
-use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
-use crate::results::verdict::record::VerificationRecord;
-use crate::study::ResolvedKey;
 
 /// The page and its figures.
 #[derive(Debug, Clone, PartialEq)]

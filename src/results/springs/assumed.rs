@@ -11,11 +11,11 @@ use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::{CondensedPair, Laws};
 use railspring_profiles::error::{Result, or_reason};
 use railspring_profiles::monitor::Monitor;
-use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
+use railspring_profiles::units::KILONEWTON_PER_METRE;
 
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::Meshes;
-use crate::results::bodies::others::{Open, Other, Part, assumptions, others};
+use crate::results::bodies::others::{Other, Part, assumptions, others};
 use crate::results::bodies::zones::mesh_options;
 use crate::results::springs::assumed_record::{AssumedRecord, AssumedReference, OtherRecord};
 use crate::results::springs::make::{FoundSprings, contact_conditions};
@@ -177,24 +177,5 @@ fn range(reference: &str, others: &[OtherRecord]) -> AssumedReference {
         reference: reference.into(),
         displacement: of(|other| &other.displacement),
         tangent: of(|other| &other.tangent),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Goal: values both ways, the ends among them and no two farther apart than the step. Accuracy: ROUNDOFF.
-    #[test]
-    fn values_both_ways_have_their_ends() {
-        for (most, count) in [(3.0, 4), (0.75, 1), (0.5, 1), (0.76, 2)] {
-            let values = both_ways(most, 0.75);
-            assert_eq!((values.len(), values[0], values[2 * count - 1]), (2 * count, -most, most));
-            assert!(
-                values
-                    .windows(2)
-                    .all(|w| w[1] - w[0] <= if w[0] < 0.0 && w[1] > 0.0 { 1.5 } else { 0.75 } + 1e-12)
-            );
-        }
     }
 }

@@ -6,6 +6,8 @@ use crate::results::crosscheck::page::Crosscheck;
 use crate::results::run::figures::ModelRun;
 use crate::results::run::record::RunRecord;
 use crate::results::samples;
+use crate::results::springs::record::StiffnessRecord;
+use crate::results::verdict::record::VerificationRecord;
 use crate::results::verdict::record::{ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject};
 use crate::verify;
 use crate::verify::{Band, Carrying, ChangedLimit, Limits, Spread, Worth, compare};

@@ -1,0 +1,4 @@
+//! Tests of several results together.
+
+mod worn;
+mod zones;
