@@ -1,9 +1,8 @@
 //! Fits the contact springs between a railway wheel and a rail, and verifies them against a solid model.
 //!
 //! [`railspring_calibrate`] turns two profiles into a stiffness law, and [`railspring_simulate`] runs a wheel with that law on
-//! a rail of beams. This crate is the program around them: it reads a study ([`study`]), runs its stages ([`pipeline`]),
-//! compares the simple model with the solid one ([`verify`]), and writes result files and a report ([`records`],
-//! [`mod@report`]). Whoever needs a law or a simulation in a program uses the two libraries; this one belongs to the command
+//! a rail of beams. This crate is the program around them: it reads a study ([`study`]), makes its results ([`results`]) or takes
+//! them from store and folder ([`engine`]), and compares the simple model with the solid one ([`verify`]). Whoever needs a law or a simulation in a program uses the two libraries; this one belongs to the command
 //! `railspring` and may change with every version.
 //!
 //! The modules stand in the order of the pipeline: a module uses only those

@@ -1,7 +1,4 @@
-//! The stages of a study as functions from values to values: each calls the
-//! library for one stage and puts the answer into the records that the files,
-//! the report and the later stages use. Files and clocks are in
-//! [`crate::pipeline`].
+//! The two sections of a study in the track, and where they first touch.
 
 use super::sections;
 use super::sections::Assumed;

@@ -57,7 +57,7 @@ pub fn meshes(
 /// The same with given sizes and zones.
 ///
 /// # Errors
-/// As [`remeshed`].
+/// As [`meshes`].
 pub fn remeshed_with(
     study: &Study,
     geometry: &Geometry,

@@ -144,7 +144,10 @@ fn the_window_follows_the_patch_unless_the_study_gives_it() {
     study.calibration.loads = vec![85e3];
     let geometry = geometry::geometry(&study).unwrap();
     let [along, across] = geometry.pair.relative_radii();
-    let hertz = |load| point_contact(load, along, across, study.rail.material.contact_modulus(&study.wheel.material)).unwrap();
+    let hertz = |load| {
+        point_contact(load, along, across, study.rail.material.contact_modulus(&study.wheel.material))
+            .unwrap()
+    };
     let patch = hertz(85e3 / geometry.pair.touch.contact_angle.cos()).semi_axis_x;
     assert!(patch > 1.3 * hertz(85e3).semi_axis_x, "{patch}");
     let notes = Notes::default();
