@@ -3,6 +3,7 @@
 //! Nothing here knows a result: what one is made from, how, and which files it becomes is said in its folder of [`crate::results`].
 
 pub mod output;
+pub mod columns;
 pub mod list;
 pub mod store;
 pub mod measured;

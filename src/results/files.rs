@@ -6,7 +6,8 @@ use serde_json::Value;
 use crate::engine::list::RESULTS;
 use crate::engine::measured::Measured;
 use crate::engine::stage::MEASURED;
-use crate::results::by_angle::record::{BY_ANGLE, ByAngleRow, StiffnessByAngleRecord};
+use crate::results::by_angle::columns::row_schema;
+use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::inputs::{INPUTS, InputsRecord};
 use crate::results::names::{
     BY_ANGLE_ROWS, CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF,
@@ -63,7 +64,7 @@ pub const RESULT_FILES: [ResultFile; 29] = [
     file(LOAD_CURVE, "run, fit, calibrate", "a row for each load, with the reference in use").with(of::<LoadCurveRow>),
     file(BY_ANGLE, "run, fit, calibrate", "laws and stiffness along the contact normal with the wheel on tread, gauge corner and flange, and the condensed contact element")
         .with(of::<StiffnessByAngleRecord>),
-    file(BY_ANGLE_ROWS, "run, fit, calibrate", "the same at fixed loads, a row for each shift, load and reference").with(of::<ByAngleRow>),
+    file(BY_ANGLE_ROWS, "run, fit, calibrate", "the same at fixed loads, a row for each shift, load and reference").with(row_schema),
     file(PATCHES, "run, fit, calibrate", "pressure, stick and slip of the contact points on the rail under the smallest, a middle and the largest load")
         .with(of::<PatchesRecord>),
     file("history.csv", "run, simulate", "the main load case on the simple model, a row for each time step: forces, places, contacts, balance of energy"),

@@ -59,7 +59,7 @@ pub fn stiffness(laws: &StiffnessByAngleRecord) -> String {
                 let at = |place: usize| place as f64 + beside;
                 let tangent = |shift: &ShiftRecord| {
                     let at = shift.loads.iter().find(|at| at.force_kn == *load)?;
-                    let point = at.references.iter().find(|point| point.reference == reference)?;
+                    let point = at.reference(reference)?;
                     Some(point.tangent_kn_per_m * 1e-6)
                 };
                 // a shift that does not carry the load interrupts the line

@@ -249,9 +249,7 @@ fn law_entry(calibration: &NormalCalibration) -> AngleLawRecord {
 
 /// Where the displacement of the condensed element's hub is farthest from the solid's.
 fn farthest(records: &[ShiftRecord]) -> Option<HubDeviationRecord> {
-    let beam = |load: &FixedLoadRecord| {
-        load.references.iter().find(|at| at.reference == Reference::Beam.name()).map(|at| at.displacement_mm)
-    };
+    let beam = |load: &FixedLoadRecord| load.reference(Reference::Beam.name()).map(|at| at.displacement_mm);
     let of_place = |record: &ShiftRecord| -> Vec<HubDeviationRecord> {
         let Some(whole) = record.loads.last().and_then(beam) else { return Vec::new() };
         let deviation = |load: &FixedLoadRecord| {

@@ -2,6 +2,7 @@
 
 pub mod element;
 pub mod record;
+pub mod columns;
 pub mod make;
 pub mod figure;
 pub mod statics_figure;

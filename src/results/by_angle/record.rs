@@ -145,6 +145,13 @@ pub struct FixedLoadRecord {
     pub shear_depth_mm: Option<f64>,
 }
 
+impl FixedLoadRecord {
+    /// Displacement and tangent with a reference; none where its law does not have the load.
+    pub fn reference(&self, name: &str) -> Option<&FixedReferenceRecord> {
+        self.references.iter().find(|at| at.reference == name)
+    }
+}
+
 /// The solid under a fixed load with one reference.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FixedReferenceRecord {
@@ -164,61 +171,6 @@ pub struct FixedReferenceRecord {
     pub sliding_um_per_kn: Option<f64>,
 }
 
-/// One row of `stiffness_by_angle.csv`: a shift, a fixed load and a reference; a shift without a law has one row with its reason.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[allow(missing_docs)] // the columns are fields of the records above
-pub struct ByAngleRow {
-    pub shift_mm: f64,
-    pub contact_angle_deg: Option<f64>,
-    pub rail_y_mm: Option<f64>,
-    pub rail_z_mm: Option<f64>,
-    pub wheel_y_mm: Option<f64>,
-    pub wheel_z_mm: Option<f64>,
-    pub reference: String,
-    pub force_kn: Option<f64>,
-    pub displacement_mm: Option<f64>,
-    pub tangent_kn_per_m: Option<f64>,
-    pub displacement_rel_error_band: Option<f64>,
-    pub tangent_rel_error_band: Option<f64>,
-    pub grid_displacement_rel_change: Option<f64>,
-    pub grid_tangent_rel_change: Option<f64>,
-    pub mesh_displacement_rel_change: Option<f64>,
-    pub mesh_tangent_rel_change: Option<f64>,
-    pub scatter_displacement_rel_uncertainty: Option<f64>,
-    pub scatter_tangent_rel_uncertainty: Option<f64>,
-    pub horizontal_kn_per_m: Option<f64>,
-    pub tangential_kn_per_m: Option<f64>,
-    pub lateral_contact_um_per_kn: Option<f64>,
-    pub contact_area_mm2: Option<f64>,
-    pub max_pressure_mpa: Option<f64>,
-    pub semi_axis_along_mm: Option<f64>,
-    pub semi_axis_across_mm: Option<f64>,
-    pub max_von_mises_mpa: Option<f64>,
-    pub von_mises_depth_mm: Option<f64>,
-    pub max_shear_mpa: Option<f64>,
-    pub shear_depth_mm: Option<f64>,
-    pub local_um_per_kn: Option<f64>,
-    pub wheel_um_per_kn: Option<f64>,
-    pub rail_um_per_kn: Option<f64>,
-    pub sliding_um_per_kn: Option<f64>,
-    pub law_a_kn_per_m: Option<f64>,
-    pub law_b_kn_per_m: Option<f64>,
-    pub law_c: Option<f64>,
-    pub law_from_kn: Option<f64>,
-    pub law_to_kn: Option<f64>,
-    pub law_max_rel_error: Option<f64>,
-    pub published_secant_ratio: Option<f64>,
-    pub error_band_missing: String,
-    pub reason: String,
-}
-
-impl StiffnessByAngleRecord {
-    /// The rows of the CSV file.
-    pub fn rows(&self) -> Vec<ByAngleRow> {
-        self.shifts.iter().flat_map(ShiftRecord::rows).collect()
-    }
-}
-
 impl ShiftRecord {
     /// Contact angle at the first touch, degrees.
     pub fn angle(&self) -> Option<f64> {
@@ -229,81 +181,5 @@ impl ShiftRecord {
     pub fn band(&self, reference: &str, force_kn: f64) -> Option<&BandPointRecord> {
         let band = self.error_band.as_ref()?.of(reference)?;
         band.points.iter().find(|point| point.force_kn == force_kn)
-    }
-
-    fn rows(&self) -> Vec<ByAngleRow> {
-        let shift = ByAngleRow {
-            shift_mm: self.shift_mm,
-            contact_angle_deg: self.angle(),
-            rail_y_mm: self.touch.map(|touch| touch.rail_y_mm),
-            rail_z_mm: self.touch.map(|touch| touch.rail_z_mm),
-            wheel_y_mm: self.touch.map(|touch| touch.wheel_y_mm),
-            wheel_z_mm: self.touch.map(|touch| touch.wheel_z_mm),
-            published_secant_ratio: self.published_secant_ratio,
-            error_band_missing: self
-                .error_band
-                .as_ref()
-                .map(|band| band.missing.join("; "))
-                .unwrap_or_default(),
-            reason: self.reason.clone().unwrap_or_default(),
-            ..ByAngleRow::default()
-        };
-        if self.laws.is_empty() {
-            return vec![shift];
-        }
-        let mut rows = Vec::new();
-        for law in &self.laws {
-            let reference = ByAngleRow {
-                reference: law.reference.clone(),
-                law_a_kn_per_m: Some(law.law.constants.a_kn_per_m),
-                law_b_kn_per_m: Some(law.law.constants.b_kn_per_m),
-                law_c: Some(law.law.constants.c),
-                law_from_kn: Some(law.law.range_kn[0]),
-                law_to_kn: Some(law.law.range_kn[1]),
-                law_max_rel_error: Some(law.law.max_rel_error),
-                ..shift.clone()
-            };
-            let before = rows.len();
-            for load in &self.loads {
-                let Some(point) = load.references.iter().find(|p| p.reference == law.reference) else {
-                    continue;
-                };
-                let band = self.band(&law.reference, load.force_kn);
-                rows.push(ByAngleRow {
-                    force_kn: Some(load.force_kn),
-                    displacement_mm: Some(point.displacement_mm),
-                    tangent_kn_per_m: Some(point.tangent_kn_per_m),
-                    displacement_rel_error_band: band.and_then(|b| b.displacement),
-                    tangent_rel_error_band: band.and_then(|b| b.tangent),
-                    grid_displacement_rel_change: band.and_then(|b| b.grid_displacement),
-                    grid_tangent_rel_change: band.and_then(|b| b.grid_tangent),
-                    mesh_displacement_rel_change: band.and_then(|b| b.mesh_displacement),
-                    mesh_tangent_rel_change: band.and_then(|b| b.mesh_tangent),
-                    scatter_displacement_rel_uncertainty: band.and_then(|b| b.scatter_displacement),
-                    scatter_tangent_rel_uncertainty: band.and_then(|b| b.scatter_tangent),
-                    horizontal_kn_per_m: Some(load.horizontal_kn_per_m),
-                    tangential_kn_per_m: Some(load.tangential_kn_per_m),
-                    lateral_contact_um_per_kn: load.lateral_contact_um_per_kn,
-                    contact_area_mm2: Some(load.contact_area_mm2),
-                    max_pressure_mpa: Some(load.max_pressure_mpa),
-                    semi_axis_along_mm: Some(load.semi_axis_along_mm),
-                    semi_axis_across_mm: Some(load.semi_axis_across_mm),
-                    max_von_mises_mpa: load.max_von_mises_mpa,
-                    von_mises_depth_mm: load.von_mises_depth_mm,
-                    max_shear_mpa: load.max_shear_mpa,
-                    shear_depth_mm: load.shear_depth_mm,
-                    local_um_per_kn: Some(point.local_um_per_kn),
-                    wheel_um_per_kn: point.wheel_um_per_kn,
-                    rail_um_per_kn: point.rail_um_per_kn,
-                    sliding_um_per_kn: point.sliding_um_per_kn,
-                    ..reference.clone()
-                });
-            }
-            // a law that no fixed load lies in has its constants all the same
-            if rows.len() == before {
-                rows.push(reference);
-            }
-        }
-        rows
     }
 }

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use railspring_profiles::error::Result;
 
+use super::columns;
 use crate::engine::list::NewFile;
-use crate::engine::output::{to_csv, to_json};
+use crate::engine::output::to_json;
 use crate::engine::seal::Sealed;
 use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact, Kind};
@@ -68,7 +69,7 @@ impl Stage for ByAngle<'_, '_> {
         let laws = make::by_angle(study, &geometry, &bodies, self.stiffness, coarser, monitor)?;
         // the runs on the solids take them next
         at.condensed = (study.modes() > 0).then_some(bodies);
-        let rows = to_csv(&laws.rows());
+        let rows = columns::rows(&laws);
         Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }
 

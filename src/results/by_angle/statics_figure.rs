@@ -25,9 +25,7 @@ static MODELS: [Model; 3] = [
         name: "solid",
         look: (DARK, Dash::Solid, Marker::Disc),
         hub: |load| Some(load.hub_um_per_kn),
-        displacement: |load| {
-            load.references.iter().find(|at| at.reference == "beam").map(|at| at.displacement_mm)
-        },
+        displacement: |load| load.reference("beam").map(|at| at.displacement_mm),
     },
     Model {
         name: "condensed element",
