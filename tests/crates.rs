@@ -14,8 +14,9 @@ use serde_json::Value;
 const PUBLISHED: [&str; 4] =
     ["railspring-profiles", "railspring-calibrate", "railspring-simulate", "railspring"];
 
-/// Of finite elements only: linear algebra of large systems, orderings, meshes, transforms.
-const OF_FINITE_ELEMENTS: [&str; 5] = ["faer", "feral-metis", "spade", "rustfft", "argmin"];
+/// Of finite elements only: linear algebra of large systems, orderings, transforms, optimisation. The triangulations of `spade`
+/// are not among them: parry needs them with its feature `std`.
+const OF_FINITE_ELEMENTS: [&str; 4] = ["faer", "feral-metis", "rustfft", "argmin"];
 
 /// Of the program only: arguments, figures, templates, TOML, progress bars, tables, signals.
 const OF_THE_PROGRAM: [&str; 7] = ["clap", "plotters", "minijinja", "toml", "indicatif", "csv", "ctrlc"];

@@ -81,7 +81,7 @@ fn a_whole_section_is_read_in_every_frame() {
         Style { unit: ("in", 25.4e-3), y: "track", z: "up", ..PLAIN },
         Style { unit: ("m", 1.0), separator: ';', reversed: true, ..PLAIN },
     ];
-    for name in RAIL_NAMES {
+    for &name in RAIL_NAMES.iter() {
         let outline = rail_outline(name).unwrap();
         let standard = rail_section(name).unwrap();
         let mut all: Vec<Segment> = outline.running.iter().chain(&outline.rest).copied().collect();

@@ -101,7 +101,7 @@ fn rails_have_the_properties_of_an_independent_integration() {
 #[test]
 fn every_rail_has_its_torsion_and_shear() {
     const MODEL: f64 = 0.3;
-    for name in RAIL_NAMES {
+    for &name in RAIL_NAMES.iter() {
         let section = rail_section(name).unwrap();
         let p = rail_properties(&section).unwrap();
         let estimate = p.area.powi(4) / (40.0 * (p.ixx + p.iyy));
@@ -130,7 +130,7 @@ fn meshes() -> [MeshOptions; 4] {
 /// Goal: every rail at every size without an inverted element.
 #[test]
 fn every_rail_is_meshed() {
-    for name in RAIL_NAMES {
+    for &name in RAIL_NAMES.iter() {
         let section = rail_section(name).unwrap();
         let placed = place_rail(&section, &TrackGeometry::standard()).unwrap();
         for options in meshes() {
@@ -166,7 +166,7 @@ fn every_wheel_is_meshed() {
 /// Goal: every wheel that is lowered onto every rail touches it, on the tread or, on narrow heads, the upper throat, near its own height.
 #[test]
 fn every_wheel_touches_every_rail() {
-    for rail in RAIL_NAMES {
+    for &rail in RAIL_NAMES.iter() {
         let placed = place_rail(&rail_section(rail).unwrap(), &TrackGeometry::standard()).unwrap();
         for wheel in WHEEL_NAMES {
             let section = wheel_section(wheel, 0.92).unwrap();
@@ -291,7 +291,7 @@ fn every_wheel_is_fitted_to_every_rail() {
     let mut condensed: Vec<Option<CondensedBody>> = vec![None; wheels.len()];
     let mut failures = Vec::new();
     println!("| rail | wheel | k at 10, 50, 85, 120 kN, kN/mm | scaled Jacobian of rail, wheel |");
-    for rail in RAIL_NAMES {
+    for &rail in RAIL_NAMES.iter() {
         let section = rail_section(rail).unwrap();
         let mut on_ends = None;
         for (wheel, known) in wheels.iter().zip(&mut condensed) {

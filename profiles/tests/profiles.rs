@@ -62,7 +62,7 @@ fn parameter_is_the_arc_length() {
     const SPEED: f64 = 1e-6;
     let coarse = ProfileCurve::from_points(&half_circle(Point2::origin(), 12e-3, 20), &[]).unwrap();
     assert!(coarse.speed_error() < SPEED, "{}", coarse.speed_error());
-    for name in RAIL_NAMES {
+    for &name in RAIL_NAMES.iter() {
         let curve = running_curve(&rail_outline(name).unwrap());
         assert!(curve.speed_error() < SPEED, "{}", curve.speed_error());
     }
@@ -209,7 +209,7 @@ fn bad_points_are_refused_by_index() {
 /// Source: the drawing's own statement that all joints are tangential. Goal: the solved tangencies.
 #[test]
 fn rail_outlines_are_closed_and_tangential() {
-    for name in RAIL_NAMES {
+    for &name in RAIL_NAMES.iter() {
         let outline = rail_outline(name).unwrap();
         let all: Vec<&Segment> = outline.running.iter().chain(&outline.rest).collect();
         for i in 0..all.len() {

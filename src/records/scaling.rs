@@ -138,11 +138,6 @@ impl ScalingSize {
         (!found.is_empty()).then(|| found.iter().sum())
     }
 
-    /// Largest memory of a stage, MiB.
-    pub fn peak_mib(&self, stage: &str) -> Option<f64> {
-        self.stages_named(stage).filter_map(|stage| stage.peak_memory_mib).reduce(f64::max)
-    }
-
     /// Values in the factors of both bodies.
     pub fn factor_values(&self) -> f64 {
         self.bodies.iter().map(|body| body.factor_values as f64).sum()

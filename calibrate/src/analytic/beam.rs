@@ -22,11 +22,6 @@ impl Bending {
         self.length.powi(3) / (3.0 * self.bending_stiffness) + self.length / self.shear_stiffness
     }
 
-    /// Tip rotation of a cantilever a newton: `L²/(2EI)`, rad/N.
-    pub fn cantilever_rotation(&self) -> f64 {
-        self.length.powi(2) / (2.0 * self.bending_stiffness)
-    }
-
     /// Midspan deflection with both ends fixed: `L³/(192EI) + L/(4κGA)`, m/N.
     pub fn fixed_midspan_deflection(&self) -> f64 {
         self.length.powi(3) / (192.0 * self.bending_stiffness) + self.length / (4.0 * self.shear_stiffness)

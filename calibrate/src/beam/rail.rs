@@ -169,11 +169,6 @@ impl RailBeam {
         &self.section
     }
 
-    /// Mass of the beam between its ends, kg.
-    pub fn total_mass(&self) -> f64 {
-        self.section.mass * self.length
-    }
-
     /// The element of the section at `x` (m from the first end, clamped to the beam), and where in it the section is, 0 to 1.
     fn place(&self, x: f64) -> (usize, f64) {
         let along = x / self.pitch();

@@ -120,14 +120,6 @@ impl<'a> Surface<'a> {
         self.turn * Point2::new(swept.y, swept.z - below) + self.origin
     }
 
-    /// Grid coordinate along the track of the point at arc length `s` and `x`.
-    pub fn track_coordinate(&self, s: f64, x: f64) -> f64 {
-        match self.shape {
-            Shape::Extruded => x,
-            Shape::Revolved { radius } => (x / (radius + self.curve.point(s).y)).asin(),
-        }
-    }
-
     /// x of the point at arc length `s` and grid coordinate `t` along the track.
     pub fn x(&self, s: f64, t: f64) -> f64 {
         match self.shape {

@@ -25,7 +25,8 @@ use std::fmt::Write;
 use nalgebra::Point2;
 
 use self::joints::{check_joints, is_closed, join, put_in_order, unfold};
-use self::rows::{Settings, at, columns, read_pieces, rows};
+use self::rows::{Settings, columns, read_pieces};
+pub(super) use self::rows::{at, rows};
 use super::ProfileKind;
 use super::curve::ProfileCurve;
 use super::rails::RailOutline;

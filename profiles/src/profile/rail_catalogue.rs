@@ -142,7 +142,13 @@ pub fn rail_of_dimensions(dimensions: &RailDimensions) -> Result<RailOutline> {
     // The corner begins where the side has its place 14 mm below the top.
     let joints = joints(half_head);
     let drawing = Drawing {
-        head: Head { radii: &RADII, joints: &joints, side_slope: SIDE, lower_corner: 3.0, apex },
+        head: Head {
+            radii: RADII.to_vec(),
+            joints: joints.to_vec(),
+            side_slope: SIDE,
+            lower_corner: 3.0,
+            apex,
+        },
         fishing_slope: slope,
         web: Web { half_thickness: half_web, upper: Neck::plain(FILLET), lower: Neck::plain(FILLET) },
         foot: Foot {

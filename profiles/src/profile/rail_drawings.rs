@@ -1,4 +1,14 @@
-//! The generating dimensions of the standard rails, as their drawings give them.
+//! The generating dimensions of the standard rails, as their drawings give them: a row each of the table `rails.csv`.
+
+use std::sync::LazyLock;
+
+use super::lines_and_arcs::{at, rows};
+use crate::error::{Error, Result};
+
+/// Name of the table, for messages.
+const FILE: &str = "rails.csv";
+/// The table; its comments say what the columns are.
+const TABLE: &str = include_str!("rails.csv");
 
 /// A standard rail.
 pub struct StandardRail {
@@ -6,23 +16,42 @@ pub struct StandardRail {
     pub name: &'static str,
     /// What it is and, where that is not sure, what it was checked against.
     pub description: &'static str,
-    pub(super) drawing: Drawing<'static>,
+    row: Row,
+}
+
+/// The standard rails, the heaviest first. Sources and checks: `data/profiles/README.md`.
+pub static STANDARD_RAILS: LazyLock<Vec<StandardRail>> = LazyLock::new(|| table(TABLE));
+
+/// Their names.
+pub static RAIL_NAMES: LazyLock<Vec<&'static str>> =
+    LazyLock::new(|| STANDARD_RAILS.iter().map(|rail| rail.name).collect());
+
+/// The rails of a table.
+fn table(text: &'static str) -> Vec<StandardRail> {
+    let mut rows = rows(text);
+    let heading = rows.next().map_or("", |(_, heading)| heading);
+    let rail = |(line, text): (usize, &'static str)| {
+        let row = Row { line, heading, text };
+        let word = |column| row.cell(column).unwrap_or_default();
+        StandardRail { name: word("name"), description: word("description"), row }
+    };
+    rows.map(rail).collect()
 }
 
 /// What the drawing of a flat-bottom rail gives, mm; depths count from the top of the rail, slopes are depth over width.
-pub(super) struct Drawing<'a> {
-    pub head: Head<'a>,
+pub(super) struct Drawing {
+    pub head: Head,
     /// Slope of the underside of the head and of the inner top of the foot.
     pub fishing_slope: f64,
     pub web: Web,
     pub foot: Foot,
 }
 
-pub(super) struct Head<'a> {
+pub(super) struct Head {
     /// Radii of the arcs from the crown to the side.
-    pub radii: &'a [f64],
+    pub radii: Vec<f64>,
     /// Half-widths at which each radius gives way to the next.
-    pub joints: &'a [f64],
+    pub joints: Vec<f64>,
     /// Inclination of the side: width over depth.
     pub side_slope: f64,
     /// Radius of the lower corner, between the straight side and the underside.
@@ -87,321 +116,160 @@ impl Neck {
     }
 
     /// A fillet to an arc of the web's side.
-    const fn to_arc(fillet: f64, radius: f64, depth: f64) -> Self {
+    fn to_arc(fillet: f64, radius: f64, depth: f64) -> Self {
         Self { fillet, middle: None, side: Some(SideArc { radius, depth }) }
     }
 
     /// A fillet, a middle arc (`middle`: radius and rise), and an arc of the web's side.
-    const fn with_middle(fillet: f64, [middle, rise]: [f64; 2], radius: f64, depth: f64) -> Self {
+    fn with_middle(fillet: f64, [middle, rise]: [f64; 2], radius: f64, depth: f64) -> Self {
         Self { middle: Some(Middle { radius: middle, rise }), ..Self::to_arc(fillet, radius, depth) }
     }
 }
 
-const fn outer(bend: f64, slope: f64, corner_depth: f64) -> Option<OuterTop> {
-    Some(OuterTop { bend, slope, corner_depth })
+/// A row of the table.
+#[derive(Clone, Copy)]
+struct Row {
+    line: usize,
+    heading: &'static str,
+    text: &'static str,
 }
 
-/// A rail of the 60 family with the given arcs of the head.
-const fn family_60(radii: &'static [f64], joints: &'static [f64]) -> Drawing<'static> {
-    Drawing {
-        head: Head { radii, joints, side_slope: 1.0 / 20.0, lower_corner: 3.0, apex: 51.0 },
-        fishing_slope: 1.0 / 2.75,
-        web: Web {
-            half_thickness: 8.25,
-            upper: Neck::with_middle(7.0, [35.0, 19.5], 120.0, 79.75),
-            lower: Neck::with_middle(7.0, [35.0, 19.5], 120.0, 111.75),
-        },
-        foot: Foot {
-            apex: 140.5,
-            outer: outer(40.0, 1.0 / 14.0, 160.5),
-            half_width: 75.0,
-            toe: [4.0, 2.0],
-            bottom: 172.0,
-        },
+impl Row {
+    fn cell(&self, column: &str) -> Option<&'static str> {
+        let mut cells = self.heading.split(';').zip(self.text.split(';'));
+        cells.find(|(name, _)| name.trim() == column).map(|(_, cell)| cell.trim())
+    }
+
+    fn refuse(&self, column: &str, expected: &str) -> Error {
+        let value = format!("{column} = {:?}", self.cell(column).unwrap_or_default());
+        at(FILE, self.line, value, expected, "correct or complete the row")
+    }
+
+    /// The numbers of a cell; a slope 1:20 is 1 over 20.
+    fn numbers(&self, column: &str) -> Result<Vec<f64>> {
+        let number = |word: &str| -> Option<f64> {
+            let (over, under) = word.split_once(':').unwrap_or((word, "1"));
+            let value = over.parse::<f64>().ok()? / under.parse::<f64>().ok()?;
+            (value.is_finite() && value >= 0.0).then_some(value)
+        };
+        let words = self.cell(column).unwrap_or_default().split_whitespace();
+        words
+            .map(number)
+            .collect::<Option<_>>()
+            .ok_or_else(|| self.refuse(column, "numbers from 0, or slopes 1:20"))
+    }
+
+    fn all<const N: usize>(&self, column: &str) -> Result<[f64; N]> {
+        let counted = |_| self.refuse(column, &format!("as many numbers as its heading says: {N}"));
+        self.numbers(column)?.try_into().map_err(counted)
+    }
+
+    fn one(&self, column: &str) -> Result<f64> {
+        self.all(column).map(|[value]| value)
+    }
+
+    fn neck(&self, column: &str) -> Result<Neck> {
+        match *self.numbers(column)? {
+            [fillet] => Ok(Neck::plain(fillet)),
+            [fillet, radius, depth] => Ok(Neck::to_arc(fillet, radius, depth)),
+            [fillet, middle, rise, radius, depth] => {
+                Ok(Neck::with_middle(fillet, [middle, rise], radius, depth))
+            }
+            _ => Err(self.refuse(column, "1, 3 or 5 numbers")),
+        }
     }
 }
 
-/// 40E1 and 41E1, which differ by the corner of the head.
-const fn family_41(radii: &'static [f64], joints: &'static [f64]) -> Drawing<'static> {
-    Drawing {
-        head: Head { radii, joints, side_slope: 0.0, lower_corner: 2.0, apex: 43.0 },
-        fishing_slope: 1.0 / 3.0,
-        web: Web {
-            half_thickness: 6.0,
-            upper: Neck::to_arc(7.0, 100.0, 59.5),
-            lower: Neck::to_arc(7.0, 140.0, 89.5),
-        },
-        foot: Foot {
-            apex: 114.0,
-            outer: outer(40.0, 1.0 / 11.32, 128.52),
-            half_width: 62.5,
-            toe: [3.0, 1.5],
-            bottom: 138.0,
-        },
+impl StandardRail {
+    /// Its drawing.
+    ///
+    /// # Errors
+    /// [`crate::error::InputError`] with the line of the table for a row that is no drawing.
+    pub(super) fn drawing(&self) -> Result<Drawing> {
+        let row = &self.row;
+        let head = Head {
+            radii: row.numbers("radii")?,
+            joints: row.numbers("joints")?,
+            side_slope: row.one("side_slope")?,
+            lower_corner: row.one("lower_corner")?,
+            apex: row.one("head_apex")?,
+        };
+        if head.radii.len() != head.joints.len() + 1 {
+            return Err(row.refuse("joints", "one number less than radii"));
+        }
+        let outer = match row.numbers("outer_top")?.len() {
+            0 => None,
+            _ => row
+                .all("outer_top")
+                .map(|[bend, slope, corner_depth]| Some(OuterTop { bend, slope, corner_depth }))?,
+        };
+        let web = Web {
+            half_thickness: row.one("half_web")?,
+            upper: row.neck("upper_neck")?,
+            lower: row.neck("lower_neck")?,
+        };
+        let foot = Foot {
+            apex: row.one("foot_apex")?,
+            outer,
+            half_width: row.one("half_foot")?,
+            toe: row.all("toe")?,
+            bottom: row.one("height")?,
+        };
+        if !(head.apex < foot.apex && foot.apex < foot.bottom && web.half_thickness < foot.half_width) {
+            return Err(
+                row.refuse("height", "head, web and foot below each other, and a web narrower than the foot")
+            );
+        }
+        Ok(Drawing { head, fishing_slope: row.one("fishing_slope")?, web, foot })
+    }
+
+    /// What is said of a drawing whose arcs do not reach each other.
+    pub(super) fn refuse_arcs(&self) -> Error {
+        self.row.refuse("radii", "arcs and slopes that reach each other, here or in another column")
     }
 }
 
-/// The standard rails, the heaviest first. Sources and checks: `data/profiles/README.md`.
-pub const STANDARD_RAILS: [StandardRail; 15] = [
-    StandardRail {
-        name: "60E1",
-        description: "rail, EN 13674-1",
-        drawing: family_60(&[300.0, 80.0, 13.0], &[10.228, 26.0265]),
-    },
-    StandardRail {
-        name: "UIC60",
-        description: "rail, head of UIC 861-3 on web and foot of 60E1",
-        drawing: family_60(&[300.0, 80.0, 13.0], &[10.5, 25.98804]),
-    },
-    StandardRail {
-        name: "60E2",
-        description: "rail, EN 13674-1, relieved gauge corner",
-        drawing: family_60(&[200.0, 70.0, 16.0, 8.0], &[11.889, 24.4565, 35.387]),
-    },
-    StandardRail {
-        name: "60N-on-60E1",
-        description: "rail, head of the Chinese 60N on web and foot of 60E1: those of 60N itself are not known here",
-        drawing: family_60(&[200.0, 60.0, 16.0, 8.0], &[9.0, 25.5345, 34.4145]),
-    },
-    StandardRail {
-        name: "56E1",
-        description: "rail, EN 13674-1 (BS 113 lb)",
-        drawing: Drawing {
-            head: Head {
-                radii: &[305.0, 80.0, 12.7],
-                joints: &[5.8935, 25.6175],
-                side_slope: 1.0 / 20.0,
-                lower_corner: 3.0,
-                apex: 49.21,
-            },
-            fishing_slope: 1.0 / 2.75,
-            web: Web { half_thickness: 10.0, upper: Neck::plain(8.0), lower: Neck::plain(15.0) },
-            foot: Foot {
-                apex: 128.59,
-                outer: outer(20.0, 1.0 / 10.0, 147.55),
-                half_width: 70.0,
-                toe: [3.0, 1.5],
-                bottom: 158.75,
-            },
-        },
-    },
-    StandardRail {
-        name: "55E1",
-        description: "rail, EN 13674-1 (U55)",
-        drawing: Drawing {
-            head: Head {
-                radii: &[200.0, 60.0, 13.0],
-                joints: &[13.973, 20.294],
-                side_slope: 1.0 / 20.0,
-                lower_corner: 2.0,
-                apex: 53.0,
-            },
-            fishing_slope: 1.0 / 3.0,
-            web: Web { half_thickness: 9.5, upper: Neck::plain(12.0), lower: Neck::plain(12.0) },
-            foot: Foot {
-                apex: 124.0,
-                outer: outer(23.0, 1.0 / 10.0, 141.0),
-                half_width: 67.0,
-                toe: [3.0, 2.0],
-                bottom: 155.0,
-            },
-        },
-    },
-    StandardRail {
-        name: "54E1",
-        description: "rail, EN 13674-1 (UIC 54)",
-        drawing: Drawing {
-            head: Head {
-                radii: &[300.0, 80.0, 13.0],
-                joints: &[10.012, 24.8635],
-                side_slope: 1.0 / 20.0,
-                lower_corner: 3.0,
-                apex: 49.4,
-            },
-            fishing_slope: 1.0 / 2.75,
-            web: Web {
-                half_thickness: 8.0,
-                upper: Neck::with_middle(8.0, [22.0, 25.4], 508.0, 82.8),
-                lower: Neck::to_arc(16.0, 508.0, 82.8),
-            },
-            foot: Foot {
-                apex: 128.8,
-                outer: outer(20.0, 1.0 / 10.0, 148.0),
-                half_width: 70.0,
-                toe: [3.0, 2.0],
-                bottom: 159.0,
-            },
-        },
-    },
-    StandardRail {
-        name: "54E2",
-        description: "rail, EN 13674-1 (UIC 54 E)",
-        drawing: Drawing {
-            head: Head {
-                radii: &[300.0, 80.0, 13.0],
-                joints: &[9.473, 23.155],
-                side_slope: 1.0 / 20.0,
-                lower_corner: 2.0,
-                apex: 51.4,
-            },
-            fishing_slope: 1.0 / 2.75,
-            web: Web {
-                half_thickness: 8.0,
-                upper: Neck::with_middle(8.0, [22.0, 25.4], 508.0, 84.8),
-                lower: Neck::to_arc(16.0, 508.0, 84.8),
-            },
-            foot: Foot {
-                apex: 130.8,
-                outer: outer(20.0, 1.0 / 10.0, 149.0),
-                half_width: 62.5,
-                toe: [3.0, 2.0],
-                bottom: 161.0,
-            },
-        },
-    },
-    StandardRail {
-        name: "54E3",
-        description: "rail, EN 13674-1 (DIN S54), weakly checked: by the mass of the older DIN rail alone",
-        drawing: Drawing {
-            head: Head {
-                radii: &[300.0, 80.0, 13.0],
-                joints: &[7.6335, 23.4175],
-                side_slope: 1.0 / 17.2,
-                lower_corner: 5.0,
-                apex: 55.0,
-            },
-            fishing_slope: 1.0 / 3.0,
-            web: Web {
-                half_thickness: 8.0,
-                upper: Neck::to_arc(16.0, 500.0, 79.0),
-                lower: Neck::to_arc(16.0, 500.0, 79.0),
-            },
-            foot: Foot {
-                apex: 125.0,
-                outer: outer(40.0, 1.0 / 7.81, 142.0),
-                half_width: 62.5,
-                toe: [3.0, 2.0],
-                bottom: 154.0,
-            },
-        },
-    },
-    StandardRail {
-        name: "50E5",
-        description: "rail, EN 13674-1 (50 UNI), weakly checked: by a mass that may be another rail's",
-        drawing: Drawing {
-            head: Head {
-                radii: &[400.0, 14.0],
-                joints: &[20.2355],
-                side_slope: 1.0 / 16.0,
-                lower_corner: 2.0,
-                apex: 50.5,
-            },
-            fishing_slope: 1.0 / 3.0,
-            web: Web {
-                half_thickness: 7.0,
-                upper: Neck::to_arc(7.0, 80.0, 66.0),
-                lower: Neck::to_arc(7.0, 120.0, 96.0),
-            },
-            foot: Foot {
-                apex: 120.5,
-                outer: outer(40.0, 1.0 / 8.0, 138.0),
-                half_width: 67.5,
-                toe: [3.0, 2.0],
-                bottom: 148.0,
-            },
-        },
-    },
-    StandardRail {
-        name: "49E1",
-        description: "rail, EN 13674-1 (DIN S49)",
-        drawing: Drawing {
-            head: Head {
-                radii: &[300.0, 80.0, 13.0],
-                joints: &[7.6335, 23.4175],
-                side_slope: 1.0 / 17.2,
-                lower_corner: 2.0,
-                apex: 51.5,
-            },
-            fishing_slope: 1.0 / 3.0,
-            web: Web {
-                half_thickness: 7.0,
-                upper: Neck::to_arc(7.0, 80.0, 67.0),
-                lower: Neck::to_arc(7.0, 120.0, 97.0),
-            },
-            foot: Foot {
-                apex: 121.5,
-                outer: outer(40.0, 1.0 / 7.81, 138.5),
-                half_width: 62.5,
-                toe: [3.0, 1.5],
-                bottom: 149.0,
-            },
-        },
-    },
-    StandardRail {
-        name: "41E1",
-        description: "rail, EN 13674-4 (S41 R10)",
-        drawing: family_41(&[400.0, 10.0], &[24.1025]),
-    },
-    StandardRail {
-        name: "40E1",
-        description: "rail, EN 13674-4 (S41 R14)",
-        drawing: family_41(&[400.0, 14.0], &[20.207]),
-    },
-    StandardRail {
-        name: "33E1",
-        description: "rail, EN 13674-4 (S33)",
-        drawing: Drawing {
-            head: Head {
-                radii: &[225.0, 14.0],
-                joints: &[15.9955],
-                side_slope: 0.0,
-                lower_corner: 2.0,
-                apex: 39.0,
-            },
-            fishing_slope: 1.0 / 4.0,
-            web: Web {
-                half_thickness: 5.5,
-                upper: Neck::to_arc(6.0, 100.0, 57.0),
-                lower: Neck::to_arc(6.0, 160.0, 87.0),
-            },
-            foot: Foot {
-                apex: 115.0,
-                outer: outer(10.0, 1.0 / 13.67, 124.5),
-                half_width: 52.5,
-                toe: [3.0, 2.0],
-                bottom: 134.0,
-            },
-        },
-    },
-    StandardRail {
-        name: "30E1",
-        description: "rail, EN 13674-4 (S30)",
-        drawing: Drawing {
-            head: Head {
-                radii: &[305.0, 8.0],
-                joints: &[22.7465],
-                side_slope: 0.0,
-                lower_corner: 1.6,
-                apex: 31.0,
-            },
-            fishing_slope: 1.0 / 4.33,
-            web: Web {
-                half_thickness: 6.15,
-                upper: Neck::to_arc(6.4, 305.0, 59.75),
-                lower: Neck::to_arc(6.4, 305.0, 59.75),
-            },
-            foot: Foot { apex: 88.5, outer: None, half_width: 54.0, toe: [1.6, 1.6], bottom: 108.0 },
-        },
-    },
-];
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Their names.
-pub const RAIL_NAMES: [&str; STANDARD_RAILS.len()] = {
-    let mut names = [""; STANDARD_RAILS.len()];
-    let mut i = 0;
-    while i < names.len() {
-        names[i] = STANDARD_RAILS[i].name;
-        i += 1;
+    /// Heading and first row of the table.
+    fn example() -> (&'static str, &'static str) {
+        let mut rows = rows(TABLE).map(|(_, row)| row);
+        (rows.next().unwrap(), rows.next().unwrap())
     }
-    names
-};
+
+    /// Source: rows that differ from that of 60E1 in one cell. Goal: what is no drawing is refused, with the line and the column. Exact.
+    #[test]
+    fn a_row_that_is_no_drawing_is_refused() {
+        let (heading, row) = example();
+        for (cell, other, column) in [
+            (";300 80 13;", ";300 80;", "joints"),
+            (";300 80 13;", ";300 eighty 13;", "radii"),
+            (";1:2.75;", ";1:0;", "fishing_slope"),
+            (";1:2.75;", ";;", "fishing_slope"),
+            (";51;", ";-51;", "head_apex"),
+            (";51;", ";151;", "height"),
+            (";7 35 19.5 120 79.75;", ";7 35;", "upper_neck"),
+            (";40 1:14 160.5;", ";40 1:14;", "outer_top"),
+            (";172", "", "height"),
+        ] {
+            assert_eq!(row.matches(cell).count(), 1, "{cell}");
+            let text = format!("# a comment\n{heading}\n{}\n", row.replace(cell, other));
+            let rails = table(text.leak());
+            assert_eq!((rails.len(), rails[0].name), (1, "60E1"));
+            let refused = rails[0].drawing().err().unwrap().to_string();
+            assert!(refused.contains("rails.csv:3") && refused.contains(column), "{cell} {other}: {refused}");
+        }
+    }
+
+    /// Goal: every row has a cell for every column, and a name that no other has. Exact.
+    #[test]
+    fn the_table_is_complete() {
+        let columns = example().0.split(';').count();
+        assert!(rows(TABLE).all(|(_, row)| row.split(';').count() == columns));
+        let names: std::collections::BTreeSet<_> = RAIL_NAMES.iter().collect();
+        assert!(names.len() == RAIL_NAMES.len() && !names.contains(&""));
+        assert!(STANDARD_RAILS.iter().all(|rail| rail.drawing().is_ok() && !rail.description.is_empty()));
+    }
+}

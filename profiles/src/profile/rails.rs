@@ -53,11 +53,18 @@ pub fn rail_outline(name: &str) -> Result<RailOutline> {
             "choose a known section",
         )
     })?;
-    Ok(outline_of(&rail.drawing))
+    let outline = outline_of(&rail.drawing()?);
+    let segments = || outline.running.iter().chain(&outline.rest);
+    // arcs that do not reach each other have no number for their ends
+    if segments().flat_map(|s| [s.start(), s.end()]).all(|p| p.x.is_finite() && p.y.is_finite()) {
+        Ok(outline)
+    } else {
+        Err(rail.refuse_arcs())
+    }
 }
 
 /// Outline of a drawing.
-pub(super) fn outline_of(drawing: &Drawing<'_>) -> RailOutline {
+pub(super) fn outline_of(drawing: &Drawing) -> RailOutline {
     let (right_head, right_rest) = right_half(drawing);
     let scale = |segments: Vec<Segment>| segments.iter().map(|s| s.scaled(MILLIMETRE)).collect();
     RailOutline { running: scale(whole_head(&right_head)), rest: scale(whole_rest(&right_rest)) }
@@ -100,7 +107,7 @@ fn through_axis(before: &Segment, after: &Segment) -> Segment {
 }
 
 /// Right half in mm: the head from the axis to the lower end of the side, and the rest down to the axis.
-fn right_half(drawing: &Drawing<'_>) -> (Vec<Segment>, Vec<Segment>) {
+fn right_half(drawing: &Drawing) -> (Vec<Segment>, Vec<Segment>) {
     let Drawing { head, fishing_slope, web, foot } = drawing;
     // Each centre of the head lies on the line from the previous centre through the joint.
     let mut arcs = Vec::new();

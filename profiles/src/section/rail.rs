@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn body_closes_the_outline() {
-        for name in crate::profile::rails::RAIL_NAMES {
+        for &name in crate::profile::rails::RAIL_NAMES.iter() {
             let rail = rail_section(name).unwrap();
             assert_eq!(rail.body[0], rail.running.point(rail.running.length()));
             assert_eq!(rail.body[rail.body.len() - 1], rail.running.point(0.0));

@@ -194,7 +194,7 @@ fn of_like_width(profile: &MeasuredProfile) -> &'static str {
         let own = rail_section(name).map_or(f64::INFINITY, |rail| head_width(&rail));
         if own + LIP < width { 2.0 * (width - own) } else { own - width }
     };
-    let nearest = RAIL_NAMES.into_iter().min_by(|a, b| off(a).abs().total_cmp(&off(b).abs()));
+    let nearest = RAIL_NAMES.iter().copied().min_by(|a, b| off(a).abs().total_cmp(&off(b).abs()));
     nearest.filter(|name| off(name).abs() + LIP < off(USUAL).abs()).unwrap_or(USUAL)
 }
 

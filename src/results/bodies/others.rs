@@ -221,8 +221,8 @@ pub(crate) fn other_rails(base: &str) -> Vec<&'static str> {
     let area = |name: &str| rail_section(name).map_or(0.0, |rail| rail.area.area);
     let own = area(base);
     let lighter = |a: &&str, b: &&str| area(a).total_cmp(&area(b));
-    let below = RAIL_NAMES.into_iter().filter(|name| area(name) < (1.0 - APART) * own).max_by(lighter);
-    let above = RAIL_NAMES.into_iter().filter(|name| area(name) > (1.0 + APART) * own).min_by(lighter);
+    let below = RAIL_NAMES.iter().copied().filter(|name| area(name) < (1.0 - APART) * own).max_by(lighter);
+    let above = RAIL_NAMES.iter().copied().filter(|name| area(name) > (1.0 + APART) * own).min_by(lighter);
     below.into_iter().chain(above).collect()
 }
 

@@ -116,7 +116,7 @@ fn rail_body(keys: &RailKeys) -> Result<Option<RailBody>, InputError> {
         RailBodyKey::Name(name) => match catalogue_rail(name) {
             Some(rail) => Ok(Some(RailBody::Drawn(name.clone(), rail.dimensions()))),
             None => {
-                let names = RAIL_NAMES.into_iter().chain(CATALOGUE_RAILS.iter().map(|rail| rail.name));
+                let names = RAIL_NAMES.iter().copied().chain(CATALOGUE_RAILS.iter().map(|rail| rail.name));
                 let near = nearest(name, names.clone());
                 let near = near.map_or(String::new(), |near| format!("did you mean {near:?}? "));
                 let expected = format!("one of {}", names.collect::<Vec<_>>().join(", "));

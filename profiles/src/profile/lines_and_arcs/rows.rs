@@ -10,7 +10,7 @@ use crate::units::MILLIMETRE;
 /// A shorter line or arc is none, m.
 const SHORTEST: f64 = 1e-3 * MILLIMETRE;
 
-pub(super) fn at(
+pub(in crate::profile) fn at(
     name: &str,
     line: usize,
     value: impl ToString,
@@ -21,7 +21,7 @@ pub(super) fn at(
 }
 
 /// Lines that are neither empty nor comments, with their numbers.
-pub(super) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+pub(in crate::profile) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
     lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
 }
