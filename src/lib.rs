@@ -31,8 +31,6 @@ pub mod stages;
 pub mod springs;
 pub mod estimate;
 pub mod measure;
-pub mod scaling;
-pub mod step_times;
 pub mod crosscheck;
 pub mod pipeline;
 pub mod compare;

@@ -20,9 +20,7 @@ mod by_angle;
 mod assumed;
 mod error_band;
 mod patches;
-mod scaling;
 mod seal;
-mod step_times;
 
 pub use assumed::{AssumedRecord, AssumedReference, OtherRecord};
 pub use by_angle::{
@@ -41,11 +39,7 @@ pub use measured::{MachineRecord, Measured, StageMeasure};
 pub use patches::{BelowRecord, PatchRecord, PatchesRecord, PointState};
 pub use reach::Reach;
 pub use run::{PairRecord, ReductionRecord, RunRecord, SpringsRecord, SpringsSource};
-pub use scaling::{
-    BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, ScalingStage, SkippedSize,
-};
 pub use seal::Sealed;
-pub use step_times::{PeerTime, StepTime, StepTimesRecord};
 pub use touch::{HertzRecord, TouchRecord};
 pub use verdict::{
     ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,

@@ -21,8 +21,6 @@ mod patch_section;
 pub mod measured;
 pub mod bodies;
 pub mod catalogue;
-pub mod scaling;
-pub mod step_times;
 pub mod crosscheck;
 
 use railspring_simulate::time::history::History;
@@ -36,6 +34,7 @@ use crate::records::{
 
 use crate::verify::{Band, Carrying};
 
+pub use figures::WIDTH;
 pub use positions::ProfilePair;
 
 /// A run of a model, as figures show it.

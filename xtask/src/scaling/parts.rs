@@ -1,5 +1,9 @@
 //! The stages of one size, each with its time and its peak of the memory.
 
+use railspring::estimate::{condensing, stepping};
+use railspring::measure::Stopwatch;
+use railspring::stages::{self, Geometry};
+use railspring::study::Study;
 use railspring_calibrate::calibration::{Reference, load_points, press_loads};
 use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::superelement::{CondensedBody, FactorSize, Step};
@@ -10,11 +14,7 @@ use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 use railspring_simulate::time::steps::InnerSteps;
 
 use super::clock::Clock;
-use crate::estimate::{condensing, stepping};
-use crate::measure::Stopwatch;
-use crate::records::{ScalingBody, ScalingSize, ScalingStage};
-use crate::stages::{self, Geometry};
-use crate::study::Study;
+use super::record::{ScalingBody, ScalingSize, ScalingStage};
 
 /// Shares of the study's largest load that are pressed.
 const LOADS: [f64; 3] = [0.25, 0.5, 1.0];

@@ -1,8 +1,7 @@
 //! `moving.json` and `moving.csv`: the time of a step of the moving solver.
 
+use railspring::records::{MachineRecord, to_csv};
 use serde::{Deserialize, Serialize};
-
-use super::{MachineRecord, to_csv};
 
 /// `moving.json`: every case that was timed, and what is known of other programs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,22 +5,23 @@
 //! it is taken.
 
 mod clock;
-mod parts;
 mod power;
+mod record;
+pub mod figure;
+mod parts;
 mod sizes;
 
-pub use power::PowerLaw;
+pub use record::ScalingRecord;
 
+use railspring::estimate::{CONTACT_OF_STEP, GIB, Resources, least_memory};
+use railspring::measure::{Stopwatch, machine, now_utc};
+use railspring::stages;
+use railspring::study::Study;
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::solid::START_MODES;
 
-use crate::estimate::{CONTACT_OF_STEP, GIB, Resources, least_memory};
-use crate::measure::{Stopwatch, machine, now_utc};
-use crate::records::{
-    BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, SkippedSize,
-};
-use crate::stages;
-use crate::study::Study;
+use power::PowerLaw;
+use record::{BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingSize, SkippedSize};
 use sizes::Sizes;
 
 /// Bytes of a mebibyte.
@@ -183,7 +184,7 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
 }
 
 /// Stages in the order of the tables.
-pub const STAGES: [&str; 8] =
+const STAGES: [&str; 8] =
     ["mesh", "ordering", "assembly", "factorisation", "condensation", "modes", "one load", "one step"];
 
 /// A finished size in words.
@@ -242,13 +243,13 @@ fn exponents(sizes: &[ScalingSize]) -> Vec<ExponentRecord> {
 mod tests {
     use std::path::Path;
 
+    use railspring::estimate::Budget;
     use railspring_profiles::error::Error;
     use railspring_profiles::monitor::Monitor;
 
     use super::*;
-    use crate::estimate::Budget;
 
-    const COARSE: &str = include_str!("../../tests/studies/coarse.toml");
+    const COARSE: &str = include_str!("../../../tests/studies/coarse.toml");
 
     /// Stops when the second size begins.
     struct Stopped;

@@ -1,8 +1,7 @@
 //! `scaling.json` and `scaling.csv`: time and memory of the solid model over its degrees of freedom.
 
+use railspring::records::{MachineRecord, to_csv};
 use serde::{Deserialize, Serialize};
-
-use super::{MachineRecord, to_csv};
 
 /// What both bodies share, in tables.
 pub const BOTH: &str = "both bodies";
@@ -135,11 +134,6 @@ impl ScalingSize {
     pub fn seconds(&self, stage: &str) -> Option<f64> {
         let found: Vec<f64> = self.stages_named(stage).map(|stage| stage.seconds).collect();
         (!found.is_empty()).then(|| found.iter().sum())
-    }
-
-    /// Largest memory of a stage, MiB.
-    pub fn peak_mib(&self, stage: &str) -> Option<f64> {
-        self.stages_named(stage).filter_map(|stage| stage.peak_memory_mib).reduce(f64::max)
     }
 
     /// Values in the factors of both bodies.
