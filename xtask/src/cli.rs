@@ -9,6 +9,7 @@ use railspring::cli::output::complain;
 use crate::bench::{self, BenchCommand};
 use crate::long::{self, LongArgs};
 use crate::reference::{self, ReferenceArgs};
+use crate::same_bytes::{self, SameBytesArgs};
 
 /// What a developer of railspring needs and a user does not. Exit codes are those of railspring.
 #[derive(Debug, Parser)]
@@ -27,6 +28,8 @@ enum Command {
     Reference(ReferenceArgs),
     /// Run the tests that are ignored otherwise, one after another, and write a table of them; exit code 1 if one fails
     Long(LongArgs),
+    /// Run two builds of railspring on the same studies and compare their files byte for byte; exit code 1 if one differs
+    SameBytes(SameBytesArgs),
 }
 
 /// The commands of `cargo xtask` with their options and what is said about them.
@@ -40,6 +43,7 @@ pub fn main() -> ExitCode {
         Command::Bench(command) => bench::run(&command).map(|()| true),
         Command::Reference(args) => reference::write(&args).map(|()| true).map_err(Failure::from),
         Command::Long(args) => long::run(&args).map_err(Failure::from),
+        Command::SameBytes(args) => same_bytes::run(&args).map_err(Failure::from),
     };
     match done {
         Ok(true) => ExitCode::SUCCESS,

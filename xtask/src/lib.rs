@@ -9,6 +9,7 @@ mod reference;
 mod workspace;
 mod ignored;
 mod long;
+mod same_bytes;
 mod cli;
 
 pub use cli::{command, main};
