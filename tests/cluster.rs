@@ -330,11 +330,11 @@ fn processor_seconds(process: u32) -> f64 {
     (fields[11].parse::<f64>().unwrap() + fields[12].parse::<f64>().unwrap()) / 100.0
 }
 
-/// The long trial (`cargo cluster-trial`, ten minutes): a worker is killed every 20 s and another one begun, and the table has the bytes of
+/// Goal: a table on a cluster that loses workers is the same. A worker is killed every 20 s and another one begun, and the table has the bytes of
 /// one without a cluster; places a second with one to three workers; what a step costs client and scheduler, and with that, by simulation,
 /// clusters of up to 1,000 workers and 1,000,000 cases. The numbers are printed, and stand in docs/tables.md.
 #[test]
-#[ignore = "ten minutes: cargo cluster-trial"]
+#[ignore = "ten minutes: cargo long cluster"]
 fn trial() {
     let Some(python) = python() else { return };
     let table = TABLE.replace("[0, 2]", "[-3, -2, -1, 0, 1, 2, 3, 4, 5]").replace(

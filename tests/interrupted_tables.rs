@@ -4,7 +4,7 @@
 //! that was left alone; every file in the output folder is a whole one, of this table or of the one before; a disk that is full costs what
 //! does not fit there and no more; tables that run at the same time on one store come to their bytes each. Source: the same tables,
 //! left alone, equal to the byte. Half of the kills come at a random time, half right after a random change in the output folder or in the
-//! store. The full disk is a file system of a given size (tmpfs in a mount namespace). `cargo table-kills` does more of each.
+//! store. The full disk is a file system of a given size (tmpfs in a mount namespace). `cargo long interrupted_tables` does more of each.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -274,8 +274,9 @@ fn tables_share_a_store() {
     at_once(1);
 }
 
+/// Goal: after each of a hundred kills, on full disks, and with several tables at once on one store, a table has the bytes of one that nothing disturbed.
 #[test]
-#[ignore = "four minutes: cargo table-kills"]
+#[ignore = "four minutes: cargo long interrupted_tables"]
 fn a_hundred_kills_full_disks_and_tables_at_once() {
     killed(100);
     let stored = clean().stored;

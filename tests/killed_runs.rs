@@ -4,8 +4,8 @@
 //! come to the very bytes of a clean run of that study; so does a run after it with the store that the killed one has left,
 //! and no entry of that store is damaged. The store is empty, has the results of the other study, or is replaced with
 //! `--fresh`. Half of the kills come at a random time, half right after a
-//! random change in the folder or in the store, where a result stands between two files. `RAILSPRING_KILLS` says how many
-//! (`cargo kills` runs 100).
+//! random change in the folder or in the store, where a result stands between two files. Three runs are killed by default, and a
+//! hundred with `cargo long killed_runs`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -82,7 +82,17 @@ fn state(out: &Path, store: &Path) -> Vec<(String, Option<SystemTime>)> {
 
 #[test]
 fn a_killed_run_leaves_no_mixture() {
-    let kills: usize = std::env::var("RAILSPRING_KILLS").map_or(3, |text| text.parse().unwrap());
+    killed(3);
+}
+
+/// Goal: no command after any of a hundred kills uses a mixture of two studies' results.
+#[test]
+#[ignore = "half an hour: cargo long killed_runs"]
+fn a_hundred_killed_runs_leave_no_mixture() {
+    killed(100);
+}
+
+fn killed(kills: usize) {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();
     let mut clean = Vec::new();

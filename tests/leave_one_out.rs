@@ -1,4 +1,4 @@
-//! What each part of the condensed element does, by leaving it out: `cargo leave-one-out` prints the table of docs/condensed-element.md.
+//! What each part of the condensed element does, by leaving it out: `cargo long leave_one_out` prints the table of docs/condensed-element.md.
 
 use std::f64::consts::TAU;
 
@@ -82,7 +82,7 @@ fn forces([simple, solid]: [&History; 2], until: f64) -> [f64; 2] {
 /// element and of the element without one of its parts or with another one. Accuracy: MODEL, what the element is off by (3 %, that of the project); without the flexibility of the head, without modes and as published it
 /// is twice as far off at least.
 #[test]
-#[ignore = "half a minute: cargo leave-one-out"]
+#[ignore = "half a minute: cargo long leave_one_out"]
 fn each_part_of_the_element_is_needed() {
     const MODEL: f64 = 0.03;
     let solved = Solved::of("uic60-s1002");

@@ -131,7 +131,7 @@ fn tails(rest: &str) -> Vec<Module> {
 #[test]
 fn modules_use_only_those_above_them() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for source in ["profiles/src", "calibrate/src", "simulate/src", "src"] {
+    for source in ["profiles/src", "calibrate/src", "simulate/src", "src", "xtask/src"] {
         let tree = Tree::read(&root.join(source));
         assert!(!tree.order[&Vec::new()].is_empty(), "{source}");
         let found = tree.breaches();
@@ -143,8 +143,8 @@ fn modules_use_only_those_above_them() {
 #[test]
 fn every_file_of_tests_is_run() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for tests in
-        ["tests", "profiles/tests", "calibrate/tests", "simulate/tests"].map(|folder| root.join(folder))
+    for tests in ["tests", "profiles/tests", "calibrate/tests", "simulate/tests", "xtask/tests"]
+        .map(|folder| root.join(folder))
     {
         let suite = std::fs::read_to_string(tests.join("suite.rs")).unwrap();
         for entry in std::fs::read_dir(&tests).unwrap() {

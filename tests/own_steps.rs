@@ -1,4 +1,4 @@
-//! What the condensed element's own steps are worth in the load cases of the default studies: `cargo own-steps`.
+//! What the condensed element's own steps are worth in the load cases of the default studies: `cargo long own_steps`.
 
 use railspring::results::bodies::geometry;
 use railspring::results::run::make;
@@ -53,7 +53,7 @@ fn off([run, exact]: [&History; 2], force: fn(&HistoryRow) -> f64, until: f64) -
 /// study, in every load case of the default studies, and what the verdict says that its steps are worth, as long as its own motion is. Accuracy: DISCRETISATION, 0.5 %: half of what the solid's steps are worth, so that the root of the
 /// squares of both is the solid's but for an eighth.
 #[test]
-#[ignore = "half a minute: cargo own-steps"]
+#[ignore = "half a minute: cargo long own_steps"]
 fn steps_of_a_study_are_worth_half_of_the_solids() {
     const DISCRETISATION: f64 = 0.005;
     let place = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The pages in a real browser (`cargo pages`): Chromium, puppeteer-core and axe-core in the versions of `testing/pages/package-lock.json`.
+//! The pages in a real browser (`cargo long pages`): Chromium, puppeteer-core and axe-core in the versions of `testing/pages/package-lock.json`.
 //!
 //! Goal: reports of a study and of two measured profiles, cross-check, table and comparison scroll sideways on no screen of 390 px, every figure has a text, every link goes somewhere, and
 //! axe-core finds no violation; px, no tolerance. A page with a fault of each kind is refused. Printed on A4, no page but the last of each is less than
@@ -30,7 +30,7 @@ profile = "60E1"
 "#;
 
 #[test]
-#[ignore = "needs Chromium, Node, pdftoppm, and the package indices of Node and Python once: `cargo pages`"]
+#[ignore = "needs Chromium, Node, pdftoppm, and the package indices of Node and Python once: `cargo long pages`"]
 fn pages_pass_in_a_browser() {
     let folders: Vec<PathBuf> =
         std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()).collect();

@@ -2,7 +2,7 @@
 //!
 //! Goal: the module builds for the Python at hand, its types hold (mypy, strict), its tests pass with this program, and the notebook with the figures of the README
 //! runs to its end and leaves them. Source: `python/tests`, `python/notebooks`. Needs Python 3.11 or newer, the package index, and crates.io on the first
-//! run; it compiles the library once more for Python, so that it is no part of the usual tests: `cargo python-package`, five minutes.
+//! run; it compiles the library once more for Python, so that it is no part of the usual tests: `cargo long python_package`, five minutes.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -48,7 +48,7 @@ fn the_package_goes_with_the_program() {
 }
 
 #[test]
-#[ignore = "five minutes and the package index: cargo python-package"]
+#[ignore = "five minutes and the package index: cargo long python_package"]
 fn the_package_works() {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let lock = include_str!("../python/requirements.lock");

@@ -59,9 +59,9 @@ fn difference(a: &[[f64; 2]], b: &[[f64; 2]], force: usize) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a[force] - b[force]).abs()).fold(0.0, f64::max) / peak
 }
 
-/// `calibrate/tests/transient_hybrid.rs` has the same on one load case in seconds.
+/// Goal: reduced bodies in time follow full order in both published load cases, through the whole program. `simulate/tests/transient_hybrid.rs` has the same on one load case in seconds.
 #[test]
-#[ignore = "a minute: cargo full-order"]
+#[ignore = "a minute: cargo long full_order"]
 fn reduced_bodies_follow_full_order() {
     let (full, reduced) = std::thread::scope(|scope| {
         let full = scope.spawn(|| run("[solid]\ntransient = \"full\"\ninner_steps = 1\n"));

@@ -1,7 +1,6 @@
 //! All tests of this package that are not unit tests, in one program: they are linked once, and no core waits for the last test of a file.
 
 mod assumed_bodies;
-mod bench;
 mod both_elements;
 mod by_angle;
 mod calculix;
@@ -11,7 +10,6 @@ mod command_line;
 mod compare;
 mod condensed_element;
 mod crates;
-mod documents;
 mod ends;
 mod error_band;
 mod estimate;

@@ -91,7 +91,7 @@ fn moved(kept: &[ToolCurve], now: &[ToolCurve]) -> Option<String> {
 const FINE: &str = "uic60-s1002-fine";
 
 /// Goal: the example studies have kept records, one with elements of second order and one with CalculiX, and
-/// every kept record is fresh and holds; the tool's numbers of the fine study are left to `cargo fresh-records`.
+/// every kept record is fresh and holds; the tool's numbers of the fine study are left to `cargo long every_kept_record`.
 #[test]
 fn kept_records_are_fresh() {
     records_are_fresh(|name| name != FINE);
@@ -99,7 +99,7 @@ fn kept_records_are_fresh() {
 
 /// Goal: the numbers of every record are those of the tool as it is now.
 #[test]
-#[ignore = "a minute; `cargo fresh-records`"]
+#[ignore = "a minute; `cargo long every_kept_record`"]
 fn the_numbers_of_every_kept_record_are_fresh() {
     records_are_fresh(|_| true);
 }

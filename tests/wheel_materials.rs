@@ -1,5 +1,5 @@
 //! Wheels of several materials as meshes: a ring of rubber between tyre and centre, and brake discs of cast iron on the web, from files to a report,
-//! statics beside a calculation by hand, and what is wrong with groups and materials. What takes longer is left to `cargo wheel-materials`.
+//! statics beside a calculation by hand, and what is wrong with groups and materials. What takes longer is left to `cargo long wheel_materials`.
 //!
 //! Needs Python 3.11 or newer with `venv`, as `tests/reference.rs` does.
 
@@ -198,9 +198,9 @@ fn a_ring_of_rubber_is_in_series_with_the_wheel_of_steel() {
     in_series(0.34, 6e6);
 }
 
-/// As above, half as thick, and of a stiffer rubber.
+/// Goal: a ring of rubber half as thick, and one of a stiffer rubber, are in series with the wheel of steel; else as [`in_series`].
 #[test]
-#[ignore = "a minute: cargo wheel-materials"]
+#[ignore = "a minute: cargo long wheel_materials"]
 fn other_rings_are_in_series_with_the_wheel_of_steel() {
     in_series(0.355, 6e6);
     in_series(0.34, 20e6);
@@ -218,7 +218,7 @@ fn vertical(place: &Place, folder: &str) -> Vec<f64> {
 /// discs count with their mass (kg; FACETS of the mesh), and their smaller modulus gives way a little more. In time the vertical force (kN) of the
 /// condensed bodies is that of all equations of the meshes; MODES, what those that are left out carry of an impact.
 #[test]
-#[ignore = "a minute: cargo wheel-materials"]
+#[ignore = "a minute: cargo long wheel_materials"]
 fn wheels_of_several_materials_run_to_a_report() {
     const FACETS: f64 = 8e-3;
     const MODES: f64 = 0.02;
@@ -306,7 +306,7 @@ fn decks_and_meshes_have_the_groups() {
 /// Goal: the independent solver agrees with the tool on the same mesh and materials; the mesh that the tool writes gives the same springs to the last bit;
 /// CONTACT has the constants at the running surface, and Hertz's contact those of both bodies.
 #[test]
-#[ignore = "a minute: cargo wheel-materials"]
+#[ignore = "a minute: cargo long wheel_materials"]
 fn the_groups_reach_other_programs() {
     if !railspring_testing::python() {
         return;

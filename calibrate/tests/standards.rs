@@ -272,7 +272,7 @@ fn wheels_have_the_published_conicity() {
 /// condensed once. Accuracy: none is claimed, for the meshes are coarse; what a law has to have is that its tangent is positive and
 /// finite at every load and grows from 10 to 120 kN, by less than a factor of 4.
 #[test]
-#[ignore = "a minute: cargo every-pair"]
+#[ignore = "a minute: cargo long standards"]
 fn every_wheel_is_fitted_to_every_rail() {
     const LOADS: [f64; 6] = [5e3, 10e3, 25e3, 50e3, 85e3, 120e3];
     const SHOWN: [usize; 4] = [1, 3, 4, 5];

@@ -236,7 +236,7 @@ fn rms(a: &History, b: &History) -> [f64; 2] {
 /// are refused. Accuracy: MODEL, the phase error of average acceleration, (ωh)²/12 a radian with (ωh)² the tolerance, over the half
 /// periods that two impacts last, of the flange and of the wheel that comes down again.
 #[test]
-#[ignore = "a minute: cargo adapted-steps"]
+#[ignore = "a minute: cargo long adapted_steps"]
 fn adapted_steps_follow_short_ones() {
     const MODEL: f64 = 2.0 * StepControl::DEFAULT.tolerance * std::f64::consts::PI / 12.0;
     let pair = pair();

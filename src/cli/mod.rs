@@ -1,11 +1,11 @@
 //! The command line: arguments, messages and exit codes.
 
 mod findings;
-mod output;
-mod progress;
+pub mod output;
+pub mod progress;
 mod shapes;
 mod file_args;
-mod set_args;
+pub mod set_args;
 mod pair_args;
 mod contact;
 mod place;
@@ -17,16 +17,14 @@ mod pdf_args;
 mod compare;
 mod staged;
 mod fit;
-mod bench;
 mod table;
 mod work;
 mod shell;
-mod reference;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use railspring_profiles::error::{Error, InputError};
 
@@ -35,7 +33,6 @@ use crate::results::bodies::estimate::{Budget, Resources};
 use crate::study::{LocatedError, Mistakes, Study, explain, schema};
 use crate::version;
 
-use bench::BenchCommand;
 use cache::CacheCommand;
 use compare::CompareArgs;
 use export::ExportArgs;
@@ -43,14 +40,13 @@ use fit::{FitArgs, NewArgs};
 use output::{complain, say};
 use profile::ProfileCommand;
 use progress::Progress;
-use reference::ReferenceArgs;
 use results::Results;
 use shell::ManArgs;
 use staged::StudyCommand;
 use table::TableArgs;
 
 /// Exit codes, the same for all commands.
-const EXIT_CODES: &str = "Exit codes:
+pub const EXIT_CODES: &str = "Exit codes:
   0    done, and every limit holds
   1    done, but a limit does not hold or the wheel has left the rail
   2    the input or the command line cannot be used, or the output cannot be written
@@ -99,9 +95,6 @@ enum Command {
     /// Look at the store of what was made before, and make room
     #[command(subcommand)]
     Cache(CacheCommand),
-    /// Measure how time and memory grow with the size of a model
-    #[command(subcommand)]
-    Bench(BenchCommand),
     /// Print what a shell completes commands and options with
     Completions {
         /// The shell
@@ -110,9 +103,6 @@ enum Command {
     },
     /// Print the manual page, or write a page for each command
     Man(ManArgs),
-    /// Write the reference pages of the documents; `cargo renew-reference` does
-    #[command(hide = true)]
-    Reference(ReferenceArgs),
 }
 
 impl Command {
@@ -167,8 +157,16 @@ impl WorkArgs {
     }
 }
 
-/// A positive number.
-fn positive(text: &str) -> Result<f64, String> {
+/// The program's commands with their options and what is said about them.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
+/// A positive number, as an option takes it.
+///
+/// # Errors
+/// What is expected, for a text that is none.
+pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
         _ => Err("expected a positive number".into()),
@@ -176,15 +174,19 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// A failure with the place where it stands.
-enum Failure {
+#[derive(Debug)]
+pub enum Failure {
+    /// Mistakes of a study, each at its line.
     Study(Mistakes),
+    /// An error of a stage that concerns a key of the study, at its line.
     Located(LocatedError),
+    /// Any other error.
     Plain(Error),
 }
 
 impl Failure {
     /// What is said about it, and the exit code.
-    fn said(&self) -> (Vec<String>, u8) {
+    pub fn said(&self) -> (Vec<String>, u8) {
         match self {
             Self::Study(mistakes) => (mistakes.messages(), 2),
             Self::Located(error) => (vec![error.to_string()], 2),
@@ -193,7 +195,7 @@ impl Failure {
     }
 
     /// An error of a stage, with the keys and the place of the study if it concerns one of them.
-    fn of_stage(study: &Study, error: Error) -> Self {
+    pub fn of_stage(study: &Study, error: Error) -> Self {
         match error {
             Error::Input(input) => match study.with_keys(input) {
                 input if study.owns(&input.key) => Self::Located(study.source.locate(input)),
@@ -289,15 +291,16 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         Command::Work(args) => done(work::run(args)),
         Command::Profile(command) => profile::run(command),
         Command::Cache(command) => done(cache::run(command)),
-        Command::Bench(command) => bench::run(command).map(|()| true),
         Command::Completions { shell } => done(shell::completions(*shell)),
         Command::Man(args) => done(shell::man(args)),
-        Command::Reference(args) => done(reference::write(args)),
     }
 }
 
 /// Takes as many threads as are wanted, those of the machine by default.
-fn take_threads(threads: Option<u16>) -> Result<(), Error> {
+///
+/// # Errors
+/// [`InputError`] for more threads than the system grants, or if they were taken before.
+pub fn take_threads(threads: Option<u16>) -> Result<(), Error> {
     let Some(threads) = threads else { return Ok(()) };
     rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(|cause| {
         InputError::new("--threads", cause, "a number of threads that the system grants", "take fewer").into()

@@ -67,7 +67,7 @@ impl Line {
 ///
 /// # Errors
 /// [`InputError`] with key `standard output` if it cannot be written for another reason, as on a full device.
-pub(super) fn say(line: &str) -> Result<(), Error> {
+pub fn say(line: &str) -> Result<(), Error> {
     say_line(&Line::plain(line))
 }
 
@@ -109,7 +109,7 @@ pub(super) fn remark(line: &str) {
 }
 
 /// Writes an error to standard error if anybody can hear it.
-pub(super) fn complain(message: &str) {
+pub fn complain(message: &str) {
     remark_line(&Line::of(Tone::Bad, "error:").then(Tone::Plain, format!(" {message}")));
 }
 

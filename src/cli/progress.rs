@@ -25,7 +25,7 @@ const TICK: Duration = Duration::from_millis(250);
 const LONGEST: usize = 2000;
 
 /// Shows how far the stages are: a bar for each that is under way, or lines.
-pub(super) struct Progress {
+pub struct Progress {
     style: Style,
     state: Mutex<State>,
 }
@@ -75,7 +75,7 @@ impl State {
 
 impl Progress {
     /// Listens to Ctrl-C and shows progress unless `quiet`.
-    pub(super) fn new(quiet: bool) -> Self {
+    pub fn new(quiet: bool) -> Self {
         // A handler can be set only once in a process; a second attempt changes nothing.
         let _ = ctrlc::set_handler(|| {
             if STOP.swap(true, Ordering::SeqCst) {
@@ -92,7 +92,7 @@ impl Progress {
     }
 
     /// Clears the bars.
-    pub(super) fn finish(&self) {
+    pub fn finish(&self) {
         self.state.lock().expect("no thread panics while it reports").clear();
     }
 }

@@ -6,7 +6,7 @@ use crate::study::Setting;
 
 /// Keys of the study.
 #[derive(Debug, Args)]
-pub(super) struct SetArgs {
+pub struct SetArgs {
     /// A key of the study and its value, in the place of that of the file; may be given several times. Files are relative to the study; an empty value
     /// takes the key out. `railspring explain` describes the keys
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 use railspring_profiles::error::{Error, InputError};
 
-use super::Cli;
+use super::command;
 use super::output::{print, say};
 use crate::engine::output::OutputFolder;
 
@@ -22,7 +22,7 @@ pub(super) struct ManArgs {
 /// Prints what a shell completes commands and options with.
 pub(super) fn completions(shell: Shell) -> Result<(), Error> {
     let mut text = Vec::new();
-    generate(shell, &mut Cli::command(), "railspring", &mut text);
+    generate(shell, &mut command(), "railspring", &mut text);
     print(&text)
 }
 
@@ -36,7 +36,7 @@ pub(super) fn man(args: &ManArgs) -> Result<(), Error> {
         })?;
         Ok((man.get_filename(), text))
     };
-    let mut program = Cli::command();
+    let mut program = command();
     program.build();
     let Some(path) = &args.output else { return print(&page(program)?.1) };
     let mut open = vec![program];

@@ -8,5 +8,3 @@ pub mod html;
 pub mod accessible;
 pub mod collector;
 pub mod catalogue;
-pub mod scaling;
-pub mod step_times;

@@ -7,6 +7,7 @@
 use crate::rounding::with_minus_signs;
 use plotters::coord::Shift;
 use plotters::prelude::*;
+pub use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// The backend works in whole pixels; figures are drawn this much larger and shown smaller.

@@ -1,6 +1,6 @@
 //! Studies, laws and histories with mistakes in them: no panic, no hang, no silent answer.
 //!
-//! Some hundreds of each by default; `cargo mutate` tries 10,000 of each, and of profiles. Every case has its number
+//! Some hundreds of each by default; `cargo long mutation` tries 10,000 of each, and of profiles. Every case has its number
 //! as seed, so that a case that fails is repeated by its number alone.
 
 mod histories;
@@ -72,20 +72,23 @@ fn mutated_histories() {
     histories::try_mutations(SOME);
 }
 
+/// Goal: 10,000 studies with mistakes end in a result or a message: no panic, no hang, no silent answer.
 #[test]
-#[ignore = "minutes: cargo mutate"]
+#[ignore = "minutes: cargo long mutation"]
 fn ten_thousand_mutated_studies() {
     studies::try_mutations(MANY);
 }
 
+/// Goal: 10,000 laws with mistakes end in a result or a message: no panic, no hang, no silent answer.
 #[test]
-#[ignore = "minutes: cargo mutate"]
+#[ignore = "minutes: cargo long mutation"]
 fn ten_thousand_mutated_laws() {
     laws::try_mutations(MANY);
 }
 
+/// Goal: 10,000 histories with mistakes end in a result or a message: no panic, no hang, no silent answer.
 #[test]
-#[ignore = "minutes: cargo mutate"]
+#[ignore = "minutes: cargo long mutation"]
 fn ten_thousand_mutated_histories() {
     histories::try_mutations(MANY);
 }

@@ -121,7 +121,7 @@ fn the_materials_of_both_bodies_reach_other_programs() {
 
 /// Source: the reference solver, which shares no code with the tool. Goal: a wheel of cast iron on a rail of steel, with friction and without, displacements and forces on the same mesh.
 #[test]
-#[ignore = "a minute: cargo wheel-materials"]
+#[ignore = "a minute: cargo long wheel_materials"]
 fn the_reference_solver_agrees_on_two_materials() {
     if !railspring_testing::python() {
         return;

@@ -1,6 +1,6 @@
 //! Placing measurements on their standards: synthetic ones whose place is known, and the benchmark's files.
 //!
-//! A hundred run by default, and 1,000 with `cargo place-profiles`, which prints what became of each class.
+//! A hundred run by default, and 1,000 with `cargo long profile_placement`, which prints what became of each class.
 
 use std::collections::BTreeMap;
 
@@ -228,9 +228,10 @@ fn synthetic_measurements_are_placed() {
     assert!(placed >= 95, "{placed}");
 }
 
-/// As [`synthetic_measurements_are_placed`].
+/// Goal: a thousand synthetic measurements of worn rails and wheels are laid onto their standards, with counts of every class; else as
+/// [`synthetic_measurements_are_placed`].
 #[test]
-#[ignore = "half a minute: cargo place-profiles"]
+#[ignore = "half a minute: cargo long profile_placement"]
 fn a_thousand_synthetic_measurements_are_placed() {
     let placed = nothing_wrong(0..1000, true);
     println!("{placed} of 1000 placed");

@@ -103,7 +103,7 @@ fn medians() {
 
 /// Goal: a page of a million places, to be opened in a browser; its path is printed. Not a test of the page: `--ignored`.
 #[test]
-#[ignore = "writes a page of 25 MB: cargo million-places"]
+#[ignore = "writes a page of 25 MB: cargo long million_places"]
 fn a_page_of_a_million_places() {
     let (columns, few) = (rows().columns, rows().rows);
     let rows = (0..1_000_000)

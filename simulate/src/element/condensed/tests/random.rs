@@ -81,7 +81,7 @@ fn case(random: &mut Random, models: &[CondensedModel]) -> (CondensedModel, Scen
 /// error, nothing that is not finite, and no energy (J) that comes of nothing: beyond a hundredth of the largest that is stored with the steps of a study, and beyond the limit of the verdict, 5 %, with
 /// sixteenths of 0.5 ms. Accuracy: DISCRETISATION, an impact has `(ωh)²/12` of its energy of it, which the tolerance of the steps keeps below 0.03/12.
 #[test]
-#[ignore = "half a minute of the processor's time: cargo random-runs"]
+#[ignore = "half a minute of the processor's time: cargo long random_runs"]
 fn random_runs_end_in_a_result() {
     const DRIFT: [f64; 4] = [0.01, f64::INFINITY, f64::INFINITY, 0.05];
     const RUNS: usize = 10_000;

@@ -1,21 +1,23 @@
-//! The documents: links, the book's list of pages, commands that exist, and reference pages that are those of the program.
+//! The documents: links, the book's list of pages, and commands that exist.
 //!
-//! Goal: no dead link among the project's own files, no page that the book leaves out, no command or option that the program does not have; exactly, no
-//! tolerance. The network is not asked.
+//! Goal: no dead link among the project's own files, no page that the book leaves out, no command or option that railspring, `cargo xtask` or the
+//! aliases of cargo do not have; exactly, no tolerance. The network is not asked.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
+use clap::Command;
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 
 /// Folders that have documents, besides that of the project itself.
 const FOLDERS: [&str; 3] = ["docs", "data", "python"];
-/// Pages that the program writes.
-const REFERENCE: [&str; 3] = ["reference-commands.md", "reference-files.md", "reference-keys.md"];
+/// A page whose history names commands that are gone.
+const HISTORY: &str = "CHANGELOG.md";
+/// Commands of cargo itself, and of its plugins, that the documents name.
+const OF_CARGO: [&str; 7] = ["bench", "build", "deny", "install", "run", "test", "update"];
 
 fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
 /// What a page has that others, or the program, depend on.
@@ -27,14 +29,19 @@ struct Page {
     links: Vec<String>,
     /// Lines of its blocks of commands.
     commands: Vec<String>,
+    /// What stands in it as code, by lines.
+    code: Vec<String>,
 }
 
 impl Page {
     fn of(text: &str) -> Self {
         let mut page = Self::default();
         let (mut heading, mut block) = (None::<String>, None::<String>);
-        let mut seen = BTreeMap::new();
+        let (mut seen, mut is_shell) = (BTreeMap::new(), false);
         for event in Parser::new_ext(text, Options::ENABLE_TABLES) {
+            if let Event::Code(text) = &event {
+                page.code.push(text.to_string());
+            }
             match event {
                 Event::Start(Tag::Heading { .. }) => heading = Some(String::new()),
                 Event::End(TagEnd::Heading(_)) => {
@@ -47,12 +54,15 @@ impl Page {
                 Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
                     page.links.push(dest_url.to_string())
                 }
-                Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(kind))) if &*kind == "sh" => {
-                    block = Some(String::new())
+                Event::Start(Tag::CodeBlock(kind)) => {
+                    is_shell = matches!(kind, CodeBlockKind::Fenced(kind) if &*kind == "sh");
+                    block = Some(String::new());
                 }
                 Event::End(TagEnd::CodeBlock) => {
                     let lines = block.take().unwrap_or_default().replace("\\\n", " ");
-                    page.commands.extend(lines.lines().map(str::to_string));
+                    let lines = lines.lines().map(str::to_string);
+                    page.code.extend(lines.clone());
+                    page.commands.extend(lines.filter(|_| is_shell));
                 }
                 Event::Text(text) | Event::Code(text) => {
                     for open in [&mut heading, &mut block].into_iter().flatten() {
@@ -164,111 +174,140 @@ fn the_book_has_every_page() {
     assert_eq!(files, listed.into_iter().collect());
 }
 
-fn railspring(arguments: &[&str]) -> std::process::Output {
-    Command::new(env!("CARGO_BIN_EXE_railspring")).args(arguments).output().unwrap()
-}
-
-/// Goal: the reference pages are those that the program writes. To renew them: `cargo renew-reference`.
-#[test]
-fn the_reference_is_that_of_the_program() {
-    let place = tempfile::tempdir().unwrap();
-    let output = railspring(&["reference", "-o", place.path().to_str().unwrap()]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let written = std::fs::read_dir(place.path())
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    assert_eq!(written.collect::<BTreeSet<_>>(), REFERENCE.map(String::from).into());
-    for name in REFERENCE {
-        let [made, kept] = [place.path().join(name), root().join("docs").join(name)]
-            .map(|path| std::fs::read_to_string(path).unwrap());
-        let different = made.lines().zip(kept.lines()).find(|(made, kept)| made != kept);
-        assert!(made == kept, "docs/{name} is out of date, do `cargo renew-reference`: {different:?}");
-    }
-    let keys = std::fs::read_to_string(root().join("docs/reference-keys.md")).unwrap();
-    for part in ["| `contact.friction` | Coulomb friction", "a number from 0 to 2", "`[scenario.NAME]`"] {
-        assert!(keys.contains(part), "{part}");
-    }
-}
-
-/// Words of a line of a shell after `railspring`, up to what ends the command; none for another program.
-fn words(line: &str) -> Option<Vec<String>> {
-    let line = line.split(" #").next().unwrap_or_default().trim();
+/// Words of a line of a shell, up to what ends the command.
+fn words(line: &str) -> Vec<&str> {
+    let line = line.split(" #").next().unwrap_or_default();
     let line = line.split(['>', '|', ';', '&']).next().unwrap_or_default();
-    let mut words = line.split_whitespace().map(|word| word.trim_matches('"').to_string());
-    (words.next()? == "railspring").then(|| words.collect())
+    line.split_whitespace().map(|word| word.trim_matches('"')).collect()
 }
 
-/// What is wrong with a command: a name or an option that the program does not have.
-fn fault(words: &[String], help: &mut dyn FnMut(&[String]) -> Option<String>) -> Option<String> {
-    let names: Vec<String> =
-        words.iter().take_while(|word| !word.starts_with('-')).take(2).cloned().collect();
-    // `profile show`, but `run STUDY`
-    let command =
-        (0..=names.len()).rev().map(|n| &names[..n]).find_map(|command| Some((command, help(command)?)));
-    let (command, help) = command?;
-    if command.is_empty() && !names.is_empty() {
-        return Some(format!("no command {}", names[0]));
+/// What is wrong with the words after a program: a name or an option that it does not have.
+fn fault(words: &[&str], program: &Command) -> Option<String> {
+    let mut command = program;
+    for word in words.iter().take_while(|word| !word.starts_with('-')) {
+        // `profile show`, but `run STUDY`
+        match command.find_subcommand(word) {
+            Some(inner) => command = inner,
+            None if command.has_subcommands() => return Some(format!("no command {word}")),
+            None => break,
+        }
     }
     let known = |option: &str| {
-        help.split(|c: char| c.is_whitespace() || c == ',' || c == '=' || c == '[').any(|word| word == option)
+        command.get_arguments().any(|argument| match option.strip_prefix("--") {
+            Some(long) => argument.get_long() == Some(long),
+            None => argument.get_short().is_some_and(|short| option == format!("-{short}")),
+        })
     };
     let options = words.iter().filter(|word| word.starts_with('-') && word.chars().any(char::is_alphabetic));
     let mut options = options.map(|word| word.split('=').next().unwrap_or(word));
-    options.find(|option| !known(option)).map(|option| format!("no option {option} of {}", command.join(" ")))
+    options
+        .find(|option| !known(option))
+        .map(|option| format!("no option {option} of {}", command.get_name()))
+}
+
+/// A program whose commands know the options for help, too.
+fn built(mut program: Command) -> Command {
+    program.build();
+    program
 }
 
 /// Goal: every command of the documents, with its options, is one of the program; a wrong name and a wrong option are found.
 #[test]
 fn commands_of_the_documents_exist() {
-    let mut helps: BTreeMap<Vec<String>, Option<String>> = BTreeMap::new();
-    let mut help = |command: &[String]| -> Option<String> {
-        let known = helps.entry(command.to_vec()).or_insert_with(|| {
-            // a second word that is no command is an argument, with which the help is that of the first
-            let arguments: Vec<&str> = command.iter().map(String::as_str).chain(["--help"]).collect();
-            let output = railspring(&arguments);
-            let text = String::from_utf8(output.stdout).unwrap();
-            let usage = format!("Usage: railspring {}", command.join(" "));
-            let usage = text.lines().find(|line| line.starts_with(usage.trim()))?;
-            let next = usage.trim_start_matches("Usage: railspring").split_whitespace();
-            let own = next.zip(command).filter(|(a, b)| *a == b.as_str()).count() == command.len();
-            (output.status.success() && own).then_some(text)
-        });
-        known.clone()
+    let program = built(railspring::cli::command());
+    let of = |line: &str| match words(line).split_first() {
+        Some((&"railspring", rest)) => Some(fault(rest, &program)),
+        _ => None,
     };
     let mut checked = 0;
     let mut faults = Vec::new();
     for (path, page) in pages() {
-        for words in page.commands.iter().filter_map(|line| words(line)) {
+        for fault in page.commands.iter().filter_map(|line| of(line)) {
             checked += 1;
-            faults.extend(fault(&words, &mut help).map(|fault| format!("{}: {fault}", path.display())));
+            faults.extend(fault.map(|fault| format!("{}: {fault}", path.display())));
         }
     }
     assert_eq!(faults, Vec::<String>::new());
     assert!(checked > 25, "{checked}");
-    let of =
-        |line: &str, help: &mut dyn FnMut(&[String]) -> Option<String>| fault(&words(line).unwrap(), help);
-    assert_eq!(of("railspring fitt S1002 60E1", &mut help).as_deref(), Some("no command fitt"));
+    let found = |line: &str| of(line).unwrap();
+    assert_eq!(found("railspring fitt S1002 60E1").as_deref(), Some("no command fitt"));
+    assert_eq!(found("railspring fit S1002 60E1 --sett a=1").as_deref(), Some("no option --sett of fit"));
     assert_eq!(
-        of("railspring fit S1002 60E1 --sett a=1", &mut help).as_deref(),
-        Some("no option --sett of fit")
+        found("railspring profile check x.prr --quiett").as_deref(),
+        Some("no option --quiett of check")
     );
-    assert_eq!(
-        of("railspring profile check x.prr --quiett", &mut help).as_deref(),
-        Some("no option --quiett of profile check")
-    );
-    assert!(
-        of("railspring profile check x.prr --kind rail  # a comment", &mut help).is_none()
-            && words("cargo test").is_none()
-    );
+    assert!(found("railspring profile check x.prr --kind rail  # a comment").is_none());
+    assert!(of("cargo test").is_none());
+}
+
+/// Names that `cargo long` takes a part of, as far as the sources say: modules with the functions in them.
+fn long_tests() -> Vec<String> {
+    let name = |test: &xtask::IgnoredTest| {
+        let file = test.file.strip_prefix(&test.package).unwrap().with_extension("");
+        let modules: Vec<_> = file.iter().skip(1).map(|part| part.to_string_lossy()).collect();
+        format!("{}::{}", modules.join("::"), test.function)
+    };
+    xtask::ignored_tests().unwrap().iter().map(name).collect()
+}
+
+/// Goal: every command of cargo that the documents or the heads of long tests name is cargo's own, an alias, a command of `cargo xtask` or a part of the
+/// name of a long test; what is none is found.
+#[test]
+fn commands_of_cargo_exist() {
+    let config = std::fs::read_to_string(root().join(".cargo/config.toml")).unwrap();
+    let config: toml::Table = config.parse().unwrap();
+    let aliases: Vec<&str> = config["alias"].as_table().unwrap().keys().map(String::as_str).collect();
+    let (developers, long) = (built(xtask::command()), long_tests());
+    let of = |line: &str| match words(line).as_slice() {
+        ["cargo", "xtask", rest @ ..] => fault(rest, &developers),
+        ["cargo", "long", rest @ ..] => {
+            // `PART` stands for any
+            let name = rest.iter().find(|word| word.contains(char::is_lowercase) && !word.starts_with('-'));
+            let unknown = name.filter(|name| long.iter().all(|test| !test.contains(**name)));
+            unknown
+                .map(|name| format!("no long test {name}"))
+                .or_else(|| fault(&[&["long"][..], rest].concat(), &developers))
+        }
+        ["cargo", name, ..] => {
+            let known = OF_CARGO.contains(name) || aliases.contains(name);
+            (!known).then(|| format!("no command {name} of cargo"))
+        }
+        _ => None,
+    };
+    let mut faults = Vec::new();
+    for (path, page) in pages().into_iter().filter(|(path, _)| !path.ends_with(HISTORY)) {
+        let found = page.code.iter().filter_map(|line| of(line));
+        faults.extend(found.map(|fault| format!("{}: {fault}", path.display())));
+    }
+    // this file has wrong ones
+    let own = Path::new(file!()).file_name().unwrap();
+    for test in xtask::ignored_tests().unwrap().iter().filter(|test| !test.file.ends_with(own)) {
+        let text = std::fs::read_to_string(&test.file).unwrap();
+        for (at, _) in text.match_indices("cargo long ") {
+            let end = |c: char| c.is_whitespace() || "\"`,;:)".contains(c);
+            let name = text[at + "cargo long ".len()..].split(end).next().unwrap_or_default();
+            faults
+                .extend(of(&format!("cargo long {name}")).map(|fault| format!("{}: {fault}", test.function)));
+        }
+    }
+    assert_eq!(faults, Vec::<String>::new());
+    assert!(long.len() > 20, "{long:?}");
+    assert_eq!(of("cargo longg").as_deref(), Some("no command longg of cargo"));
+    assert_eq!(of("cargo long nothing").as_deref(), Some("no long test nothing"));
+    assert_eq!(of("cargo long --lists").as_deref(), Some("no option --lists of long"));
+    assert_eq!(of("cargo xtask bench solids").as_deref(), Some("no command solids"));
+    assert!(of("cargo xtask bench solid --to 1000000").is_none() && of("cargo long every_key").is_none());
 }
 
 /// Goal: the page on exports has a heading for every format of the program, and no other.
 #[test]
 fn every_export_is_explained() {
-    let help = String::from_utf8(railspring(&["export", "-h"]).stdout).unwrap();
-    let (_, formats) = help.split_once("[possible values: ").unwrap();
+    let program = railspring::cli::command();
+    let export = program.find_subcommand("export").unwrap();
+    let to = export.get_arguments().find(|argument| argument.get_long() == Some("to")).unwrap();
     let formats: BTreeSet<String> =
-        formats.split(']').next().unwrap().split(", ").map(|f| f.trim().to_string()).collect();
+        to.get_possible_values().iter().map(|format| format.get_name().to_string()).collect();
+    assert!(!formats.is_empty());
     let page = std::fs::read_to_string(root().join("docs/use-an-export.md")).unwrap();
     let headings =
         page.lines().filter_map(|line| Some(line.strip_prefix("## `")?.trim_end_matches('`').to_string()));
@@ -279,7 +318,7 @@ fn every_export_is_explained() {
 #[test]
 #[ignore = "needs mdBook: `cargo install mdbook`, then `cargo book`"]
 fn the_book_is_built() {
-    let built = Command::new("mdbook")
+    let built = std::process::Command::new("mdbook")
         .arg("build")
         .current_dir(root())
         .output()

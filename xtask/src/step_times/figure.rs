@@ -1,11 +1,10 @@
 //! The figure of the time of a step of the moving solver over the elements of the rail, beside other programs.
 
-use plotters::style::RGBColor;
+use railspring::report::number::WIDTH;
+use railspring::report::panel::{Panel, stacked_logarithmic};
+use railspring::report::plot::{DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, RGBColor, Series};
 
-use super::number::WIDTH;
-use super::panel::{Panel, stacked_logarithmic};
-use super::plot::{DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
-use crate::records::step_times::StepTimesRecord;
+use super::record::StepTimesRecord;
 
 /// Looks of the program's own curves: a colour for each element, a marker for each case.
 const ELEMENTS: [RGBColor; 2] = [DARK, RED];

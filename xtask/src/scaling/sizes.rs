@@ -1,11 +1,10 @@
 //! The refinement of the bodies that gives a wanted number of degrees of freedom.
 
+use railspring::results::bodies::geometry::Geometry;
+use railspring::study::Study;
 use railspring_calibrate::mesh::{MeshOptions, rail_size, wheel_size};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::Monitor;
-
-use crate::results::bodies::geometry::Geometry;
-use crate::study::Study;
 
 /// Refinements between which is searched: elements so many times smaller than those of the study.
 const RANGE: [f64; 2] = [0.35, 16.0];

@@ -1,9 +1,8 @@
 //! `moving.json` and `moving.csv`: the time of a step of the moving solver.
 
+use railspring::engine::measured::MachineRecord;
+use railspring::engine::output::to_csv;
 use serde::{Deserialize, Serialize};
-
-use crate::engine::measured::MachineRecord;
-use crate::engine::output::to_csv;
 
 /// `moving.json`: every case that was timed, and what is known of other programs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,10 @@
 //! The stages of one size, each with its time and its peak of the memory.
 
-use crate::results::springs::make;
+use railspring::engine::measure::Stopwatch;
+use railspring::results::bodies::estimate::{condensing, stepping};
+use railspring::results::bodies::geometry::Geometry;
+use railspring::results::springs::make;
+use railspring::study::Study;
 use railspring_calibrate::calibration::{Reference, load_points, press_loads};
 use railspring_calibrate::pair::{PairBody, PairSolids};
 use railspring_calibrate::superelement::{CondensedBody, FactorSize, Step};
@@ -11,11 +15,7 @@ use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 use railspring_simulate::time::steps::InnerSteps;
 
 use super::clock::Clock;
-use crate::engine::measure::Stopwatch;
-use crate::records::scaling::{ScalingBody, ScalingSize, ScalingStage};
-use crate::results::bodies::estimate::condensing::{condensing, stepping};
-use crate::results::bodies::geometry::Geometry;
-use crate::study::Study;
+use super::record::{ScalingBody, ScalingSize, ScalingStage};
 
 /// Shares of the study's largest load that are pressed.
 const LOADS: [f64; 3] = [0.25, 0.5, 1.0];

@@ -4,10 +4,19 @@
 //! The cases take turns on one thread, and of each the run with the least CPU time counts: what else the machine does lengthens a run and never
 //! shortens it.
 
-use crate::results::bodies::geometry;
+mod clock;
+mod record;
+pub mod figure;
+
+pub use record::StepTimesRecord;
+
 use std::time::Instant;
 
 use nalgebra::Vector2;
+use railspring::engine::measure::{machine, now_utc};
+use railspring::results::bodies::geometry;
+use railspring::results::bodies::geometry::Geometry;
+use railspring::study::{ContactElementKey, Study};
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_profiles::error::{InputError, Result};
@@ -19,19 +28,17 @@ use railspring_simulate::element::published::{MovingModel, MovingRun, WheelSprin
 use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
 
-use crate::engine::measure::{machine, now_utc, thread_seconds};
-use crate::records::step_times::{PeerTime, StepTime, StepTimesRecord};
-use crate::results::bodies::geometry::Geometry;
-use crate::study::{ContactElementKey, Study};
+use clock::thread_seconds;
+use record::{PeerTime, StepTime};
 
 /// Names of the cases.
-pub const LOAD_CASE: &str = "load case 4.1";
+const LOAD_CASE: &str = "load case 4.1";
 /// The same with the steps of the integration that a study has.
-pub const AS_IN_STUDIES: &str = "4.1 as in a study";
+const AS_IN_STUDIES: &str = "4.1 as in a study";
 /// The span that other programs were timed on.
-pub const BRIDGE: &str = "bridge of 25 m";
+const BRIDGE: &str = "bridge of 25 m";
 /// Rails of elements of a decimetre.
-pub const RAIL: &str = "rail";
+const RAIL: &str = "rail";
 
 /// Beam elements of the bridge and of the rails.
 const BRIDGES: [usize; 4] = [20, 40, 80, 200];

@@ -1,23 +1,20 @@
-//! `railspring bench`: how time and memory grow with the size of a model.
+//! `cargo xtask bench`: how time and memory grow with the size of a model.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
+use railspring::cli::output::say;
+use railspring::cli::progress::Progress;
+use railspring::cli::set_args::SetArgs;
+use railspring::cli::{Failure, positive, take_threads};
+use railspring::engine::output::OutputFolder;
+use railspring::results::bodies::estimate::{Budget, Resources};
+use railspring::results::run::springs;
+use railspring::study::Study;
 use railspring_profiles::error::Error;
 
-use super::output::say;
-use super::progress::Progress;
-use super::set_args::SetArgs;
-use super::{Failure, positive, take_threads};
-use crate::engine::output::OutputFolder;
-use crate::records::scaling::ScalingRecord;
-use crate::records::step_times::StepTimesRecord;
-use crate::report::{scaling, step_times as times_figure};
-use crate::results::bodies::estimate::{Budget, Resources};
-use crate::results::run::springs;
-use crate::scaling::{Sweep, sweep};
-use crate::step_times::{PEERS_MADE, step_times};
-use crate::study::Study;
+use crate::scaling::{self, ScalingRecord, Sweep, sweep};
+use crate::step_times::{self, PEERS_MADE, StepTimesRecord, step_times};
 
 /// The study that is measured if none is named.
 const DEFAULT: &str = include_str!("../../data/studies/uic60-s1002.toml");
@@ -35,7 +32,7 @@ const TIMES_TABLE: &str = "moving.csv";
 const TIMES_FIGURE: &str = "moving.svg";
 
 #[derive(Debug, Subcommand)]
-pub(super) enum BenchCommand {
+pub enum BenchCommand {
     /// Sweep the solid model over its degrees of freedom: time and memory of mesh, ordering, assembly, factorisation, condensation, modes,
     /// a load and a step in time. Writes scaling.csv, scaling.json and scaling.svg after every size
     Solid(SolidArgs),
@@ -46,7 +43,7 @@ pub(super) enum BenchCommand {
 
 /// The runs and where the results go.
 #[derive(Debug, Args)]
-pub(super) struct MovingArgs {
+pub struct MovingArgs {
     /// Most beam elements of a bridge or a rail
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(20..=10_000))]
     to: u32,
@@ -66,7 +63,7 @@ pub(super) struct MovingArgs {
 
 /// The sizes, the study and where the results go.
 #[derive(Debug, Args)]
-pub(super) struct SolidArgs {
+pub struct SolidArgs {
     /// Degrees of freedom of the largest size; 1000000 takes six minutes and 8 GiB of memory
     #[arg(long, value_name = "DOF", default_value_t = 400_000, value_parser = degrees_of_freedom)]
     to: usize,
@@ -105,7 +102,7 @@ fn degrees_of_freedom(text: &str) -> Result<usize, String> {
 }
 
 /// Runs a command.
-pub(super) fn run(command: &BenchCommand) -> Result<(), Failure> {
+pub fn run(command: &BenchCommand) -> Result<(), Failure> {
     let study = match command {
         BenchCommand::Solid(SolidArgs { study: Some(path), set, .. }) => {
             Study::read_with(path, set.settings())?
@@ -132,7 +129,7 @@ fn moving(args: &MovingArgs, study: &Study) -> Result<(), Error> {
     progress.finish();
     folder.write_json(TIMES_RECORD, &record)?;
     folder.write(TIMES_TABLE, &record.csv())?;
-    folder.write(TIMES_FIGURE, times_figure::figure(&record, PEERS_MADE).as_bytes())?;
+    folder.write(TIMES_FIGURE, step_times::figure::figure(&record, PEERS_MADE).as_bytes())?;
     if !args.quiet {
         for line in table(&record) {
             say(&line)?;
@@ -182,7 +179,12 @@ fn solid(args: &SolidArgs, study: &Study) -> Result<(), Error> {
         for found in &record.exponents {
             let unit = if found.unit.is_empty() { String::new() } else { format!(" {}", found.unit) };
             let at = format!("{:.3e}{unit} at 100000", found.at_100k);
-            say(&format!("{}, {}: exponent {}, {at}", found.quantity, found.of, scaling::exponent(found)))?;
+            say(&format!(
+                "{}, {}: exponent {}, {at}",
+                found.quantity,
+                found.of,
+                scaling::figure::exponent(found)
+            ))?;
         }
         say(&args.output.display().to_string())?;
     }
@@ -193,5 +195,5 @@ fn solid(args: &SolidArgs, study: &Study) -> Result<(), Error> {
 fn write(folder: &OutputFolder, record: &ScalingRecord) -> Result<(), Error> {
     folder.write_json(RECORD, record)?;
     folder.write(TABLE, &record.csv())?;
-    folder.write(FIGURE, scaling::figure(record).as_bytes())
+    folder.write(FIGURE, scaling::figure::figure(record).as_bytes())
 }

@@ -1,11 +1,16 @@
-//! `railspring bench`: its files, what it predicts, and what it refuses.
+//! `cargo xtask bench`: its files, what it predicts, and what it refuses.
 
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output};
 
+use railspring::engine::output::OutputFolder;
+use railspring::results::bodies::estimate::Resources;
+use railspring::results::study_run::StudyRun;
+use railspring::study::Study;
+use railspring_profiles::monitor::Silent;
 use serde_json::Value;
 
-const COARSE: &str = include_str!("studies/coarse.toml");
+const COARSE: &str = include_str!("../../tests/studies/coarse.toml");
 
 /// Sweeps the solid model in a folder with the coarse study.
 fn bench(root: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
@@ -15,8 +20,7 @@ fn bench(root: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
 
 /// Runs a command in a folder.
 fn bench_of(what: &str, root: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let Output { status, stdout, stderr } = assert_cmd::Command::cargo_bin("railspring")
-        .unwrap()
+    let Output { status, stdout, stderr } = Command::new(env!("CARGO_BIN_EXE_xtask"))
         .current_dir(root)
         .args(["bench", what])
         .args(arguments)
@@ -212,11 +216,10 @@ fn both_contact_elements_are_timed() {
     let coarse = COARSE.replace("shifts_mm = []", "shifts_mm = [0, 6]");
     let load_case = "[scenario.one]\nsteps = 3\nvertical_force = { mean_kn = 50 }\nlateral_force = {}\n";
     let calibrate = |text: &str, out: &str| {
-        std::fs::write(root.path().join("study.toml"), text).unwrap();
-        let mut command = assert_cmd::Command::cargo_bin("railspring").unwrap();
-        command.current_dir(root.path()).env("RAILSPRING_CACHE", root.path().join("cache"));
-        let output = command.args(["calibrate", "study.toml", "-q", "-o", out]).output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        let study = Study::parse(Path::new("study.toml"), text).unwrap();
+        let folder = OutputFolder::create(&root.path().join(out)).unwrap();
+        let pipeline = StudyRun::new(&study, &folder, Resources::of_the_machine(&Silent));
+        pipeline.calibrate().unwrap_or_else(|e| panic!("{e}"));
         format!("{out}/stiffness_by_angle.json")
     };
     let laws = calibrate(&format!("{coarse}\n{load_case}"), "laws");

@@ -1,9 +1,8 @@
 //! `scaling.json` and `scaling.csv`: time and memory of the solid model over its degrees of freedom.
 
+use railspring::engine::measured::MachineRecord;
+use railspring::engine::output::to_csv;
 use serde::{Deserialize, Serialize};
-
-use crate::engine::measured::MachineRecord;
-use crate::engine::output::to_csv;
 
 /// What both bodies share, in tables.
 pub const BOTH: &str = "both bodies";

@@ -3,22 +3,22 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command};
+use railspring::cli::output::say;
+use railspring::cli::{EXIT_CODES, command};
+use railspring::engine::output::OutputFolder;
+use railspring::results::files::{RESULT_FILES, ResultFile};
+use railspring::study::sections;
 use railspring_profiles::error::Error;
 use serde_json::Value;
 
-use super::Cli;
-use super::output::say;
-use crate::engine::output::OutputFolder;
-use crate::results::files::{RESULT_FILES, ResultFile};
-use crate::study::sections;
-
 /// Said at the head of every page.
-const MADE: &str = "This page is made from the program by `cargo renew-reference`; a test compares the two.";
+const MADE: &str =
+    "This page is made from the program by `cargo xtask reference -o docs`; a test compares the two.";
 
 /// Where the pages go.
 #[derive(Debug, Args)]
-pub(super) struct ReferenceArgs {
+pub struct ReferenceArgs {
     /// Folder to write the pages to
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -28,7 +28,7 @@ pub(super) struct ReferenceArgs {
 ///
 /// # Errors
 /// A folder that cannot be written.
-pub(super) fn write(args: &ReferenceArgs) -> Result<(), Error> {
+pub fn write(args: &ReferenceArgs) -> Result<(), Error> {
     let folder = OutputFolder::create(&args.output)?;
     let pages = [
         ("reference-keys.md", keys()),
@@ -77,12 +77,12 @@ fn keys() -> String {
 }
 
 fn commands() -> String {
-    let mut program = Cli::command();
+    let mut program = command();
     program.build();
     let mut text = format!(
         "# Commands, options and exit codes\n\n`railspring COMMAND --help` says the same. {MADE}\n\n## Exit codes\n\n| code | meaning |\n|---|---|\n"
     );
-    for line in super::EXIT_CODES.lines().skip(1) {
+    for line in EXIT_CODES.lines().skip(1) {
         let (code, meaning) = line.trim().split_once(' ').unwrap_or((line.trim(), ""));
         text += &format!("| {code} | {} |\n", meaning.trim());
     }

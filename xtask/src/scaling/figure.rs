@@ -1,11 +1,12 @@
 //! The figure of a sweep over sizes: time, memory and speed over the degrees of freedom.
 
-use plotters::style::RGBColor;
+use railspring::report::number::WIDTH;
+use railspring::report::panel::{Panel, stacked_logarithmic};
+use railspring::report::plot::{
+    BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, PALE_BLUE, RED, RGBColor, Series,
+};
 
-use super::number::WIDTH;
-use super::panel::{Panel, stacked_logarithmic};
-use super::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, PALE_BLUE, RED, Series};
-use crate::records::scaling::{ExponentRecord, ScalingRecord, ScalingSize};
+use super::record::{BOTH, ExponentRecord, ScalingRecord, ScalingSize};
 
 /// Bytes of a mebibyte.
 const MIB: f64 = 1024.0 * 1024.0;
@@ -84,8 +85,7 @@ pub fn figure(record: &ScalingRecord) -> String {
 
 /// A legend with the exponent of a quantity of both bodies.
 fn named(record: &ScalingRecord, quantity: &str, text: &str) -> String {
-    let of_both =
-        |found: &&ExponentRecord| found.of == crate::records::scaling::BOTH && found.quantity == quantity;
+    let of_both = |found: &&ExponentRecord| found.of == BOTH && found.quantity == quantity;
     match record.exponents.iter().find(of_both) {
         Some(found) => format!("{text}, exponent {}", exponent(found)),
         None => text.to_string(),

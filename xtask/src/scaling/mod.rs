@@ -5,24 +5,26 @@
 //! it is taken.
 
 mod clock;
-mod parts;
 mod power;
+mod record;
+pub mod figure;
+mod parts;
 mod sizes;
 
-pub use power::PowerLaw;
+pub use record::ScalingRecord;
 
-use crate::results::bodies::meshes;
-use crate::results::bodies::{geometry, solids, zones};
+use railspring::engine::measure::{Stopwatch, machine, now_utc};
+use railspring::results::bodies::estimate::{CONTACT_OF_STEP, GIB, Resources, least_memory};
+use railspring::results::bodies::geometry;
+use railspring::results::bodies::meshes;
+use railspring::results::bodies::solids;
+use railspring::results::bodies::zones;
+use railspring::study::Study;
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::solid::START_MODES;
 
-use crate::engine::measure::{Stopwatch, machine, now_utc};
-use crate::records::scaling::{
-    BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingRecord, ScalingSize, SkippedSize,
-};
-use crate::results::bodies::estimate::condensing::{CONTACT_OF_STEP, least_memory};
-use crate::results::bodies::estimate::{GIB, Resources};
-use crate::study::Study;
+use power::PowerLaw;
+use record::{BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingSize, SkippedSize};
 use sizes::Sizes;
 
 /// Bytes of a mebibyte.
@@ -185,7 +187,7 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
 }
 
 /// Stages in the order of the tables.
-pub const STAGES: [&str; 8] =
+const STAGES: [&str; 8] =
     ["mesh", "ordering", "assembly", "factorisation", "condensation", "modes", "one load", "one step"];
 
 /// A finished size in words.
@@ -244,13 +246,13 @@ fn exponents(sizes: &[ScalingSize]) -> Vec<ExponentRecord> {
 mod tests {
     use std::path::Path;
 
+    use railspring::results::bodies::estimate::Budget;
     use railspring_profiles::error::Error;
     use railspring_profiles::monitor::Monitor;
 
     use super::*;
-    use crate::results::bodies::estimate::Budget;
 
-    const COARSE: &str = include_str!("../../tests/studies/coarse.toml");
+    const COARSE: &str = include_str!("../../../tests/studies/coarse.toml");
 
     /// Stops when the second size begins.
     struct Stopped;

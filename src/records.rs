@@ -1,4 +1,0 @@
-//! Records of benchmarks.
-
-pub mod scaling;
-pub mod step_times;

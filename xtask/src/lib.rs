@@ -1,0 +1,16 @@
+//! What a developer of railspring needs and a user does not, as `cargo xtask COMMAND`.
+//!
+//! [`main`] runs a command, [`command`] describes all of them, and [`ignored_tests`] lists the long tests.
+
+mod scaling;
+mod step_times;
+mod bench;
+mod reference;
+mod workspace;
+mod ignored;
+mod long;
+mod same_bytes;
+mod cli;
+
+pub use cli::{command, main};
+pub use ignored::{IgnoredTest, ignored_tests};
