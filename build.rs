@@ -5,10 +5,12 @@ use std::path::Path;
 use std::process::Command;
 
 /// What the program is made of; a change of one of these may make the files other than those of the commit.
-const SOURCES: [&str; 12] = [
+const SOURCES: [&str; 14] = [
     "src",
+    "profiles/src",
     "calibrate/src",
     "simulate/src",
+    "profiles/Cargo.toml",
     "calibrate/Cargo.toml",
     "simulate/Cargo.toml",
     "data/templates",

@@ -18,10 +18,11 @@ pub const REPLICATES: usize = 4;
 const FEWEST: usize = 40;
 
 /// The curves without a part of the `points` each. Both ends and the corners, `kinks`, stay. Points that are left out together are `together` neighbours;
-/// waves of the length that `wavelengths` (m) has at each point are halved. Empty where there are too few points.
+/// waves of the length that `wavelengths` (m) has at each point are halved. Empty where there are too few points, or where those that stay make no curve,
+/// as beside a spike.
 ///
 /// # Errors
-/// As [`smooth`], and points that make no curve.
+/// As [`smooth`].
 pub(super) fn replicates(
     points: &[MeasuredPoint],
     kinks: &[usize],
@@ -32,7 +33,7 @@ pub(super) fn replicates(
         return Ok(Vec::new());
     }
     let stays = |i: usize| i == 0 || i + 1 == points.len() || kinks.contains(&i);
-    let without = |part: usize| {
+    let without = |part: usize| -> Result<Option<ProfileCurve>> {
         let (mut kept, mut corners) = (Vec::with_capacity(points.len()), Vec::with_capacity(kinks.len()));
         let mut waves = Vec::with_capacity(points.len());
         for (i, point) in points.iter().enumerate() {
@@ -46,9 +47,10 @@ pub(super) fn replicates(
         }
         let smoothed = smooth(&kept, &corners, &waves)?;
         let places: Vec<Point2<f64>> = smoothed.points.iter().map(|p| p.point).collect();
-        ProfileCurve::from_points(&places, &corners)
+        Ok(ProfileCurve::from_points(&places, &corners).ok())
     };
-    (0..REPLICATES).map(without).collect()
+    let curves: Result<Option<Vec<_>>> = (0..REPLICATES).map(without).collect();
+    curves.map(Option::unwrap_or_default)
 }
 
 /// Standard uncertainty of what comes out as `values` with the replicates.
@@ -107,5 +109,19 @@ mod tests {
             }
         }
         assert!(replicates(&points, &[], 8, &[2.0 * MILLIMETRE; 161]).unwrap().is_empty());
+    }
+
+    /// Goal: points of which two lie in one place when the spike between them is left out have no replicates, and that is no error of the file.
+    #[test]
+    fn a_spike_that_is_left_out_is_no_error() {
+        let mut points: Vec<MeasuredPoint> = (0..=160)
+            .map(|i: usize| {
+                let y = i as f64 * 0.25 * MILLIMETRE;
+                MeasuredPoint { point: Point2::new(y, 0.0), line: i + 1, weight: 1.0 }
+            })
+            .collect();
+        points[42].point.y = -1.0 * MILLIMETRE;
+        points[43].point = points[41].point;
+        assert!(replicates(&points, &[41, 43], 1, &[2.0 * MILLIMETRE; 161]).unwrap().is_empty());
     }
 }
