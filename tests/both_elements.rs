@@ -92,6 +92,7 @@ fn the_other_element_runs_as_if_it_were_chosen() {
 /// Goal: an element that does not come to its end is no error of the study: the verdict and the report say why, there is no history of it, and the report
 /// made again from the files says the same. Where it is the study's own element, the command fails.
 #[test]
+#[ignore = "a minute: cargo long both_elements"]
 fn an_element_that_fails_is_said() {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();

@@ -44,6 +44,7 @@ fn read(root: &Path, file: &str) -> String {
 /// its parts, and the ratio of its secant to the published one where its loads have the range (here not); the report shows figure and
 /// bands and says so; `results.json` lists both files. Units mm, kN, kN/m, 1. Accuracy: equal numbers.
 #[test]
+#[ignore = "a minute: cargo long by_angle"]
 fn table_and_record_agree() {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();
@@ -181,6 +182,7 @@ fn table_and_record_agree() {
 /// tangent on the tread by less than the band. Unit kN. Accuracy: the largest load of the study; MODEL, the band of the law against the foot,
 /// whose rail has the most of the meshes in it.
 #[test]
+#[ignore = "a minute: cargo long by_angle"]
 fn the_law_on_the_flange_reaches_the_largest_load() {
     let with = |keys: &str, friction: &str| {
         let shifts =
@@ -246,6 +248,7 @@ fn the_law_on_the_flange_reaches_the_largest_load() {
 /// Goal: other shifts make the laws by angle again and nothing else; the same ones take them; what the springs depend on makes them again;
 /// none leave the files out; left out, the shifts cover tread, corner and flange, that of the track among them.
 #[test]
+#[ignore = "a minute: cargo long by_angle"]
 fn the_shifts_are_the_laws_own() {
     let root = tempfile::tempdir().unwrap();
     let root = root.path();

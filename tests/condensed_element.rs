@@ -82,6 +82,7 @@ fn ratio(root: &Path) -> f64 {
 /// 60 ms; displacement of the hub along the contact normal (over that under the largest load) and its lateral flexibility at ten places and
 /// loads of 20 to 120 kN. Accuracy: MODEL.
 #[test]
+#[ignore = "a minute: cargo long condensed_element"]
 fn the_condensed_element_follows_the_solid() {
     let root = tempfile::tempdir().unwrap();
     fs::write(root.path().join("study.toml"), STUDY).unwrap();

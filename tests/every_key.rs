@@ -325,6 +325,7 @@ fn a_change_in_place_is_as_fresh(&(key, needs, value): &Changed, store: &Path) {
 /// Source: a fresh folder with a fresh store. Goal: after a change of the number of the solid's modes in the same folder, whose element another list of keys once
 /// took for that of before, stage by stage the same bytes, list and exit codes.
 #[test]
+#[ignore = "a minute: cargo long every_key"]
 fn another_number_of_modes_in_place_is_as_fresh() {
     let store = tempfile::tempdir().unwrap();
     let modes = CHANGED.iter().find(|(key, ..)| *key == "solid.modes").unwrap();

@@ -171,6 +171,7 @@ fn outcome(seed: u64, bands: bool) -> std::result::Result<Outcome, String> {
 
 /// Some pairs of the corpus come to a law at the first command, or are refused for a reason that leaves no reading.
 #[test]
+#[ignore = "a minute: cargo long measured_pairs"]
 fn measured_pairs_have_a_law() {
     for seed in [9, 11, 12] {
         outcome(seed, false).unwrap();
@@ -180,6 +181,7 @@ fn measured_pairs_have_a_law() {
 /// Goal: where contact elements are coarse beside patch and curvature, here those of 12 mm under a worn gauge corner of 13 mm, the error band says that
 /// their bodies move against the load, and the law stands. Seen before: the iteration on them had no end within minutes.
 #[test]
+#[ignore = "a minute: cargo long measured_pairs"]
 fn bodies_too_coarse_for_a_band_are_said() {
     let pair = measured_pair(1);
     let place = place(&pair, true);
