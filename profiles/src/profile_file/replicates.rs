@@ -120,7 +120,7 @@ mod tests {
                 MeasuredPoint { point: Point2::new(y, 0.0), line: i + 1, weight: 1.0 }
             })
             .collect();
-        points[42].point.y = -1.0 * MILLIMETRE;
+        points[42].point.y = -MILLIMETRE;
         points[43].point = points[41].point;
         assert!(replicates(&points, &[41, 43], 1, &[2.0 * MILLIMETRE; 161]).unwrap().is_empty());
     }

@@ -12,6 +12,7 @@ use crate::study::Study;
 /// The part of a band that coarser meshes are.
 pub const COARSER_MESHES: &str = "coarser meshes";
 
+/// Coarser sizes with contact zones that are longer by two of their elements, so that they hold what the others hold.
 pub(crate) fn with_longer_zones(geometry: &Geometry, mut coarser: MeshOptions) -> MeshOptions {
     for half_length in [&mut coarser.window_half_length, &mut coarser.contact_half_length] {
         *half_length += 2.0 * coarser.contact_element_along;

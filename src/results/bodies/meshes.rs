@@ -16,8 +16,6 @@ use crate::study::{ElementKey, EnforcementKey, FieldKey, MeshFile, Study};
 /// Ratio of the elements of meshes to those of the next finer ones.
 pub const FINER: f64 = std::f64::consts::SQRT_2;
 
-/// Coarser sizes with contact zones that are longer by two of their elements, so that they hold what the others hold.
-
 /// The meshes of both bodies.
 #[derive(Clone)]
 pub struct Meshes {

@@ -18,7 +18,6 @@ pub(crate) const WHEEL_KEYS: [&str; 4] =
     ["wheel.body", "wheel.web_thickness_mm", "wheel.rim_depth_mm", "wheel.hub_diameter_mm"];
 
 /// Which part of a pair another one takes the place of.
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Part {
     Rail,
@@ -107,8 +106,6 @@ pub(crate) struct Open {
 pub(crate) const LEAST_ROLL: f64 = 0.002;
 
 pub(crate) const LEAST_SHIFT: f64 = 0.2 * MILLIMETRE;
-
-/// The springs of `bodies` with others in the place of what was assumed, if anything was. `condense` has the bodies of a pair on its meshes. All are pressed
 
 /// How many others there are whose rail, and whose wheel, is condensed for them.
 pub fn others_by_body(study: &Study, geometry: &Geometry) -> [usize; 2] {

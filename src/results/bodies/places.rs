@@ -9,12 +9,10 @@ use crate::study::Study;
 pub const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
 
 /// Loads of the calibration that are put on beside these, at most: with all 24 of them laws, displacements and tangents are the same but
-
 /// for a small part of their error bands (docs/laws.md).
 const LOADS_BESIDE: usize = 6;
 
 /// Loads of the laws of a study, N, ascending: some of its calibration, and the fixed ones within their range.
-
 pub fn loads_by_angle(study: &Study) -> Vec<f64> {
     let of_calibration = &study.calibration.loads;
     let some = spread(of_calibration.len(), LOADS_BESIDE).into_iter().map(|load| of_calibration[load]);

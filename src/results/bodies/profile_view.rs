@@ -5,7 +5,6 @@ use plotters::style::RGBColor;
 
 /// Inside of the wheel.
 pub(crate) const WHEEL_FILL: RGBColor = RGBColor(238, 241, 246);
-/// What is seen below the top of the rail, mm.
 
 /// A rectangle that outlines are cut at.
 pub(crate) struct Window {

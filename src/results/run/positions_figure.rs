@@ -28,6 +28,7 @@ impl ProfilePair {
 
 /// Height of one picture, px.
 const PICTURE: u32 = 282;
+/// What is seen below the top of the rail, mm.
 const DEPTH_MM: f64 = 46.0;
 /// What is seen above the top of the rail, mm.
 const ABOVE_MM: f64 = 30.0;

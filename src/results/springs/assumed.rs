@@ -23,6 +23,8 @@ use crate::study::Study;
 
 /// Loads under which others are compared, at most.
 const LOADS: usize = 6;
+
+/// The springs of `bodies` with others in the place of what was assumed, if anything was. `condense` has the bodies of a pair on its meshes. All are pressed
 /// with the same few loads, since the approach is integrated over the loads.
 ///
 /// # Errors
