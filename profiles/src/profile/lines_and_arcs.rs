@@ -26,13 +26,13 @@ use nalgebra::Point2;
 
 use self::joints::{check_joints, is_closed, join, put_in_order, unfold};
 use self::rows::{Settings, columns, read_pieces};
-pub(super) use self::rows::{at, rows};
 use super::ProfileKind;
 use super::curve::ProfileCurve;
 use super::rails::RailOutline;
 use super::segment::{Segment, polyline};
 use super::sketch::Sketch;
 use super::split::{Tape, of_ring, split_rail, split_wheel};
+use super::table::{at, rows};
 use crate::error::Result;
 use crate::units::MILLIMETRE;
 

@@ -11,6 +11,7 @@ mod segment;
 mod sketch;
 mod split;
 mod flange;
+mod table;
 mod rail_drawings;
 pub mod rails;
 pub mod rail_catalogue;

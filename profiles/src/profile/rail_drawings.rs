@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::lines_and_arcs::{at, rows};
+use super::table::{at, rows};
 use crate::error::{Error, Result};
 
 /// Name of the table, for messages.

@@ -2,9 +2,10 @@
 
 use nalgebra::Point2;
 
-use super::rows::{Piece, at};
+use super::rows::Piece;
 use super::{Joint, LARGEST_ARC, LARGEST_GAP, STEP};
 use crate::error::Result;
+use crate::profile::table::at;
 use crate::profile::{OF_THE_PROFILE, ProfileKind, Segment, Sketch, polyline};
 use crate::units::MILLIMETRE;
 

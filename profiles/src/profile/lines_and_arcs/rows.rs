@@ -4,27 +4,12 @@ use nalgebra::{Point2, Vector2};
 
 use super::{LARGEST_ARC, LARGEST_GAP, Overrides};
 use crate::error::{InputError, Result};
+use crate::profile::table::{at, rows};
 use crate::profile::{ProfileKind, Segment};
 use crate::units::MILLIMETRE;
 
 /// A shorter line or arc is none, m.
 const SHORTEST: f64 = 1e-3 * MILLIMETRE;
-
-pub(in crate::profile) fn at(
-    name: &str,
-    line: usize,
-    value: impl ToString,
-    expected: &str,
-    remedy: &str,
-) -> crate::error::Error {
-    InputError::new(format!("{name}:{line}"), value, expected, remedy).into()
-}
-
-/// Lines that are neither empty nor comments, with their numbers.
-pub(in crate::profile) fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
-    lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
-}
 
 pub(super) fn columns(heading: &str) -> Vec<String> {
     fields(heading, separator(heading)).map(|field| field.trim_matches('"').to_lowercase()).collect()
