@@ -157,7 +157,7 @@ fn half_a_section_is_unfolded() {
 #[test]
 fn a_table_is_a_profile_file() {
     for (name, gaps, corners) in [("LMA", 0, 1), ("APTA120", 0, 2), ("APTA220", 0, 1)] {
-        let path = format!("{}/src/profile/wheels/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../profiles/src/profile/wheels/{name}.csv", env!("CARGO_MANIFEST_DIR"));
         let bytes = std::fs::read(path).unwrap();
         assert_eq!(format_of("wheel.csv", &bytes), Some(ProfileFormat::LinesAndArcs));
         let profile = read_file("wheel.csv", &bytes, &ReadOptions::default()).unwrap();
@@ -252,8 +252,11 @@ fn mistakes_are_refused_where_they_are() {
             assert!(message.contains(part), "{part:?} in {message}\n{text}");
         }
     }
-    let wheel = std::fs::read_to_string(format!("{}/src/profile/wheels/LMA.csv", env!("CARGO_MANIFEST_DIR")))
-        .unwrap();
+    let wheel = std::fs::read_to_string(format!(
+        "{}/../profiles/src/profile/wheels/LMA.csv",
+        env!("CARGO_MANIFEST_DIR")
+    ))
+    .unwrap();
     let refused = |text: &str| parse("wheel.csv", text, &Overrides::default()).unwrap_err().to_string();
     let track = refused(&wheel.replace("# y: field", "# y: track"));
     assert!(track.contains("correct `# y:` or `# z:`"), "{track}");
