@@ -28,6 +28,8 @@ mod band;
 mod pointwise;
 mod sampled;
 
+use line::rounded;
+use pointwise::{PartOfRun, Scope};
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::time::energy::EnergyBalance;
 use railspring_simulate::time::history::{Ending, History, HistoryRow};
@@ -47,9 +49,6 @@ pub use signals::{
 };
 pub use spread::{Spread, disturbed};
 pub use step_change::StepChange;
-
-use line::rounded;
-use pointwise::{PartOfRun, Scope};
 
 /// How far apart the two models are.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,12 @@
 //! What the condensed element's own steps are worth in the load cases of the default studies: `cargo long own_steps`.
 
-use railspring::results::bodies::geometry;
-use railspring::results::run::make;
 use std::path::Path;
 use std::time::Instant;
 
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::Resources;
-use railspring::results::run::make::Springs;
+use railspring::results::bodies::geometry;
+use railspring::results::run::make::{self, Springs};
 use railspring::results::run::springs;
 use railspring::results::study_run::StudyRun;
 use railspring::study::Study;

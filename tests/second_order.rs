@@ -3,11 +3,9 @@
 //! Source: scikit-fem's serendipity elements of 20 nodes, 1.5 by 1.125 mm at the contact with nodes in the middle of their edges, 672,000
 //! degrees of freedom, as kept in `data/crosscheck`. Units mm, kN, kN/m.
 
-use railspring::results::bodies::meshes;
-use railspring::results::bodies::{solids, zones};
 use std::path::Path;
 
-use railspring::results::bodies::geometry;
+use railspring::results::bodies::{geometry, meshes, solids, zones};
 use railspring::results::crosscheck::record::CrosscheckRecord;
 use railspring::study::Study;
 use railspring_calibrate::calibration::{ContactField, Enforcement, Reference, load_points, press_loads};

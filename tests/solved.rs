@@ -1,15 +1,13 @@
 //! A default study that the program has solved in a folder, for tests that run its simple model again in other ways.
 
-use railspring::results::bodies::geometry;
-use railspring::results::run::make;
 use std::path::Path;
 
 use railspring::engine::list as results;
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::Resources;
-use railspring::results::bodies::geometry::Geometry;
+use railspring::results::bodies::geometry::{self, Geometry};
 use railspring::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
-use railspring::results::run::make::{Springs, Tried};
+use railspring::results::run::make::{self, Springs, Tried};
 use railspring::results::run::record::RunRecord;
 use railspring::results::run::{history_csv, springs};
 use railspring::results::springs::record::StiffnessRecord;

@@ -8,8 +8,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use crate::tables::Place;
 use serde_json::Value;
+
+use crate::tables::Place;
 
 /// Two wheels on two rails at two shifts, with columns at loads of the study.
 const TABLE: &str = "name = \"fleet\"\nbase = \"base.toml\"\nshifts_mm = [0, 2]\nstiffness_at_kn = [20, 60]\n\

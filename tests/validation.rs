@@ -5,16 +5,14 @@
 //! (mm) and tangent stiffness (kN/m) of the tool under every load of the record, and the verdict. Accuracy:
 //! hashes exactly, numbers to what the order of sums on another processor may change.
 
-use railspring::results::bodies::meshes;
-use railspring::results::bodies::zones;
-use railspring::results::crosscheck::answers;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use railspring::engine::output::OutputFolder;
 use railspring::python::package_hash;
 use railspring::results::bodies::estimate::Resources;
-use railspring::results::bodies::geometry;
+use railspring::results::bodies::{geometry, meshes, zones};
+use railspring::results::crosscheck::answers;
 use railspring::results::crosscheck::questions::tool_curves;
 use railspring::results::crosscheck::record::{CrosscheckRecord, ToolCurve};
 use railspring::results::study_run::StudyRun;

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use std::process::Output;
 use std::sync::{Mutex, OnceLock};
 
+use layered::{DIAMETER, INSIDE, Layered, SIDES, resilient, with_discs};
 use railspring::python::{Purpose, Python};
 use railspring_calibrate::mesh::{Cells, Field, MeshOptions, vtu};
 use railspring_calibrate::pair::Pair;
@@ -18,8 +19,6 @@ use railspring_profiles::monitor::Silent;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};
 use serde_json::Value;
-
-use layered::{DIAMETER, INSIDE, Layered, SIDES, resilient, with_discs};
 
 const COARSE: &str = "[mesh]\ncontact_element_mm = 6\ncontact_element_along_mm = 6\nwindow_half_length_mm = 12\nwheel_section_element_mm = 15\n\
                       wheel_arc_element_mm = 90\n";

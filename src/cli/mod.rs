@@ -24,26 +24,25 @@ mod shell;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use cache::CacheCommand;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
-use railspring_profiles::error::{Error, InputError};
-
-use crate::engine::store;
-use crate::results::bodies::estimate::{Budget, Resources};
-use crate::study::{LocatedError, Mistakes, Study, explain, schema};
-use crate::version;
-
-use cache::CacheCommand;
 use compare::CompareArgs;
 use export::ExportArgs;
 use fit::{FitArgs, NewArgs};
 use output::{complain, say};
 use profile::ProfileCommand;
 use progress::Progress;
+use railspring_profiles::error::{Error, InputError};
 use results::Results;
 use shell::ManArgs;
 use staged::StudyCommand;
 use table::TableArgs;
+
+use crate::engine::store;
+use crate::results::bodies::estimate::{Budget, Resources};
+use crate::study::{LocatedError, Mistakes, Study, explain, schema};
+use crate::version;
 
 /// Exit codes, the same for all commands.
 pub const EXIT_CODES: &str = "Exit codes:
@@ -157,7 +156,7 @@ impl WorkArgs {
     }
 }
 
-/// The program's commands with their options and what is said about them.
+/// The program's commands with their options and help texts.
 pub fn command() -> clap::Command {
     Cli::command()
 }

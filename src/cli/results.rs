@@ -14,10 +14,8 @@ use crate::results::run::record::RunRecord;
 use crate::results::springs::assumed_record::AssumedRecord;
 use crate::results::springs::record::{LawRecord, StiffnessRecord};
 use crate::results::verdict::record::{VerdictOn, VerificationRecord};
-use crate::rounding::with_unit;
-use crate::rounding::{rounded_to, significant};
-use crate::verify;
-use crate::verify::{ChangedLimit, NotApplicable};
+use crate::rounding::{rounded_to, significant, with_unit};
+use crate::verify::{self, ChangedLimit, NotApplicable};
 
 /// Most limits that are listed of those that fail.
 const WORST: usize = 3;

@@ -7,14 +7,13 @@ mod solid;
 mod rows;
 mod page;
 
+use railspring_profiles::error::{InputError, Result};
 use serde::Serialize;
 
 pub use page::page;
 pub use rows::{Group, InputChange, LineChange};
 pub use side::Side;
 pub use values::Compared;
-
-use railspring_profiles::error::{InputError, Result};
 
 /// Whose result it is.
 #[derive(Debug, Clone, PartialEq, Serialize)]

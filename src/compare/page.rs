@@ -15,6 +15,7 @@ use crate::report::plot::{DARK, Dash, GREY, Marker, ORANGE, RED, Series};
 use crate::results::by_angle::record::ShiftRecord;
 use crate::results::springs::band_record::BandPointRecord;
 use crate::results::springs::figures::hertz_tangent;
+use crate::results::springs::record::LawRecord;
 use crate::results::springs::record::{LoadCurveRow, ReferenceRecord, TangentRecord};
 use crate::rounding::with_minus_signs;
 
@@ -163,7 +164,7 @@ fn tangents(sides: &[&Side; 2], reference: &str) -> String {
     series.extend(of_both(sides, |side, n| {
         let (_, color, dash, _) = LOOKS[n];
         let law = reference_of(side, reference).map(|found| found.law);
-        let curve = |law: crate::results::springs::record::LawRecord| {
+        let curve = |law: LawRecord| {
             forces_to(law.range_kn[1]).map(|f| (f, law.constants.tangent(f) * 1e-6)).collect()
         };
         law.map(|law| Series::line("", curve(law), color, dash)).into_iter().collect()

@@ -9,6 +9,7 @@ use super::solid::{Solid, loads};
 use super::values::{Compared, Value};
 use crate::report::number::number;
 use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord};
+use crate::results::springs::record::LawRecord;
 use crate::rounding::with_unit;
 use crate::verify::Line;
 
@@ -107,11 +108,10 @@ fn constants(a: &Side, b: &Side, reference: &str) -> Group {
         found.map(|found| found.law)
     };
     let (first, second) = (of(a), of(b));
-    let row =
-        |name: &str, unit: &str, value: &dyn Fn(&crate::results::springs::record::LawRecord) -> Value| {
-            let [a, b] = [&first, &second].map(|law| law.as_ref().map(value));
-            Compared::new(name, unit, a, b).without_answer()
-        };
+    let row = |name: &str, unit: &str, value: &dyn Fn(&LawRecord) -> Value| {
+        let [a, b] = [&first, &second].map(|law| law.as_ref().map(value));
+        Compared::new(name, unit, a, b).without_answer()
+    };
     let plain = |value: f64| Value { value, error: None };
     Group {
         name: "Normal law".into(),

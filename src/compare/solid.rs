@@ -1,10 +1,9 @@
 //! The solid of a result at any load of its range.
 
-use crate::results::springs::band_record::BandPointRecord;
-use crate::results::springs::record::{ReferenceRecord, TangentRecord};
-
 use super::Side;
 use super::values::Value;
+use crate::results::springs::band_record::BandPointRecord;
+use crate::results::springs::record::{ReferenceRecord, TangentRecord};
 
 /// Most loads at which two results are compared.
 const LOADS: usize = 8;

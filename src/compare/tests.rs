@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use railspring_simulate::time::history::History;
+
 use super::*;
 use crate::engine::list::{NewFile, Results};
 use crate::engine::output::{OutputFolder, to_json};
@@ -13,7 +15,6 @@ use crate::results::samples;
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::record::VerificationRecord;
 use crate::study::ResolvedKey;
-use railspring_simulate::time::history::History;
 
 /// ROUNDOFF: a product and a quotient of numbers of order one.
 const ROUNDOFF: f64 = 1e-12;

@@ -1,6 +1,6 @@
 //! How results are had and kept: stages, the store, output folders with their lists, measures.
 //!
-//! Nothing here knows a result: what one is made from, how, and which files it becomes is said in its folder of [`crate::results`].
+//! Nothing here knows a result: its folder of [`crate::results`] has what it is made from, how, and which files it becomes.
 
 pub mod output;
 pub mod columns;

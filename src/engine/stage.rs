@@ -2,7 +2,6 @@
 
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
-
 use serde_json::Value;
 
 use crate::engine::list::{NewFile, Results};
@@ -149,7 +148,10 @@ impl<'a> Engine<'a> {
         };
         let files = stage.files(&artefact, &value, key).into_iter();
         let note = stage.note();
-        let noted = |file: NewFile| note.iter().fold(file, |file, (name, note)| file.noted(name, note));
+        let noted = |file: NewFile| match &note {
+            Some((name, note)) => file.noted(name, note),
+            None => file,
+        };
         self.results.write(files.map(noted).collect(), stage.outdates())?;
         if stage.is_measured() {
             self.note(&stage.name(), key, is_taken)?;

@@ -15,6 +15,7 @@ use railspring_profiles::units::{GIGAPASCAL, KILONEWTON, MEGAPASCAL, MILLIMETRE}
 
 use super::spring::{ExportFile, Spring, commented, plain};
 use super::surfaces::Surfaces;
+use crate::results::springs::record::TangentRecord;
 use crate::study::Study;
 use crate::table::document::DirectionKey;
 
@@ -76,9 +77,7 @@ pub(super) fn files(spring: &Spring, surfaces: &Surfaces<'_>) -> Result<Vec<Expo
 /// The loads of the solid model next to those that are shown, with k_z from its tangents there.
 fn loads(spring: &Spring) -> Result<Vec<Load>> {
     let nearest = |wanted: f64| {
-        let away = |point: &&crate::results::springs::record::TangentRecord| {
-            (point.force_kn * KILONEWTON - wanted).abs()
-        };
+        let away = |point: &&TangentRecord| (point.force_kn * KILONEWTON - wanted).abs();
         spring.points.iter().min_by(|a, b| away(a).total_cmp(&away(b)))
     };
     let mut loads: Vec<Load> = Vec::new();

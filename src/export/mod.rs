@@ -21,6 +21,8 @@ use clap::ValueEnum;
 use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use spring::Spring;
+use surfaces::Surfaces;
 
 use crate::engine::output::{parse_json, read_json, read_text};
 use crate::results::by_angle::record::{BY_ANGLE, ShiftRecord, StiffnessByAngleRecord};
@@ -28,9 +30,8 @@ use crate::results::crosscheck::deck::Format as DeckFormat;
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::TableRecord;
+
 pub use spring::ExportFile;
-use spring::Spring;
-use surfaces::Surfaces;
 pub use table_rows::{Condition, ExportRow, index, rows};
 
 /// What springs are exported to.

@@ -1,12 +1,11 @@
 //! The running surfaces of a study, for programs that want profiles beside the springs.
 
-use crate::results::bodies::geometry;
 use nalgebra::{Point2, Vector2};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::profile::ProfileCurve;
 use railspring_profiles::units::MILLIMETRE;
 
-use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::geometry::{self, Geometry};
 use crate::study::Study;
 
 /// Points are at most this far apart, and a straight line between them stays as close to the surface, m.

@@ -9,6 +9,7 @@ use railspring_profiles::units::MILLIMETRE;
 
 use super::spring::{ExportFile, Spring, no_reference, range};
 use super::{Format, files};
+use crate::results::by_angle::record::FixedLoadRecord;
 use crate::results::by_angle::record::ShiftRecord;
 use crate::results::springs::record::TangentRecord;
 use crate::study::Study;
@@ -289,7 +290,7 @@ impl ExportRow<'_> {
 
 fn points(at: &ShiftRecord, reference: &str) -> Vec<TangentRecord> {
     let loads = at.loads.iter();
-    let point = |load: &crate::results::by_angle::record::FixedLoadRecord| {
+    let point = |load: &FixedLoadRecord| {
         let of = load.references.iter().find(|of| of.reference == reference)?;
         Some(TangentRecord {
             force_kn: load.force_kn,

@@ -13,16 +13,16 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
+use package::{CLUSTER, Package, REFERENCE};
 use railspring_profiles::error::{InputError, NumericsError, Result, StopReason};
 use railspring_profiles::monitor::Monitor;
 use tempfile::TempDir;
 
-use crate::child;
-pub(crate) use crate::child::messages_of;
-use crate::child::{Ended, Limits, Stop};
+use crate::child::{self, Ended, Limits, Stop};
 use crate::study::MeshFile;
+
+pub(crate) use crate::child::messages_of;
 pub use environment::cache_folder;
-use package::{CLUSTER, Package, REFERENCE};
 
 /// Loads the package from its own folder (first argument) and runs one of its modules (second argument). The folder is
 /// not put on the path of modules: what else lies there is never imported.

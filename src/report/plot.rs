@@ -4,11 +4,13 @@
 //! Every series differs in dash or marker and not only in colour, so that the
 //! figures can be read in grey.
 
-use crate::rounding::with_minus_signs;
 use plotters::coord::Shift;
 use plotters::prelude::*;
-pub use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::rounding::with_minus_signs;
+
+pub use plotters::style::RGBColor;
 
 /// The backend works in whole pixels; figures are drawn this much larger and shown smaller.
 const SCALE: u32 = 3;

@@ -6,9 +6,6 @@
 //! at all, so that a later failure takes nothing away. What a stage reads, it
 //! takes only if it was made from the same inputs as it would be now.
 
-use crate::results::bodies::meshes;
-use crate::results::bodies::{geometry, sections, zones};
-use crate::results::springs::{error_band, fields, make};
 use std::path::Path;
 
 use railspring_calibrate::mesh::MeshSize;
@@ -20,30 +17,32 @@ use crate::engine::output::{OutputFolder, to_json};
 use crate::engine::store::{Address, Kind};
 use crate::hash::hash;
 use crate::results::bodies::estimate::{Resources, Work};
-use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::{meshes, sections, zones};
 use crate::results::by_angle::record::StiffnessByAngleRecord;
-use crate::results::inputs::{INPUTS, InputsRecord};
-use crate::results::run::record::{RunRecord, SpringsRecord};
-use crate::results::run::springs;
-use crate::results::springs::make::Calibration;
-use crate::results::springs::record::StiffnessRecord;
-use crate::results::verdict::record::VerificationRecord;
-use crate::study::{LawKey, StudyScenario};
-use crate::version;
-
 use crate::results::by_angle::stage::ByAngle;
 use crate::results::crosscheck::Solvers;
 use crate::results::crosscheck::exchange::Case;
 use crate::results::crosscheck::record::CrosscheckRecord;
 use crate::results::crosscheck::stage::Crosscheck;
+use crate::results::inputs::{INPUTS, InputsRecord};
 use crate::results::names::STIFFNESS;
 use crate::results::page::stage::{Report, crosscheck_alone, write_report};
+use crate::results::run::record::{RunRecord, SpringsRecord};
 use crate::results::run::solid_stage::{Begun, SimulateSolid, SolidRuns};
+use crate::results::run::springs;
 use crate::results::run::stage::{Other, Run, Runs, Simulate, other_element};
+use crate::results::springs::make::{self, Calibration};
+use crate::results::springs::record::StiffnessRecord;
 use crate::results::springs::stage::{Calibrate, FoundOn, calibrates, found_springs};
+use crate::results::springs::{error_band, fields};
 use crate::results::stored::Stored;
 use crate::results::study_run::StudyRun;
+use crate::results::verdict::record::VerificationRecord;
 use crate::results::verdict::stage::Verify;
+use crate::study::{LawKey, StudyScenario};
+use crate::version;
+
 pub use crate::results::verdict::stage::statics_lines;
 
 /// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.

@@ -7,9 +7,8 @@ use nalgebra::Point2;
 use railspring_simulate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow};
 
 use crate::engine::measured::{MachineRecord, Measured, StageMeasure};
-use crate::study::ResolvedKey;
-
 use crate::results::bodies::outline_figure::ProfilePair;
+use crate::study::ResolvedKey;
 
 mod springs;
 mod patches;

@@ -1,11 +1,11 @@
 //! Results of earlier commands: taken from the folder if they are those of the study as it is now.
 
-use crate::results::bodies::geometry;
 use railspring_profiles::error::{Error, InputError, Result};
 use railspring_simulate::time::history::{Ending, History};
 
 use crate::engine::list::Entry;
 use crate::engine::output::parse_json;
+use crate::results::bodies::geometry;
 use crate::results::bodies::in_work::{REACH_NOTE, solid_run_address};
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::by_angle::stage::by_angle_address;

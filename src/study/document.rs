@@ -17,6 +17,8 @@ use railspring_calibrate::calibration::Reference;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::verify::Limits;
+
 pub use bodies::{
     Inclination, MeshUnitKey, ProfileUnitKey, RailBodyKey, RailDimensionKeys, RailKeys, WebKey, WheelKeys,
 };
@@ -24,8 +26,6 @@ pub use material::{BodyMaterialKeys, GroupMaterialKeys, MaterialKeys};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
 pub use scenario::{ForceKeys, ScenarioKeys, SuspensionKeys, TorsionKeys};
 pub use solid::{SolidKeys, TransientKey};
-
-use crate::verify::Limits;
 
 /// A study: a rail and a wheel, how to calibrate the contact springs between them, and the load cases to verify the springs with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

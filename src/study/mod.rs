@@ -35,7 +35,11 @@ use railspring_simulate::solid::START_MODES;
 use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
 use serde::de::DeserializeOwned;
+use source::Lines;
 use toml::de::DeTable;
+
+use crate::rounding::ratio;
+use crate::verify::Limits;
 
 pub(crate) use check::nearest;
 pub use document::{
@@ -48,11 +52,6 @@ pub use keys::Keys;
 pub use record::{PairRecord, ResolvedKey};
 pub use settings::Setting;
 pub use source::{LocatedError, Mistakes, Place, Source};
-
-use source::Lines;
-
-use crate::rounding::ratio;
-use crate::verify::Limits;
 
 /// A checked study, in SI units.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,6 +5,7 @@ mod bodies;
 
 use std::collections::BTreeMap;
 
+use bodies::{rail, wheel};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_profiles::error::InputError;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE, TONNE};
@@ -28,8 +29,6 @@ use super::{
     CalibrationSettings, ContactSettings, SECTIONS, SimulationSettings, Source, Study, StudyScenario, Track,
     case_notes,
 };
-
-use bodies::{rail, wheel};
 
 type Result<T> = std::result::Result<T, InputError>;
 

@@ -1,6 +1,5 @@
 //! The cases of a table: each is a study, made of the keys of its wheel, its rail and all that is varied.
 
-use crate::results::springs::make;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use serde_json::{Map, Value};
 
 use super::bodies::{Body, beside, bodies, product};
 use super::document::{CaseKeys, TableDocument};
+use crate::results::springs::make;
 use crate::study::{LocatedError, Mistakes, Source, Study, parsed, schema_of, text_of};
 
 /// What messages call a table.

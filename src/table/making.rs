@@ -1,8 +1,5 @@
 //! What is made of one case of a table: its bodies and its places, each kept in the store as soon as it is there.
 
-use crate::results::bodies::meshes;
-use crate::results::bodies::{coarser, geometry, solids, zones};
-use crate::results::by_angle::make;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::pair::{CondensedPair, PairBody};
 use railspring_profiles::error::{Error, Result};
@@ -13,12 +10,13 @@ use serde::{Deserialize, Serialize};
 use super::document::{DirectionKey, TableDocument};
 use crate::engine::output::to_json;
 use crate::engine::store::{Address, Artefact, Kind, Store};
-use crate::results::bodies::estimate;
-use crate::results::bodies::estimate::{Resources, Room, Work};
-use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::Meshes;
+use crate::results::bodies::estimate::{self, Resources, Room, Work};
+use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::meshes::{self, Meshes};
+use crate::results::bodies::places::tape_y;
 use crate::results::bodies::source::BodySource;
-use crate::results::by_angle::make::PlaceSettings;
+use crate::results::bodies::{coarser, solids, zones};
+use crate::results::by_angle::make::{self, PlaceSettings};
 use crate::results::by_angle::record::ShiftRecord;
 use crate::study::Study;
 
@@ -306,9 +304,7 @@ pub(super) struct Prepared {
 /// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces
 /// as large as the loads (N), kN/m.
 fn hertz(study: &Study, geometry: &Geometry, bodies: &CondensedPair, shift: f64, loads: &[f64]) -> Vec<f64> {
-    let Ok(pair) =
-        geometry.pair.with_wheel_at(crate::results::bodies::places::tape_y(study, &geometry.pair, shift))
-    else {
+    let Ok(pair) = geometry.pair.with_wheel_at(tape_y(study, &geometry.pair, shift)) else {
         return Vec::new();
     };
     let [along, across] = pair.relative_radii();

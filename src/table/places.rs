@@ -17,8 +17,7 @@ use super::document::SideKey;
 use super::making::{CaseWork, PlaceRecord, Ready, Settings};
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
-use crate::results::bodies::estimate;
-use crate::results::bodies::estimate::{GIB, Resources, Work};
+use crate::results::bodies::estimate::{self, GIB, Resources, Work};
 
 /// A pair at one shift of the wheelset.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,5 +1,7 @@
 //! Lines on the runs as samples, from where on the motion of the solid model is not determined.
 
+use railspring_simulate::time::history::History;
+
 use super::change::{least_contact, over, peaks};
 use super::limits::Limits;
 use super::line::{Criterion, Line};
@@ -7,7 +9,6 @@ use super::model_run::ModelRun;
 use super::rows_before;
 use super::statistics::{LEAST_BLOCKS, MOST_BLOCKS, NUMBERS, OF_FORCE, chance, numbers, sample, step};
 use crate::verify::separations;
-use railspring_simulate::time::history::History;
 
 /// The row from which statistics are compared, if there is one: where the solid's motion is not determined any more, and enough is left.
 pub(super) fn begin(simple: &History, solid: &ModelRun, limits: &Limits) -> Option<usize> {

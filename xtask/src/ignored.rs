@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use railspring_profiles::error::{InputError, Result};
 
-use crate::workspace::workspace;
+use crate::workspace::{Workspace, files_below};
 
 /// A test that is ignored, as its source describes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,13 +22,14 @@ pub struct IgnoredTest {
 /// All ignored tests of the workspace, read from its sources.
 ///
 /// # Errors
-/// Sources that cannot be read, and what cargo cannot do.
-pub fn ignored_tests() -> Result<Vec<IgnoredTest>> {
+/// Sources that cannot be read.
+pub fn ignored_tests(workspace: &Workspace) -> Result<Vec<IgnoredTest>> {
     let mut found = Vec::new();
-    for package in workspace()?.packages {
+    for package in &workspace.packages {
         for folder in ["src", "tests"].map(|name| package.join(name)).iter().filter(|folder| folder.is_dir())
         {
-            for file in sources(folder)? {
+            let sources = files_below(folder)?;
+            for file in sources.into_iter().filter(|file| file.extension().is_some_and(|of| of == "rs")) {
                 let text = std::fs::read_to_string(&file).map_err(|cause| unreadable(&file, &cause))?;
                 found.extend(marked(&text).into_iter().map(|(function, head)| IgnoredTest {
                     package: package.clone(),
@@ -37,23 +38,6 @@ pub fn ignored_tests() -> Result<Vec<IgnoredTest>> {
                     proves: goal(&head),
                 }));
             }
-        }
-    }
-    Ok(found)
-}
-
-/// Rust files of a folder and of those in it, in their order.
-fn sources(folder: &Path) -> Result<Vec<PathBuf>> {
-    let entries = std::fs::read_dir(folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
-    let entries = entries.map_err(|cause| unreadable(folder, &cause))?;
-    let mut paths: Vec<PathBuf> = entries.iter().map(std::fs::DirEntry::path).collect();
-    paths.sort();
-    let mut found = Vec::new();
-    for path in paths {
-        if path.is_dir() {
-            found.extend(sources(&path)?);
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
         }
     }
     Ok(found)

@@ -14,3 +14,4 @@ mod cli;
 
 pub use cli::{command, main};
 pub use ignored::{IgnoredTest, ignored_tests};
+pub use workspace::{Workspace, workspace};

@@ -12,7 +12,7 @@ use railspring_profiles::error::{Error, InputError, Result};
 use railspring_profiles::monitor::Monitor;
 
 use crate::ignored::{IgnoredTest, ignored_tests};
-use crate::workspace::{TestProgram, test_programs, workspace};
+use crate::workspace::{TestProgram, Workspace, test_programs, workspace};
 
 /// The table, in the target folder.
 const TABLE: &str = "long.md";
@@ -76,14 +76,15 @@ impl Outcome {
 /// # Errors
 /// What cargo cannot do, a name that no test has, and an interruption.
 pub fn run(args: &LongArgs) -> Result<bool> {
-    let tests = wanted(&args.name)?;
+    let workspace = workspace()?;
+    let tests = wanted(&workspace, &args.name)?;
     if args.list {
         for test in &tests {
             say(&format!("{}: {}", test.full_name(), test.proves))?;
         }
         return Ok(true);
     }
-    let file = workspace()?.target.join(TABLE);
+    let file = workspace.target.join(TABLE);
     let progress = Progress::new(true);
     let mut done: Vec<(&LongTest, f64, Outcome)> = Vec::new();
     for test in &tests {
@@ -107,8 +108,8 @@ pub fn run(args: &LongArgs) -> Result<bool> {
 }
 
 /// The tests whose names have `part` in them.
-fn wanted(part: &str) -> Result<Vec<LongTest>> {
-    let described = ignored_tests()?;
+fn wanted(workspace: &Workspace, part: &str) -> Result<Vec<LongTest>> {
+    let described = ignored_tests(workspace)?;
     let mut tests = Vec::new();
     for program in test_programs()? {
         let output = command(&program, &["--ignored", "--list"])

@@ -49,6 +49,28 @@ pub fn workspace() -> Result<Workspace> {
     })
 }
 
+/// The files of a folder and of those in it, in their order.
+///
+/// # Errors
+/// Folders that cannot be read.
+pub fn files_below(folder: &Path) -> Result<Vec<PathBuf>> {
+    let unreadable = |cause: std::io::Error| {
+        InputError::new("folder", folder.display(), "a folder that can be read", cause.to_string())
+    };
+    let entries = std::fs::read_dir(folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
+    let mut paths: Vec<PathBuf> = entries.map_err(unreadable)?.iter().map(std::fs::DirEntry::path).collect();
+    paths.sort();
+    let mut found = Vec::new();
+    for path in paths {
+        if path.is_dir() {
+            found.extend(files_below(&path)?);
+        } else {
+            found.push(path);
+        }
+    }
+    Ok(found)
+}
+
 /// Builds the programs of all tests.
 ///
 /// # Errors

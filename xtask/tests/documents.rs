@@ -247,7 +247,7 @@ fn long_tests() -> Vec<String> {
         let modules: Vec<_> = file.iter().skip(1).map(|part| part.to_string_lossy()).collect();
         format!("{}::{}", modules.join("::"), test.function)
     };
-    xtask::ignored_tests().unwrap().iter().map(name).collect()
+    xtask::ignored_tests(&xtask::workspace().unwrap()).unwrap().iter().map(name).collect()
 }
 
 /// Goal: every command of cargo that the documents or the heads of long tests name is cargo's own, an alias, a command of `cargo xtask` or a part of the
@@ -281,7 +281,11 @@ fn commands_of_cargo_exist() {
     }
     // this file has wrong ones
     let own = Path::new(file!()).file_name().unwrap();
-    for test in xtask::ignored_tests().unwrap().iter().filter(|test| !test.file.ends_with(own)) {
+    for test in xtask::ignored_tests(&xtask::workspace().unwrap())
+        .unwrap()
+        .iter()
+        .filter(|test| !test.file.ends_with(own))
+    {
         let text = std::fs::read_to_string(&test.file).unwrap();
         for (at, _) in text.match_indices("cargo long ") {
             let end = |c: char| c.is_whitespace() || "\"`,;:)".contains(c);

@@ -223,7 +223,7 @@ impl StandardRail {
         Ok(Drawing { head, fishing_slope: row.one("fishing_slope")?, web, foot })
     }
 
-    /// What is said of a drawing whose arcs do not reach each other.
+    /// The error of a drawing whose arcs do not reach each other.
     pub(super) fn refuse_arcs(&self) -> Error {
         self.row.refuse("radii", "arcs and slopes that reach each other, here or in another column")
     }

@@ -7,8 +7,6 @@ pub mod condensing;
 pub mod needs;
 mod table;
 
-use crate::results::bodies::meshes;
-use crate::results::bodies::{geometry, zones};
 use std::path::Path;
 
 use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
@@ -17,14 +15,15 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::MILLIMETRE;
 
 use crate::python::Purpose;
-use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::Meshes;
-use crate::study::{Study, TransientKey};
-
-pub use crate::results::bodies::estimate::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
 use crate::results::bodies::estimate::condensing::{NODE, VALUE};
 use crate::results::bodies::estimate::machine::available;
 use crate::results::bodies::estimate::needs::{Beside, reference_memory, steps_in_each};
+use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::meshes::{self, Meshes};
+use crate::results::bodies::zones;
+use crate::study::{Study, TransientKey};
+
+pub use crate::results::bodies::estimate::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
 pub use crate::results::bodies::estimate::needs::{Estimate, StageEstimate};
 
 /// Bytes of a gibibyte.
@@ -277,6 +276,7 @@ mod tests {
     use railspring_profiles::monitor::Silent;
 
     use super::*;
+    use crate::results::bodies::meshes::FINER;
 
     const COARSE: &str = include_str!("../../../tests/studies/coarse.toml");
 
@@ -337,7 +337,7 @@ mod tests {
         assert!(text.contains("not counted: meshes that mesh.target_error refines"), "{text}");
         assert_eq!(found.stages[0], as_is.stages[0]);
         let mut finer = coarse;
-        finer.mesh = finer.mesh.refined(crate::results::bodies::meshes::FINER);
+        finer.mesh = finer.mesh.refined(FINER);
         let (said, counted) = (found.finer.unwrap(), &estimate(&finer, Some(64.0)).unwrap().stages[0]);
         assert!(said.memory > as_is.stages[0].memory && said.seconds > as_is.stages[0].seconds);
         assert!((said.memory / counted.memory - 1.0).abs() < MODEL, "{said:?} {counted:?}");

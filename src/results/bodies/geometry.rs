@@ -1,8 +1,5 @@
 //! The two sections of a study in the track, and where they first touch.
 
-use super::sections;
-use super::sections::Assumed;
-
 use nalgebra::Point2;
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::pair::Pair;
@@ -14,6 +11,7 @@ use railspring_profiles::profile_file::ProfileKind;
 use railspring_profiles::section::{RailSection, WheelSection};
 use railspring_profiles::units::MILLIMETRE;
 
+use super::sections::{self, Assumed};
 use crate::engine::store::{Address, Kind};
 use crate::results::bodies::outline_figure::{BodyOutline, ProfilePair};
 use crate::results::bodies::record::ProfileRecord;

@@ -1,26 +1,23 @@
 //! The solids of a study as far as they have been made: what calibration, laws by contact angle and runs on the solids have in common.
 
-use crate::results::bodies::{geometry, zones};
 use std::sync::Arc;
 
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::pair::CondensedPair;
 use railspring_profiles::error::Result;
-
 use serde_json::Value;
 
 use crate::engine::measure::Stopwatch;
 use crate::engine::stage::Engine;
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::results::bodies::coarser::CoarserBodies;
-use crate::results::bodies::estimate;
-use crate::results::bodies::estimate::{Resources, Room, Work};
-use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::FINER;
-use crate::results::bodies::meshes::Meshes;
+use crate::results::bodies::estimate::{self, Resources, Room, Work};
+use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::meshes::{FINER, Meshes};
 use crate::results::bodies::reach::Reach;
 use crate::results::bodies::solids::MovingBodies;
 use crate::results::bodies::source::BodySource;
+use crate::results::bodies::zones;
 use crate::study::Study;
 
 /// Part of an artefact: how far the contact zones reached in the end.

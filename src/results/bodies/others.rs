@@ -14,7 +14,7 @@ use super::sections::Assumed;
 use crate::study::Study;
 
 /// Keys that tell the body of a wheel.
-pub(crate) const WHEEL_KEYS: [&str; 4] =
+const WHEEL_KEYS: [&str; 4] =
     ["wheel.body", "wheel.web_thickness_mm", "wheel.rim_depth_mm", "wheel.hub_diameter_mm"];
 
 /// Which part of a pair another one takes the place of.
@@ -103,9 +103,9 @@ pub(crate) struct Open {
 }
 
 /// Roll that is as good as known, rad, and lateral place, m.
-pub(crate) const LEAST_ROLL: f64 = 0.002;
+const LEAST_ROLL: f64 = 0.002;
 
-pub(crate) const LEAST_SHIFT: f64 = 0.2 * MILLIMETRE;
+const LEAST_SHIFT: f64 = 0.2 * MILLIMETRE;
 
 /// How many others there are whose rail, and whose wheel, is condensed for them.
 pub fn others_by_body(study: &Study, geometry: &Geometry) -> [usize; 2] {
@@ -122,20 +122,20 @@ pub fn others_by_body(study: &Study, geometry: &Geometry) -> [usize; 2] {
 }
 
 /// Other rolls of a head, rad, both ways up to that by which it is unsure.
-pub(crate) fn rolls(known: &Assumed) -> Vec<f64> {
+fn rolls(known: &Assumed) -> Vec<f64> {
     const STEP: f64 = 0.0125;
     both_ways(known.unsure.roll, STEP)
 }
 
 /// Other places of a wheel, m, both ways up to that by which it is unsure. On worn surfaces, where the contact goes from one place to another, the law is no
 /// monotonic function of the lateral place.
-pub(crate) fn shifts(known: &Assumed) -> Vec<f64> {
+fn shifts(known: &Assumed) -> Vec<f64> {
     const STEP: f64 = 0.75 * MILLIMETRE;
     both_ways(known.unsure.shift, STEP)
 }
 
 /// Values both ways up to the `most`, `step` apart at most.
-pub(crate) fn both_ways(most: f64, step: f64) -> Vec<f64> {
+fn both_ways(most: f64, step: f64) -> Vec<f64> {
     let count = (most / step - 1e-9).ceil() as i32;
     let values = (-count..=count).filter(|&i| i != 0).map(|i| most * f64::from(i) / f64::from(count));
     values.collect()
@@ -189,7 +189,7 @@ pub(crate) fn others(study: &Study, geometry: &Geometry, open: Open) -> Vec<Othe
 }
 
 /// The ends of what wheels have under their rim: webs of 16 to 32 mm, rims 35 to 80 mm deep, hubs up to 340 mm as far as the wheel has room for them.
-pub(crate) fn other_wheels(body: &WheelBody, tape_diameter: f64) -> [(&'static str, WheelBody); 3] {
+fn other_wheels(body: &WheelBody, tape_diameter: f64) -> [(&'static str, WheelBody); 3] {
     /// Radial length that web and fillets need, and the least wall of a hub, m.
     const WEB: f64 = 85.0 * MILLIMETRE;
     const WALL: f64 = 11.0 * MILLIMETRE;
@@ -213,7 +213,7 @@ pub(crate) fn other_wheels(body: &WheelBody, tape_diameter: f64) -> [(&'static s
 }
 
 /// The standard rails next lighter and next heavier than one by a tenth of its mass and more.
-pub(crate) fn other_rails(base: &str) -> Vec<&'static str> {
+fn other_rails(base: &str) -> Vec<&'static str> {
     const APART: f64 = 0.1;
     let area = |name: &str| rail_section(name).map_or(0.0, |rail| rail.area.area);
     let own = area(base);

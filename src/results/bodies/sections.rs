@@ -16,8 +16,7 @@ use railspring_profiles::section::{
     wheel_section_with_profile,
 };
 
-use crate::results::bodies::measured;
-use crate::results::bodies::measured::{Nominal, Surface};
+use crate::results::bodies::measured::{self, Nominal, Surface};
 use crate::results::bodies::on_standard::{Seams, on_standard};
 use crate::results::bodies::record::{FindingRecord, ProfileRecord};
 use crate::results::bodies::surface_figure::OnStandard;

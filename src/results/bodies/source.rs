@@ -1,17 +1,17 @@
 //! The condensed bodies, each by itself: taken from the store by what it is made from, or condensed and kept there.
 
-use crate::results::bodies::{coarser, solids};
+use std::sync::Mutex;
+
 use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids, condense_all};
 use railspring_calibrate::superelement::CondensedBody;
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Monitor;
-use std::sync::Mutex;
 
 use crate::engine::store::{Address, Artefact, Kind, Store};
-use crate::results::bodies::coarser::CoarserBodies;
+use crate::results::bodies::coarser::{self, CoarserBodies};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::Meshes;
-use crate::results::bodies::solids::MovingBodies;
+use crate::results::bodies::solids::{self, MovingBodies};
 use crate::study::Study;
 
 /// Part of an artefact: the body's file.

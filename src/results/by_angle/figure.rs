@@ -3,13 +3,12 @@
 use plotters::prelude::*;
 use serde::Serialize;
 
-use crate::results::by_angle::record::{ShiftRecord, StiffnessByAngleRecord};
-use crate::results::springs::band_record::ErrorBandRecord;
-use crate::rounding::{significant, with_minus_signs};
-
 use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked_over_names};
 use crate::report::plot::{BLUE, DARK, DARK_RED, Dash, GREY, Marker, ORANGE, RED, Series};
+use crate::results::by_angle::record::{ShiftRecord, StiffnessByAngleRecord};
+use crate::results::springs::band_record::ErrorBandRecord;
+use crate::rounding::{significant, with_minus_signs};
 
 /// References, what their panels are called, and their columns.
 const PANELS: [(&str, &str, &str); 3] = [
@@ -186,6 +185,7 @@ pub fn caption(laws: &StiffnessByAngleRecord) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::by_angle::record::ShiftTouchRecord;
     use crate::results::samples;
 
     /// Goal: places of the shifts, px of the figure: those of angles that are a tenth of a degree apart, or the same, stand as far from each other
@@ -198,10 +198,7 @@ mod tests {
             .iter()
             .zip(-2..)
             .map(|(angle, shift_mm)| {
-                let touch = shift.touch.map(|touch| crate::results::by_angle::record::ShiftTouchRecord {
-                    contact_angle_deg: *angle,
-                    ..touch
-                });
+                let touch = shift.touch.map(|touch| ShiftTouchRecord { contact_angle_deg: *angle, ..touch });
                 ShiftRecord { shift_mm: f64::from(shift_mm), touch, ..shift.clone() }
             })
             .collect();

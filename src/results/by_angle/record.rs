@@ -3,12 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::study::PairRecord;
-
 use crate::engine::seal::Sealed;
 use crate::results::by_angle::element::ElementRecord;
 use crate::results::springs::band_record::{BandPointRecord, ErrorBandRecord};
 use crate::results::springs::record::{DisplacementRecord, LawRecord};
+use crate::study::PairRecord;
 
 /// Name of the file with the laws by contact angle.
 pub const BY_ANGLE: &str = "stiffness_by_angle.json";

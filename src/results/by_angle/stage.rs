@@ -1,7 +1,5 @@
 //! The law by contact angle as a stage.
 
-use crate::results::bodies::solids;
-use crate::results::by_angle::make;
 use std::sync::Arc;
 
 use railspring_profiles::error::Result;
@@ -13,6 +11,8 @@ use crate::engine::seal::Sealed;
 use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact, Kind};
 use crate::results::bodies::in_work::Solids;
+use crate::results::bodies::solids;
+use crate::results::by_angle::make;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::names::{BY_ANGLE_ROWS, OF_THE_VERDICT};
 use crate::results::springs::record::StiffnessRecord;

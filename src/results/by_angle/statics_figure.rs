@@ -2,12 +2,11 @@
 
 use plotters::prelude::*;
 
-use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord, StiffnessByAngleRecord};
-use crate::rounding::with_minus_signs;
-
 use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked_over_names};
 use crate::report::plot::{DARK, Dash, Marker, ORANGE, RED, Series};
+use crate::results::by_angle::record::{FixedLoadRecord, ShiftRecord, StiffnessByAngleRecord};
+use crate::rounding::with_minus_signs;
 
 /// How much of the distance of two shifts their loads take.
 const SPREAD: f64 = 0.7;

@@ -17,7 +17,6 @@ pub mod sections;
 pub mod stage;
 pub mod page;
 
-use crate::results::bodies::{geometry, zones};
 use std::time::Instant;
 
 use railspring_profiles::error::Result;
@@ -26,12 +25,11 @@ use railspring_profiles::units::MILLIMETRE;
 
 use crate::engine::measure::begin;
 use crate::engine::output::OutputFolder;
-use crate::python;
-use crate::python::{Purpose, Python};
-use crate::results::bodies::estimate;
-use crate::results::bodies::estimate::{Resources, Work};
-use crate::results::bodies::geometry::Geometry;
+use crate::python::{self, Purpose, Python};
+use crate::results::bodies::estimate::{self, Resources, Work};
+use crate::results::bodies::geometry::{self, Geometry};
 use crate::results::bodies::meshes::Meshes;
+use crate::results::bodies::zones;
 use crate::results::crosscheck::answers::Answers;
 use crate::results::crosscheck::calculix::displacement_at;
 use crate::results::crosscheck::compare::{MODEL, ReferenceResult, compare, limits};
@@ -73,7 +71,7 @@ pub fn prepare(study: &Study, cases: &[Case], resources: &Resources<'_>) -> Resu
         let mut finer = study.clone();
         finer.mesh.contact_element *= FINER;
         finer.mesh.contact_element_along *= FINER;
-        Some(crate::results::bodies::zones::remeshed(&finer, &geometry, &meshes)?)
+        Some(zones::remeshed(&finer, &geometry, &meshes)?)
     } else {
         None
     };

@@ -7,10 +7,9 @@ use crate::engine::output::{OutputFolder, to_json};
 use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact, Kind};
 use crate::results::bodies::estimate::Resources;
-use crate::results::crosscheck;
-use crate::results::crosscheck::Solvers;
 use crate::results::crosscheck::exchange::Case;
 use crate::results::crosscheck::record::CrosscheckRecord;
+use crate::results::crosscheck::{self, Solvers};
 use crate::results::names::{CROSSCHECK, DIFFERENCES};
 use crate::study::Study;
 

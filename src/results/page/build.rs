@@ -3,21 +3,21 @@
 //! Everything the page shows comes in through [`ReportData`]; nothing is
 //! computed here but what a picture or a table needs.
 
+use serde_json::{Value, json};
+
 use super::data::ReportData;
 use super::first_screen;
+use crate::report::collector::Collector;
 use crate::report::{html, number};
-use crate::results::bodies::surface_figure::OnStandard;
-use crate::results::bodies::{outline_figure, surface_figure};
-use crate::results::by_angle::statics_figure;
-use crate::results::patches::section_figure;
+use crate::results::bodies::outline_figure;
+use crate::results::bodies::surface_figure::{self, OnStandard};
+use crate::results::by_angle::{self, statics_figure};
+use crate::results::crosscheck;
+use crate::results::patches::{self, section_figure};
 use crate::results::run::figures::ScenarioRun;
 use crate::results::run::{figures as figures_of_run, positions_figure};
 use crate::results::springs::figures;
 use crate::results::verdict::tables;
-use crate::results::{by_angle, crosscheck, patches};
-use serde_json::{Value, json};
-
-use crate::report::collector::Collector;
 
 /// The page and its figures.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,5 @@
 //! The report as a stage, and the page of the cross-check beside it.
 
-use crate::results::bodies::geometry;
 use railspring_profiles::error::Result;
 
 use super::build;
@@ -8,6 +7,7 @@ use crate::engine::list::{Entry, NewFile};
 use crate::engine::output::OutputFolder;
 use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact, Kind};
+use crate::results::bodies::geometry;
 use crate::results::bodies::in_work::Solids;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::crosscheck::page::{Crosscheck, PageData, page};

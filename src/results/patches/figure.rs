@@ -5,14 +5,13 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use crate::results::bodies::touch::HertzRecord;
-use crate::results::patches::record::{PatchRecord, PatchesRecord, PointState};
-
 use crate::report::legend::{Entry, draw_legend, legend_height};
 use crate::report::number::{WIDTH, number};
 use crate::report::plot::{
     Area, DARK, Drawn, LABEL_TEXT, LIGHT, ORANGE, TICK_TEXT, frame, label, nice_step, px, stroke, svg, tick,
 };
+use crate::results::bodies::touch::HertzRecord;
+use crate::results::patches::record::{PatchRecord, PatchesRecord, PointState};
 
 /// Left of the panels, px.
 const LEFT: u32 = 58;
@@ -371,6 +370,7 @@ pub(crate) fn loads(record: &PatchesRecord) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::samples;
 
     /// An ellipse of Hertz with the semi-axes a across and b along, mm, on a grid with unequal lines, largest pressure 1000 MPa; it
     /// sticks within half of both.
@@ -445,7 +445,7 @@ mod tests {
     #[test]
     fn panels_are_drawn_to_scale() {
         let patches = vec![ellipse(0.5, 0.7), ellipse(2.0, 5.0), ellipse(3.0, 7.0)];
-        let record = PatchesRecord { patches, ..crate::results::samples::patches() };
+        let record = PatchesRecord { patches, ..samples::patches() };
         let layout = Layout::of(&record);
         for corner in [(layout.left(0), 30), (layout.left(2), 200)] {
             let [origin, across, along] =

@@ -6,9 +6,6 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use railspring_profiles::units::MILLIMETRE;
 
-use crate::results::bodies::touch::HertzRecord;
-use crate::results::patches::record::{PatchRecord, PatchesRecord};
-
 use crate::report::legend::{Entry, draw_legend, legend_height};
 use crate::report::number::{WIDTH, number};
 use crate::report::plot::{
@@ -16,7 +13,9 @@ use crate::report::plot::{
 };
 use crate::results::bodies::outline_figure::ProfilePair;
 use crate::results::bodies::profile_view::{WHEEL_FILL, Window, fine};
+use crate::results::bodies::touch::HertzRecord;
 use crate::results::patches::figure::loads;
+use crate::results::patches::record::{PatchRecord, PatchesRecord};
 
 /// Height of the pictures, px.
 const PICTURE: u32 = 300;

@@ -5,14 +5,13 @@ use plotters::style::text_anchor::{HPos, VPos};
 use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 use railspring_simulate::time::history::{ContactMode, History, HistoryRow};
 
-use crate::verify::{Band, Carrying, FLANGE_SIDE, averaged_ratio};
-
 use crate::report::legend::{Entry, draw_legend, legend_height};
 use crate::report::number::{WIDTH, round};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{
     DARK, Dash, Drawn, GREY, ORANGE, PALE_BLUE, RED, Series, frame, label, nice_step, px, stroke, svg, tick,
 };
+use crate::verify::{Band, Carrying, FLANGE_SIDE, averaged_ratio};
 
 /// A run of a model, as figures show it.
 #[derive(Debug, Clone, Copy)]

@@ -3,10 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use railspring_calibrate::beam::{BeamCorrection, RailBeam};
 use railspring_calibrate::law::NormalLaw;
 use railspring_profiles::error::{Error, Result, StopReason, or_reason};
 use railspring_profiles::monitor::Monitor;
+use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::element::condensed::parts::PairElement;
+use railspring_simulate::element::published::{MovingModel, SlidingMatrix, WheelSprings};
 use railspring_simulate::solid::{ModeCount, OtherRun, START_MODES, TransientModel, TransientRun};
 use railspring_simulate::time::history::History;
 use railspring_simulate::time::scenario::Scenario;
@@ -18,9 +21,6 @@ use crate::results::bodies::other_solids::{CoarserContact, OtherSolids, path_on}
 use crate::results::bodies::solids::MovingBodies;
 use crate::study::{ContactElementKey, SlidingMatrixKey, Study, StudyScenario, TransientKey};
 use crate::verify::{ModelChange, Spread, StepChange, Worth, disturbed};
-use railspring_calibrate::beam::{BeamCorrection, RailBeam};
-use railspring_simulate::element::condensed::CondensedModel;
-use railspring_simulate::element::published::{MovingModel, SlidingMatrix, WheelSprings};
 
 /// The springs and the mass that the simple model runs with.
 #[derive(Debug, Clone)]

@@ -1,7 +1,5 @@
 //! The load cases on the solids in time: as stages, and one after the other beside other stages.
 
-use crate::results::bodies::{other_solids, solids, zones};
-use crate::results::run::make;
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,27 +8,27 @@ use railspring_calibrate::pair::{CondensedPair, PairBody};
 use railspring_profiles::error::{Error, Result};
 use railspring_profiles::monitor::Monitor;
 use railspring_simulate::solid::TransientRun;
-
-use crate::engine::stage::{Engine, Made, Stage};
-use crate::results::bodies::in_work::{Moving, REACH, Solids, solid_run_address};
-use crate::results::bodies::source::BodySource;
-use crate::results::names::OF_THE_RUNS;
-use crate::results::run::stage::{Run, SOLID, artefact, files, history_file, run};
-use crate::results::springs::stage::FoundOn;
 use serde_json::Value;
 
 use crate::engine::list::NewFile;
 use crate::engine::measure::Stopwatch;
 use crate::engine::output::to_json;
+use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact, Store};
 use crate::results::bodies::estimate::{Budget, Work};
 use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::in_work::{Moving, REACH, Solids, solid_run_address};
 use crate::results::bodies::meshes::Meshes;
+use crate::results::bodies::other_solids;
 use crate::results::bodies::reach::Reach;
-use crate::results::bodies::solids::MovingBodies;
-use crate::results::bodies::zones::{Reached, Within};
-use crate::results::run::make::Tried;
+use crate::results::bodies::solids::{self, MovingBodies};
+use crate::results::bodies::source::BodySource;
+use crate::results::bodies::zones::{self, Reached, Within};
+use crate::results::names::OF_THE_RUNS;
+use crate::results::run::make::{self, Tried};
 use crate::results::run::record::RunRecord;
+use crate::results::run::stage::{Run, SOLID, artefact, files, history_file, run};
+use crate::results::springs::stage::FoundOn;
 use crate::study::{Study, StudyScenario};
 
 /// A load case on the solid model.

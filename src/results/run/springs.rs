@@ -17,7 +17,6 @@ use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE};
 use railspring_simulate::element::condensed::parts::PairElement;
 use railspring_simulate::time::history::{History, HistoryRow};
 
-pub use self::file::{element_of, from_file};
 use crate::engine::output::to_json;
 use crate::hash::hash;
 use crate::results::bodies::geometry::Geometry;
@@ -28,6 +27,8 @@ use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::rounding::with_unit;
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, ReferenceKey, Study};
+
+pub use self::file::{element_of, from_file};
 
 /// Key that accepts what is refused otherwise.
 const ACCEPTED: &str = "simulation.law_accepted";

@@ -1,6 +1,5 @@
 //! The load cases on the simple model as stages, and what the runs of both models have in common.
 
-use crate::results::run::make;
 use std::path::Path;
 
 use railspring_profiles::error::{Error, Result};
@@ -14,7 +13,7 @@ use crate::results::bodies::in_work::Solids;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::names::OF_THE_RUNS;
 use crate::results::run::record::{RUN_NOTE, RunRecord, SpringsRecord};
-use crate::results::run::{history_csv, springs};
+use crate::results::run::{history_csv, make, springs};
 use crate::study::{ContactElementKey, Study, StudyScenario};
 use crate::verify::ModelRun;
 

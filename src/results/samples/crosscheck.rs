@@ -4,7 +4,6 @@ use crate::results::crosscheck::record::{
     Cause, Check, CrosscheckRecord, ExchangedMesh, HUB_DISPLACEMENT, Limit, Provenance, Question,
     SectionCell, SectionDifference, TANGENT_STIFFNESS, Timing,
 };
-
 use crate::results::samples::springs::stiffness;
 
 /// Two reference solvers, three problems, one load that fails and one without an answer.

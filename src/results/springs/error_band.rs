@@ -10,8 +10,7 @@ use railspring_profiles::units::{KILONEWTON, MILLIMETRE};
 
 use crate::results::bodies::coarser::{COARSER_MESHES, Coarser, CoarserBodies, bodies_of};
 use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::FINER;
-use crate::results::bodies::meshes::{Meshes, remeshed_with};
+use crate::results::bodies::meshes::{FINER, Meshes, remeshed_with};
 use crate::results::springs::band_record::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };

@@ -5,14 +5,6 @@ use plotters::style::text_anchor::{HPos, VPos};
 use railspring_calibrate::law::StiffnessLaw;
 use railspring_profiles::units::{KILONEWTON, KILONEWTON_PER_METRE, MILLIMETRE};
 
-use crate::results::bodies::touch::HertzRecord;
-use crate::results::patches::record::PatchRecord;
-use crate::results::springs::band_record::BandPointRecord;
-use crate::results::springs::record::{
-    ComplianceRecord, HorizontalRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord, TangentRecord,
-};
-use crate::rounding::with_minus_signs;
-
 use crate::report::legend::{Entry, draw_legend, legend_height};
 use crate::report::number::{WIDTH, number};
 use crate::report::panel::{Panel, stacked};
@@ -20,6 +12,13 @@ use crate::report::plot::{
     BLUE, DARK, Dash, GREY, LIGHT, Marker, ORANGE, RED, Series, frame, label, nice_range, px, stroke, svg,
     tick,
 };
+use crate::results::bodies::touch::HertzRecord;
+use crate::results::patches::record::PatchRecord;
+use crate::results::springs::band_record::BandPointRecord;
+use crate::results::springs::record::{
+    ComplianceRecord, HorizontalRecord, LoadCurveRow, ReferenceRecord, StiffnessRecord, TangentRecord,
+};
+use crate::rounding::with_minus_signs;
 
 /// Share of the longest bar below which a negative part is left to the files.
 const HARDLY_SEEN: f64 = 0.004;

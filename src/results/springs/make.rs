@@ -1,5 +1,7 @@
 //! The calibration: superelements, load curve, laws, horizontal stiffness.
 
+use std::sync::Arc;
+
 use nalgebra::Matrix2;
 use railspring_calibrate::analytic::hertz::point_contact;
 use railspring_calibrate::calibration::{
@@ -16,10 +18,8 @@ use railspring_profiles::units::{
     GIGAPASCAL, KILONEWTON, KILONEWTON_PER_METRE, MEGAPASCAL, MILLIMETRE, SQUARE_MILLIMETRE,
 };
 use rayon::prelude::*;
-use std::sync::Arc;
 
-use crate::results::bodies::geometry;
-use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::geometry::{self, Geometry};
 use crate::results::bodies::mesh_files::named;
 use crate::results::bodies::meshes::{Meshes, contact_field, enforcement};
 use crate::results::bodies::record::BodyMeshRecord;

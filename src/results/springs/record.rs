@@ -1,17 +1,17 @@
 //! The content of the result files: the values that the stages return to the
 //! report and to later commands, in the units that the files name.
 
+use railspring_calibrate::beam::BeamCorrection;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use super::assumed_record::AssumedRecord;
 use super::band_record::{ErrorBandRecord, HorizontalBandRecord};
 use super::law::LawConstants;
 use crate::engine::seal::Sealed;
-use crate::results::bodies::touch::TouchRecord;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use crate::results::bodies::record::{BodyMeshRecord, ProfileRecord};
+use crate::results::bodies::touch::TouchRecord;
 use crate::study::PairRecord;
-use railspring_calibrate::beam::BeamCorrection;
 
 /// `stiffness.json`: the springs and what made them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,34 +1,33 @@
 //! The calibration as a stage.
 
-use crate::results::bodies::{geometry, solids, zones};
-use crate::results::springs::{assumed, error_band, fields, make};
 use std::sync::Arc;
 
 use railspring_calibrate::pair::CondensedPair;
 use railspring_profiles::error::{Error, InputError, Result, StopReason};
 use railspring_profiles::field::InputField;
 use railspring_profiles::units::MILLIMETRE;
-
-use crate::engine::stage::{Engine, Made, Stage};
-use crate::results::bodies::in_work::{REACH, Solids};
-use crate::results::bodies::source::BodySource;
-use crate::results::names::{FIGURES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION};
 use serde_json::Value;
 
 use crate::engine::list::NewFile;
 use crate::engine::measure::Stopwatch;
 use crate::engine::output::{to_csv, to_json};
 use crate::engine::seal::Sealed;
+use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::estimate::Work;
-use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::in_work::{REACH, Solids};
 use crate::results::bodies::meshes::Meshes;
-use crate::results::bodies::zones::{Reached, Within};
+use crate::results::bodies::solids;
+use crate::results::bodies::source::BodySource;
+use crate::results::bodies::zones::{self, Reached, Within};
+use crate::results::names::{FIGURES, LOAD_CURVE, PATCHES, REPORT, REPORT_PDF, STIFFNESS, VERIFICATION};
 use crate::results::patches::record::PatchesRecord;
 use crate::results::springs::assumed_record::AssumedRecord;
 use crate::results::springs::band_record::{ErrorBandRecord, HorizontalBandRecord};
-use crate::results::springs::make::{Calibration, FoundSprings, PressedStudy};
+use crate::results::springs::make::{self, Calibration, FoundSprings, PressedStudy};
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
+use crate::results::springs::{assumed, error_band, fields};
 use crate::study::Study;
 
 /// The springs of the study, its load curve, patches and fields.

@@ -3,16 +3,15 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use railspring_calibrate::pair::{CondensedPair, PairBody, condense_all};
-
 use railspring_calibrate::analytic::hertz::point_contact;
+use railspring_calibrate::pair::{CondensedPair, PairBody, condense_all};
 use railspring_profiles::error::{Error, InputError, NumericsError, Result};
 use railspring_profiles::monitor::Monitor;
 use railspring_simulate::time::history::{Ending, SurfaceEnd};
 
-use crate::results::bodies::meshes::Meshes;
+use crate::results::bodies::meshes::{self, Meshes};
 use crate::results::bodies::zones::*;
-use crate::results::bodies::{geometry, meshes, solids};
+use crate::results::bodies::{geometry, solids};
 use crate::results::springs::make;
 use crate::study::Study;
 

@@ -1,11 +1,11 @@
 //! The two verdicts of a study in words: for which loads and which use the condensed element holds, and for which the springs do.
 
+use crate::results::by_angle::record::ShiftRecord;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::run::stage::Runs;
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::record::{ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord};
-use crate::rounding::significant;
-use crate::rounding::with_unit;
+use crate::rounding::{significant, with_unit};
 use crate::study::Study;
 use crate::verify::{Line, touches_with_flange};
 
@@ -89,9 +89,8 @@ impl Judging<'_> {
     /// Loads and shifts at which the element's hub was compared with the solid's.
     fn loads_of_element(&self) -> Option<String> {
         let shifts = &self.by_angle?.shifts;
-        let compared = |shift: &&crate::results::by_angle::record::ShiftRecord| {
-            shift.loads.iter().any(|load| load.condensed_hub_um_per_kn.is_some())
-        };
+        let compared =
+            |shift: &&ShiftRecord| shift.loads.iter().any(|load| load.condensed_hub_um_per_kn.is_some());
         let compared: Vec<_> = shifts.iter().filter(compared).collect();
         let (first, last) = (compared.first()?, compared.last()?);
         let loads = compared.iter().flat_map(|shift| &shift.loads).map(|load| load.force_kn);

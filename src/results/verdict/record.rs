@@ -1,12 +1,12 @@
 //! `verification.json`: the verdict.
 
-use crate::rounding::with_unit;
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::run::record::RunRecord;
+use crate::rounding::with_unit;
 use crate::verify::{ChangedLimit, Compared, Comparison, HeldBy, Line, NotApplicable};
 
 /// `verification.json`: the verdict.

@@ -20,8 +20,8 @@ use crate::results::verdict::record::{
     ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictSubject, VerificationRecord,
 };
 use crate::study::{ContactElementKey, Study};
-use crate::verify::{Criterion, Line};
-use crate::{verify, version};
+use crate::verify::{self, Criterion, Line};
+use crate::version;
 
 /// The comparison of both models; `stiffness` is that of the study, if one of the simple models ran with it.
 pub(crate) struct Verify<'a> {

@@ -4,16 +4,14 @@ use railspring_simulate::time::history::Ending;
 use serde::Serialize;
 
 use crate::report::number::number;
+use crate::results::run::figures::ScenarioRun;
 use crate::results::run::record::RunRecord;
 use crate::results::springs::assumed_record::OtherRecord;
 use crate::results::springs::band_record::BandPointRecord;
 use crate::results::springs::record::StiffnessRecord;
 use crate::results::verdict::record::{ElementVerdict, ScenarioVerdict, VerificationRecord};
 use crate::study::ResolvedKey;
-use crate::verify;
-use crate::verify::{HeldBy, Kind, Line};
-
-use crate::results::run::figures::ScenarioRun;
+use crate::verify::{self, HeldBy, Kind, Line};
 
 /// The keys of one section.
 #[derive(Debug, Serialize)]

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use railspring_profiles::error::{InputError, Result};
 
 use super::mask::{hashes, masked};
+use crate::workspace::files_below;
 
 /// A file that differs by nature: times, memory, date and host.
 pub const LEFT_OUT: &str = "measured.json";
@@ -96,19 +97,9 @@ fn values(side: &Side, names: &BTreeSet<String>) -> Result<BTreeSet<String>> {
 
 /// Names of the files of a folder and of those in it, with `/` between the parts.
 fn names(folder: &Path) -> Result<BTreeSet<String>> {
-    let (mut open, mut found) = (vec![folder.to_path_buf()], BTreeSet::new());
-    while let Some(inner) = open.pop() {
-        let entries = std::fs::read_dir(&inner).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
-        for entry in entries.map_err(|cause| unreadable(&inner, &cause))? {
-            let path = entry.path();
-            if path.is_dir() {
-                open.push(path);
-            } else if let Ok(name) = path.strip_prefix(folder) {
-                found.insert(name.to_string_lossy().replace('\\', "/"));
-            }
-        }
-    }
-    Ok(found)
+    let files = files_below(folder)?;
+    let inside = files.iter().filter_map(|file| file.strip_prefix(folder).ok());
+    Ok(inside.map(|name| name.to_string_lossy().replace('\\', "/")).collect())
 }
 
 fn read(file: &Path) -> Result<Vec<u8>> {

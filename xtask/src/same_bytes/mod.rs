@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use clap::Args;
+use folders::{Difference, Side, compare};
 use railspring::cli::output::say;
 use railspring_profiles::error::{Error, InputError, Result};
 
 use crate::workspace::{Workspace, workspace};
-use folders::{Difference, Side, compare};
 
 /// The study that takes longest, left out unless it is named.
 const LARGE: &str = "paper-scale";

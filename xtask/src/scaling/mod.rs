@@ -11,21 +11,17 @@ pub mod figure;
 mod parts;
 mod sizes;
 
-pub use record::ScalingRecord;
-
+use power::PowerLaw;
 use railspring::engine::measure::{Stopwatch, machine, now_utc};
 use railspring::results::bodies::estimate::{CONTACT_OF_STEP, GIB, Resources, least_memory};
-use railspring::results::bodies::geometry;
-use railspring::results::bodies::meshes;
-use railspring::results::bodies::solids;
-use railspring::results::bodies::zones;
+use railspring::results::bodies::{geometry, meshes, solids, zones};
 use railspring::study::Study;
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::solid::START_MODES;
-
-use power::PowerLaw;
 use record::{BOTH, ExponentRecord, PredictedRecord, ScalingBody, ScalingSize, SkippedSize};
 use sizes::Sizes;
+
+pub use record::ScalingRecord;
 
 /// Bytes of a mebibyte.
 const MIB: f64 = 1024.0 * 1024.0;

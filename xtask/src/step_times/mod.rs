@@ -8,14 +8,12 @@ mod clock;
 mod record;
 pub mod figure;
 
-pub use record::StepTimesRecord;
-
 use std::time::Instant;
 
+use clock::thread_seconds;
 use nalgebra::Vector2;
 use railspring::engine::measure::{machine, now_utc};
-use railspring::results::bodies::geometry;
-use railspring::results::bodies::geometry::Geometry;
+use railspring::results::bodies::geometry::{self, Geometry};
 use railspring::study::{ContactElementKey, Study};
 use railspring_calibrate::beam::RailBeam;
 use railspring_calibrate::law::StiffnessLaw;
@@ -27,9 +25,9 @@ use railspring_simulate::element::condensed::parts::PairElement;
 use railspring_simulate::element::published::{MovingModel, MovingRun, WheelSprings};
 use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
-
-use clock::thread_seconds;
 use record::{PeerTime, StepTime};
+
+pub use record::StepTimesRecord;
 
 /// Names of the cases.
 const LOAD_CASE: &str = "load case 4.1";

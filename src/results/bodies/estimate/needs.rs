@@ -1,8 +1,6 @@
 //! What the stages of a study need: nodes, equations, contact nodes and the values of the factors are counted; bytes and seconds follow
 //! from them with the constants below, which were measured on whole runs.
 
-use crate::results::bodies::{coarser, solids};
-use crate::results::bodies::{others, places};
 use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
 use railspring_calibrate::superelement::FactorSize;
@@ -13,8 +11,8 @@ use crate::python::Purpose;
 use crate::results::bodies::estimate::Work;
 use crate::results::bodies::estimate::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};
 use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::FINER;
-use crate::results::bodies::meshes::Meshes;
+use crate::results::bodies::meshes::{FINER, Meshes};
+use crate::results::bodies::{coarser, others, places, solids};
 use crate::study::{FieldKey, Study, TransientKey};
 
 /// Bytes of Python with NumPy and SciPy.

@@ -1,17 +1,20 @@
 //! The report from made-up results: complete, self-contained, well formed.
 
+use railspring_simulate::time::history::History;
+
 use super::*;
 use crate::engine::seal::Sealed;
 use crate::results::crosscheck::page::Crosscheck;
 use crate::results::run::figures::ModelRun;
 use crate::results::run::record::RunRecord;
 use crate::results::samples;
+use crate::results::springs::record::LoadEndRecord;
 use crate::results::springs::record::StiffnessRecord;
-use crate::results::verdict::record::VerificationRecord;
-use crate::results::verdict::record::{ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject};
-use crate::verify;
-use crate::verify::{Band, Carrying, ChangedLimit, Limits, Spread, Worth, compare};
-use railspring_simulate::time::history::History;
+use crate::results::verdict::reasons::reason;
+use crate::results::verdict::record::{
+    ElementVerdict, ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord,
+};
+use crate::verify::{self, Band, Carrying, ChangedLimit, Limits, Spread, Worth, compare};
 
 fn build_sample() -> Report {
     let (record, sections) = (samples::crosscheck(), samples::sections());
@@ -217,7 +220,7 @@ fn the_first_screen_can_be_signed() {
         [("&#x27;", "'"), ("&#x2f;", "/"), ("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&amp;", "&")];
     let plain = spelled.iter().fold(first.to_string(), |text, (from, to)| text.replace(from, to));
     for (_, line) in verdict.failing() {
-        let why = crate::results::verdict::reasons::reason(&line.quantity).replace('`', "");
+        let why = reason(&line.quantity).replace('`', "");
         assert!(plain.contains(&format!("Why this limit: {why}.")), "{}: {why}: {first}", line.quantity);
     }
 }
@@ -328,17 +331,12 @@ fn laws_without_all_loads_say_so() {
     let whole = samples::stiffness();
     assert_eq!((whole.shortened(), whole.loads_left_out()), (Vec::new(), 0));
     let reason = "contact at 180.000 kN: the contact reached the end of the contact window along the track";
-    let law_end = crate::results::springs::record::LoadEndRecord {
-        loads_left_out: 2,
-        largest_wanted_kn: 220.0,
-        reason: reason.into(),
-    };
-    let short = crate::results::springs::record::StiffnessRecord { law_end: Some(law_end.clone()), ..whole };
+    let law_end = LoadEndRecord { loads_left_out: 2, largest_wanted_kn: 220.0, reason: reason.into() };
+    let short = StiffnessRecord { law_end: Some(law_end.clone()), ..whole };
     let of_the_laws = format!("the laws end at 150 kN instead of 220 kN, without 2 of the loads: {reason}");
     assert_eq!((short.shortened(), short.loads_left_out()), (vec![of_the_laws.clone()], 2));
-    let horizontal_end = crate::results::springs::record::LoadEndRecord { loads_left_out: 1, ..law_end };
-    let short =
-        crate::results::springs::record::StiffnessRecord { horizontal_end: Some(horizontal_end), ..short };
+    let horizontal_end = LoadEndRecord { loads_left_out: 1, ..law_end };
+    let short = StiffnessRecord { horizontal_end: Some(horizontal_end), ..short };
     let of_both = [
         of_the_laws,
         format!(
@@ -357,7 +355,7 @@ fn the_page_says_what_the_law_is_worth() {
         sentence,
         "error band of the law (beam): displacement \u{b1}2.40 %, tangent \u{b1}5.00 % from 1 to 150 kN"
     );
-    let bare = crate::results::springs::record::StiffnessRecord { error_band: None, ..stiffness.clone() };
+    let bare = StiffnessRecord { error_band: None, ..stiffness.clone() };
     assert!(tables::worth(&bare).is_none() && bare.worth().is_empty());
     let rows = |stiffness| serde_json::to_value(tables::worth(stiffness)).unwrap()["rows"].clone();
     let rows = rows(&stiffness);

@@ -1,6 +1,5 @@
 //! The springs of a file: a `stiffness.json`, or a law written by hand.
 
-use crate::results::bodies::geometry;
 use std::path::Path;
 
 use railspring_profiles::error::{InputError, Result};
@@ -12,7 +11,7 @@ use serde::de::DeserializeOwned;
 use crate::engine::output::read_text;
 use crate::engine::seal::Sealed;
 use crate::hash::hash;
-use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::geometry::{self, Geometry};
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::run::springs::{

@@ -1,12 +1,12 @@
 //! Laws from files against the study's own: units, range, pair and reference.
 
-use crate::results::bodies::geometry;
 use std::path::PathBuf;
 
 use railspring_simulate::time::history::{ContactMode, ContactState, Ending, HistoryRow};
 
 use super::*;
 use crate::engine::seal::Sealed;
+use crate::results::bodies::geometry;
 use crate::results::by_angle::element::{ElasticWheelRecord, StripRecord};
 use crate::results::by_angle::record::BY_ANGLE;
 use crate::results::samples;
