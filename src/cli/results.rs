@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::output::{Line, Tone, say, say_line};
-use crate::results::bodies::estimate::needs::Estimate;
+use crate::results::bodies::estimate::Estimate;
 use crate::results::commands::Found;
 use crate::results::crosscheck::record::{Check, CrosscheckRecord};
 use crate::results::run::record::RunRecord;

@@ -43,8 +43,6 @@ use crate::results::verdict::stage::Verify;
 use crate::study::{LawKey, StudyScenario};
 use crate::version;
 
-pub use crate::results::verdict::stage::statics_lines;
-
 /// The calibration, the laws by contact angle if the study wants them, and each load case on the simple model.
 type WithoutSolids = (Calibration, Option<StiffnessByAngleRecord>, Vec<(Run, Other)>);
 

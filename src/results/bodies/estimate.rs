@@ -3,8 +3,8 @@
 //! Refusing what the machine cannot hold is the only defence there is: a program that gets no memory is ended by the system.
 
 mod machine;
-pub mod condensing;
-pub mod needs;
+mod condensing;
+mod needs;
 mod table;
 
 use std::path::Path;
@@ -23,8 +23,8 @@ use crate::results::bodies::meshes::{self, Meshes};
 use crate::results::bodies::zones;
 use crate::study::{Study, TransientKey};
 
-pub use crate::results::bodies::estimate::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
-pub use crate::results::bodies::estimate::needs::{Estimate, StageEstimate};
+pub use self::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
+pub use self::needs::{Estimate, StageEstimate};
 
 /// Bytes of a gibibyte.
 pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
