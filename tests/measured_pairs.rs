@@ -73,10 +73,15 @@ fn truth(pair: &MeasuredPair) -> Result<Vec<(f64, f64)>> {
     let pair = Pair::new(section, wheel, &track)?;
     let mut options = MeshOptions::default();
     // small wheels touch at the field corner of some heads
-    let running = &pair.rail.running;
-    let [touch, end] = [pair.touch.rail_s, running.length()].map(|s| running.point(s).x);
-    if touch > options.rail_zone.field_y - 3e-3 {
-        options.rail_zone.field_y = (touch + 8e-3).min(end - 0.5e-3);
+    let touches = [
+        (&mut options.rail_zone, &pair.rail.running, pair.touch.rail_s),
+        (&mut options.wheel_zone, &pair.wheel.running, pair.touch.wheel_s),
+    ];
+    for (zone, running, s) in touches {
+        let [touch, end] = [s, running.length()].map(|s| running.point(s).x);
+        if touch > zone.field_y - 3e-3 {
+            zone.field_y = (touch + 8e-3).min(end - 0.5e-3);
+        }
     }
     let meshes = pair.mesh(0.555, &options)?;
     let material = Material { young: 210e9, poisson: 0.3, density: 7850.0, damping: 0.0 };

@@ -149,7 +149,7 @@ fn smooth_points(
         _ => {
             let shortest = wavelengths.iter().copied().fold(longest, f64::min);
             let less = match shortest < longest {
-                true => format!(", of {:.2} mm and more where they show shorter shapes", shortest / MILLIMETRE),
+                true => format!(", of {:.2} mm and more where the curvature jumps", shortest / MILLIMETRE),
                 false => String::new(),
             };
             let text = format!(

@@ -53,9 +53,17 @@ pub(super) fn wavelength(scatter: &Scatter) -> Option<f64> {
     if scatter.deviation < DRAWN || scatter.step > COARSE {
         return None;
     }
-    let strength = BY_SCATTER * scatter.density.sqrt();
-    let enough = (LEFT / strength).powf(2.0 / 3.0);
-    let balanced = (2.0 / 3.0 * (BY_SMOOTHING * JUMP / strength).powi(2)).powf(0.2);
-    let wavelength = TAU / enough.max(balanced);
+    let enough = TAU / (LEFT / strength(scatter)).powf(2.0 / 3.0);
+    let wavelength = enough.min(balanced(scatter, JUMP));
     (wavelength > 2.0 * scatter.step).then_some(wavelength)
+}
+
+/// Wavelength (m) with which the squares of the pressures by the scatter and by smoothing a `jump` of curvature (1/m) have their least sum.
+pub(super) fn balanced(scatter: &Scatter, jump: f64) -> f64 {
+    TAU / (2.0 / 3.0 * (BY_SMOOTHING * jump / strength(scatter)).powi(2)).powf(0.2)
+}
+
+/// Pressure by the scatter that is left, over E*/2·q₀^1.5.
+fn strength(scatter: &Scatter) -> f64 {
+    BY_SCATTER * scatter.density.sqrt()
 }
