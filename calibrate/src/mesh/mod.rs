@@ -17,6 +17,7 @@
 //! The same input gives the same mesh to the last bit: every choice between
 //! equals is settled by index order.
 
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 use nalgebra::{Point2, Point3};
@@ -149,7 +150,7 @@ impl HexMesh {
 }
 
 /// Where the contact zone of a section begins and ends, in its profile frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ContactZone {
     /// Depth of the zone's end on the gauge face (rail: below the top) or on the
     /// flange face (wheel: below the tape circle's level), m.
@@ -159,7 +160,7 @@ pub struct ContactZone {
 }
 
 /// Sizes of the elements. All lengths in m.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshOptions {
     /// Largest edge of an element in the contact zone across the track.
     pub contact_element: f64,

@@ -25,9 +25,10 @@ pub use stress::{largest_shear, nodal_stress, von_mises};
 use nalgebra::SMatrix;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
+use serde::Serialize;
 
 /// Isotropic linear elastic material.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Material {
     /// Young's modulus, Pa.
     pub young: f64,

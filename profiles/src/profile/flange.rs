@@ -5,6 +5,7 @@
 //! that follows from tangency is solved for; the standard rounds these points to 0.001 mm.
 
 use nalgebra::{Point2, Vector2};
+use serde::Serialize;
 
 use super::segment::{EndlessLine, Segment};
 use crate::error::{InputError, Result};
@@ -15,7 +16,7 @@ use crate::units::MILLIMETRE;
 pub const NOMINAL_THICKNESS: f64 = 32.5 * MILLIMETRE;
 
 /// Size of a wheel's flange.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Flange {
     /// Height of the tip below the tape circle's level, m: 28, 30 or 32 mm.
     pub height: f64,

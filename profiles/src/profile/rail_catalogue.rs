@@ -5,6 +5,7 @@
 //! web's thickness and the height.
 
 use nalgebra::Vector2;
+use serde::Serialize;
 
 use super::rail_drawings::{Drawing, Foot, Head, Neck, Web};
 use super::rails::{RailOutline, outline_of};
@@ -14,7 +15,7 @@ use crate::root::bisection;
 use crate::units::{MILLIMETRE, in_millimetres};
 
 /// The dimensions of a flat-bottom rail, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RailDimensions {
     /// Height.
     pub height: f64,

@@ -1,6 +1,7 @@
 //! From the points of a file to a curve: checks, repair, smoothing.
 
 use nalgebra::Point2;
+use serde::Serialize;
 
 use super::check::{remove_duplicates, remove_spikes, repair_steps_back, restore_order, thin_by_means};
 use super::corners::add_corners;
@@ -33,7 +34,7 @@ pub struct PrepareOptions {
 }
 
 /// What is done about the scatter of a measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub enum Smoothing {
     /// It is measured, and as much smoothed as it takes.
     #[default]

@@ -3,6 +3,7 @@
 //! The dimensions are plausible values of engineering practice: no standard's drawing is public with numbers.
 
 use nalgebra::{Matrix5, Point2, Vector2, Vector5};
+use serde::Serialize;
 
 use crate::error::{InputError, Result};
 use crate::field::InputField;
@@ -11,7 +12,7 @@ use crate::root::bisection;
 use crate::units::MILLIMETRE;
 
 /// Course of the web between hub and rim.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub enum WebShape {
     /// Straight, its thickness falling from the hub to the rim.
     #[default]
@@ -28,7 +29,7 @@ pub enum WebShape {
 }
 
 /// Dimensions of a generic wheel body; the fillets between web, rim and hub are R30.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WheelBody {
     /// Course of the web.
     pub web: WebShape,

@@ -2,6 +2,7 @@
 //! (publication, section 4). The solid model and the moving solver run the
 //! very same [`Scenario`].
 
+use serde::Serialize;
 use std::f64::consts::TAU;
 
 use crate::time::steps::InnerSteps;
@@ -18,7 +19,7 @@ use railspring_profiles::units::TONNE;
 pub const LEAST_STEPS_PER_PERIOD: f64 = 20.0;
 
 /// A force `constant + amplitude·sin(2π·frequency·t + phase)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HarmonicForce {
     /// Mean value, N (or N·m).
     pub constant: f64,
@@ -50,7 +51,7 @@ impl HarmonicForce {
 }
 
 /// Spring and damper in parallel (Kelvin element).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Kelvin {
     /// Stiffness, N/m.
     pub stiffness: f64,
@@ -88,7 +89,7 @@ impl Kelvin {
 }
 
 /// A dynamic load case on one wheel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scenario {
     /// Number of time steps after the initial state.
     pub steps: usize,

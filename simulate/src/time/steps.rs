@@ -9,9 +9,10 @@
 
 use railspring_profiles::error::InputError;
 use railspring_profiles::field::InputField;
+use serde::Serialize;
 
 /// Steps of the integration within each time step of the history.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum InnerSteps {
     /// So many, of the same length.
     Equal(usize),
@@ -20,7 +21,7 @@ pub enum InnerSteps {
 }
 
 /// How short steps become.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StepControl {
     /// Longest steps within a time step: a power of two.
     pub least: usize,
