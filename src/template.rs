@@ -200,7 +200,7 @@ mod tests {
             let kept = settings.iter().filter(|setting| setting.toml().is_some()).cloned();
             let all: Vec<Setting> = given.into_iter().chain(kept).collect();
             let study = Study::parse_with(Path::new(""), "", &all).unwrap_or_else(|m| panic!("{m}"));
-            assert_eq!(written.keys.springs, study.keys.springs, "{text}");
+            assert_eq!(written.statics(), study.statics(), "{text}");
             assert_eq!((&written.name, written.scenarios.len()), (&study.name, 1));
         }
         assert!(Study::parse(path, &pair().study(path, false, &[])).unwrap().scenarios.is_empty());

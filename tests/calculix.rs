@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::crosscheck::answers::AnsweredCurve;
 use railspring::results::crosscheck::deck::{Deck, Format};
+use railspring::results::crosscheck::input::CrosscheckInput;
 use railspring::results::crosscheck::{Prepared, calculix, prepare};
 use railspring::results::springs::make::check_friction;
 use railspring::study::Study;
@@ -23,16 +24,21 @@ fn study() -> &'static Study {
     })
 }
 
+fn input() -> &'static CrosscheckInput<'static> {
+    static INPUT: OnceLock<CrosscheckInput<'static>> = OnceLock::new();
+    INPUT.get_or_init(|| CrosscheckInput::of(study()))
+}
+
 fn prepared() -> &'static Prepared {
     static PREPARED: OnceLock<Prepared> = OnceLock::new();
     PREPARED.get_or_init(|| {
-        prepare(study(), &[], &Resources::of_the_machine(&Silent)).unwrap_or_else(|e| panic!("{e}"))
+        prepare(input(), &[], &Resources::of_the_machine(&Silent)).unwrap_or_else(|e| panic!("{e}"))
     })
 }
 
 fn deck(friction: f64, lowerings: &[f64]) -> Deck<'_> {
     let Prepared { geometry, meshes, .. } = prepared();
-    Deck { study: study(), geometry, meshes, friction, lowerings }
+    Deck { input: input(), geometry, meshes, friction, lowerings }
 }
 
 /// Lines that follow the first line beginning with `keyword`, up to the next keyword.
@@ -94,10 +100,13 @@ fn calculix_finds_the_load() {
 fn studies_that_cannot_be_cross_validated_are_refused() {
     let mut light = study().clone();
     light.calibration.loads = vec![1e3, 2e3, 3e3];
-    let said = prepare(&light, &[], &Resources::of_the_machine(&Silent)).map(|_| ()).unwrap_err().to_string();
+    let said = prepare(&CrosscheckInput::of(&light), &[], &Resources::of_the_machine(&Silent))
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
     assert!(said.contains("calibration.load_max_kn = 3: expected a load of at least 5 kN"), "{said}");
     let mut smooth = study().clone();
     smooth.contact.friction = 0.0;
-    let said = check_friction(&smooth).unwrap_err().to_string();
+    let said = check_friction(smooth.statics()).unwrap_err().to_string();
     assert!(said.contains("contact.friction = 0: expected a positive coefficient"), "{said}");
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use railspring::results::bodies::estimate::{Resources, Work, dry_run};
+use railspring::results::bodies::input::SolidsInput;
 use railspring::results::springs::band_record::ErrorBandRecord;
 use railspring::results::springs::record::StiffnessRecord;
 use railspring::study::Study;
@@ -118,8 +119,9 @@ fn a_wanted_band_ends_where_the_memory_does() {
     const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
     let wanted = study("target_error = 0.03\n");
     let parsed = Study::parse(Path::new("study.toml"), &wanted).map_err(|e| e.to_string()).unwrap();
-    let work = Work::of(&parsed, true, false);
-    let estimate = dry_run(&parsed, &work, &Resources::of_the_machine(&Silent)).unwrap();
+    let input = SolidsInput::of(&parsed);
+    let work = Work::of(&input, true, false);
+    let estimate = dry_run(&input, &work, &Resources::of_the_machine(&Silent)).unwrap();
     let limit = format!("{:.4}", 1.02 * estimate.memory() / GIB);
     let folder = tempfile::tempdir().unwrap();
     let (output, out) = calibrate(folder.path(), "small", &wanted, &["--memory-limit", &limit]);

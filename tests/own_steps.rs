@@ -6,6 +6,7 @@ use std::time::Instant;
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::bodies::geometry;
+use railspring::results::run::input::{SimpleRunInput, SpringsInput};
 use railspring::results::run::make::{self, Springs};
 use railspring::results::run::springs;
 use railspring::results::study_run::StudyRun;
@@ -60,8 +61,8 @@ fn steps_of_a_study_are_worth_half_of_the_solids() {
     let first = parsed((STUDIES[0].0, STUDIES[0].1));
     StudyRun::new(&first, &folder, Resources::of_the_machine(&Silent)).calibrate().unwrap();
     let record = springs::from_file(
-        &first,
-        &geometry::geometry(&first).unwrap(),
+        &SpringsInput::of(&first),
+        &geometry::geometry(first.statics()).unwrap(),
         &place.path().join("stiffness.json"),
     );
     let springs: Springs = springs::springs(&record.unwrap()).unwrap();
@@ -72,12 +73,14 @@ fn steps_of_a_study_are_worth_half_of_the_solids() {
     let mut worst = 0.0_f64;
     for (name, text, cases) in STUDIES {
         let study = parsed((name, text));
-        let geometry = geometry::geometry(&study).unwrap();
+        let geometry = geometry::geometry(study.statics()).unwrap();
         let beam = geometry.beam.corrected(&springs.beam).unwrap();
-        let model = CondensedModel::of_pair(&geometry.pair, beam, study.materials(), element.clone());
+        let damped = study.statics().materials().map(|own| own.damped(study.damping));
+        let model = CondensedModel::of_pair(&geometry.pair, beam, damped.each_ref(), element.clone());
         for &(key, of_solid) in cases {
             let case = &study.scenarios[key];
-            let (history, tried) = make::simulate(&study, &geometry, &springs, case, &Silent).unwrap();
+            let (history, tried) =
+                make::simulate(&SimpleRunInput::of(&study, case), &geometry, &springs, &Silent).unwrap();
             let spread = tried.worth.spread.unwrap();
             let own = spread.determined_until_s.unwrap_or(f64::INFINITY);
             let until = own.min(of_solid);

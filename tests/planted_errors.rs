@@ -177,7 +177,7 @@ impl<'a> Case<'a> {
         let limits = Limits::default();
         let (history, comparison) =
             solved.compared(&sound.study, &sound.springs, &sound.case, solid, &limits).unwrap();
-        let statics = statics_lines(&solved.study, &solved.stiffness, &solved.laws);
+        let statics = statics_lines(&solved.study.limits, &solved.stiffness, &solved.laws);
         Self { solved, solid, sound, history, lines: comparison.lines, statics }
     }
 
@@ -193,8 +193,9 @@ impl<'a> Case<'a> {
         let statics = match &springs.element {
             Some(element) if Some(element) != self.sound.springs.element.as_ref() => {
                 let laws =
-                    make::with_element(study, &self.solved.geometry, &self.solved.laws, element).unwrap();
-                statics_lines(study, &self.solved.stiffness, &laws)
+                    make::with_element(study.statics(), &self.solved.geometry, &self.solved.laws, element)
+                        .unwrap();
+                statics_lines(&study.limits, &self.solved.stiffness, &laws)
             }
             _ => self.statics.clone(),
         };

@@ -13,6 +13,7 @@ use railspring::python::{Purpose, Python};
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::crosscheck::compare::{ROUNDOFF, ReferenceResult, compare};
 use railspring::results::crosscheck::exchange::{Case, Exchange};
+use railspring::results::crosscheck::input::CrosscheckInput;
 use railspring::results::crosscheck::record::Check;
 use railspring::results::crosscheck::{Prepared, prepare};
 use railspring::study::Study;
@@ -44,7 +45,8 @@ fn study() -> Study {
 fn prepared() -> &'static Prepared {
     static PREPARED: OnceLock<Prepared> = OnceLock::new();
     PREPARED.get_or_init(|| {
-        prepare(&study(), &CASES, &Resources::of_the_machine(&Silent)).unwrap_or_else(|e| panic!("{e}"))
+        prepare(&CrosscheckInput::of(&study()), &CASES, &Resources::of_the_machine(&Silent))
+            .unwrap_or_else(|e| panic!("{e}"))
     })
 }
 
@@ -206,7 +208,7 @@ fn another_contact_formulation_agrees_and_converges() {
     let mut study = study();
     study.mesh.contact_element = 4e-3;
     study.mesh.contact_element_along = 4e-3;
-    let fine = prepare(&study, &[Case::SameMesh], &Resources::of_the_machine(&Silent))
+    let fine = prepare(&CrosscheckInput::of(&study), &[Case::SameMesh], &Resources::of_the_machine(&Silent))
         .unwrap_or_else(|e| panic!("{e}"));
     let fine = compared_for(&fine, &fine.exchange);
     let both = [coarse, &fine].map(|checks| largest(checks, frictionless, "hub displacement"));

@@ -41,10 +41,10 @@ fn the_fine_grid_agrees_with_elements_of_second_order() {
     assert!(hub.len() >= 8 && hub.len() == tangent.len(), "{} {}", hub.len(), tangent.len());
     let loads: Vec<f64> = hub.iter().map(|(load, ..)| load * KILONEWTON).collect();
 
-    let geometry = geometry::geometry(&study).unwrap();
-    let options = zones::mesh_options(&study, &geometry);
-    let meshes = meshes::meshes(&study, &geometry, options, None, &Silent).unwrap();
-    let solids = solids::solids(&study, &geometry, &meshes);
+    let geometry = geometry::geometry(study.statics()).unwrap();
+    let options = zones::mesh_options(study.statics(), &geometry);
+    let meshes = meshes::meshes(study.statics(), &geometry, options, None, &Silent).unwrap();
+    let solids = solids::solids(study.statics(), &geometry, &meshes);
     let condense = |body| solids.condense(body, solids.key(body)).unwrap();
     let (rail, wheel) = rayon::join(|| condense(PairBody::RailOnEnds), || condense(PairBody::Wheel));
     let contact =

@@ -7,6 +7,7 @@ use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::bodies::geometry::{self, Geometry};
 use railspring::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
+use railspring::results::run::input::{SimpleRunInput, SpringsInput};
 use railspring::results::run::make::{self, Springs, Tried};
 use railspring::results::run::record::RunRecord;
 use railspring::results::run::{history_csv, springs};
@@ -71,8 +72,10 @@ impl Solved {
         };
         let cases = study.scenarios.iter().filter(|(_, case)| case.solid);
         let solids = cases.map(|(scenario, _)| (scenario.clone(), solid(scenario))).collect();
-        let geometry = geometry::geometry(&study).unwrap();
-        let record = springs::from_file(&study, &geometry, &place.path().join("stiffness.json")).unwrap();
+        let geometry = geometry::geometry(study.statics()).unwrap();
+        let record =
+            springs::from_file(&SpringsInput::of(&study), &geometry, &place.path().join("stiffness.json"))
+                .unwrap();
         Self {
             springs: springs::springs(&record).unwrap(),
             geometry,
@@ -93,7 +96,7 @@ impl Solved {
         solid: &SolidRun,
         limits: &Limits,
     ) -> Result<(History, Comparison), String> {
-        let run = make::simulate(study, &self.geometry, springs, case, &Silent);
+        let run = make::simulate(&SimpleRunInput::of(study, case), &self.geometry, springs, &Silent);
         let (history, Tried { worth, disturbed }) = run.map_err(|error| error.to_string())?;
         let discretisation: Vec<_> = worth.discretisation.into_iter().filter_map(Result::ok).collect();
         let simple = ModelRun {

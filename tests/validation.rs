@@ -13,6 +13,7 @@ use railspring::python::package_hash;
 use railspring::results::bodies::estimate::Resources;
 use railspring::results::bodies::{geometry, meshes, zones};
 use railspring::results::crosscheck::answers;
+use railspring::results::crosscheck::input::CrosscheckInput;
 use railspring::results::crosscheck::questions::tool_curves;
 use railspring::results::crosscheck::record::{CrosscheckRecord, ToolCurve};
 use railspring::results::study_run::StudyRun;
@@ -35,16 +36,18 @@ fn read(path: &Path) -> CrosscheckRecord {
 
 /// The tool's load curves of a study.
 fn now(study: &Study) -> Vec<ToolCurve> {
-    let geometry = geometry::geometry(study).unwrap_or_else(|e| panic!("{e}"));
-    let meshes = meshes::meshes(study, &geometry, zones::mesh_options(study, &geometry), None, &Silent)
+    let input = CrosscheckInput::of(study);
+    let statics = input.statics();
+    let geometry = geometry::geometry(statics).unwrap_or_else(|e| panic!("{e}"));
+    let meshes = meshes::meshes(statics, &geometry, zones::mesh_options(statics, &geometry), None, &Silent)
         .unwrap_or_else(|e| panic!("{e}"));
-    tool_curves(&answers::answers(study, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
+    tool_curves(&answers::answers(statics, &geometry, &meshes, &Silent).unwrap_or_else(|e| panic!("{e}")))
 }
 
 /// What is stale in a record, or does not hold; the tool's numbers by its `curves`, if they are there.
 fn stale(record: &CrosscheckRecord, study: &Study, curves: Option<&[ToolCurve]>) -> Vec<String> {
     let mut found = Vec::new();
-    if record.input_hash != study.keys.crosscheck {
+    if record.input_hash != CrosscheckInput::of(study).key() {
         found.push("the study or the program's version has changed".into());
     }
     if record.reference.package_hash != package_hash() {
@@ -204,7 +207,7 @@ fn report_and_page_belong_together() {
     let alone = std::fs::read_to_string(other.file("crosscheck.html")).unwrap();
     assert!(!alone.contains("href=") && !other.file("report.html").exists());
 
-    let stale = made.page("crosscheck.json").replace(&study.keys.crosscheck, &"0".repeat(64));
+    let stale = made.page("crosscheck.json").replace(&CrosscheckInput::of(&study).key(), &"0".repeat(64));
     std::fs::write(made.out.join("crosscheck.json"), stale).unwrap();
     made.railspring(&["report"], 0);
     let report = made.page("report.html");

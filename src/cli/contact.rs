@@ -114,7 +114,7 @@ impl ContactArgs {
 
 /// The side of a study with the wheelset in the middle, and the distance of its tape circle from there, m.
 fn side_of(study: &Study) -> Result<(WheelOnRail, f64), Failure> {
-    let found = geometry(study).map_err(|error| Failure::of_stage(study, error))?;
+    let found = geometry(study.statics()).map_err(|error| Failure::of_stage(study, error))?;
     repairs(&found.profiles).iter().for_each(|line| remark(line));
     let side = WheelOnRail {
         rail: found.pair.placed,

@@ -13,6 +13,7 @@ use super::set_args::SetArgs;
 use super::staged::{Action, RunArgs, done};
 use super::{Failure, WorkArgs};
 use crate::engine::output::{OutputFolder, TEMPORARY, readable_by_all};
+use crate::hash::key;
 use crate::study::Study;
 
 /// The study that a fit leaves in its folder.
@@ -107,7 +108,7 @@ pub(super) fn new(args: &NewArgs) -> Result<(), Failure> {
     let folder = OutputFolder::create(here)?;
     // the file is read as `railspring run` will read it, from a folder that is there
     let written = Study::parse(&file, &text)?;
-    debug_assert_eq!(written.keys.springs, study.keys.springs);
+    debug_assert_eq!(key(&written.statics()), key(&study.statics()));
     written_new(&folder, &file, &text)?;
     Ok(say(&file.display().to_string())?)
 }

@@ -196,7 +196,7 @@ impl Failure {
     /// An error of a stage, with the keys and the place of the study if it concerns one of them.
     pub fn of_stage(study: &Study, error: Error) -> Self {
         match error {
-            Error::Input(input) => match study.with_keys(input) {
+            Error::Input(input) => match study.source.with_keys(input) {
                 input if study.owns(&input.key) => Self::Located(study.source.locate(input)),
                 input => Self::Plain(input.into()),
             },

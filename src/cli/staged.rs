@@ -16,10 +16,13 @@ use crate::engine::output::OutputFolder;
 use crate::engine::store::Store;
 use crate::python::Purpose;
 use crate::results::bodies::estimate::{self, Work};
+use crate::results::bodies::input::SolidsInput;
 use crate::results::crosscheck::deck::Format;
 use crate::results::crosscheck::exchange::Case;
+use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::write_deck;
 use crate::results::names::{CROSSCHECK_PAGE, REPORT};
+use crate::results::run::input::SpringsInput;
 use crate::results::run::springs;
 use crate::results::study_run::StudyRun;
 use crate::study::Study;
@@ -176,7 +179,7 @@ impl Action<'_> {
     /// Whether it begins without the results of an earlier command.
     fn begins(self, study: &Study) -> bool {
         match self {
-            Self::Simulate(None) => springs::need_no_calibration(study),
+            Self::Simulate(None) => springs::need_no_calibration(&SpringsInput::of(study)),
             Self::Verify | Self::Report => false,
             _ => true,
         }
@@ -246,7 +249,7 @@ pub(super) fn done(
             (results.with_more(said.collect(), more.collect()), true)
         }
         Action::Deck(format) => {
-            write_deck(study, format, &folder, &resources)?;
+            write_deck(&CrosscheckInput::of(study), format, &folder, &resources)?;
             (results, true)
         }
         Action::Crosscheck { second_order, with_calculix, keep } => {
@@ -303,10 +306,11 @@ fn tried(
     study: &Study,
     path: &Path,
 ) -> Result<Results, Error> {
+    let input = SolidsInput::of(study);
     let work = match action {
-        Action::Run => Work::of(study, true, true),
-        Action::Calibrate | Action::Deck(_) => Work::of(study, true, false),
-        Action::Verify => Work::of(study, false, true),
+        Action::Run => Work::of(&input, true, true),
+        Action::Calibrate | Action::Deck(_) => Work::of(&input, true, false),
+        Action::Verify => Work::of(&input, false, true),
         Action::Mesh => Work::default(),
         Action::Crosscheck { second_order, .. } => Work::of_crosscheck(match second_order {
             true => Purpose::SecondOrder,
@@ -328,7 +332,7 @@ fn tried(
         }
     };
     let progress = Progress::new(args.quiet);
-    let estimate = estimate::dry_run(study, &work, &args.resources(&progress))?;
+    let estimate = estimate::dry_run(&input, &work, &args.resources(&progress))?;
     progress.finish();
     Ok(results.with_estimate(&estimate))
 }

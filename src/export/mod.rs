@@ -102,10 +102,10 @@ pub fn of_calibration(
     reference: Option<&str>,
     study: Option<&Study>,
 ) -> Result<Vec<ExportFile>> {
-    if let Some(study) = study.filter(|study| study.keys.pair != record.pair.hash) {
+    if let Some(study) = study.filter(|study| study.statics().pair_key() != record.pair.hash) {
         return Err(InputError::new(
             "--study",
-            study.pair().name,
+            study.statics().pair().name,
             format!("a study of the springs' own pair, {}", record.pair.name),
             "name the study that they were calibrated with, or calibrate this one",
         )

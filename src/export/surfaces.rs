@@ -32,7 +32,7 @@ impl<'a> Surfaces<'a> {
                 "name it with --study STUDY.toml",
             )
         })?;
-        Ok(Self { study, geometry: geometry::geometry(study)? })
+        Ok(Self { study, geometry: geometry::geometry(study.statics())? })
     }
 
     /// The rail in the track as its program has it: y to the field side, z down from the highest point, `y_origin` (m, from the

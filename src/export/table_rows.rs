@@ -262,7 +262,7 @@ impl ExportRow<'_> {
         let found = source
             .cases
             .iter()
-            .find(|of| of.study.keys.parts == *case.inputs && of.wheel == case.wheel && of.rail == case.rail);
+            .find(|of| of.parts == *case.inputs && of.wheel == case.wheel && of.rail == case.rail);
         let found = found.ok_or_else(|| {
             let expected = format!("the table that {file} was made from, with {}", self.pair());
             let remedy = "name that table, or make it again with `railspring table`";

@@ -17,17 +17,21 @@ use crate::engine::output::{OutputFolder, to_json};
 use crate::engine::store::{Address, Kind};
 use crate::hash::hash;
 use crate::results::bodies::estimate::{Resources, Work};
-use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::{meshes, sections, zones};
+use crate::results::by_angle::input::ByAngleInput;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::by_angle::stage::ByAngle;
 use crate::results::crosscheck::Solvers;
 use crate::results::crosscheck::exchange::Case;
+use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::record::CrosscheckRecord;
 use crate::results::crosscheck::stage::Crosscheck;
 use crate::results::inputs::{INPUTS, InputsRecord};
 use crate::results::names::STIFFNESS;
+use crate::results::page::input::PageInput;
 use crate::results::page::stage::{Report, crosscheck_alone, write_report};
+use crate::results::run::input::{SimpleRunInput, SpringsInput};
 use crate::results::run::record::{RunRecord, SpringsRecord};
 use crate::results::run::solid_stage::{Begun, SimulateSolid, SolidRuns};
 use crate::results::run::springs;
@@ -38,6 +42,7 @@ use crate::results::springs::stage::{Calibrate, FoundOn, calibrates, found_sprin
 use crate::results::springs::{error_band, fields};
 use crate::results::stored::Stored;
 use crate::results::study_run::StudyRun;
+use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::record::VerificationRecord;
 use crate::results::verdict::stage::Verify;
 use crate::study::{LawKey, StudyScenario};
@@ -72,7 +77,7 @@ impl<'a> StudyRun<'a> {
     /// # Errors
     /// Those of the stages.
     pub fn run(mut self) -> Result<Found> {
-        springs::check_reference(self.study)?;
+        springs::check_reference(&SpringsInput::of(self.study))?;
         self.engine.measured.stages.clear();
         self.check_calibration()?;
         let begun = Begun::new(!self.engine.fresh, self.engine.monitor);
@@ -95,7 +100,7 @@ impl<'a> StudyRun<'a> {
             runs.push((name.clone(), Runs { simple, other, solid }));
         }
         let verdict = self.engine.get(&mut Verify {
-            study: self.study,
+            input: VerdictInput::of(self.study),
             stiffness: Some(&calibration.stiffness),
             by_angle: by_angle.as_ref(),
             runs: &runs,
@@ -111,7 +116,7 @@ impl<'a> StudyRun<'a> {
             study: self.study.name.clone(),
             description: self.study.description.clone(),
             keys: self.study.resolved.clone(),
-            calibration: geometry::calibration_address(self.study).key().into(),
+            calibration: self.solids.input.calibration().key().into(),
             version: env!("CARGO_PKG_VERSION").into(),
             commit: version::COMMIT.into(),
         };
@@ -124,7 +129,7 @@ impl<'a> StudyRun<'a> {
     /// its bodies, but neither its error bands and fields nor the laws by contact angle.
     fn without_solids(&mut self, begin: &dyn Fn(SolidRuns<'a>)) -> Result<WithoutSolids> {
         let mut found = None;
-        if calibrates(self.study, &self.engine) {
+        if calibrates(&self.solids.input, &self.engine) {
             let springs = found.insert(found_springs(&mut self.solids, &mut self.engine)?);
             if self.solids.room.stages && springs.is_whole() && self.study.modes() > 0 {
                 begin(SolidRuns::beside(&mut self.solids, springs)?);
@@ -135,7 +140,8 @@ impl<'a> StudyRun<'a> {
         let mut simple = Vec::new();
         // without load cases the law need not suit the simple model
         if !self.study.scenarios.is_empty() {
-            let springs = springs::own(self.study, &calibration.stiffness, by_angle.as_ref())?;
+            let springs =
+                springs::own(&SpringsInput::of(self.study), &calibration.stiffness, by_angle.as_ref())?;
             for (name, scenario) in &self.study.scenarios {
                 let run = self.simple_run(name, scenario, &springs)?;
                 let other = self.other_element(name, scenario, &springs, by_angle.as_ref())?;
@@ -159,7 +165,9 @@ impl<'a> StudyRun<'a> {
 
     /// The calibration; says what its law is worth, and which loads it does not have.
     fn calibration(&mut self, found: Option<FoundOn>) -> Result<Calibration> {
-        let calibration = self.engine.get(&mut Calibrate { solids: &mut self.solids, found })?;
+        let has_horizontal = self.study.simulation.horizontal.is_some();
+        let calibration =
+            self.engine.get(&mut Calibrate { solids: &mut self.solids, has_horizontal, found })?;
         for line in calibration.stiffness.shortened().into_iter().chain(calibration.stiffness.worth()) {
             self.engine.monitor.notice(&line);
         }
@@ -168,18 +176,21 @@ impl<'a> StudyRun<'a> {
 
     /// The laws by contact angle, if the study wants them.
     fn by_angle(&mut self, stiffness: &StiffnessRecord) -> Result<Option<StiffnessByAngleRecord>> {
-        let solids = &mut self.solids;
-        self.study.wants_by_angle().then(|| self.engine.get(&mut ByAngle { solids, stiffness })).transpose()
+        let (solids, input) = (&mut self.solids, ByAngleInput::of(self.study));
+        let wanted = self.study.wants_by_angle();
+        wanted.then(|| self.engine.get(&mut ByAngle { solids, input, stiffness })).transpose()
     }
 
     /// Says what was done to measured profiles, and checks that the study can be calibrated: friction, and room for the
     /// loads.
     fn check_calibration(&mut self) -> Result<()> {
-        make::check_friction(self.study)?;
-        error_band::check_target(self.study)?;
+        make::check_friction(self.study.statics())?;
+        error_band::check_target(self.study.statics())?;
         let geometry = self.solids.geometry()?;
         self.say_repairs(&geometry);
-        zones::check_loads(self.study, &geometry, self.engine.monitor)
+        zones::check_loads(self.study.statics(), &geometry, self.engine.monitor)?;
+        self.solids.input.say_notes(self.engine.monitor);
+        Ok(())
     }
 
     fn say_repairs(&self, geometry: &Geometry) {
@@ -194,10 +205,10 @@ impl<'a> StudyRun<'a> {
         let geometry = self.solids.geometry()?;
         self.say_repairs(&geometry);
         let Resources { budget, interpreter, monitor } = self.solids.resources;
-        budget.check_sizes(self.study, &geometry, &Work::default())?;
-        let options = zones::mesh_options(self.study, &geometry);
-        let meshes = meshes::meshes(self.study, &geometry, options, interpreter, monitor)?;
-        let address = Address::of(Kind::Meshes, &self.study.keys.springs);
+        budget.check_sizes(&self.solids.input, &geometry, &Work::default())?;
+        let options = zones::mesh_options(self.study.statics(), &geometry);
+        let meshes = meshes::meshes(self.study.statics(), &geometry, options, interpreter, monitor)?;
+        let address = Address::of(Kind::Meshes, &self.study.statics());
         let [of_rail, of_wheel] = [&self.study.rail.mesh, &self.study.wheel.mesh]
             .map(|file| file.as_ref().map_or(&[][..], |file| &file.groups));
         let files = [(&meshes.rail, of_rail, "rail.vtu"), (&meshes.wheel, of_wheel, "wheel.vtu")]
@@ -216,7 +227,9 @@ impl<'a> StudyRun<'a> {
     /// Those of the stage, and springs that are not there or do not suit the study.
     pub fn simulate(mut self, law: Option<&Path>) -> Result<Found> {
         let (springs, laws) = match law {
-            Some(path) => (springs::from_file(self.study, &*self.solids.geometry()?, path)?, None),
+            Some(path) => {
+                (springs::from_file(&SpringsInput::of(self.study), &*self.solids.geometry()?, path)?, None)
+            }
             None => match self.springs_without_calibration()? {
                 Some(springs) => (springs, None),
                 None => self.stored_springs()?,
@@ -236,10 +249,12 @@ impl<'a> StudyRun<'a> {
 
     /// The springs that need no calibration, if the study has such and the folder has no calibration.
     fn springs_without_calibration(&mut self) -> Result<Option<SpringsRecord>> {
-        if self.engine.folder.file(STIFFNESS).exists() || !springs::need_no_calibration(self.study) {
+        if self.engine.folder.file(STIFFNESS).exists()
+            || !springs::need_no_calibration(&SpringsInput::of(self.study))
+        {
             return Ok(None);
         }
-        Ok(springs::without_calibration(self.study, &*self.solids.geometry()?))
+        Ok(springs::without_calibration(&SpringsInput::of(self.study), &*self.solids.geometry()?))
     }
 
     /// The solid model on the load cases of the folder, and the verdict.
@@ -264,7 +279,7 @@ impl<'a> StudyRun<'a> {
         }
         let by_angle = if stiffness.is_some() { self.stored_by_angle()? } else { None };
         let verdict = self.engine.get(&mut Verify {
-            study: self.study,
+            input: VerdictInput::of(self.study),
             stiffness: stiffness.as_ref(),
             by_angle: by_angle.as_ref(),
             runs: &runs,
@@ -284,7 +299,8 @@ impl<'a> StudyRun<'a> {
     }
 
     fn simple_run(&mut self, name: &str, scenario: &StudyScenario, springs: &SpringsRecord) -> Result<Run> {
-        self.engine.get(&mut Simulate { solids: &mut self.solids, name, scenario, springs })
+        let input = SimpleRunInput::of(self.study, scenario);
+        self.engine.get(&mut Simulate { solids: &mut self.solids, input, name, scenario, springs })
     }
 
     fn other_element(
@@ -294,7 +310,8 @@ impl<'a> StudyRun<'a> {
         springs: &SpringsRecord,
         laws: Option<&StiffnessByAngleRecord>,
     ) -> Result<Other> {
-        other_element(&mut self.engine, &mut self.solids, (name, scenario), springs, laws)
+        let input = SimpleRunInput::of(self.study, scenario);
+        other_element(&mut self.engine, &mut self.solids, (input, name, scenario), springs, laws)
     }
 
     fn solid_run(&mut self, name: &str, scenario: &StudyScenario, begun: Option<&Begun<'a>>) -> Result<Run> {
@@ -308,7 +325,8 @@ impl<'a> StudyRun<'a> {
         runs: &[(String, Runs)],
         verdict: &VerificationRecord,
     ) -> Result<()> {
-        let report = Report { solids: &mut self.solids, calibration, by_angle, runs, verdict };
+        let input = PageInput::of(self.study);
+        let report = Report { solids: &mut self.solids, input, calibration, by_angle, runs, verdict };
         write_report(&mut self.engine, report)
     }
 
@@ -321,7 +339,7 @@ impl<'a> StudyRun<'a> {
         if self.stored_results().is_ok() {
             self.report().map(|_| true)
         } else {
-            crosscheck_alone(self.study, self.engine.folder).map(|()| false)
+            crosscheck_alone(&PageInput::of(self.study), self.engine.folder).map(|()| false)
         }
     }
 
@@ -339,8 +357,8 @@ impl<'a> StudyRun<'a> {
         // first, so that whatever is missing is reported before anything is computed
         let keep = keep.map(kept_in).transpose()?;
         let solvers = Solvers::find(cases, calculix, &self.solids.resources)?;
-        let (study, resources) = (self.study, self.solids.resources);
-        let record = self.engine.get(&mut Crosscheck { study, resources, cases, solvers: &solvers })?;
+        let (input, resources) = (CrosscheckInput::of(self.study), self.solids.resources);
+        let record = self.engine.get(&mut Crosscheck { input, resources, cases, solvers: &solvers })?;
         if let Some((kept, name)) = keep {
             kept.write_json(&name, &record)?;
         }

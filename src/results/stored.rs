@@ -5,24 +5,23 @@ use railspring_simulate::time::history::{Ending, History};
 
 use crate::engine::list::Entry;
 use crate::engine::output::parse_json;
-use crate::results::bodies::geometry;
-use crate::results::bodies::in_work::{REACH_NOTE, solid_run_address};
+use crate::results::bodies::in_work::REACH_NOTE;
+use crate::results::by_angle::input::ByAngleInput;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
-use crate::results::by_angle::stage::by_angle_address;
 use crate::results::names::{LOAD_CURVE, PATCHES, STIFFNESS, VERIFICATION};
 use crate::results::patches::record::PatchesRecord;
+use crate::results::run::input::{SimpleRunInput, SpringsInput};
 use crate::results::run::record::{RUN_NOTE, RunRecord, SpringsRecord, SpringsSource};
-use crate::results::run::stage::{
-    Other, Run, Runs, SIMPLE, SOLID, history_file, of_element, other_run_address, simple_run_address,
-};
+use crate::results::run::stage::{Other, Run, Runs, SIMPLE, SOLID, history_file, of_element};
 use crate::results::run::{history_csv, springs};
 use crate::results::springs::make::Calibration;
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::springs::stage::load_curve;
 use crate::results::study_run::StudyRun;
+use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::record::VerificationRecord;
 use crate::results::verdict::stage::verdict_address;
-use crate::study::{Study, StudyScenario};
+use crate::study::StudyScenario;
 
 /// A time further from that of the study than this share of a step belongs to another run. Twelve digits are written,
 /// so that a time after a million steps is right to a hundred-thousandth of a step.
@@ -47,7 +46,7 @@ impl StudyRun<'_> {
     pub(crate) fn stored_stiffness(&mut self) -> Result<StiffnessRecord> {
         let text = self.engine.results.text(STIFFNESS, "calibrate")?;
         let stiffness = parse_json(&self.engine.folder.file(STIFFNESS), &text, "calibrate")?;
-        let address = geometry::calibration_address(self.study);
+        let address = self.solids.input.calibration();
         let entry = self.engine.results.check(STIFFNESS, &text, address.key(), "calibrate")?;
         entry.note(REACH_NOTE).into_iter().for_each(|reach| self.solids.go_on_from(reach));
         Ok(stiffness)
@@ -61,7 +60,7 @@ impl StudyRun<'_> {
 
     fn springs_of(&mut self, stiffness: &StiffnessRecord) -> Result<SpringsAndLaws> {
         let laws = self.stored_by_angle()?;
-        Ok((springs::own(self.study, stiffness, laws.as_ref())?, laws))
+        Ok((springs::own(&SpringsInput::of(self.study), stiffness, laws.as_ref())?, laws))
     }
 
     /// The folder's laws by contact angle, if the study wants them.
@@ -71,31 +70,21 @@ impl StudyRun<'_> {
         }
         let text = self.engine.results.text(BY_ANGLE, "calibrate")?;
         let laws = parse_json(&self.engine.folder.file(BY_ANGLE), &text, "calibrate")?;
-        let address = by_angle_address(&mut self.solids)?;
+        let address = ByAngleInput::of(self.study).address(self.solids.reach()?);
         self.engine.results.check(BY_ANGLE, &text, address.key(), "calibrate")?;
         Ok(Some(laws))
     }
 
     fn stored_load_curve(&self) -> Result<Vec<LoadCurveRow>> {
         let text = self.engine.results.text(LOAD_CURVE, "calibrate")?;
-        self.engine.results.check(
-            LOAD_CURVE,
-            &text,
-            geometry::calibration_address(self.study).key(),
-            "calibrate",
-        )?;
+        self.engine.results.check(LOAD_CURVE, &text, self.solids.input.calibration().key(), "calibrate")?;
         load_curve(&self.engine.folder.file(LOAD_CURVE).display().to_string(), &text)
     }
 
     fn stored_patches(&self) -> Result<PatchesRecord> {
         let text = self.engine.results.text(PATCHES, "calibrate")?;
         let patches = parse_json(&self.engine.folder.file(PATCHES), &text, "calibrate")?;
-        self.engine.results.check(
-            PATCHES,
-            &text,
-            geometry::calibration_address(self.study).key(),
-            "calibrate",
-        )?;
+        self.engine.results.check(PATCHES, &text, self.solids.input.calibration().key(), "calibrate")?;
         Ok(patches)
     }
 
@@ -106,7 +95,7 @@ impl StudyRun<'_> {
                 let run = self
                     .engine
                     .results
-                    .entry(&history_file(self.study, name, SIMPLE[0]))
+                    .entry(&history_file(self.solids.input.main_case, name, SIMPLE[0]))
                     .and_then(|entry| entry.note::<RunRecord>(RUN_NOTE));
                 run.is_some_and(|run| from_file(&run))
             });
@@ -128,7 +117,7 @@ impl StudyRun<'_> {
         name: &str,
         scenario: &StudyScenario,
     ) -> Result<SimpleRun> {
-        let files = SIMPLE.map(|stem| history_file(self.study, name, stem));
+        let files = SIMPLE.map(|stem| history_file(self.solids.input.main_case, name, stem));
         let noted = self
             .engine
             .results
@@ -140,7 +129,7 @@ impl StudyRun<'_> {
             (None, Some(stiffness)) => self.springs_of(stiffness)?,
             (None, None) => self.stored_springs()?,
         };
-        let address = simple_run_address(self.study, name, &springs.0);
+        let address = SimpleRunInput::of(self.study, scenario).address(&springs.0);
         Ok((self.stored_run(&files, scenario, address.key(), "simulate")?, springs))
     }
 
@@ -163,15 +152,15 @@ impl StudyRun<'_> {
         if let Some(reason) = judged.and_then(|judged| judged.missing.clone()) {
             return Ok(of(reason));
         }
-        let files = of_element(element).map(|stem| history_file(self.study, name, &stem));
-        let address = other_run_address(self.study, name, &springs);
+        let files = of_element(element).map(|stem| history_file(self.solids.input.main_case, name, &stem));
+        let address = SimpleRunInput::of(self.study, scenario).other_address(&springs);
         Ok(Other { element, run: Ok(self.stored_run(&files, scenario, address.key(), "simulate")?) })
     }
 
     /// A run of the solid model.
     pub(crate) fn stored_solid_run(&mut self, name: &str, scenario: &StudyScenario) -> Result<Run> {
-        let files = SOLID.map(|stem| history_file(self.study, name, stem));
-        let address = solid_run_address(self.study, name, self.solids.reach()?);
+        let files = SOLID.map(|stem| history_file(self.solids.input.main_case, name, stem));
+        let address = self.solids.input.run(scenario).address(self.solids.reach()?);
         let run = self.stored_run(&files, scenario, address.key(), "verify")?;
         let entry = self.engine.results.entry(&files[0]);
         entry
@@ -228,7 +217,7 @@ impl StudyRun<'_> {
     fn stored_verdict(&self, with_stiffness: bool) -> Result<VerificationRecord> {
         let text = self.engine.results.text(VERIFICATION, "verify")?;
         let verdict = parse_json(&self.engine.folder.file(VERIFICATION), &text, "verify")?;
-        let address = verdict_address(self.study, &self.engine.results, with_stiffness);
+        let address = verdict_address(&VerdictInput::of(self.study), &self.engine.results, with_stiffness);
         self.engine.results.check(VERIFICATION, &text, address.key(), "verify")?;
         Ok(verdict)
     }
@@ -275,7 +264,7 @@ impl StudyRun<'_> {
                 let calibration = Calibration::kept(stiffness, load_curve, patches);
                 Ok(Stored { calibration, by_angle, runs, verdict })
             }
-            _ => Err(faults.error(self.study)),
+            _ => Err(faults.error(&self.study.name)),
         }
     }
 }
@@ -309,7 +298,7 @@ impl Faults {
         self.found.is_empty() && self.other.is_none()
     }
 
-    fn error(self, study: &Study) -> Error {
+    fn error(self, study: &str) -> Error {
         if let Some(other) = self.other {
             return other;
         }
@@ -322,7 +311,7 @@ impl Faults {
         // one file may be asked for by several results
         listed.dedup();
         InputError::new(
-            format!("results of {}", study.name),
+            format!("results of {study}"),
             listed.join(", "),
             "results of this study as it is now: the study or the program has changed since, or a command was stopped",
             format!("run {}, or `railspring run`", commands.join(", ")),

@@ -2,6 +2,7 @@
 
 use super::bodies::estimate::Resources;
 use super::bodies::in_work::Solids;
+use super::bodies::input::SolidsInput;
 use crate::engine::output::OutputFolder;
 use crate::engine::stage::Engine;
 use crate::engine::store::Store;
@@ -21,7 +22,7 @@ impl<'a> StudyRun<'a> {
     /// Begins with the measures that earlier commands have left in the folder.
     pub fn new(study: &'a Study, folder: &'a OutputFolder, resources: Resources<'a>) -> Self {
         let engine = Engine::new(&study.name, folder, resources.monitor);
-        Self { study, engine, solids: Solids::new(study, resources) }
+        Self { study, engine, solids: Solids::new(SolidsInput::of(study), resources) }
     }
 
     /// Takes from `store` what it has, unless all is to be made `fresh`, and keeps there what is made.

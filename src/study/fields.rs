@@ -102,6 +102,15 @@ pub(super) const TABLE: &[(InputField, &[&str])] = &[
 /// Puts the keys of the study in the place of the library's fields, in the key and, where they are in backticks, in
 /// expectation and remedy. `scenario` is the load case that the error belongs to.
 pub(super) fn translate(error: InputError, source: &Source, scenario: Option<&str>) -> InputError {
+    translated(error, &|key| source.gives(key), scenario)
+}
+
+/// The error with the keys of a study in the place of the library's fields; which of several keys for the same value the study gives is not known.
+pub fn with_keys(error: InputError) -> InputError {
+    translated(error, &|_| false, None)
+}
+
+fn translated(error: InputError, gives: &dyn Fn(&str) -> bool, scenario: Option<&str>) -> InputError {
     let key = |name: &str| -> Option<String> {
         let (_, keys) = TABLE.iter().find(|(field, _)| field.name() == name)?;
         let named = |key: &str| match (key.split_once(ANY), scenario) {
@@ -111,9 +120,9 @@ pub(super) fn translate(error: InputError, source: &Source, scenario: Option<&st
             (None, _) => Some(key.to_string()),
         };
         let mut candidates = keys.iter().filter_map(|key| named(key));
-        candidates.clone().find(|key| source.gives(key)).or_else(|| candidates.next_back())
+        candidates.clone().find(|key| gives(key)).or_else(|| candidates.next_back())
     };
-    let translated = |text: &str| -> String {
+    let in_text = |text: &str| -> String {
         let parts = text.split('`').enumerate();
         let parts = parts.map(|(index, part)| match key(part).filter(|_| index % 2 == 1) {
             Some(key) => key,
@@ -123,22 +132,22 @@ pub(super) fn translate(error: InputError, source: &Source, scenario: Option<&st
     };
     InputError {
         key: key(&error.key).unwrap_or(error.key),
-        expected: translated(&error.expected),
-        remedy: translated(&error.remedy),
+        expected: in_text(&error.expected),
+        remedy: in_text(&error.remedy),
         value: error.value,
     }
 }
 
-impl super::Study {
+impl Source {
     /// The error with the keys of this study in the place of the library's fields.
     pub fn with_keys(&self, error: InputError) -> InputError {
-        translate(error, &self.source, None)
+        translate(error, self, None)
     }
 
     /// The error of a stage that ran the load case `scenario`, with the keys of that load case.
     pub fn in_scenario(&self, scenario: &str, error: Error) -> Error {
         match error {
-            Error::Input(input) => translate(input, &self.source, Some(scenario)).into(),
+            Error::Input(input) => translate(input, self, Some(scenario)).into(),
             other => other,
         }
     }

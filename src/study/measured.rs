@@ -77,8 +77,8 @@ impl SurfaceKeys<'_> {
                 );
                 collector.add(&reads, mistake);
             }
-            if let Some(own) = self.own {
-                return Some((Some(own.to_owned()), None));
+            if self.own.is_some() {
+                return Some((None, None));
             }
             let name = self
                 .profile
@@ -96,16 +96,11 @@ impl SurfaceKeys<'_> {
             collector.add(&reads, mistake);
         }
         let (path, content) = self.read("profile_file", file, source);
-        let standard = match self.own {
-            Some(own) => Some(own.to_owned()),
-            None => {
-                let standard = self.standard.map(|name| self.known("standard", name)).transpose();
-                let standard = standard.map_err(|mistake| {
-                    self.with_nearest(mistake, &path, content.as_deref().unwrap_or_default())
-                });
-                collector.take(&reads, standard)?
-            }
-        };
+        let standard = self.standard.filter(|_| self.own.is_none());
+        let standard = standard.map(|name| self.known("standard", name)).transpose();
+        let standard = standard
+            .map_err(|mistake| self.with_nearest(mistake, &path, content.as_deref().unwrap_or_default()));
+        let standard = collector.take(&reads, standard)?;
         let content = collector.take(&[&key("profile_file")], content);
         let chosen = ProfileSource::of(&path, content?, self.part, Some(self.kind())).map_err(|error| {
             let (leaf, value) = self.part.map_or(("profile_file", file), |part| ("profile_part", part));
@@ -215,24 +210,4 @@ impl SurfaceKeys<'_> {
             remedy,
         ))
     }
-}
-
-impl MeasuredSurface {
-    /// What represents the file in the hash of the study.
-    pub(super) fn fingerprint(&self) -> String {
-        fingerprint(&self.path, &self.content)
-    }
-}
-
-impl SectionFile {
-    /// What represents the file in the hash of the study.
-    pub(super) fn fingerprint(&self) -> String {
-        fingerprint(&self.path, &self.content)
-    }
-}
-
-/// The extension of a file, which can determine the format, and its content.
-fn fingerprint(path: &Path, content: &[u8]) -> String {
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    format!("{}.{ending}", blake3::hash(content).to_hex())
 }

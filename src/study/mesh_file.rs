@@ -176,12 +176,6 @@ impl MeshUnitKey {
 }
 
 impl MeshFile {
-    /// What represents the file in the hash of the study: its extension, which determines the format, and its content.
-    pub(super) fn fingerprint(&self) -> String {
-        let ending = self.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        format!("{}.{ending}", self.hash)
-    }
-
     /// Whether the file is still the one that the study was read with.
     pub fn is_unchanged(&self) -> bool {
         hash(&self.path).is_ok_and(|now| now == self.hash)

@@ -11,11 +11,11 @@ mod explain;
 mod collect;
 mod content;
 mod fields;
-mod keys;
 mod measured;
 mod mesh_file;
 mod case_notes;
 mod resolve;
+mod statics;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -28,17 +28,16 @@ use railspring_profiles::profile::rail_catalogue::RailDimensions;
 use railspring_profiles::profile::wheels::Flange;
 use railspring_profiles::profile_file::{ClosedSection, Finding, Smoothing};
 use railspring_profiles::section::WheelBody;
-use railspring_profiles::units::MILLIMETRE;
 use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::element::published::MovingModel;
 use railspring_simulate::solid::START_MODES;
 use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use source::Lines;
 use toml::de::DeTable;
 
-use crate::rounding::ratio;
 use crate::verify::Limits;
 
 pub(crate) use check::nearest;
@@ -48,10 +47,11 @@ pub use document::{
     VerticalKey,
 };
 pub use explain::{KeyText, SectionText, explain, sections};
-pub use keys::Keys;
+pub use fields::with_keys;
 pub use record::{PairRecord, ResolvedKey};
 pub use settings::Setting;
 pub use source::{LocatedError, Mistakes, Place, Source};
+pub use statics::{Statics, parts};
 
 /// A checked study, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +64,8 @@ pub struct Study {
     pub rail: Rail,
     /// The wheel.
     pub wheel: Wheel,
+    /// Damping of both bodies, s ([`Material::damping`]): that of their materials here is zero, because statics have none.
+    pub damping: f64,
     /// Where the wheel is on the track.
     pub track: Track,
     /// The solid meshes.
@@ -76,6 +78,8 @@ pub struct Study {
     pub contact: ContactSettings,
     /// Loads and reference of the law.
     pub calibration: CalibrationSettings,
+    /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
+    pub shifts: Option<Vec<f64>>,
     /// The simple model.
     pub simulation: SimulationSettings,
     /// The solid model in time.
@@ -88,8 +92,6 @@ pub struct Study {
     pub limits: Limits,
     /// Files for other programs.
     pub output: OutputKeys,
-    /// Hashes of what the results depend on.
-    pub keys: Keys,
     /// All keys with their values, defaults filled in; the keys of each section by name.
     pub resolved: Vec<ResolvedKey>,
     /// The file the study came from.
@@ -97,9 +99,9 @@ pub struct Study {
 }
 
 /// The rail.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rail {
-    /// Name of the standard section, or the file of the study's own as the study names it; of a measured head `None` where its standard is to be found.
+    /// Name of the standard section; `None` for one of the study's own, and of a measured head where its standard is to be found.
     pub profile: Option<String>,
     /// The body under a measured head of no standard, if the study gives one.
     pub body: Option<RailBody>,
@@ -109,10 +111,12 @@ pub struct Rail {
     pub measured: Option<MeasuredSurface>,
     /// Inclination as a slope.
     pub inclination: f64,
-    /// Whether the study gives it.
+    /// Whether it holds whatever a measured head says: the study gives it, or the rail is no measured one.
     pub inclination_given: bool,
     /// Length of the modelled piece, m.
     pub length: f64,
+    /// Number of beam elements of the simple model's rail, whose deflection the calibration takes away.
+    pub beam_elements: usize,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
     /// Its material, which its section and its beam have, and of a mesh the groups without another.
@@ -122,7 +126,7 @@ pub struct Rail {
 }
 
 /// The body under a measured head.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum RailBody {
     /// That of a standard.
     Standard(String),
@@ -131,9 +135,9 @@ pub enum RailBody {
 }
 
 /// The wheel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wheel {
-    /// Name of the standard running profile; of a measured one `None` where its standard is to be found.
+    /// Name of the standard running profile; `None` beside a section of the study's own, and of a measured one where its standard is to be found.
     pub profile: Option<String>,
     /// The study's own section, in the place of a standard profile on a generic body.
     pub section: Option<SectionFile>,
@@ -147,7 +151,7 @@ pub struct Wheel {
     pub flange: Flange,
     /// Rim, web and hub.
     pub body: WheelBody,
-    /// Whether the study gives anything of them.
+    /// Whether they are known: the study gives anything of them, or the wheel is no measured one.
     pub body_given: bool,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
@@ -158,30 +162,38 @@ pub struct Wheel {
 }
 
 /// A closed section in a file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SectionFile {
     /// The file as the study names it.
+    #[serde(skip)]
     pub file: String,
-    /// The file as it was found.
+    /// The file as it was found; its ending can determine the format.
+    #[serde(rename = "ending", serialize_with = "statics::ending")]
     pub path: PathBuf,
     /// Its content.
+    #[serde(serialize_with = "statics::hashed")]
     pub content: Arc<[u8]>,
     /// The section in it, where it was read already to see whether the file holds one: of a wheel with a tape circle 70 mm from the flange back.
+    #[serde(skip)]
     pub read: Option<Arc<ClosedSection>>,
 }
 
 /// A measured profile: the content of its file, and how it is prepared.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasuredSurface {
     /// The file as the study names it.
+    #[serde(skip)]
     pub file: String,
-    /// The file as it was found; of slices the chosen one.
+    /// The file as it was found, of slices the chosen one; its ending can determine the format.
+    #[serde(rename = "ending", serialize_with = "statics::ending")]
     pub path: PathBuf,
     /// Its content.
+    #[serde(serialize_with = "statics::hashed")]
     pub content: Arc<[u8]>,
     /// Name or number of the part of it that is the profile.
     pub part: Option<String>,
     /// What is said about the choice of a slice.
+    #[serde(skip)]
     pub findings: Vec<Finding>,
     /// What is done about the scatter of its points.
     pub smoothing: Smoothing,
@@ -194,11 +206,13 @@ pub struct MeasuredSurface {
 }
 
 /// A mesh in a file, and what its groups are called.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshFile {
     /// The file as the study names it.
+    #[serde(skip)]
     pub file: String,
-    /// The file as it was found.
+    /// The file as it was found; its ending determines the format.
+    #[serde(rename = "ending", serialize_with = "statics::ending")]
     pub path: PathBuf,
     /// Hash of its content.
     pub hash: String,
@@ -213,7 +227,7 @@ pub struct MeshFile {
 }
 
 /// Where the wheel is on the track; lengths in m.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Track {
     /// Track gauge.
     pub gauge: f64,
@@ -226,7 +240,7 @@ pub struct Track {
 }
 
 /// Contact between the solids.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ContactSettings {
     /// Where the contact lives.
     pub field: FieldKey,
@@ -239,7 +253,7 @@ pub struct ContactSettings {
 }
 
 /// Loads and reference of the law.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CalibrationSettings {
     /// The loads, N, ascending.
     pub loads: Vec<f64>,
@@ -251,12 +265,10 @@ pub struct CalibrationSettings {
     pub error_band: bool,
     /// Preloads of the horizontal stiffness, N, ascending.
     pub horizontal_preloads: Vec<f64>,
-    /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
-    pub shifts: Option<Vec<f64>>,
 }
 
 /// The simple model.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulationSettings {
     /// Which contact element it has, if the study says so: [`Study::element`].
     pub element: Option<ContactElementKey>,
@@ -264,8 +276,6 @@ pub struct SimulationSettings {
     pub law: LawKey,
     /// Horizontal stiffness, N/m; `None` takes the calibrated one.
     pub horizontal: Option<f64>,
-    /// Number of beam elements of the rail.
-    pub rail_elements: usize,
     /// Penalty stiffness between spline and nodes, N/m.
     pub contact_penalty: f64,
     /// Distance between the rail's surface nodes, m.
@@ -321,24 +331,25 @@ pub const SECTIONS: [&str; 12] = [
 ];
 
 impl Study {
-    /// Materials of rail and wheel.
-    pub fn materials(&self) -> [&Material; 2] {
-        [&self.rail.material, &self.wheel.material]
-    }
-
-    /// Damping of both bodies, s ([`Material::damping`]), which is the same.
-    pub fn damping(&self) -> f64 {
-        self.rail.material.damping
+    /// What the statics of the pair are made from.
+    pub fn statics(&self) -> Statics<'_> {
+        Statics {
+            rail: &self.rail,
+            wheel: &self.wheel,
+            track: self.track,
+            mesh: &self.mesh,
+            target_error: self.target_error,
+            window_given: self.source.gives("mesh.window_half_length_mm"),
+            shift_given: self.source.gives("track.lateral_shift_mm"),
+            element: self.element,
+            contact: self.contact,
+            calibration: &self.calibration,
+        }
     }
 
     /// Whether there are to be laws by contact angle.
     pub fn wants_by_angle(&self) -> bool {
-        self.calibration.shifts.as_ref().is_none_or(|shifts| !shifts.is_empty())
-    }
-
-    /// Whether the laws get their error bands, for themselves or for the meshes that a wanted one asks for.
-    pub fn wants_error_band(&self) -> bool {
-        self.calibration.error_band || self.target_error.is_some()
+        self.shifts.as_ref().is_none_or(|shifts| !shifts.is_empty())
     }
 
     /// Contact element of the simple model.
@@ -401,28 +412,6 @@ impl Study {
         let Parsed { document, source, findings, mistakes } =
             parsed(path, text, settings, WHOLE, study_schema())?;
         resolve::resolve(document, source, &findings, mistakes).map_err(Mistakes::sorted)
-    }
-
-    /// The pair of rail and wheel that a law of this study belongs to.
-    pub fn pair(&self) -> PairRecord {
-        let surface = |standard: &Option<String>, measured: &Option<MeasuredSurface>| {
-            let parts = [measured.as_ref().map(|measured| measured.file.as_str()), standard.as_deref()];
-            parts.into_iter().flatten().collect::<Vec<_>>().join(" on ")
-        };
-        PairRecord {
-            name: format!(
-                "rail {} {}, wheel {} of {} m, shift {} mm",
-                surface(&self.rail.profile, &self.rail.measured),
-                match self.rail.inclination {
-                    0.0 => "upright".into(),
-                    slope => format!("inclined {}", ratio(slope)),
-                },
-                surface(&self.wheel.profile, &self.wheel.measured),
-                self.wheel.tape_diameter,
-                (self.track.lateral_shift / MILLIMETRE * 1e6).round() / 1e6
-            ),
-            hash: self.keys.pair.clone(),
-        }
     }
 
     /// Whether a dotted key belongs to the study file, so that a message can name its line.

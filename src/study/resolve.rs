@@ -22,7 +22,6 @@ use super::document::{
     TransientKey,
 };
 use super::fields::translate;
-use super::keys::Keys;
 use super::record::ResolvedKey;
 use super::source::LocatedError;
 use super::{
@@ -46,7 +45,8 @@ pub(super) fn resolve(
     let mut collector = Collector::new(&source, findings, mistakes);
     collector.take(&["name"], check_name(&document.name));
     let solid = (&document.material, document.mesh.element);
-    let rail = rail(&document.rail, solid, &source, &mut collector);
+    let beam_elements = document.simulation.rail_elements;
+    let rail = rail((&document.rail, beam_elements), solid, &source, &mut collector);
     let wheel = wheel(&document.wheel, solid, &source, &mut collector);
     let calibration = collector.take(&["calibration.*"], calibration(&document.calibration));
     collector.take(&["contact.*"], contact(&document.contact));
@@ -82,13 +82,12 @@ pub(super) fn resolve(
         case.notes = case_notes::notes(of, &document, &source, &calibration.loads);
     }
     let resolved = resolved_keys(&document, &source);
-    let window_given = source.gives("mesh.window_half_length_mm");
-    let keys = Keys::new(&document, &rail, &wheel, &mesh, window_given);
     Ok(Study {
         name: document.name,
         description: document.description,
         rail,
         wheel,
+        damping: document.material.damping(),
         track: Track {
             gauge: document.track.gauge_mm * MILLIMETRE,
             gauge_height: document.track.gauge_height_mm * MILLIMETRE,
@@ -105,11 +104,14 @@ pub(super) fn resolve(
             friction,
         },
         calibration,
+        shifts: document
+            .calibration
+            .shifts_mm
+            .map(|shifts| shifts.iter().map(|mm| mm * MILLIMETRE).collect()),
         simulation: SimulationSettings {
             element: document.simulation.element,
             law: document.simulation.law,
             horizontal: document.simulation.horizontal_kn_per_m.map(|k| k * KILONEWTON_PER_METRE),
-            rail_elements: document.simulation.rail_elements,
             contact_penalty: document.simulation.contact_penalty_kn_per_m * KILONEWTON_PER_METRE,
             rail_node_spacing: document.simulation.rail_node_spacing_mm * MILLIMETRE,
             sliding_matrix: document.simulation.sliding_matrix,
@@ -121,7 +123,6 @@ pub(super) fn resolve(
         main_scenario,
         limits: document.verification,
         output: document.output,
-        keys,
         resolved,
         source,
     })
@@ -225,7 +226,6 @@ fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
     let preloads = &keys.horizontal_preloads_kn;
     check_ascending("calibration.horizontal_preloads_kn", preloads, "preloads")?;
     Ok(CalibrationSettings {
-        shifts: keys.shifts_mm.as_ref().map(|list| list.iter().map(|shift| shift * MILLIMETRE).collect()),
         loads: loads.iter().map(|load| load * KILONEWTON).collect(),
         reference: keys.reference,
         foot_held: keys.foot_held || keys.reference == ReferenceKey::Foot,

@@ -195,7 +195,7 @@ mod tests {
             "scenario.s.vertical_force={}",
         ];
         let (set, written) = (with(&settings).unwrap(), Study::parse(Path::new("x.toml"), &text).unwrap());
-        assert_eq!((&set.keys, &set.resolved), (&written.keys, &written.resolved));
+        assert_eq!((set.statics(), &set.resolved), (written.statics(), &written.resolved));
         let smooth = with(&["name=1.5", "rail.inclination=1:20", "calibration.shifts_mm=[]"]).unwrap();
         assert_eq!((smooth.name.as_str(), smooth.rail.inclination), ("1.5", 0.05));
         let out = with(&["wheel.profile=", "wheel.section_file=none.dxf"]).unwrap_err().to_string();

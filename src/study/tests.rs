@@ -6,6 +6,7 @@ mod materials;
 use std::path::Path;
 
 use super::*;
+use crate::hash::key;
 
 const SHORT: &str = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\n";
 
@@ -66,73 +67,6 @@ fn the_shipped_studies_are_the_published_load_cases() {
     }
     let short_steps = SolidKeys { inner_steps: Some(16), ..SolidKeys::default() };
     assert_eq!((large.calibration.loads.len(), large.solid), (30, short_steps));
-}
-
-#[test]
-fn the_hash_sees_what_the_numbers_depend_on_and_nothing_else() {
-    let hash = |more: &str| parse(&format!("{SHORT}{more}")).unwrap().keys.crosscheck;
-    let plain = hash("");
-    assert_eq!(plain, hash("# a comment\n"));
-    assert_eq!(plain, hash("[track]\ngauge_mm = 1435.0\n"), "a default that is written out");
-    assert_eq!(plain, hash("[verification]\nvertical_rms = 0.5\n"));
-    assert_eq!(plain, hash("[contact]\nfield = \"elements\"\n"), "a cross-check has elements");
-    assert_eq!(plain, hash("[output]\nvertical = \"up\"\n"));
-    assert_eq!(plain, hash("[solid]\ntransient = \"full\"\n"), "a cross-check is static");
-    assert_ne!(plain, hash("[track]\ngauge_mm = 1436\n"));
-    assert_ne!(plain, hash("[mesh]\nelement = \"full-integration\"\n"));
-    // layers count as they are in the end, whether they are given or follow
-    let mesh = |keys: &str| hash(&format!("[mesh]\n{keys}"));
-    assert_eq!(plain, mesh("layers = 2\nfirst_layer_mm = 2\n"));
-    assert_ne!(plain, mesh("layers = 4\n"));
-    assert_ne!(plain, mesh("first_layer_mm = 1.8\n"));
-    let fine = "contact_element_mm = 1.4\n";
-    assert_eq!(mesh(fine), mesh(&format!("{fine}layers = 4\nfirst_layer_mm = 1.4\n")));
-    assert_ne!(mesh(fine), mesh(&format!("{fine}layers = 2\nfirst_layer_mm = 2\n")));
-}
-
-/// Goal: each result depends on its own inputs and on nothing else; a change makes exactly those stale that it concerns.
-#[test]
-fn every_result_has_a_key_of_its_own_inputs() {
-    const LOADS: &str = "vertical_force = {}\nlateral_force = {}\n";
-    let keys = |more: &str| {
-        let (one, rest) = more.split_once('|').unwrap_or(("", more));
-        let text = format!("{SHORT}{rest}\n[scenario.one]\n{LOADS}{one}\n[scenario.two]\n{LOADS}");
-        parse(&text).unwrap().keys
-    };
-    let names = ["springs", "pair", "simple one", "solid one", "simple two"];
-    let all = |more: &str| {
-        let k = keys(more);
-        [k.springs.clone(), k.pair.clone(), k.simple("one", &1), k.solid("one"), k.simple("two", &1)]
-    };
-    let plain = all("");
-    for (more, changed) in [
-        ("# a comment\n", &[][..]),
-        ("description = \"other\"\nsnapshots_s = [0.1]\nsolid = false\n|", &[]),
-        ("[simulation]\nscenario = \"two\"\n", &[]),
-        ("[verification]\nvertical_rms = 0.5\n", &[]),
-        ("steps = 20\n|", &["simple one", "solid one"]),
-        ("[calibration]\nload_max_kn = 140\n", &["springs"]),
-        ("[calibration]\nfoot_held = true\n", &["springs"]),
-        ("[simulation]\nrail_elements = 10\n", &["springs", "simple one", "simple two"]),
-        ("[simulation]\nlaw = \"published\"\n", &["simple one", "simple two"]),
-        ("[solid]\ntransient = \"full\"\n", &["solid one"]),
-        ("[solid]\nmodes = 40\n", &["solid one"]),
-        ("[output]\nvertical = \"up\"\n", &[]),
-        ("[mesh]\ngrowth = 1.5\n", &["springs", "solid one"]),
-        ("[contact]\nfield = \"elements\"\n", &["springs", "simple one", "solid one", "simple two"]),
-        ("[material]\ndamping_ratio = 0\n", &["simple one", "solid one", "simple two"]),
-        ("[track]\nlateral_shift_mm = 1\n", &["springs", "pair", "simple one", "solid one", "simple two"]),
-    ] {
-        let found: Vec<&str> = names
-            .iter()
-            .zip(plain.iter().zip(all(more)))
-            .filter(|(_, (a, b))| *a != b)
-            .map(|(n, _)| *n)
-            .collect();
-        assert_eq!(found, changed, "{more}");
-    }
-    assert_ne!(keys("").simple("one", &1), keys("").simple("one", &2), "other springs");
-    assert_ne!(keys("").simple("one", &1), keys("").solid("one"));
 }
 
 #[test]
@@ -312,9 +246,9 @@ fn measured_profiles_are_named_by_file_and_body() {
 
     // The hash follows the content, not the place.
     std::fs::copy(&head, folder.path().join("other.csv")).unwrap();
-    assert_eq!(study(&given.replace("head", "other")).unwrap().keys.crosscheck, read.keys.crosscheck);
+    assert_eq!(key(&study(&given.replace("head", "other")).unwrap().statics()), key(&read.statics()));
     std::fs::write(&head, "0,1\n").unwrap();
-    assert_ne!(study(given).unwrap().keys.crosscheck, read.keys.crosscheck);
+    assert_ne!(key(&study(given).unwrap().statics()), key(&read.statics()));
 
     let refused = |rail: &str| study(rail).unwrap_err().to_string();
     // Without a standard the body is found when the profile is read.
@@ -533,8 +467,8 @@ fn unit_and_side_of_a_profile_file_are_keys() {
     };
     let of = |more: &str| {
         let study = study(more).unwrap();
-        let measured = study.rail.measured.unwrap();
-        (measured.unit, measured.mirrored, study.keys.crosscheck)
+        let measured = study.rail.measured.as_ref().unwrap();
+        (measured.unit, measured.mirrored, key(&study.statics()))
     };
     let plain = of("");
     assert_eq!((plain.0, plain.1), (None, None));
@@ -557,11 +491,11 @@ fn unit_and_side_of_a_profile_file_are_keys() {
         Study::parse(&path, &format!("name = \"x\"\n[rail]\n{rail}\n[wheel]\nprofile = \"S1002\"\n"))
     };
     let slice = slices("profile_part = \"head\"").unwrap();
-    let measured = slice.rail.measured.unwrap();
-    assert_eq!((measured.path, measured.part), (folder.path().join("head.csv"), None));
+    let measured = slice.rail.measured.as_ref().unwrap();
+    assert_eq!((&measured.path, &measured.part), (&folder.path().join("head.csv"), &None));
     assert!(measured.findings[0].text.starts_with("slice 1 of 2"), "{:?}", measured.findings);
-    assert_eq!(slice.keys.crosscheck, plain.2);
-    assert_ne!(slice.keys.crosscheck, slices("profile_part = \"2\"").unwrap().keys.crosscheck);
+    assert_eq!(key(&slice.statics()), plain.2);
+    assert_ne!(key(&slices("profile_part = \"2\"").unwrap().statics()), plain.2);
     let open = slices("").unwrap_err().to_string();
     assert!(open.contains(":3: rail.profile_file = \"a.slcs\": expected a single profile"), "{open}");
     assert!(open.contains("2 \"b.csv\" at 9 mm") && open.contains("give `rail.profile_part`"), "{open}");

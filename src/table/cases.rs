@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use super::bodies::{Body, beside, bodies, product};
 use super::document::{CaseKeys, TableDocument};
 use crate::results::springs::make;
-use crate::study::{LocatedError, Mistakes, Source, Study, parsed, schema_of, text_of};
+use crate::study::{LocatedError, Mistakes, Source, Study, parsed, parts, schema_of, text_of};
 
 /// What messages call a table.
 const WHOLE: &str = "table";
@@ -37,6 +37,8 @@ pub struct Case {
     pub varied: BTreeMap<String, Value>,
     /// The study of the pair.
     pub study: Study,
+    /// Keys of the wheel, of the rail, and of the rest of what its springs depend on.
+    pub parts: [String; 3],
     /// Its keys as they were given.
     pub(super) keys: Map<String, Value>,
 }
@@ -266,7 +268,7 @@ fn case(
     keys.insert("name".into(), document.name.clone().into());
     let study = Study::parse(path, &text_of_keys(&keys))?;
     let of_a_case = |mistake: InputError| Mistakes::sorted(vec![study.source.locate(mistake)]);
-    if let Err(railspring_profiles::error::Error::Input(mistake)) = make::check_friction(&study) {
+    if let Err(railspring_profiles::error::Error::Input(mistake)) = make::check_friction(study.statics()) {
         return Err(of_a_case(mistake));
     }
     in_range(document, &study).map_err(of_a_case)?;
@@ -275,7 +277,8 @@ fn case(
     for (section, body) in [("wheel", wheel), ("rail", rail)] {
         varied.extend(body.varied.iter().map(|(key, value)| (format!("{section}.{key}"), value.clone())));
     }
-    Ok(Case { wheel: wheel.name.clone(), rail: rail.name.clone(), varied, study, keys })
+    let parts = parts(&study.statics());
+    Ok(Case { wheel: wheel.name.clone(), rail: rail.name.clone(), varied, study, parts, keys })
 }
 
 /// The text of a study with given keys.

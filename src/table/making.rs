@@ -12,6 +12,7 @@ use crate::engine::output::to_json;
 use crate::engine::store::{Address, Artefact, Kind, Store};
 use crate::results::bodies::estimate::{self, Resources, Room, Work};
 use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{self, Meshes};
 use crate::results::bodies::places::tape_y;
 use crate::results::bodies::source::BodySource;
@@ -86,7 +87,7 @@ impl<'a> Settings<'a> {
 
     /// Address of the place of a study at a shift towards the rail (mm).
     pub fn address(&self, study: &Study, towards: f64) -> Address {
-        Address::of(Kind::Place, &(&study.keys.springs, self.direction, self.stiffness_at_kn, towards))
+        Address::of(Kind::Place, &(study.statics(), self.direction, self.stiffness_at_kn, towards))
     }
 }
 
@@ -116,11 +117,11 @@ impl CaseWork<'_> {
     /// What is wrong with the study, by its keys; more memory than there is.
     pub fn meshed(&self) -> Result<Meshed> {
         self.with_keys(|| {
-            let study = self.study;
-            let geometry = geometry::geometry(study)?;
-            let options = zones::mesh_options(study, &geometry);
-            let work = Work::of(study, true, false);
-            let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
+            let input = SolidsInput::of(self.study);
+            let geometry = geometry::geometry(input.statics)?;
+            let options = zones::mesh_options(input.statics, &geometry);
+            let work = Work::of(&input, true, false);
+            let (meshes, room) = estimate::meshes(&input, &geometry, options, &work, &self.resources)?;
             Ok(Meshed { geometry, meshes, room })
         })
     }
@@ -134,9 +135,12 @@ impl CaseWork<'_> {
         self.with_keys(|| {
             let Meshed { geometry, meshes, .. } = &meshed;
             let (study, source) = (self.study, self.source(meshed.room));
-            let bodies = source.condensed(&solids::solids(study, geometry, meshes), "", 0)?;
-            let coarser =
-                study.wants_error_band().then(|| source.coarser(study, geometry, meshes)).transpose()?;
+            let bodies = source.condensed(&solids::solids(study.statics(), geometry, meshes), "", 0)?;
+            let coarser = study
+                .statics()
+                .wants_error_band()
+                .then(|| source.coarser(study.statics(), geometry, meshes))
+                .transpose()?;
             let coarser = coarser.map(|coarser| (meshes.contact_element(), coarser));
             Ok((bodies, coarser))
         })
@@ -160,13 +164,13 @@ impl CaseWork<'_> {
         };
         self.with_keys(|| {
             let Some(bodies) = known(own)? else { return Ok(None) };
-            let coarser = if study.wants_error_band() {
+            let coarser = if study.statics().wants_error_band() {
                 let Some(coarser) = known(coarser)? else { return Ok(None) };
                 Some((*element, Ok(coarser::Coarser::new(*of_coarser, coarser))))
             } else {
                 None
             };
-            Ok(Some(Ready { geometry: geometry::geometry(study)?, room, bodies, coarser }))
+            Ok(Some(Ready { geometry: geometry::geometry(study.statics())?, room, bodies, coarser }))
         })
     }
 
@@ -174,10 +178,11 @@ impl CaseWork<'_> {
     pub fn prepared(&self, meshed: &Meshed) -> Prepared {
         let Meshed { geometry, meshes, .. } = meshed;
         let own_mesh = self.study.rail.mesh.is_none() && self.study.wheel.mesh.is_none();
-        let coarser =
-            (self.study.wants_error_band() && own_mesh).then(|| self.coarser(meshed)).and_then(Result::ok);
+        let coarser = (self.study.statics().wants_error_band() && own_mesh)
+            .then(|| self.coarser(meshed))
+            .and_then(Result::ok);
         let keys = |meshes: &Meshes| -> Vec<String> {
-            let solids = solids::solids(self.study, geometry, meshes);
+            let solids = solids::solids(self.study.statics(), geometry, meshes);
             self.of_pair().iter().map(|body| solids.key(*body)).collect()
         };
         Prepared {
@@ -206,12 +211,12 @@ impl CaseWork<'_> {
     /// Those of meshing and condensing.
     pub fn condense(&self, meshed: &Meshed, BodyOfCase { coarser, body }: BodyOfCase) -> Result<()> {
         let meshes = if coarser { &self.coarser(meshed)? } else { &meshed.meshes };
-        self.source(meshed.room).one(&solids::solids(self.study, &meshed.geometry, meshes), body, 0)
+        self.source(meshed.room).one(&solids::solids(self.study.statics(), &meshed.geometry, meshes), body, 0)
     }
 
     fn coarser(&self, Meshed { geometry, meshes, .. }: &Meshed) -> Result<Meshes> {
         let options = coarser::coarser_options(geometry, meshes.options());
-        meshes::remeshed_with(self.study, geometry, meshes, options)
+        meshes::remeshed_with(self.study.statics(), geometry, meshes, options)
     }
 
     /// Whether the store has the place at a shift towards the rail (mm), complete.
@@ -233,7 +238,8 @@ impl CaseWork<'_> {
         let pressed = PlaceSettings { direction: settings.direction.into(), fixed_loads: &fixed_loads };
         let shift = shift_mm * MILLIMETRE;
         let coarser = coarser.as_ref().map(|(element, bodies)| (*element, bodies));
-        let at = make::place(study, geometry, bodies, &pressed, shift, coarser, self.resources.monitor)?;
+        let at =
+            make::place(study.statics(), geometry, bodies, &pressed, shift, coarser, self.resources.monitor)?;
         let record = PlaceRecord {
             rolling_radius_mm: at
                 .touch
@@ -262,7 +268,7 @@ impl CaseWork<'_> {
     /// What `make` makes; what is wrong with the study is said by its keys.
     fn with_keys<T>(&self, make: impl FnOnce() -> Result<T>) -> Result<T> {
         make().map_err(|error| match error {
-            Error::Input(input) => self.study.with_keys(input).into(),
+            Error::Input(input) => self.study.source.with_keys(input).into(),
             other => other,
         })
     }
@@ -304,7 +310,7 @@ pub(super) struct Prepared {
 /// Tangent stiffness of Hertz's contact of the profiles at a shift (m), with the radii of curvature at the first touch, under normal forces
 /// as large as the loads (N), kN/m.
 fn hertz(study: &Study, geometry: &Geometry, bodies: &CondensedPair, shift: f64, loads: &[f64]) -> Vec<f64> {
-    let Ok(pair) = geometry.pair.with_wheel_at(tape_y(study, &geometry.pair, shift)) else {
+    let Ok(pair) = geometry.pair.with_wheel_at(tape_y(study.statics(), &geometry.pair, shift)) else {
         return Vec::new();
     };
     let [along, across] = pair.relative_radii();

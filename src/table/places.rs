@@ -18,6 +18,7 @@ use super::making::{CaseWork, PlaceRecord, Ready, Settings};
 use super::turns::{Pairs, in_turn};
 use crate::engine::store::Store;
 use crate::results::bodies::estimate::{self, GIB, Resources, Work};
+use crate::results::bodies::input::SolidsInput;
 
 /// A pair at one shift of the wheelset.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,9 +120,9 @@ impl<'a> Places<'a> {
         // beside a measured profile the contact zones go deeper, so that a body may be needed twice
         let bodies = |part: usize| {
             let of = |case: &usize| {
-                let Case { study, .. } = &self.table.cases[*case];
+                let Case { study, parts, .. } = &self.table.cases[*case];
                 let measured = study.rail.measured.is_some() || study.wheel.measured.is_some();
-                (&study.keys.parts[part], measured)
+                (&parts[part], measured)
             };
             missing.keys().map(of).collect::<BTreeSet<_>>().len()
         };
@@ -143,11 +144,11 @@ impl<'a> Places<'a> {
     /// Time and memory of `bodies` and `cases` by the estimate of one of them at so many `places`, which the others resemble.
     fn needs(&self, case: usize, places: usize, bodies: usize, cases: usize) -> Result<Option<(f64, f64)>> {
         let mut study = self.table.cases[case].study.clone();
-        study.calibration.shifts = Some((0..places).map(|n| n as f64 * MILLIMETRE).collect());
+        study.shifts = Some((0..places).map(|n| n as f64 * MILLIMETRE).collect());
         let silent = Beneath::silent(self.resources.monitor);
         let resources = Resources { monitor: &silent, ..self.resources };
         let work = Work { calibrate: true, ..Work::default() };
-        match estimate::dry_run(&study, &work, &resources) {
+        match estimate::dry_run(&SolidsInput::of(&study), &work, &resources) {
             Err(Error::Interrupted) => Err(Error::Interrupted),
             // said of the case itself when it is made
             Err(_) => Ok(None),

@@ -90,7 +90,7 @@ pub fn record<'a>(table: &'a Table, places: &'a [(Place, PlaceRecord)]) -> Table
             varied: Cow::Borrowed(&case.varied),
             files: measured.into_iter().flatten().map(file).collect(),
             keys: (&*case.study.resolved).into(),
-            inputs: Cow::Borrowed(&case.study.keys.parts),
+            inputs: Cow::Borrowed(&case.parts),
             places: own.iter().map(entry).collect(),
         });
     }

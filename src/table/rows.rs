@@ -278,7 +278,7 @@ impl Row {
         self.put("reason", record.at.reason.as_deref().unwrap_or_default());
         /// Digits of a hash that are enough to tell inputs from each other.
         const DIGITS: usize = 12;
-        let [wheel, rail, settings] = case.study.keys.parts.each_ref().map(|hash| &hash[..DIGITS]);
+        let [wheel, rail, settings] = case.parts.each_ref().map(|hash| &hash[..DIGITS]);
         let values = [wheel, rail, settings, env!("CARGO_PKG_VERSION")];
         INPUTS.into_iter().zip(values).for_each(|((name, _), value)| self.put(name, value));
     }

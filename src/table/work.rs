@@ -14,6 +14,7 @@ use super::cases::{Case, Table, text_of_keys};
 use super::document::DirectionKey;
 use super::making::{BodyOfCase, CaseWork, Prepared, Settings};
 use crate::engine::store::Store;
+use crate::hash::key;
 use crate::results::bodies::estimate::Resources;
 use crate::results::bodies::source::body_address;
 use crate::study::Study;
@@ -112,7 +113,7 @@ impl SentCase {
                 send(section, "section_file", &own.path, &own.content);
             }
         }
-        let (stiffness_at_kn, springs) = (stiffness_at_kn.to_vec(), case.study.keys.springs.clone());
+        let (stiffness_at_kn, springs) = (stiffness_at_kn.to_vec(), key(&case.study.statics()));
         Self { table: name.into(), direction, stiffness_at_kn, keys, files, springs }
     }
 
@@ -133,7 +134,7 @@ impl SentCase {
         }
         let study = Study::parse(&folder.join("case.toml"), &text_of_keys(&self.keys))
             .map_err(|mistakes| unusable(mistakes.messages().join("; ")))?;
-        if study.keys.springs != self.springs {
+        if key(&study.statics()) != self.springs {
             return Err(unusable("another study than on the machine that sends it".into()).into());
         }
         Ok(study)

@@ -19,7 +19,7 @@ fn contact_gets_the_pair_in_place() {
     let (place, record) = springs(None);
     let folder = export(&place, "contact", &[]);
     let study = Study::read(&place.path().join("study.toml")).unwrap_or_else(|e| panic!("{e:?}"));
-    let geometry = geometry::geometry(&study).unwrap();
+    let geometry = geometry::geometry(study.statics()).unwrap();
     let points = |name: &str, kind: ProfileKind| -> Vec<Point2<f64>> {
         let profile = read(&folder.join(name), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(profile.kind, kind);
@@ -87,7 +87,7 @@ fn gensys_gets_profiles_and_fields() {
     let (place, _) = springs(None);
     let folder = export(&place, "gensys", &[]);
     let study = Study::read(&place.path().join("study.toml")).unwrap_or_else(|e| panic!("{e:?}"));
-    let pair = geometry::geometry(&study).unwrap().pair;
+    let pair = geometry::geometry(study.statics()).unwrap().pair;
     let profile = |body: &str| rows(&text(&folder, &format!("profile.{body}")));
     let (wheel, rail) = (profile("wheel"), profile("rail"));
     assert!((wheel[0][0] + 60.0).abs() < 0.5 && wheel.last().unwrap()[0] > 68.5);

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use railspring::results::bodies::geometry::{Geometry, geometry};
+use railspring::results::run::input::SpringsInput;
 use railspring::results::run::record::SpringsRecord;
 use railspring::results::run::springs;
 use railspring::study::Study;
@@ -57,7 +58,7 @@ const CALIBRATED: &str = r#"{
 
 pub fn try_mutations(count: u64) {
     let study = Study::parse(Path::new("law.toml"), STUDY).unwrap();
-    let geometry = geometry(&study).unwrap();
+    let geometry = geometry(study.statics()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("law.json");
     for seed in [BY_HAND, CALIBRATED] {
@@ -72,7 +73,7 @@ pub fn try_mutations(count: u64) {
 
 fn fate(study: &Study, geometry: &Geometry, path: &Path, text: &str) -> Fate {
     std::fs::write(path, text).unwrap();
-    match springs::from_file(study, geometry, path) {
+    match springs::from_file(&SpringsInput::of(study), geometry, path) {
         Err(error) => Fate::Refused(error.to_string()),
         Ok(record) => match misread(&record, text) {
             Some(what) => Fate::Silent(what),

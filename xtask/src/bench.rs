@@ -9,6 +9,7 @@ use railspring::cli::set_args::SetArgs;
 use railspring::cli::{Failure, positive, take_threads};
 use railspring::engine::output::OutputFolder;
 use railspring::results::bodies::estimate::{Budget, Resources};
+use railspring::results::run::input::SpringsInput;
 use railspring::results::run::springs;
 use railspring::study::Study;
 use railspring_profiles::error::Error;
@@ -121,7 +122,8 @@ pub fn run(command: &BenchCommand) -> Result<(), Failure> {
 
 /// Times steps of the moving solver on the profiles of a study.
 fn moving(args: &MovingArgs, study: &Study) -> Result<(), Error> {
-    let element = args.element.as_ref().map(|file| springs::element_of(study, file)).transpose()?;
+    let element =
+        args.element.as_ref().map(|file| springs::element_of(&SpringsInput::of(study), file)).transpose()?;
     let folder = OutputFolder::create(&args.output)?;
     let _claim = folder.claim()?;
     let progress = Progress::new(args.quiet);

@@ -120,6 +120,12 @@ impl Materials {
         &self.of_group[mesh.group(element)]
     }
 
+    /// The same with a damping of the whole body, s ([`Material::damping`]).
+    #[must_use]
+    pub fn damped(&self, damping: f64) -> Self {
+        Self { of_group: self.of_group.iter().map(|material| material.damped(damping)).collect() }
+    }
+
     /// Damping of the whole body, s ([`Material::damping`]).
     pub fn damping(&self) -> f64 {
         self.of_group.first().map_or(0.0, |material| material.damping)

@@ -42,6 +42,12 @@ pub struct Material {
 }
 
 impl Material {
+    /// The same with a damping, s.
+    #[must_use]
+    pub fn damped(&self, damping: f64) -> Self {
+        Self { damping, ..*self }
+    }
+
     /// Rail and wheel steel: 210 GPa, 0.3, 7850 kg/m³, undamped.
     pub const STEEL: Self = Self { young: 210e9, poisson: 0.3, density: 7850.0, damping: 0.0 };
 

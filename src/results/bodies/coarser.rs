@@ -7,7 +7,7 @@ use railspring_profiles::error::{Result, or_reason};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::{Meshes, remeshed_with};
 use crate::results::bodies::zones::extend_zones;
-use crate::study::Study;
+use crate::study::Statics;
 
 /// The part of a band that coarser meshes are.
 pub const COARSER_MESHES: &str = "coarser meshes";
@@ -27,16 +27,16 @@ pub(crate) fn with_longer_zones(geometry: &Geometry, mut coarser: MeshOptions) -
 /// # Errors
 /// An interruption.
 pub(crate) fn on_coarser_meshes<T>(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     options: MeshOptions,
     make: impl FnOnce(&Meshes) -> Result<T>,
 ) -> Result<std::result::Result<T, String>> {
-    if let Some(file) = study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()) {
+    if let Some(file) = statics.rail.mesh.as_ref().or(statics.wheel.mesh.as_ref()) {
         return Ok(Err(format!("{} is not meshed by the program", file.file)));
     }
-    or_reason(remeshed_with(study, geometry, meshes, options).and_then(|coarser| make(&coarser)))
+    or_reason(remeshed_with(statics, geometry, meshes, options).and_then(|coarser| make(&coarser)))
 }
 
 /// Sizes of the coarser meshes. Their contact zones are longer by two of their elements, so that they hold what the others hold.
@@ -67,13 +67,13 @@ pub type CoarserBodies = std::result::Result<Coarser, String>;
 /// # Errors
 /// An interruption.
 pub fn coarser_bodies(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     condense: impl FnOnce(&Meshes) -> Result<CondensedPair>,
 ) -> Result<CoarserBodies> {
     let options = coarser_options(geometry, meshes.options());
-    on_coarser_meshes(study, geometry, meshes, options, |coarse| {
+    on_coarser_meshes(statics, geometry, meshes, options, |coarse| {
         Ok(Coarser { contact_element: coarse.contact_element(), bodies: condense(coarse)? })
     })
 }

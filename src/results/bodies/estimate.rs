@@ -19,9 +19,10 @@ use crate::results::bodies::estimate::condensing::{NODE, VALUE};
 use crate::results::bodies::estimate::machine::available;
 use crate::results::bodies::estimate::needs::{Beside, reference_memory, steps_in_each};
 use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{self, Meshes};
 use crate::results::bodies::zones;
-use crate::study::{Study, TransientKey};
+use crate::study::{Statics, TransientKey};
 
 pub use self::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
 pub use self::needs::{Estimate, StageEstimate};
@@ -48,11 +49,11 @@ pub struct Work {
 
 impl Work {
     /// What the study asks for: with or without the calibration, with or without its load cases.
-    pub fn of(study: &Study, calibrate: bool, solids: bool) -> Self {
-        let cases = study.scenarios.iter().filter(|(_, case)| solids && case.solid);
+    pub fn of(input: &SolidsInput<'_>, calibrate: bool, solids: bool) -> Self {
+        let cases = input.cases.iter().filter(|(_, case)| solids && case.solid);
         let solids = cases
             .map(|(name, case)| {
-                (name.clone(), (case.scenario.steps as f64 * steps_in_each(study)).ceil() as usize)
+                (name.clone(), (case.scenario.steps as f64 * steps_in_each(input)).ceil() as usize)
             })
             .collect();
         Self { calibrate, solids, reference: None }
@@ -89,35 +90,41 @@ impl Budget {
     ///
     /// # Errors
     /// [`InputError`] with sizes that would do; those of meshing a section.
-    pub fn check_sizes(self, study: &Study, geometry: &Geometry, work: &Work) -> Result<()> {
+    pub fn check_sizes(self, input: &SolidsInput<'_>, geometry: &Geometry, work: &Work) -> Result<()> {
         let Some((budget, whose)) = self.bytes() else { return Ok(()) };
-        let needed = |study: &Study| -> Result<(f64, usize)> {
-            let sizes = sizes(study, geometry)?;
-            Ok((first_look(&sizes, study, work), sizes.iter().map(|size| 3 * size.nodes).sum()))
+        let needed = |input: &SolidsInput<'_>| -> Result<(f64, usize)> {
+            let sizes = sizes(input, geometry)?;
+            Ok((first_look(&sizes, input, work), sizes.iter().map(|size| 3 * size.nodes).sum()))
         };
-        let (memory, equations) = needed(study)?;
+        let (memory, equations) = needed(input)?;
         if memory <= FIRST_LOOK * budget {
             return Ok(());
         }
-        Err(refusal(study, memory, equations, (budget, whose), &|study| needed(study).map(|n| n.0)).into())
+        Err(refusal(input, memory, equations, (budget, whose), &|input| needed(input).map(|n| n.0)).into())
     }
 
     /// Estimates what the meshes take.
     ///
     /// # Errors
     /// [`InputError`] with sizes that would do, where it is more than there is.
-    pub fn check(self, study: &Study, geometry: &Geometry, meshes: &Meshes, work: &Work) -> Result<Estimate> {
-        let estimate = Estimate::of(study, geometry, meshes, work)?;
+    pub fn check(
+        self,
+        input: &SolidsInput<'_>,
+        geometry: &Geometry,
+        meshes: &Meshes,
+        work: &Work,
+    ) -> Result<Estimate> {
+        let estimate = Estimate::of(input, geometry, meshes, work)?;
         let Some((budget, whose)) = self.bytes() else { return Ok(estimate) };
         let memory = estimate.memory();
         if memory <= budget {
             return Ok(estimate);
         }
         // what the first look says of other sizes, in proportion
-        let look = |study: &Study| Ok(first_look(&sizes(study, geometry)?, study, work));
-        let here = look(study)?;
-        let needed = |study: &Study| look(study).map(|there| memory * there / here);
-        Err(refusal(study, memory, estimate.degrees_of_freedom(), (budget, whose), &needed).into())
+        let look = |input: &SolidsInput<'_>| Ok(first_look(&sizes(input, geometry)?, input, work));
+        let here = look(input)?;
+        let needed = |input: &SolidsInput<'_>| look(input).map(|there| memory * there / here);
+        Err(refusal(input, memory, estimate.degrees_of_freedom(), (budget, whose), &needed).into())
     }
 }
 
@@ -167,11 +174,12 @@ impl<'a> Resources<'a> {
 ///
 /// # Errors
 /// Those of geometry and meshing, and sizes that the machine cannot hold.
-pub fn dry_run(study: &Study, work: &Work, resources: &Resources<'_>) -> Result<Estimate> {
-    let geometry = geometry::geometry(study)?;
-    zones::check_loads(study, &geometry, resources.monitor)?;
-    let options = zones::mesh_options(study, &geometry);
-    made(study, &geometry, options, work, resources).map(|(_, estimate)| estimate)
+pub fn dry_run(input: &SolidsInput<'_>, work: &Work, resources: &Resources<'_>) -> Result<Estimate> {
+    let geometry = geometry::geometry(input.statics)?;
+    zones::check_loads(input.statics, &geometry, resources.monitor)?;
+    input.say_notes(resources.monitor);
+    let options = zones::mesh_options(input.statics, &geometry);
+    made(input, &geometry, options, work, resources).map(|(_, estimate)| estimate)
 }
 
 /// Meshes for `work`, which must be within the budget, the tool's own with `options`, and what there is room for at the same time; the
@@ -180,38 +188,38 @@ pub fn dry_run(study: &Study, work: &Work, resources: &Resources<'_>) -> Result<
 /// # Errors
 /// Those of meshing, and sizes that the machine cannot hold.
 pub fn meshes(
-    study: &Study,
+    input: &SolidsInput<'_>,
     geometry: &Geometry,
     options: MeshOptions,
     work: &Work,
     resources: &Resources<'_>,
 ) -> Result<(Meshes, Room)> {
-    let (meshes, estimate) = made(study, geometry, options, work, resources)?;
+    let (meshes, estimate) = made(input, geometry, options, work, resources)?;
     resources.monitor.notice(&estimate.text());
     Ok((meshes, Room::of(&estimate, resources.budget)))
 }
 
 fn made(
-    study: &Study,
+    input: &SolidsInput<'_>,
     geometry: &Geometry,
     options: MeshOptions,
     work: &Work,
     &Resources { budget, interpreter, monitor }: &Resources<'_>,
 ) -> Result<(Meshes, Estimate)> {
-    budget.check_sizes(study, geometry, work)?;
-    let meshes = meshes::meshes(study, geometry, options, interpreter, monitor)?;
-    let estimate = budget.check(study, geometry, &meshes, work)?;
+    budget.check_sizes(input, geometry, work)?;
+    let meshes = meshes::meshes(input.statics, geometry, options, interpreter, monitor)?;
+    let estimate = budget.check(input, geometry, &meshes, work)?;
     Ok((meshes, estimate))
 }
 
 /// Sizes of the tool's own meshes; bodies with a mesh from a file have none.
-fn sizes(study: &Study, geometry: &Geometry) -> Result<Vec<MeshSize>> {
-    let options = zones::mesh_options(study, geometry);
+fn sizes(input: &SolidsInput<'_>, geometry: &Geometry) -> Result<Vec<MeshSize>> {
+    let options = zones::mesh_options(input.statics, geometry);
     let mut sizes = Vec::new();
-    if study.rail.mesh.is_none() {
-        sizes.push(rail_size(&geometry.pair.rail, study.rail.length, &options)?);
+    if input.statics.rail.mesh.is_none() {
+        sizes.push(rail_size(&geometry.pair.rail, input.statics.rail.length, &options)?);
     }
-    if study.wheel.mesh.is_none() {
+    if input.statics.wheel.mesh.is_none() {
         sizes.push(wheel_size(&geometry.pair.wheel, &options)?);
     }
     Ok(sizes)
@@ -219,8 +227,8 @@ fn sizes(study: &Study, geometry: &Geometry) -> Result<Vec<MeshSize>> {
 
 /// Bytes of bodies by the numbers of their meshes alone. Those that the program makes are their own mirror images, of which only full order in
 /// time factors the whole.
-fn first_look(sizes: &[MeshSize], study: &Study, work: &Work) -> f64 {
-    let by_halves = work.solids.is_empty() || study.solid.transient == TransientKey::Reduced;
+fn first_look(sizes: &[MeshSize], input: &SolidsInput<'_>, work: &Work) -> f64 {
+    let by_halves = work.solids.is_empty() || input.solid.transient == TransientKey::Reduced;
     let of_body = |size: &MeshSize| {
         let mesh = NODE * size.nodes as f64;
         if *work == Work::default() {
@@ -236,17 +244,20 @@ fn first_look(sizes: &[MeshSize], study: &Study, work: &Work) -> f64 {
 
 /// The refusal of a study, with sizes of the contact elements for which `needed` stays within the budget.
 fn refusal(
-    study: &Study,
+    input: &SolidsInput<'_>,
     memory: f64,
     equations: usize,
     (budget, whose): (f64, &str),
-    needed: &dyn Fn(&Study) -> Result<f64>,
+    needed: &dyn Fn(&SolidsInput<'_>) -> Result<f64>,
 ) -> InputError {
-    let [across, along] = [study.mesh.contact_element, study.mesh.contact_element_along];
+    let [across, along] = [input.statics.mesh.contact_element, input.statics.mesh.contact_element_along];
     let larger = [1.1, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0].into_iter().find_map(|factor| {
-        let mut coarser = study.clone();
-        coarser.mesh.contact_element = factor * across;
-        coarser.mesh.contact_element_along = factor * along;
+        let mesh = MeshOptions {
+            contact_element: factor * across,
+            contact_element_along: factor * along,
+            ..input.statics.mesh.clone()
+        };
+        let coarser = SolidsInput { statics: Statics { mesh: &mesh, ..input.statics }, ..*input };
         let fits = needed(&coarser).is_ok_and(|memory| memory < budget);
         let [across, along] = [across, along].map(|edge| factor * edge / MILLIMETRE);
         fits.then(|| {
@@ -277,6 +288,7 @@ mod tests {
 
     use super::*;
     use crate::results::bodies::meshes::FINER;
+    use crate::study::Study;
 
     const COARSE: &str = include_str!("../../../tests/studies/coarse.toml");
 
@@ -286,7 +298,8 @@ mod tests {
 
     fn estimate(study: &Study, limit_gib: Option<f64>) -> Result<Estimate> {
         let resources = Resources { budget: Budget::new(limit_gib), ..Resources::of_the_machine(&Silent) };
-        dry_run(study, &Work::of(study, true, true), &resources)
+        let input = SolidsInput::of(study);
+        dry_run(&input, &Work::of(&input, true, true), &resources)
     }
 
     /// Source: the degrees of freedom and the factors of the study's own run. Goal: equations exactly; every stage has
@@ -295,9 +308,9 @@ mod tests {
     fn the_estimate_counts_what_the_study_has() {
         let coarse = study(COARSE);
         let found = estimate(&coarse, Some(64.0)).unwrap_or_else(|e| panic!("{e}"));
-        let geometry = geometry::geometry(&coarse).unwrap();
-        let options = zones::mesh_options(&coarse, &geometry);
-        let meshes = meshes::meshes(&coarse, &geometry, options, None, &Silent).unwrap();
+        let geometry = geometry::geometry(coarse.statics()).unwrap();
+        let options = zones::mesh_options(coarse.statics(), &geometry);
+        let meshes = meshes::meshes(coarse.statics(), &geometry, options, None, &Silent).unwrap();
         let held = meshes.rail.ends.len() + meshes.wheel.bore.len();
         assert_eq!(
             found.degrees_of_freedom(),
@@ -305,10 +318,10 @@ mod tests {
         );
         assert_eq!(found.stages.len(), 1 + coarse.scenarios.values().filter(|case| case.solid).count());
         let mut with_shifts = coarse.clone();
-        with_shifts.calibration.shifts = Some(vec![0.0, 2e-3]);
+        with_shifts.shifts = Some(vec![0.0, 2e-3]);
         let two = estimate(&with_shifts, Some(64.0)).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(two.stages[1].stage, "law by contact angle");
-        with_shifts.calibration.shifts = Some((0..40).map(|n| f64::from(n) * 1e-4).collect());
+        with_shifts.shifts = Some((0..40).map(|n| f64::from(n) * 1e-4).collect());
         let many = estimate(&with_shifts, Some(64.0)).unwrap_or_else(|e| panic!("{e}"));
         assert!(0.0 < two.stages[1].seconds && two.stages[1].seconds < many.stages[1].seconds);
         assert!(two.stages[1].memory > 0.0);
@@ -348,7 +361,7 @@ mod tests {
     #[test]
     fn a_tight_memory_leaves_no_room_beside_others() {
         let mut coarse = study(COARSE);
-        coarse.calibration.shifts = Some(vec![0.0, 2e-3]);
+        coarse.shifts = Some(vec![0.0, 2e-3]);
         let need = estimate(&coarse, Some(64.0)).unwrap();
         let room = |limit: f64| Room::of(&need, Budget::new(Some(limit / GIB)));
         assert_eq!(room(1.001 * need.memory()), Room::default());

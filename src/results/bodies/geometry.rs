@@ -12,11 +12,10 @@ use railspring_profiles::section::{RailSection, WheelSection};
 use railspring_profiles::units::MILLIMETRE;
 
 use super::sections::{self, Assumed};
-use crate::engine::store::{Address, Kind};
 use crate::results::bodies::outline_figure::{BodyOutline, ProfilePair};
 use crate::results::bodies::record::ProfileRecord;
 use crate::results::bodies::surface_figure::OnStandard;
-use crate::study::Study;
+use crate::study::Statics;
 
 /// The two sections in place, and where they first touch.
 pub struct Geometry {
@@ -34,24 +33,19 @@ pub struct Geometry {
     pub replicates: Vec<Pair>,
 }
 
-/// Address of the calibration of a study, with its fields for other programs.
-pub fn calibration_address(study: &Study) -> Address {
-    Address::of(Kind::Calibration, &(&study.keys.springs, study.output))
-}
-
 /// Sections, placement and first touch.
 ///
 /// # Errors
 /// Unknown profile names, and a wheel that misses the rail.
-pub fn geometry(study: &Study) -> Result<Geometry> {
-    let (rail, wheel) = rayon::join(|| sections::rail(study), || sections::wheel(study));
+pub fn geometry(statics: Statics<'_>) -> Result<Geometry> {
+    let (rail, wheel) = rayon::join(|| sections::rail(statics), || sections::wheel(statics));
     let (rail, wheel) = (rail?, wheel?);
     // a head that its file has inclined is laid as it is there
     let turned =
-        rail.assumed.as_ref().and_then(|assumed| assumed.turned).filter(|_| !study.rail.inclination_given);
-    let inclination = turned.map_or(study.rail.inclination, f64::tan);
-    let in_track = Geometry::in_track(study, rail.section, wheel.section, inclination)?;
-    let replicates = in_track.replicates(study, &rail.replicates, &wheel.replicates, inclination)?;
+        rail.assumed.as_ref().and_then(|assumed| assumed.turned).filter(|_| !statics.rail.inclination_given);
+    let inclination = turned.map_or(statics.rail.inclination, f64::tan);
+    let in_track = Geometry::in_track(statics, rail.section, wheel.section, inclination)?;
+    let replicates = in_track.replicates(statics, &rail.replicates, &wheel.replicates, inclination)?;
     let profiles = rail.records.into_iter().chain(wheel.records).collect();
     let surfaces = rail.surface.into_iter().chain(wheel.surface).collect();
     let assumed = [rail.assumed, wheel.assumed];
@@ -64,20 +58,20 @@ impl Geometry {
     /// # Errors
     /// A wheel that misses the rail.
     pub(crate) fn in_track(
-        study: &Study,
+        statics: Statics<'_>,
         rail: RailSection,
         wheel: WheelSection,
         inclination: f64,
     ) -> Result<Self> {
-        let track = track(study, inclination);
+        let track = track(statics, inclination);
         let pair = Pair::new(rail, wheel, &track).map_err(|error| match error {
             Error::Input(missed) if missed.key == InputField::LateralShift.name() => {
-                let value = format!("{} mm, {}", study.track.lateral_shift / MILLIMETRE, missed.value);
+                let value = format!("{} mm, {}", statics.track.lateral_shift / MILLIMETRE, missed.value);
                 InputError { value, ..missed }.into()
             }
             other => other,
         })?;
-        let beam = pair.beam(&study.rail.material, study.rail.length, study.simulation.rail_elements)?;
+        let beam = pair.beam(&statics.rail.material, statics.rail.length, statics.rail.beam_elements)?;
         let (profiles, surfaces, replicates) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self { pair, beam, profiles, surfaces, assumed: [None, None], replicates })
     }
@@ -114,12 +108,12 @@ impl Geometry {
     /// The pair with the surfaces of rails and wheels without a quarter of their measured points each, in the same track; none where neither has any.
     fn replicates(
         &self,
-        study: &Study,
+        statics: Statics<'_>,
         rails: &[RailSection],
         wheels: &[WheelSection],
         inclination: f64,
     ) -> Result<Vec<Pair>> {
-        let track = track(study, inclination);
+        let track = track(statics, inclination);
         let count = rails.len().max(wheels.len());
         let of = |i: usize| {
             let rail = rails.get(i).unwrap_or(&self.pair.rail).clone();
@@ -131,13 +125,13 @@ impl Geometry {
 }
 
 /// The track of a study, the rail inclined by a slope.
-fn track(study: &Study, inclination: f64) -> TrackGeometry {
+fn track(statics: Statics<'_>, inclination: f64) -> TrackGeometry {
     TrackGeometry {
-        gauge: study.track.gauge,
-        gauge_height: study.track.gauge_height,
-        flange_back: study.track.flange_back,
+        gauge: statics.track.gauge,
+        gauge_height: statics.track.gauge_height,
+        flange_back: statics.track.flange_back,
         inclination,
-        lateral_shift: study.track.lateral_shift,
+        lateral_shift: statics.track.lateral_shift,
     }
 }
 

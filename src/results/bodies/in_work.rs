@@ -9,16 +9,16 @@ use serde_json::Value;
 
 use crate::engine::measure::Stopwatch;
 use crate::engine::stage::Engine;
-use crate::engine::store::{Address, Artefact, Kind, Store};
+use crate::engine::store::{Artefact, Store};
 use crate::results::bodies::coarser::CoarserBodies;
 use crate::results::bodies::estimate::{self, Resources, Room, Work};
 use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{FINER, Meshes};
 use crate::results::bodies::reach::Reach;
 use crate::results::bodies::solids::MovingBodies;
 use crate::results::bodies::source::BodySource;
 use crate::results::bodies::zones;
-use crate::study::Study;
 
 /// Part of an artefact: how far the contact zones reached in the end.
 pub(crate) const REACH: &str = "reach.json";
@@ -30,7 +30,7 @@ pub(crate) type Moving = (usize, Arc<MovingBodies>);
 
 /// The solids of a study.
 pub(crate) struct Solids<'a> {
-    pub study: &'a Study,
+    pub input: SolidsInput<'a>,
     pub resources: Resources<'a>,
     pub store: Option<&'a Store>,
     /// Whether all is made anew.
@@ -46,11 +46,6 @@ pub(crate) struct Solids<'a> {
     pub moving: Option<Moving>,
 }
 
-/// Address of a load case on the solids that begins with zones that reach so far.
-pub(crate) fn solid_run_address(study: &Study, case: &str, reach: Reach) -> Address {
-    Address::of(Kind::SolidRun, &(study.keys.solid(case), reach))
-}
-
 /// Mesh options that are as fine and reach as far as `reach` says.
 fn reaching(mut options: MeshOptions, reach: &Reach) -> MeshOptions {
     for _ in 0..reach.refinements {
@@ -61,9 +56,9 @@ fn reaching(mut options: MeshOptions, reach: &Reach) -> MeshOptions {
 
 impl<'a> Solids<'a> {
     /// Nothing is made yet.
-    pub fn new(study: &'a Study, resources: Resources<'a>) -> Self {
+    pub fn new(input: SolidsInput<'a>, resources: Resources<'a>) -> Self {
         Self {
-            study,
+            input,
             resources,
             store: None,
             fresh: false,
@@ -78,13 +73,13 @@ impl<'a> Solids<'a> {
 
     /// Where the condensed bodies of the study come from; those of refined meshes one after the other.
     pub fn body_source(&self) -> BodySource<'a> {
-        let study = self.study;
+        let statics = self.input.statics;
         BodySource {
             store: self.store,
             fresh: self.fresh,
-            foot_held: study.calibration.foot_held,
-            together: self.room.condensing && study.target_error.is_none(),
-            study: &study.name,
+            foot_held: statics.calibration.foot_held,
+            together: self.room.condensing && statics.target_error.is_none(),
+            study: self.input.name,
             monitor: self.resources.monitor,
             trouble: None,
         }
@@ -95,15 +90,15 @@ impl<'a> Solids<'a> {
     /// # Errors
     /// Those of condensing them.
     pub fn coarser(&self, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
-        self.body_source().coarser(self.study, geometry, meshes)
+        self.body_source().coarser(self.input.statics, geometry, meshes)
     }
 
     /// The runs on the solids that the store does not have, as far as that can be said now.
     pub fn solid_work(&mut self) -> Result<Work> {
-        let mut work = Work::of(self.study, false, true);
+        let mut work = Work::of(&self.input, false, true);
         if let (Some(store), false) = (self.store, self.fresh) {
             let reach = self.reach()?;
-            let has = |name: &str| store.has(&solid_run_address(self.study, name, reach));
+            let has = |name: &str| store.has(&self.input.run(&self.input.cases[name]).address(reach));
             work.solids.retain(|(name, _)| !has(name));
         }
         Ok(work)
@@ -119,7 +114,7 @@ impl<'a> Solids<'a> {
         if let Some(geometry) = &self.geometry {
             return Ok(geometry.clone());
         }
-        let geometry = Arc::new(geometry::geometry(self.study)?);
+        let geometry = Arc::new(geometry::geometry(self.input.statics)?);
         Ok(self.geometry.insert(geometry).clone())
     }
 
@@ -129,7 +124,7 @@ impl<'a> Solids<'a> {
             return Ok(reach);
         }
         let geometry = self.geometry()?;
-        Ok(*self.reach.insert(Reach::of(&zones::mesh_options(self.study, &geometry), 0)))
+        Ok(*self.reach.insert(Reach::of(&zones::mesh_options(self.input.statics, &geometry), 0)))
     }
 
     /// Goes on with the zones that an artefact has ended with.
@@ -157,14 +152,13 @@ impl<'a> Solids<'a> {
             return Ok(meshes);
         }
         let watch = Stopwatch::start();
-        let (study, geometry, reach) = (self.study, self.geometry()?, self.reach()?);
+        let (input, geometry, reach) = (self.input, self.geometry()?, self.reach()?);
         let work = work(self)?;
-        let options = reaching(zones::mesh_options(study, &geometry), &reach);
-        let (meshes, room) = estimate::meshes(study, &geometry, options, &work, &self.resources)?;
+        let options = reaching(zones::mesh_options(input.statics, &geometry), &reach);
+        let (meshes, room) = estimate::meshes(&input, &geometry, options, &work, &self.resources)?;
         self.room = room;
         // Kept until there is a result: a study that is refused later leaves no file behind.
-        let of_calibration = geometry::calibration_address(study);
-        engine.measured.note(watch.stop("meshes", of_calibration.key(), false));
+        engine.measured.note(watch.stop("meshes", input.calibration().key(), false));
         // The stage that needs them is measured without them.
         engine.watch = Some(Stopwatch::start());
         Ok(meshes)
@@ -178,7 +172,7 @@ impl<'a> Solids<'a> {
 
     /// Hands back the meshes that a run has ended with.
     pub fn go_on_with(&mut self, meshes: Meshes) -> Reach {
-        let reach = Reach::of(meshes.options(), meshes.refinements(self.study));
+        let reach = Reach::of(meshes.options(), meshes.refinements(self.input.statics.mesh));
         self.meshes = Some(meshes);
         *self.reach.insert(reach)
     }

@@ -14,7 +14,7 @@ use serde::Deserialize;
 use crate::python::{Purpose, Python, cache_folder};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::record::{GroupRecord, NamedRecord};
-use crate::study::{MeshFile, Study};
+use crate::study::{MeshFile, Statics};
 
 /// Version of the reader's answer.
 const FORMAT: u32 = 2;
@@ -52,17 +52,17 @@ impl<'a> Files<'a> {
     pub fn rail(
         &mut self,
         file: &MeshFile,
-        study: &Study,
+        statics: Statics<'_>,
         geometry: &Geometry,
         options: &MeshOptions,
     ) -> Result<HexMesh> {
         let given = self.read("rail", file)?;
         let curve = &geometry.pair.placed.curve;
-        let mesh = given_rail(given, curve, study.rail.length, options)?;
-        let (materials, pair) = (&study.rail.materials, &geometry.pair);
+        let mesh = given_rail(given, curve, statics.rail.length, options)?;
+        let (materials, pair) = (&statics.rail.materials, &geometry.pair);
         materials.check_layers(&mesh, &file.groups, InputField::RailMaterials)?;
         let samples = pair.shear_stresses.iter().map(|sample| pair.placed.to_world(&sample.point));
-        materials.check_section(&mesh, samples, &study.rail.material, &file.groups)?;
+        materials.check_section(&mesh, samples, &statics.rail.material, &file.groups)?;
         check_touch("rail", &mesh, curve, geometry.pair.touch.rail_s)?;
         self.monitor.notice(&what_was_read("rail", &mesh, file));
         Ok(mesh)
@@ -72,14 +72,14 @@ impl<'a> Files<'a> {
     pub fn wheel(
         &mut self,
         file: &MeshFile,
-        study: &Study,
+        statics: Statics<'_>,
         geometry: &Geometry,
         options: &MeshOptions,
     ) -> Result<HexMesh> {
         let given = self.read("wheel", file)?;
         let curve = &geometry.pair.wheel.running;
         let mesh = given_wheel(given, curve, geometry.pair.wheel.radius, options)?;
-        study.wheel.materials.check_layers(&mesh, &file.groups, InputField::WheelMaterials)?;
+        statics.wheel.materials.check_layers(&mesh, &file.groups, InputField::WheelMaterials)?;
         check_touch("wheel", &mesh, curve, geometry.pair.touch.wheel_s)?;
         self.monitor.notice(&what_was_read("wheel", &mesh, file));
         Ok(mesh)

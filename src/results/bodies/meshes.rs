@@ -2,16 +2,14 @@
 
 use std::path::Path;
 
-use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::mesh::{HexMesh, MeshOptions, mesh_rail, mesh_wheel};
 use railspring_calibrate::pair::Orders;
-use railspring_calibrate::solid::Formulation;
 use railspring_profiles::error::Result;
 use railspring_profiles::monitor::Monitor;
 
 use super::geometry::Geometry;
 use super::mesh_files;
-use crate::study::{ElementKey, EnforcementKey, FieldKey, MeshFile, Study};
+use crate::study::{MeshFile, Statics};
 
 /// Ratio of the elements of meshes to those of the next finer ones.
 pub const FINER: f64 = std::f64::consts::SQRT_2;
@@ -38,7 +36,7 @@ pub struct Meshes {
 /// # Errors
 /// Settings that give an inverted or flat element; a missing Python, and mesh files that cannot be used.
 pub fn meshes(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     options: MeshOptions,
     interpreter: Option<&Path>,
@@ -46,10 +44,10 @@ pub fn meshes(
 ) -> Result<Meshes> {
     let mut files = mesh_files::Files::new(interpreter, monitor);
     let rail =
-        study.rail.mesh.as_ref().map(|file| files.rail(file, study, geometry, &options)).transpose()?;
+        statics.rail.mesh.as_ref().map(|file| files.rail(file, statics, geometry, &options)).transpose()?;
     let wheel =
-        study.wheel.mesh.as_ref().map(|file| files.wheel(file, study, geometry, &options)).transpose()?;
-    Meshes::with_own(study, geometry, rail, wheel, options)
+        statics.wheel.mesh.as_ref().map(|file| files.wheel(file, statics, geometry, &options)).transpose()?;
+    Meshes::with_own(statics, geometry, rail, wheel, options)
 }
 
 /// The same with given sizes and zones.
@@ -57,20 +55,20 @@ pub fn meshes(
 /// # Errors
 /// As [`meshes`].
 pub fn remeshed_with(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     options: MeshOptions,
 ) -> Result<Meshes> {
     let kept = |file: &Option<MeshFile>, mesh: &HexMesh| file.as_ref().map(|_| mesh.clone());
-    let (rail, wheel) = (kept(&study.rail.mesh, &meshes.rail), kept(&study.wheel.mesh, &meshes.wheel));
-    Meshes::with_own(study, geometry, rail, wheel, options)
+    let (rail, wheel) = (kept(&statics.rail.mesh, &meshes.rail), kept(&statics.wheel.mesh, &meshes.wheel));
+    Meshes::with_own(statics, geometry, rail, wheel, options)
 }
 
 impl Meshes {
     /// The given meshes, and the tool's own where there is none.
     pub(crate) fn with_own(
-        study: &Study,
+        statics: Statics<'_>,
         geometry: &Geometry,
         rail: Option<HexMesh>,
         wheel: Option<HexMesh>,
@@ -80,7 +78,8 @@ impl Meshes {
             given.as_ref().map_or(options.contact_element, |mesh| mesh.contact.longest_across())
         };
         let contact_elements = [edge(&rail), edge(&wheel)];
-        let own_rail = || mesh_rail(&geometry.pair.rail, &geometry.pair.placed, study.rail.length, &options);
+        let own_rail =
+            || mesh_rail(&geometry.pair.rail, &geometry.pair.placed, statics.rail.length, &options);
         let own_wheel = || mesh_wheel(&geometry.pair.wheel, &options);
         let (rail, wheel) =
             rayon::join(|| rail.map_or_else(own_rail, Ok), || wheel.map_or_else(own_wheel, Ok));
@@ -93,34 +92,13 @@ impl Meshes {
     }
 
     /// Times that the study's sizes were refined for these meshes.
-    pub fn refinements(&self, study: &Study) -> u32 {
-        let times = (study.mesh.contact_element / self.options.contact_element).ln() / FINER.ln();
+    pub fn refinements(&self, wanted: &MeshOptions) -> u32 {
+        let times = (wanted.contact_element / self.options.contact_element).ln() / FINER.ln();
         times.round().max(0.0) as u32
     }
 
     /// The larger edge of the two, m.
     pub fn contact_element(&self) -> f64 {
         self.contact_elements[0].max(self.contact_elements[1])
-    }
-}
-
-pub(crate) fn formulation(study: &Study) -> Formulation {
-    match study.element {
-        ElementKey::IncompatibleModes => Formulation::IncompatibleModes,
-        ElementKey::FullIntegration => Formulation::FullIntegration,
-    }
-}
-
-pub(crate) fn contact_field(study: &Study) -> ContactField {
-    match study.contact.field {
-        FieldKey::Hybrid => ContactField::Hybrid,
-        FieldKey::Elements => ContactField::Elements,
-    }
-}
-
-pub(crate) fn enforcement(study: &Study) -> Enforcement {
-    match study.contact.enforcement {
-        EnforcementKey::Exact => Enforcement::Exact,
-        EnforcementKey::Penalty => Enforcement::Penalty(study.contact.penalty),
     }
 }

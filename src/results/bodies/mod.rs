@@ -9,6 +9,7 @@ pub mod profile_view;
 pub mod on_standard;
 pub mod measured;
 pub mod sections;
+pub mod input;
 pub mod geometry;
 pub mod mesh_files;
 pub mod meshes;

@@ -12,9 +12,10 @@ use railspring_simulate::time::scenario::Scenario;
 
 use crate::results::bodies::coarser::{on_coarser_meshes, with_longer_zones};
 use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::{Meshes, contact_field, enforcement, formulation};
+use crate::results::bodies::input::SolidRunInput;
+use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::solids::MovingBodies;
-use crate::study::Study;
+use crate::study::Statics;
 
 /// Edges of the other contact elements over those of the study's. The elements of the bodies around them stay: they are those of the
 /// condensed element as well, so that they move both models alike.
@@ -37,7 +38,7 @@ pub type CoarserContact = std::result::Result<CoarserMoving, String>;
 /// # Errors
 /// An interruption.
 pub fn coarser_contact(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     condense: impl FnOnce(&Meshes) -> Result<MovingBodies>,
@@ -50,14 +51,14 @@ pub fn coarser_contact(
     };
     let options = with_longer_zones(geometry, options);
     let contact_element = options.contact_element.max(options.contact_element_along);
-    on_coarser_meshes(study, geometry, meshes, options.clone(), |coarser| {
+    on_coarser_meshes(statics, geometry, meshes, options.clone(), |coarser| {
         Ok(CoarserMoving { options, contact_element, bodies: condense(coarser)? })
     })
 }
 
 /// A load case on other solids.
 pub(crate) struct OtherSolids<'a> {
-    pub study: &'a Study,
+    pub input: SolidRunInput<'a>,
     pub geometry: &'a Geometry,
     pub scenario: &'a Scenario,
     /// Modes of each body.
@@ -83,7 +84,7 @@ impl OtherSolids<'_> {
         let scenario = Scenario { inner_steps, ..self.scenario.clone() };
         // a finer grid takes several times as long, and changes the least of all
         let first = TransientModel::first_of(&scenario);
-        let field = contact_field(self.study);
+        let (_, field) = self.input.contact.of_solids();
         let on_finer_grid = || {
             let finer = (field == ContactField::Hybrid).then_some(ContactField::HybridHalved);
             finer.map(|finer| or_reason(self.run(&first, own.both(), meshes.options(), finer))).transpose()
@@ -107,11 +108,11 @@ impl OtherSolids<'_> {
         options: &MeshOptions,
         field: ContactField,
     ) -> Result<History> {
-        let Self { study, geometry, modes, .. } = *self;
-        let path = path_on(study, geometry, options, (bodies[0], scenario, modes))?;
-        let contact = (enforcement(study), field);
+        let Self { input, geometry, modes, .. } = *self;
+        let path = path_on(&input, geometry, options, (bodies[0], scenario, modes))?;
+        let contact = (input.contact.of_solids().0, field);
         let count = ModeCount::Given(modes);
-        let model = TransientModel::reduced(&geometry.pair, bodies, count, study.damping(), contact);
+        let model = TransientModel::reduced(&geometry.pair, bodies, count, input.damping, contact);
         let model = match &path {
             Some(path) => model.along(path),
             None => model,
@@ -122,14 +123,15 @@ impl OtherSolids<'_> {
 
 /// The rail at all places of a wheel that moves along it, or stands elsewhere than in its middle, with as many modes as the bodies.
 pub(crate) fn path_on(
-    study: &Study,
+    input: &SolidRunInput<'_>,
     geometry: &Geometry,
     options: &MeshOptions,
     (rail, scenario, modes): (&CondensedBody, &Scenario, usize),
 ) -> Result<Option<RailPath>> {
-    let length = study.rail.length;
+    let length = input.rail.length;
     let wanted = RailPath::is_wanted(scenario, length);
     let of = (length, modes);
-    let path = || RailPath::new(&geometry.pair, rail, options, &study.rail.material, formulation(study), of);
+    let (material, element) = (&input.rail.material, input.element.formulation());
+    let path = || RailPath::new(&geometry.pair, rail, options, material, element, of);
     wanted.then(path).transpose()
 }

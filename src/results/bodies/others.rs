@@ -11,7 +11,7 @@ use railspring_profiles::units::MILLIMETRE;
 
 use super::geometry::Geometry;
 use super::sections::Assumed;
-use crate::study::Study;
+use crate::study::Statics;
 
 /// Keys that tell the body of a wheel.
 const WHEEL_KEYS: [&str; 4] =
@@ -47,13 +47,13 @@ pub(crate) struct Other {
 }
 
 /// What was assumed, and the keys that say it otherwise; none where all of the pair is known, or the study wants no bands.
-pub(crate) fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, Vec<String>, Open) {
+pub(crate) fn assumptions(statics: Statics<'_>, geometry: &Geometry) -> (Vec<String>, Vec<String>, Open) {
     let (mut said, mut keys) = (Vec::new(), Vec::new());
     let [rail, wheel] = &geometry.assumed;
-    let own_wheel = study.wheel.mesh.is_none() && study.wheel.section.is_none();
-    let wheel_open = wheel.is_some() && !study.wheel.body_given && own_wheel;
+    let own_wheel = statics.wheel.mesh.is_none() && statics.wheel.section.is_none();
+    let wheel_open = wheel.is_some() && !statics.wheel.body_given && own_wheel;
     if wheel_open {
-        let body = &study.wheel.body;
+        let body = &statics.wheel.body;
         said.push(format!(
             "the wheel has a straight web of {:.0} mm, a rim {:.0} mm deep and a hub of {:.0} mm, which were not given",
             body.web.least_thickness() / MILLIMETRE,
@@ -62,13 +62,13 @@ pub(crate) fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, V
         ));
         keys.extend(WHEEL_KEYS.map(String::from));
     }
-    let like = rail.as_ref().and_then(|rail| rail.like.as_ref()).filter(|_| study.rail.mesh.is_none());
+    let like = rail.as_ref().and_then(|rail| rail.like.as_ref()).filter(|_| statics.rail.mesh.is_none());
     if let Some(like) = like {
         said.push(format!("the rail has web and foot like those of {like}, which were not given"));
         keys.push("rail.body".into());
     }
     let unsure = rail.as_ref().map_or(0.0, |rail| rail.unsure.roll);
-    let roll_open = unsure > LEAST_ROLL && study.rail.mesh.is_none();
+    let roll_open = unsure > LEAST_ROLL && statics.rail.mesh.is_none();
     if roll_open {
         said.push(format!(
             "the head's roll is known to \u{b1}{:.1} degrees; it is laid at 1:{:.0}",
@@ -78,7 +78,7 @@ pub(crate) fn assumptions(study: &Study, geometry: &Geometry) -> (Vec<String>, V
         keys.extend(["rail.inclination".into(), "rail.standard".into()]);
     }
     let unsure = wheel.as_ref().map_or(0.0, |wheel| wheel.unsure.shift);
-    let shift_open = unsure > LEAST_SHIFT && study.wheel.mesh.is_none();
+    let shift_open = unsure > LEAST_SHIFT && statics.wheel.mesh.is_none();
     if shift_open {
         said.push(format!(
             "the wheel's distance from the flange back is known to \u{b1}{:.1} mm",
@@ -108,16 +108,16 @@ const LEAST_ROLL: f64 = 0.002;
 const LEAST_SHIFT: f64 = 0.2 * MILLIMETRE;
 
 /// How many others there are whose rail, and whose wheel, is condensed for them.
-pub fn others_by_body(study: &Study, geometry: &Geometry) -> [usize; 2] {
-    let (_, _, open) = assumptions(study, geometry);
-    if !study.wants_error_band() {
+pub fn others_by_body(statics: Statics<'_>, geometry: &Geometry) -> [usize; 2] {
+    let (_, _, open) = assumptions(statics, geometry);
+    if !statics.wants_error_band() {
         return [0; 2];
     }
     let rails =
         geometry.assumed[0].as_ref().filter(|_| open.rail).map_or(0, |known| other_rails(&known.base).len());
     let rolls = geometry.assumed[0].as_ref().filter(|_| open.roll).map_or(0, |known| rolls(known).len());
     let wheels =
-        if open.wheel { other_wheels(&study.wheel.body, study.wheel.tape_diameter).len() } else { 0 };
+        if open.wheel { other_wheels(&statics.wheel.body, statics.wheel.tape_diameter).len() } else { 0 };
     [rails + rolls, wheels]
 }
 
@@ -142,20 +142,22 @@ fn both_ways(most: f64, step: f64) -> Vec<f64> {
 }
 
 /// The pairs with others in the place of the `open` parts of rail, wheel and place.
-pub(crate) fn others(study: &Study, geometry: &Geometry, open: Open) -> Vec<Other> {
+pub(crate) fn others(statics: Statics<'_>, geometry: &Geometry, open: Open) -> Vec<Other> {
     let mut others = Vec::new();
     let with = |rail: Option<RailSection>, wheel: Option<WheelSection>, slope: f64| {
         let (rail, wheel) = (
             rail.unwrap_or_else(|| geometry.pair.rail.clone()),
             wheel.unwrap_or_else(|| geometry.pair.wheel.clone()),
         );
-        Geometry::in_track(study, rail, wheel, slope)
+        Geometry::in_track(statics, rail, wheel, slope)
     };
     let slope = -geometry.pair.placed.angle.tan();
     if let (true, Some(known)) = (open.wheel, &geometry.assumed[1]) {
-        for (name, body) in other_wheels(&study.wheel.body, study.wheel.tape_diameter) {
-            let section = wheel_profile_with_flange(&known.base, &study.wheel.flange)
-                .and_then(|running| wheel_section_on(running, &known.base, study.wheel.tape_diameter, &body))
+        for (name, body) in other_wheels(&statics.wheel.body, statics.wheel.tape_diameter) {
+            let section = wheel_profile_with_flange(&known.base, &statics.wheel.flange)
+                .and_then(|running| {
+                    wheel_section_on(running, &known.base, statics.wheel.tape_diameter, &body)
+                })
                 .and_then(|base| wheel_section_for_profile(&base, &known.curve, &body, &mut Vec::new()));
             let geometry = section.and_then(|section| with(None, Some(section), slope));
             others.push(Other { part: Part::Wheel, name: format!("wheel with {name}"), geometry });

@@ -3,7 +3,7 @@
 use railspring_calibrate::pair::{Pair, loads_in_turn, spread};
 use railspring_profiles::units::MILLIMETRE;
 
-use crate::study::Study;
+use crate::study::Statics;
 
 /// Loads along the contact normal at which displacement and stiffness are given, N.
 pub const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
@@ -13,23 +13,23 @@ pub const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
 const LOADS_BESIDE: usize = 6;
 
 /// Loads of the laws of a study, N, ascending: some of its calibration, and the fixed ones within their range.
-pub fn loads_by_angle(study: &Study) -> Vec<f64> {
-    let of_calibration = &study.calibration.loads;
+pub fn loads_by_angle(statics: Statics<'_>) -> Vec<f64> {
+    let of_calibration = &statics.calibration.loads;
     let some = spread(of_calibration.len(), LOADS_BESIDE).into_iter().map(|load| of_calibration[load]);
     loads_in_turn(&some.collect::<Vec<f64>>(), &FIXED_LOADS)
 }
 
 /// World position of the tape circle at a shift of the wheelset, m.
-pub fn tape_y(study: &Study, pair: &Pair, shift: f64) -> f64 {
-    pair.tape_y + (shift - study.track.lateral_shift)
+pub fn tape_y(statics: Statics<'_>, pair: &Pair, shift: f64) -> f64 {
+    pair.tape_y + (shift - statics.track.lateral_shift)
 }
 
-/// The shifts of the study, m, ascending. Left out: that of its track and places on tread, gauge corner and flange. The tread is
+/// The shifts of the laws by contact angle, m, ascending: those that are `given`, or else that of its track and places on tread, gauge corner and flange. The tread is
 /// where the contact angle stays below 10°; the flange where it reaches 95 % of its largest, and the corner lies between. Where the contact jumps from
 /// one to the other, a place shortly before that is among them.
-pub fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
-    if let Some(shifts) = &study.calibration.shifts {
-        return shifts.clone();
+pub fn shifts(statics: Statics<'_>, given: Option<&[f64]>, pair: &Pair) -> Vec<f64> {
+    if let Some(shifts) = given {
+        return shifts.to_vec();
     }
     const TREAD: f64 = 10.0;
     const FLANGE: f64 = 0.95;
@@ -37,7 +37,7 @@ pub fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
     const ON_CORNER: usize = 4;
     const ON_FLANGE: usize = 2;
     let angle = |shift: f64| {
-        let touch = pair.with_wheel_at(tape_y(study, pair, shift)).ok()?.touch;
+        let touch = pair.with_wheel_at(tape_y(statics, pair, shift)).ok()?.touch;
         Some((shift, touch.contact_angle.to_degrees()))
     };
     let tread = (-2..=4).map(|n| f64::from(n) * 2.0 * MILLIMETRE).filter_map(angle);
@@ -55,7 +55,7 @@ pub fn shifts(study: &Study, pair: &Pair) -> Vec<f64> {
         chosen.extend(beyond[first..].iter().take(ON_FLANGE).map(|(shift, _)| *shift));
         chosen.extend(before_jump(angle, beyond[..first].last(), beyond.get(first)));
     }
-    chosen.push(study.track.lateral_shift);
+    chosen.push(statics.track.lateral_shift);
     chosen.sort_by(f64::total_cmp);
     chosen.dedup_by(|a, b| (*a - *b).abs() < 1e-3 * MILLIMETRE);
     chosen

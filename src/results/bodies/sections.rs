@@ -20,7 +20,7 @@ use crate::results::bodies::measured::{self, Nominal, Surface};
 use crate::results::bodies::on_standard::{Seams, on_standard};
 use crate::results::bodies::record::{FindingRecord, ProfileRecord};
 use crate::results::bodies::surface_figure::OnStandard;
-use crate::study::{MeasuredSurface, RailBody, SectionFile, Study};
+use crate::study::{MeasuredSurface, RailBody, SectionFile, Statics};
 
 /// The section of a body.
 pub(crate) struct Sectioned<S> {
@@ -58,8 +58,8 @@ pub struct Assumed {
 }
 
 /// Section of the rail.
-pub(crate) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
-    let keys = &study.rail;
+pub(crate) fn rail(statics: Statics<'_>) -> Result<Sectioned<RailSection>> {
+    let keys = &statics.rail;
     let mut records = Vec::new();
     let own = own_section(keys.section.as_ref(), ProfileKind::Rail, None, &mut records)?;
     let own = own.map(|(file, read)| (file, rail_section_on(file, read.running, read.rest)));
@@ -98,8 +98,8 @@ pub(crate) fn rail(study: &Study) -> Result<Sectioned<RailSection>> {
 }
 
 /// Section of the wheel.
-pub(crate) fn wheel(study: &Study) -> Result<Sectioned<WheelSection>> {
-    let keys = &study.wheel;
+pub(crate) fn wheel(statics: Statics<'_>) -> Result<Sectioned<WheelSection>> {
+    let keys = &statics.wheel;
     let mut records = Vec::new();
     let own = own_section(keys.section.as_ref(), ProfileKind::Wheel, keys.tape_circle, &mut records)?;
     let generic = |standard: &str| {
@@ -320,7 +320,7 @@ mod tests {
         let read = |more: &str| {
             let keys = "profile_file = \"apta.whl\"\nstandard = \"APTA120\"";
             let text = format!("name = \"a\"\n[rail]\nprofile = \"60E1\"\n[wheel]\n{keys}\n{more}\n");
-            wheel(&Study::parse(&folder.path().join("a.toml"), &text).unwrap())
+            wheel(crate::study::Study::parse(&folder.path().join("a.toml"), &text).unwrap().statics())
         };
         for more in ["", "tape_circle_mm = 72.231"] {
             let running = read(more).unwrap().section.running;

@@ -6,20 +6,20 @@ use railspring_calibrate::pair::{CondensedPair, PairBody, PairSolids};
 use railspring_calibrate::superelement::CondensedBody;
 
 use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::{Meshes, formulation};
-use crate::study::{ReferenceKey, Study};
+use crate::results::bodies::meshes::Meshes;
+use crate::study::{ReferenceKey, Statics};
 
 /// The solids of a study on its meshes.
-pub fn solids<'a>(study: &'a Study, geometry: &'a Geometry, meshes: &'a Meshes) -> PairSolids<'a> {
-    let (pair, element) = (&geometry.pair, formulation(study));
-    let materials = [&study.rail.materials, &study.wheel.materials];
+pub fn solids<'a>(statics: Statics<'a>, geometry: &'a Geometry, meshes: &'a Meshes) -> PairSolids<'a> {
+    let (pair, element) = (&geometry.pair, statics.element.formulation());
+    let materials = [&statics.rail.materials, &statics.wheel.materials];
     let Meshes { rail, wheel, orders, .. } = meshes;
     PairSolids { pair, rail, wheel, materials, element, orders }
 }
 
 /// The rail whose compliance the study's reference takes.
-pub fn rail_in_use(study: &Study) -> PairBody {
-    match study.calibration.reference {
+pub fn rail_in_use(statics: Statics<'_>) -> PairBody {
+    match statics.calibration.reference {
         ReferenceKey::Beam | ReferenceKey::Local => PairBody::RailOnEnds,
         ReferenceKey::Foot => PairBody::RailOnFoot,
     }

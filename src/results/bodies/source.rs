@@ -12,7 +12,7 @@ use crate::results::bodies::coarser::{self, CoarserBodies};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::solids::{self, MovingBodies};
-use crate::study::Study;
+use crate::study::Statics;
 
 /// Part of an artefact: the body's file.
 const BODY: &str = "body.safetensors";
@@ -80,9 +80,14 @@ impl BodySource<'_> {
     ///
     /// # Errors
     /// Those of coarser meshes, and as [`Self::condensed`].
-    pub fn coarser(&self, study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<CoarserBodies> {
-        coarser::coarser_bodies(study, geometry, meshes, |coarser| {
-            self.condensed(&solids::solids(study, geometry, coarser), " of coarser elements", 0)
+    pub fn coarser(
+        &self,
+        statics: Statics<'_>,
+        geometry: &Geometry,
+        meshes: &Meshes,
+    ) -> Result<CoarserBodies> {
+        coarser::coarser_bodies(statics, geometry, meshes, |coarser| {
+            self.condensed(&solids::solids(statics, geometry, coarser), " of coarser elements", 0)
         })
     }
 

@@ -15,7 +15,7 @@ use railspring_simulate::time::history::{Ending, SurfaceEnd};
 
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::{Meshes, remeshed_with};
-use crate::study::{FieldKey, Study};
+use crate::study::{FieldKey, Statics};
 
 /// Times that the zone is made larger, at most.
 const EXTENSIONS: usize = 4;
@@ -32,14 +32,14 @@ const NEAR_THE_END: f64 = 3e-3;
 
 /// The study's mesh sizes, with a zone that holds the Hertz patch of the largest load and goes on beyond the first touch; a worn flange is steeper and
 /// touches deeper, so beside measured profiles the zones go on further down the two faces.
-pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
+pub fn mesh_options(statics: Statics<'_>, geometry: &Geometry) -> MeshOptions {
     const DEEPER: f64 = 6e-3;
-    let mut options = study.mesh.clone();
-    if study.rail.measured.is_some() || study.wheel.measured.is_some() {
+    let mut options = statics.mesh.clone();
+    if statics.rail.measured.is_some() || statics.wheel.measured.is_some() {
         options.rail_zone.face_depth += DEEPER;
     }
     // a shift that is given may be wrong, and is refused where it leads out of the zone
-    if meshes_are_ours(study) && !study.source.gives("track.lateral_shift_mm") {
+    if meshes_are_ours(statics) && !statics.shift_given {
         let touches = [geometry.pair.touch.rail_s, geometry.pair.touch.wheel_s];
         for ((zone, curve), s) in zones(geometry, &mut options).into_iter().zip(touches) {
             let y = curve.point(s).x;
@@ -48,28 +48,30 @@ pub fn mesh_options(study: &Study, geometry: &Geometry) -> MeshOptions {
             }
         }
     }
-    if let Some((_, _, patch)) = longest_patch(study, geometry)
+    if let Some((_, _, patch)) = longest_patch(statics, geometry)
         && patch > options.window_half_length
-        && window_is_ours(study)
+        && window_is_ours(statics)
     {
-        options.window_half_length = window_for(study, patch).min(longest_window(study, geometry));
+        options.window_half_length = window_for(statics, patch).min(longest_window(statics, geometry));
     }
-    options.contact_half_length = contact_half_length(study, geometry, options.window_half_length);
+    options.contact_half_length = contact_half_length(statics, geometry, options.window_half_length);
     options
 }
 
 /// Half length of the contact grid of meshes with a window, m: a fine grid also carries a patch that goes on beyond the window, as that of
 /// the flange, so that one pair of bodies serves everywhere on the profiles.
-fn contact_half_length(study: &Study, geometry: &Geometry, window: f64) -> f64 {
+fn contact_half_length(statics: Statics<'_>, geometry: &Geometry, window: f64) -> f64 {
     const BEYOND: f64 = 2.0;
-    match study.contact.field {
-        FieldKey::Hybrid if window_is_ours(study) => (BEYOND * window).min(longest_window(study, geometry)),
+    match statics.contact.field {
+        FieldKey::Hybrid if window_is_ours(statics) => {
+            (BEYOND * window).min(longest_window(statics, geometry))
+        }
         FieldKey::Hybrid | FieldKey::Elements => window,
     }
 }
 
 /// Checks that the wheel touches within the contact zone of the tool's own meshes, and that the Hertz patch of the
-/// largest load stays within it; says where the zone is made longer for that patch, and what has to be known of the load cases.
+/// largest load stays within it; says where the zone is made longer for that patch.
 ///
 /// Where the bodies conform there is no Hertz patch; the contact solver then finds out.
 ///
@@ -77,21 +79,18 @@ fn contact_half_length(study: &Study, geometry: &Geometry, window: f64) -> f64 {
 /// [`InputError`] with the field of the shift, if the first touch lies elsewhere; with the field of the loads, if the
 /// patch is longer than the window that the study gives, or than
 /// any that wheel and rail have room for.
-pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) -> Result<()> {
-    check_touch(study, geometry)?;
-    for (name, case) in &study.scenarios {
-        case.notes.iter().for_each(|note| monitor.notice(&format!("{name}: {note}")));
-    }
-    let Some((field, load, patch)) = longest_patch(study, geometry) else { return Ok(()) };
-    let window = study.mesh.window_half_length;
+pub fn check_loads(statics: Statics<'_>, geometry: &Geometry, monitor: &dyn Monitor) -> Result<()> {
+    check_touch(statics, geometry)?;
+    let Some((field, load, patch)) = longest_patch(statics, geometry) else { return Ok(()) };
+    let window = statics.mesh.window_half_length;
     if patch <= window {
         return Ok(());
     }
-    let most = if window_is_ours(study) { longest_window(study, geometry) } else { window };
-    if window_for(study, patch) <= most {
+    let most = if window_is_ours(statics) { longest_window(statics, geometry) } else { window };
+    if window_for(statics, patch) <= most {
         monitor.notice(&format!(
             "contact window of \u{b1}{:.1} mm instead of \u{b1}{:.1} mm: the patch of {:.1} kN at {:.0}\u{b0} is about \u{b1}{:.1} mm long",
-            window_for(study, patch) / MILLIMETRE,
+            window_for(statics, patch) / MILLIMETRE,
             window / MILLIMETRE,
             load / KILONEWTON,
             geometry.pair.touch.contact_angle.to_degrees(),
@@ -114,8 +113,8 @@ pub fn check_loads(study: &Study, geometry: &Geometry, monitor: &dyn Monitor) ->
 }
 
 /// Checks that the first touch lies within the contact zones: elsewhere no contact is looked for.
-fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
-    let options = mesh_options(study, geometry);
+fn check_touch(statics: Statics<'_>, geometry: &Geometry) -> Result<()> {
+    let options = mesh_options(statics, geometry);
     let outside = |outline: &SectionOutline, running: &ProfileCurve, s: f64, body: &str| {
         let (first, last) = (outline.fine.first()?.s, outline.fine.last()?.s);
         if first < s && s < last {
@@ -126,7 +125,7 @@ fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
             InputField::LateralShift,
             format!(
                 "{} mm, at which the {body} is touched at y = {:.1} mm of its profile",
-                study.track.lateral_shift / MILLIMETRE,
+                statics.track.lateral_shift / MILLIMETRE,
                 y(s)
             ),
             format!(
@@ -139,12 +138,12 @@ fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
     };
     let touch = &geometry.pair.touch;
     let (rail, wheel) = (&geometry.pair.rail, &geometry.pair.wheel);
-    if study.rail.mesh.is_none()
+    if statics.rail.mesh.is_none()
         && let Some(error) = outside(&rail_outline(rail, &options)?, &rail.running, touch.rail_s, "rail")
     {
         return Err(error.into());
     }
-    if study.wheel.mesh.is_none()
+    if statics.wheel.mesh.is_none()
         && let Some(error) = outside(&wheel_outline(wheel, &options)?, &wheel.running, touch.wheel_s, "wheel")
     {
         return Err(error.into());
@@ -153,32 +152,32 @@ fn check_touch(study: &Study, geometry: &Geometry) -> Result<()> {
 }
 
 /// Whether the study leaves the length of the contact window, and the meshes, to the program.
-fn window_is_ours(study: &Study) -> bool {
-    meshes_are_ours(study) && !study.source.gives("mesh.window_half_length_mm")
+fn window_is_ours(statics: Statics<'_>) -> bool {
+    meshes_are_ours(statics) && !statics.window_given
 }
 
-fn meshes_are_ours(study: &Study) -> bool {
-    study.rail.mesh.is_none() && study.wheel.mesh.is_none()
+fn meshes_are_ours(statics: Statics<'_>) -> bool {
+    statics.rail.mesh.is_none() && statics.wheel.mesh.is_none()
 }
 
 /// Half length of a window that a patch of the half length `patch` does not fill: an element beyond it, and what
 /// neighbouring curvatures may add; in whole steps, so that pairs whose patches are alike share their bodies.
-fn window_for(study: &Study, patch: f64) -> f64 {
+fn window_for(statics: Statics<'_>, patch: f64) -> f64 {
     const STEP: f64 = 4e-3;
-    ((1.15 * patch + study.mesh.contact_element_along) / STEP).ceil() * STEP
+    ((1.15 * patch + statics.mesh.contact_element_along) / STEP).ceil() * STEP
 }
 
 /// Half length of the longest window that leaves most of the rail, and of the wheel below its axle, to the coarser mesh.
-fn longest_window(study: &Study, geometry: &Geometry) -> f64 {
-    (0.25 * study.rail.length).min(0.25 * geometry.pair.wheel.radius)
+fn longest_window(statics: Statics<'_>, geometry: &Geometry) -> f64 {
+    (0.25 * statics.rail.length).min(0.25 * geometry.pair.wheel.radius)
 }
 
 /// The load with the longest Hertz patch along the track at the first touch: its field, the load (N) and the
 /// semi-axis (m), of the study's materials: the groups of a mesh are not known before it is read. Pressed down on a slope, the contact carries the load over the cosine of the contact angle.
-fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64, f64)> {
+fn longest_patch(statics: Statics<'_>, geometry: &Geometry) -> Option<(InputField, f64, f64)> {
     let [along, across] = geometry.pair.relative_radii();
     let largest = |loads: &[f64]| loads.iter().copied().fold(0.0, f64::max);
-    let settings = &study.calibration;
+    let settings = &statics.calibration;
     let (field, load) = [
         (InputField::Loads, largest(&settings.loads)),
         (InputField::HorizontalPreloads, largest(&settings.horizontal_preloads)),
@@ -186,13 +185,13 @@ fn longest_patch(study: &Study, geometry: &Geometry) -> Option<(InputField, f64,
     .into_iter()
     .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let normal = load / geometry.pair.touch.contact_angle.cos();
-    let patch = point_contact(normal, along, across, contact_modulus(study)).ok()?;
+    let patch = point_contact(normal, along, across, contact_modulus(statics)).ok()?;
     Some((field, load, patch.semi_axis_x))
 }
 
 /// Contact modulus of the study's materials, Pa.
-fn contact_modulus(study: &Study) -> f64 {
-    study.rail.material.contact_modulus(&study.wheel.material)
+fn contact_modulus(statics: Statics<'_>) -> f64 {
+    statics.rail.material.contact_modulus(&statics.wheel.material)
 }
 
 /// The end of a contact zone that a contact has reached.
@@ -233,7 +232,7 @@ pub struct Within<T> {
 /// Those of `work`, with a contact at the end of a zone that cannot be made larger where there is no result without it; those of
 /// `accept`, unless there is a result.
 pub fn within_zones<T>(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &mut Meshes,
     monitor: &dyn Monitor,
@@ -250,7 +249,9 @@ pub fn within_zones<T>(
             Err(_) => None,
         };
         let Some(Reached { end, cause }) = at_the_end else { return done.map(whole) };
-        let Some(next) = enlarged(study, geometry, meshes, (end, extension)) else { return done.map(whole) };
+        let Some(next) = enlarged(statics, geometry, meshes, (end, extension)) else {
+            return done.map(whole);
+        };
         match (accept(&next), done) {
             (Ok(()), _) => {}
             (Err(refusal @ Error::Input(_)), Ok(result)) => {
@@ -273,32 +274,32 @@ pub fn within_zones<T>(
 /// Meshes with a larger zone, where the contact has `reached` the end of that of `meshes` after so many extensions; `None` where no larger
 /// zone can be had.
 fn enlarged(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     reached: (SurfaceEnd, usize),
 ) -> Option<Meshes> {
-    let options = larger(study, geometry, &meshes.options, reached)?;
+    let options = larger(statics, geometry, &meshes.options, reached)?;
     // a zone that the sections have no room for leaves the contact where it ended
-    remeshed_with(study, geometry, meshes, options).ok()
+    remeshed_with(statics, geometry, meshes, options).ok()
 }
 
 /// Options of a mesh with a larger zone; `None` if there is none.
 fn larger(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     options: &MeshOptions,
     (end, extensions): (SurfaceEnd, usize),
 ) -> Option<MeshOptions> {
     let mut next = options.clone();
     match end {
-        SurfaceEnd::ContactWindow if window_is_ours(study) => {
+        SurfaceEnd::ContactWindow if window_is_ours(statics) => {
             let longer = 1.5 * next.window_half_length;
             next.window_half_length =
-                longer.min(longest_window(study, geometry)).max(next.window_half_length);
-            next.contact_half_length = contact_half_length(study, geometry, next.window_half_length);
+                longer.min(longest_window(statics, geometry)).max(next.window_half_length);
+            next.contact_half_length = contact_half_length(statics, geometry, next.window_half_length);
         }
-        SurfaceEnd::ContactZone if meshes_are_ours(study) => {
+        SurfaceEnd::ContactZone if meshes_are_ours(statics) => {
             extend_zones(geometry, &mut next, LONGER * f64::from(1 << extensions));
         }
         SurfaceEnd::ContactWindow | SurfaceEnd::ContactZone | SurfaceEnd::RailProfile => return None,
@@ -337,6 +338,6 @@ fn reach(curve: &ProfileCurve) -> (f64, f64) {
 ///
 /// # Errors
 /// Settings that give an inverted or flat element.
-pub fn remeshed(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Result<Meshes> {
-    remeshed_with(study, geometry, meshes, mesh_options(study, geometry))
+pub fn remeshed(statics: Statics<'_>, geometry: &Geometry, meshes: &Meshes) -> Result<Meshes> {
+    remeshed_with(statics, geometry, meshes, mesh_options(statics, geometry))
 }

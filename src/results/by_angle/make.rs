@@ -20,6 +20,7 @@ use crate::results::bodies::coarser::{CoarserBodies, bodies_of};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::places::{FIXED_LOADS, loads_by_angle, shifts, tape_y};
 use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
+use crate::results::by_angle::input::ByAngleInput;
 use crate::results::by_angle::record::{
     AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, ShiftTouchRecord,
     StiffnessByAngleRecord,
@@ -30,7 +31,7 @@ use crate::results::springs::make::{
     MICROMETRE_PER_KILONEWTON, contact_conditions, displacement_record, law_record, subsurface_values,
 };
 use crate::results::springs::record::StiffnessRecord;
-use crate::study::Study;
+use crate::study::{Statics, with_keys};
 use crate::version;
 
 /// The laws of the pair at the shifts of the study on the condensed bodies of its calibration, with their error bands where the study wants
@@ -41,38 +42,38 @@ use crate::version;
 /// Loads that cannot be used, an interruption, and those of `coarser`; a shift without a law is an entry with its reason, and so is a
 /// part of a band.
 pub fn by_angle(
-    study: &Study,
+    input: &ByAngleInput<'_>,
     geometry: &Geometry,
     bodies: &CondensedPair,
     stiffness: &StiffnessRecord,
     coarser: impl FnOnce() -> Result<(f64, CoarserBodies)>,
     monitor: &dyn Monitor,
 ) -> Result<StiffnessByAngleRecord> {
-    let pair = &geometry.pair;
-    let shifts = shifts(study, pair);
-    let loads = loads_by_angle(study);
+    let (statics, pair) = (input.statics, &geometry.pair);
+    let shifts = shifts(statics, input.shifts, pair);
+    let loads = loads_by_angle(statics);
     let settings = AngleSettings {
-        contact: contact_conditions(study),
+        contact: contact_conditions(statics),
         direction: PressDirection::Normal,
         loads: &loads,
         fixed_loads: &FIXED_LOADS,
     };
-    let places: Vec<f64> = shifts.iter().map(|shift| tape_y(study, pair, *shift)).collect();
+    let places: Vec<f64> = shifts.iter().map(|shift| tape_y(statics, pair, *shift)).collect();
     let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
-    let bands = if study.wants_error_band() {
+    let bands = if statics.wants_error_band() {
         let (element, coarser) = coarser()?;
         bands(geometry, bodies, (element, &coarser), &settings, &laws, monitor)?
     } else {
         vec![None; laws.len()]
     };
-    let element = study.wants_condensed().then(|| {
+    let element = input.modes.is_some().then(|| {
         let places: Vec<PlaceApproaches> = laws.iter().filter_map(PlaceApproaches::of).collect();
-        let beam = (&geometry.beam, study.materials());
+        let beam = (&geometry.beam, statics.materials());
         fitted_element(
             &ElementBodies::new(pair, bodies, geometry.beam.length())?,
             beam,
             places,
-            study.contact.friction,
+            statics.contact.friction,
         )
     });
     let (element, element_missing) = match element {
@@ -82,20 +83,20 @@ pub fn by_angle(
     };
     let entries = shifts.iter().zip(laws.into_iter().zip(bands));
     let mut records: Vec<ShiftRecord> =
-        entries.map(|(shift, (law, band))| shift_record(study, *shift, law, band)).collect();
+        entries.map(|(shift, (law, band))| shift_record(*shift, law, band)).collect();
     let springs = published_springs(stiffness);
     let published = springs.as_ref().map(|springs| (springs, stiffness.wheel_mass()));
-    enter_statics(study, geometry, (&mut records, &places), element.as_ref(), published)?;
+    enter_statics(statics, geometry, (&mut records, &places), element.as_ref(), published)?;
     let displacement = farthest(&records);
     Ok(StiffnessByAngleRecord {
-        study: study.name.clone(),
-        friction: study.contact.friction,
+        study: String::new(),
+        friction: statics.contact.friction,
         element: element
             .as_ref()
             .map(|element| ElementRecord { displacement, ..ElementRecord::from(element) }),
         element_missing,
         shifts: records,
-        pair: study.pair(),
+        pair: statics.pair(),
         // the pipeline knows with which contact zones
         input_hash: String::new(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -119,7 +120,7 @@ pub struct PlaceSettings<'a> {
 /// # Errors
 /// Loads that cannot be used, and an interruption.
 pub fn place(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     bodies: &CondensedPair,
     &PlaceSettings { direction, fixed_loads }: &PlaceSettings,
@@ -128,13 +129,13 @@ pub fn place(
     monitor: &dyn Monitor,
 ) -> Result<ShiftRecord> {
     let pair = &geometry.pair;
-    let loads = &study.calibration.loads;
-    let settings = AngleSettings { contact: contact_conditions(study), direction, loads, fixed_loads };
-    let laws = law_by_shift(pair, bodies, &settings, &[tape_y(study, pair, shift)], monitor)?;
+    let loads = &statics.calibration.loads;
+    let settings = AngleSettings { contact: contact_conditions(statics), direction, loads, fixed_loads };
+    let laws = law_by_shift(pair, bodies, &settings, &[tape_y(statics, pair, shift)], monitor)?;
     let bands =
         coarser.map(|coarser| bands(geometry, bodies, coarser, &settings, &laws, monitor)).transpose()?;
     let law = laws.into_iter().next().expect("one place has one law");
-    Ok(shift_record(study, shift, law, bands.and_then(|mut bands| bands.remove(0))))
+    Ok(shift_record(shift, law, bands.and_then(|mut bands| bands.remove(0))))
 }
 
 /// What laws at the fixed loads are worth, on a finer grid, on the bodies of coarser meshes and by the scatter of measured profiles.
@@ -156,7 +157,6 @@ fn bands(
 }
 
 fn shift_record(
-    study: &Study,
     shift: f64,
     ShiftLaw { touch, law, .. }: ShiftLaw,
     error_band: Option<ErrorBandRecord>,
@@ -171,7 +171,7 @@ fn shift_record(
             published_secant_ratio: published_secant_ratio(&fixed),
             loads: fixed.iter().map(load_record).collect(),
             error_band,
-            reason: ended.map(|error| reason(study, shift_mm, error)),
+            reason: ended.map(|error| reason(shift_mm, error)),
         },
         Err(error) => ShiftRecord {
             shift_mm,
@@ -180,13 +180,13 @@ fn shift_record(
             loads: Vec::new(),
             published_secant_ratio: None,
             error_band: None,
-            reason: Some(reason(study, shift_mm, error)),
+            reason: Some(reason(shift_mm, error)),
         },
     }
 }
 
 /// Why a shift has no law, or its law ends early, and what can be done about it.
-fn reason(study: &Study, shift_mm: f64, error: Error) -> String {
+fn reason(shift_mm: f64, error: Error) -> String {
     match error {
         Error::Numerics(cause) => {
             let advice = match cause.reason {
@@ -210,7 +210,7 @@ fn reason(study: &Study, shift_mm: f64, error: Error) -> String {
             cause.remedy = format!("{what}; leave this shift out");
             cause.to_string()
         }
-        Error::Input(cause) => study.with_keys(cause).to_string(),
+        Error::Input(cause) => with_keys(cause).to_string(),
         other => other.to_string(),
     }
 }
@@ -277,13 +277,13 @@ fn hub_statics(at: HubStatics) -> ([f64; 3], f64) {
 /// Enters how the hubs of both contact elements stand under the fixed loads of shifts with the tape circle at `places` (y, m), where they carry them: of a condensed
 /// element, and of the published one with its springs and the mass of its wheel (kg), whose values stay as they are without springs.
 fn enter_statics(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     (records, places): (&mut [ShiftRecord], &[f64]),
     element: Option<&PairElement>,
     published: Option<(&WheelSprings, f64)>,
 ) -> Result<()> {
-    let (materials, friction) = (study.materials(), study.contact.friction);
+    let (materials, friction) = (statics.materials(), statics.contact.friction);
     for (record, tape_y) in records.iter_mut().zip(places).filter(|(record, _)| record.touch.is_some()) {
         let pair = geometry.pair.with_wheel_at(*tape_y)?;
         let along = *PressDirection::Normal.at(&pair);
@@ -309,15 +309,15 @@ fn enter_statics(
 /// # Errors
 /// Shifts at which the wheel misses the rail.
 pub fn with_element(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     laws: &StiffnessByAngleRecord,
     element: &PairElement,
 ) -> Result<StiffnessByAngleRecord> {
     let mut laws = laws.clone();
-    let place = |shift: &ShiftRecord| tape_y(study, &geometry.pair, shift.shift_mm * MILLIMETRE);
+    let place = |shift: &ShiftRecord| tape_y(statics, &geometry.pair, shift.shift_mm * MILLIMETRE);
     let places: Vec<f64> = laws.shifts.iter().map(place).collect();
-    enter_statics(study, geometry, (&mut laws.shifts, &places), Some(element), None)?;
+    enter_statics(statics, geometry, (&mut laws.shifts, &places), Some(element), None)?;
     let displacement = farthest(&laws.shifts);
     laws.element = Some(ElementRecord { displacement, ..ElementRecord::from(element) });
     Ok(laws)

@@ -1,6 +1,7 @@
 //! The laws by contact angle, and the condensed contact element.
 
 pub mod element;
+pub mod input;
 pub mod record;
 pub mod columns;
 pub mod make;

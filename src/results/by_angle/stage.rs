@@ -9,9 +9,10 @@ use crate::engine::list::NewFile;
 use crate::engine::output::to_json;
 use crate::engine::seal::Sealed;
 use crate::engine::stage::{Engine, Made, Stage};
-use crate::engine::store::{Address, Artefact, Kind};
+use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::in_work::Solids;
 use crate::results::bodies::solids;
+use crate::results::by_angle::input::ByAngleInput;
 use crate::results::by_angle::make;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::names::{BY_ANGLE_ROWS, OF_THE_VERDICT};
@@ -20,17 +21,9 @@ use crate::results::springs::record::StiffnessRecord;
 /// The laws of the study's shifts, on the bodies of its calibration.
 pub(crate) struct ByAngle<'s, 'a> {
     pub solids: &'s mut Solids<'a>,
+    pub input: ByAngleInput<'a>,
     /// The springs of that calibration, which follow from the same inputs.
     pub stiffness: &'s StiffnessRecord,
-}
-
-/// Address of the laws of the study's shifts, on bodies with zones that reach as far as those of its calibration.
-pub(crate) fn by_angle_address(at: &mut Solids<'_>) -> Result<Address> {
-    let reach = at.reach()?;
-    // the condensed element has the wheel's modes
-    let modes = at.study.wants_condensed().then(|| at.study.modes());
-    let inputs = (&at.study.keys.springs, &at.study.calibration.shifts, reach, modes);
-    Ok(Address::of(Kind::ByAngle, &inputs))
 }
 
 impl Stage for ByAngle<'_, '_> {
@@ -41,19 +34,19 @@ impl Stage for ByAngle<'_, '_> {
     }
 
     fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
-        by_angle_address(self.solids)
+        Ok(self.input.address(self.solids.reach()?))
     }
 
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
         let at = &mut *self.solids;
         let geometry = at.geometry()?;
-        let (study, monitor) = (at.study, at.resources.monitor);
+        let (statics, monitor) = (at.input.statics, at.resources.monitor);
         let bodies = match at.condensed.take() {
             Some(bodies) => bodies,
             None => {
                 let meshes = at.meshes(engine, Solids::calibration_work)?;
-                let solids = solids::solids(study, &geometry, &meshes);
-                let bodies = Arc::new(at.body_source().condensed(&solids, "", study.modes())?);
+                let solids = solids::solids(statics, &geometry, &meshes);
+                let bodies = Arc::new(at.body_source().condensed(&solids, "", at.input.modes)?);
                 at.go_on_with(meshes);
                 bodies
             }
@@ -66,9 +59,9 @@ impl Stage for ByAngle<'_, '_> {
             at.go_on_with(meshes);
             Ok((element, coarser))
         };
-        let laws = make::by_angle(study, &geometry, &bodies, self.stiffness, coarser, monitor)?;
+        let laws = make::by_angle(&self.input, &geometry, &bodies, self.stiffness, coarser, monitor)?;
         // the runs on the solids take them next
-        at.condensed = (study.modes() > 0).then_some(bodies);
+        at.condensed = (at.input.modes > 0).then_some(bodies);
         let rows = columns::rows(&laws);
         Ok(Made::whole(Artefact::default().with(BY_ANGLE, to_json(&laws)).with(BY_ANGLE_ROWS, rows)))
     }
@@ -76,9 +69,9 @@ impl Stage for ByAngle<'_, '_> {
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<StiffnessByAngleRecord> {
         let at = &*self.solids;
         let mut laws: StiffnessByAngleRecord = artefact.json(BY_ANGLE)?;
-        laws.study.clone_from(&at.study.name);
+        laws.study = at.input.name.into();
         laws.input_hash = key.into();
-        laws.pair = at.study.pair();
+        laws.pair = at.input.statics.pair();
         Ok(laws.sealed())
     }
 

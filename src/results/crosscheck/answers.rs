@@ -19,9 +19,9 @@ use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::KILONEWTON;
 
 use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::{Meshes, formulation};
+use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::solids::{rail_in_use, solids};
-use crate::study::{ReferenceKey, Study};
+use crate::study::{ReferenceKey, Statics};
 
 /// Loads of the cross-validation, kN; those above the study's largest load are left out.
 const LOADS_KN: [f64; 8] = [5.0, 10.0, 20.0, 40.0, 60.0, 85.0, 120.0, 150.0];
@@ -74,16 +74,16 @@ pub struct Answers {
 }
 
 /// Nodes of the rail that the study's reference holds.
-pub fn rail_held<'a>(study: &Study, rail: &'a HexMesh) -> &'a [usize] {
-    match study.calibration.reference {
+pub fn rail_held<'a>(statics: Statics<'_>, rail: &'a HexMesh) -> &'a [usize] {
+    match statics.calibration.reference {
         ReferenceKey::Beam | ReferenceKey::Local => &rail.ends,
         ReferenceKey::Foot => &rail.foot,
     }
 }
 
 /// Loads of the cross-validation, N.
-fn asked_loads(study: &Study) -> Vec<f64> {
-    let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
+fn asked_loads(statics: Statics<'_>) -> Vec<f64> {
+    let largest = statics.calibration.loads.iter().copied().fold(0.0, f64::max);
     LOADS_KN.iter().map(|l| l * KILONEWTON).filter(|l| *l <= largest * (1.0 + 1e-9)).collect()
 }
 
@@ -92,27 +92,27 @@ fn asked_loads(study: &Study) -> Vec<f64> {
 /// # Errors
 /// Those of the calibration, and loads that are all below the smallest load of the reference solvers.
 pub fn answers(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     monitor: &dyn Monitor,
 ) -> Result<Answers> {
-    let asked = Asked::new(study, geometry, meshes, monitor)?;
+    let asked = Asked::new(statics, geometry, meshes, monitor)?;
     let full = asked.condense(Formulation::FullIntegration)?;
     let (mut frictionless, smooth_states) = asked.curve(&full, 0.0, BetweenNodes::Smooth)?;
     frictionless.seconds += full.seconds;
-    let (frictional, states) = if study.contact.friction > 0.0 {
-        let (curve, states) = asked.curve(&full, study.contact.friction, BetweenNodes::Smooth)?;
+    let (frictional, states) = if statics.contact.friction > 0.0 {
+        let (curve, states) = asked.curve(&full, statics.contact.friction, BetweenNodes::Smooth)?;
         (Some(curve), states)
     } else {
         (None, smooth_states)
     };
     let largest = states.last().expect("there are loads");
     let rail =
-        answer(&meshes.rail, (&full.rail, full.solids.parts(rail_in_use(study))?), largest, Side::Base)?;
+        answer(&meshes.rail, (&full.rail, full.solids.parts(rail_in_use(statics))?), largest, Side::Base)?;
     let wheel =
         answer(&meshes.wheel, (&full.wheel, full.solids.parts(PairBody::Wheel)?), largest, Side::Opposing)?;
-    let element = formulation(study);
+    let element = statics.element.formulation();
     let (own_element, faceted) = if element == Formulation::FullIntegration {
         (frictionless.clone(), asked.faceted(&full)?)
     } else {
@@ -125,7 +125,7 @@ pub fn answers(
         rail,
         wheel,
         loads: asked.loads.clone(),
-        friction: study.contact.friction,
+        friction: statics.contact.friction,
         frictionless,
         frictional,
         own_element,
@@ -142,18 +142,18 @@ pub fn answers(
 /// # Errors
 /// As [`answers`].
 pub fn faceted(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     monitor: &dyn Monitor,
 ) -> Result<AnsweredCurve> {
-    let asked = Asked::new(study, geometry, meshes, monitor)?;
-    asked.faceted(&asked.condense(formulation(study))?)
+    let asked = Asked::new(statics, geometry, meshes, monitor)?;
+    asked.faceted(&asked.condense(statics.element.formulation())?)
 }
 
 /// What the tool needs to answer.
 struct Asked<'a> {
-    study: &'a Study,
+    statics: Statics<'a>,
     geometry: &'a Geometry,
     meshes: &'a Meshes,
     monitor: &'a dyn Monitor,
@@ -170,14 +170,14 @@ struct Condensed<'a> {
 
 impl<'a> Asked<'a> {
     fn new(
-        study: &'a Study,
+        statics: Statics<'a>,
         geometry: &'a Geometry,
         meshes: &'a Meshes,
         monitor: &'a dyn Monitor,
     ) -> Result<Self> {
-        let loads = asked_loads(study);
+        let loads = asked_loads(statics);
         if loads.is_empty() {
-            let largest = study.calibration.loads.iter().copied().fold(0.0, f64::max);
+            let largest = statics.calibration.loads.iter().copied().fold(0.0, f64::max);
             return Err(InputError::new(
                 "calibration.load_max_kn",
                 largest / KILONEWTON,
@@ -186,7 +186,7 @@ impl<'a> Asked<'a> {
             )
             .into());
         }
-        Ok(Self { study, geometry, meshes, monitor, loads })
+        Ok(Self { statics, geometry, meshes, monitor, loads })
     }
 
     fn condense(&self, element: Formulation) -> Result<Condensed<'a>> {
@@ -196,10 +196,10 @@ impl<'a> Asked<'a> {
         };
         self.monitor.progress(stage, 0, 1)?;
         let clock = Instant::now();
-        let solids = PairSolids { element, ..solids(self.study, self.geometry, self.meshes) };
+        let solids = PairSolids { element, ..solids(self.statics, self.geometry, self.meshes) };
         // one after the other, so that there is one factor at a time
         let condense = |body| solids.condense(body, solids.key(body));
-        let (wheel, rail) = (condense(PairBody::Wheel)?, condense(rail_in_use(self.study))?);
+        let (wheel, rail) = (condense(PairBody::Wheel)?, condense(rail_in_use(self.statics))?);
         Ok(Condensed { solids, wheel, rail, seconds: clock.elapsed().as_secs_f64() })
     }
 

@@ -20,7 +20,8 @@ use railspring_profiles::units::{MEGAPASCAL, MILLIMETRE};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::Meshes;
 use crate::results::crosscheck::answers::rail_held;
-use crate::study::{ElementKey, Study};
+use crate::results::crosscheck::input::CrosscheckInput;
+use crate::study::{ElementKey, Statics};
 
 /// Which program reads the deck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -37,7 +38,7 @@ const STICK_SLOPE: f64 = 5e6;
 /// A deck with its load steps.
 pub struct Deck<'a> {
     /// The study.
-    pub study: &'a Study,
+    pub input: &'a CrosscheckInput<'a>,
     /// Its geometry.
     pub geometry: &'a Geometry,
     /// Its meshes.
@@ -64,8 +65,8 @@ impl Deck<'_> {
             out,
             "*HEADING\nrailspring {}: study {}, input {}",
             env!("CARGO_PKG_VERSION"),
-            self.study.name,
-            &self.study.keys.crosscheck[..12]
+            self.input.name(),
+            &self.input.key()[..12]
         );
         let _ = writeln!(out, "** Units: mm, N, MPa. x along the track, y to the field side, z down.");
         let _ = writeln!(out, "** Displacements of the hub count from touching of the smooth surfaces.");
@@ -75,7 +76,7 @@ impl Deck<'_> {
             let [x, y, z] = [p.x, p.y, p.z].map(|v| v / MILLIMETRE);
             let _ = writeln!(out, "{}, {x:.12e}, {y:.12e}, {z:.12e}", n + 1);
         }
-        let kind = match self.study.element {
+        let kind = match self.input.statics().element {
             ElementKey::IncompatibleModes => "C3D8I",
             ElementKey::FullIntegration => "C3D8",
         };
@@ -88,12 +89,12 @@ impl Deck<'_> {
                 let _ = writeln!(out, "{}, {}", e + elements + 1, list.join(", "));
             }
         }
-        set(&mut out, "NSET", "HELD", rail_held(self.study, rail).iter().map(|n| n + 1));
+        set(&mut out, "NSET", "HELD", rail_held(self.input.statics(), rail).iter().map(|n| n + 1));
         set(&mut out, "NSET", "BORE", wheel.bore.iter().map(|n| n + offset + 1));
         let _ = writeln!(out, "*NSET, NSET=HUB\n{hub}");
         surface(&mut out, "SRAIL", rail, 0)?;
         surface(&mut out, "SWHEEL", wheel, rail.hexes.len())?;
-        let Study { rail: of_rail, wheel: of_wheel, .. } = self.study;
+        let Statics { rail: of_rail, wheel: of_wheel, .. } = self.input.statics();
         for (name, mesh, file, of, elements) in [
             ("RAIL", rail, &of_rail.mesh, &of_rail.materials, 0),
             ("WHEEL", wheel, &of_wheel.mesh, &of_wheel.materials, rail.hexes.len()),

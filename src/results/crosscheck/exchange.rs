@@ -13,7 +13,7 @@ use crate::engine::output::OutputFolder;
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::meshes::Meshes;
 use crate::results::crosscheck::answers::{Answers, rail_held};
-use crate::study::Study;
+use crate::results::crosscheck::input::CrosscheckInput;
 
 /// Version of the layout of `exchange.json`.
 const FORMAT: u32 = 2;
@@ -93,17 +93,18 @@ pub const BODIES: [&str; 2] = ["rail", "wheel"];
 impl Exchange {
     /// Collects the questions; `fine` are the meshes for elements of second order, if they are wanted.
     pub fn new(
-        study: &Study,
+        input: &CrosscheckInput<'_>,
         geometry: &Geometry,
         meshes: &Meshes,
         fine: Option<&Meshes>,
         answers: &Answers,
         cases: Vec<Case>,
     ) -> Self {
+        let statics = input.statics();
         let body = |meshes: &Meshes, k: usize, answered: bool| {
             let (mesh, answer) =
                 if k == 0 { (&meshes.rail, &answers.rail) } else { (&meshes.wheel, &answers.wheel) };
-            let held = if k == 0 { rail_held(study, mesh) } else { &mesh.bore };
+            let held = if k == 0 { rail_held(statics, mesh) } else { &mesh.bore };
             let (running, origin, radius) = if k == 0 {
                 (&geometry.pair.placed.curve, Point2::origin(), 0.0)
             } else {
@@ -111,7 +112,7 @@ impl Exchange {
             };
             Body {
                 mesh: mesh.clone(),
-                materials: if k == 0 { &study.rail.materials } else { &study.wheel.materials }.clone(),
+                materials: if k == 0 { &statics.rail.materials } else { &statics.wheel.materials }.clone(),
                 held: held.to_vec(),
                 forces: if answered {
                     answer.forces.clone()
@@ -134,7 +135,7 @@ impl Exchange {
             loads: answers.loads.clone(),
             friction: answers.friction,
             cases,
-            input_hash: study.keys.crosscheck.clone(),
+            input_hash: input.key(),
         }
     }
 

@@ -7,6 +7,7 @@
 //! * [`mod@sections`]: where on the bodies the answers differ.
 
 pub mod record;
+pub mod input;
 pub mod answers;
 pub mod calculix;
 pub mod exchange;
@@ -35,10 +36,11 @@ use crate::results::crosscheck::calculix::displacement_at;
 use crate::results::crosscheck::compare::{MODEL, ReferenceResult, compare, limits};
 use crate::results::crosscheck::deck::{Deck, Format};
 use crate::results::crosscheck::exchange::{BODIES, Case, Exchange};
+use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::record::{
     Cause, Check, CrosscheckRecord, Differences, HUB_DISPLACEMENT, Provenance, Timing,
 };
-use crate::study::{FieldKey, Study};
+use crate::study::Statics;
 
 /// Size of the contact elements of the second-order mesh over that of the study's mesh.
 const FINER: f64 = 0.75;
@@ -61,29 +63,22 @@ pub struct Prepared {
 ///
 /// # Errors
 /// Those of meshing and calibration, and sizes that the machine cannot hold.
-pub fn prepare(study: &Study, cases: &[Case], resources: &Resources<'_>) -> Result<Prepared> {
-    let study = &between_elements(study);
-    let geometry = geometry::geometry(study)?;
-    let (options, work) = (zones::mesh_options(study, &geometry), Work::of_crosscheck(purpose(cases)));
-    let (meshes, _) = estimate::meshes(study, &geometry, options, &work, resources)?;
-    let answers = answers::answers(study, &geometry, &meshes, resources.monitor)?;
+pub fn prepare(input: &CrosscheckInput<'_>, cases: &[Case], resources: &Resources<'_>) -> Result<Prepared> {
+    let statics = input.statics();
+    let geometry = geometry::geometry(statics)?;
+    let (options, work) = (zones::mesh_options(statics, &geometry), Work::of_crosscheck(purpose(cases)));
+    let (meshes, _) = estimate::meshes(&input.solids(), &geometry, options, &work, resources)?;
+    let answers = answers::answers(statics, &geometry, &meshes, resources.monitor)?;
     let fine = if cases.contains(&Case::SecondOrder) {
-        let mut finer = study.clone();
-        finer.mesh.contact_element *= FINER;
-        finer.mesh.contact_element_along *= FINER;
-        Some(zones::remeshed(&finer, &geometry, &meshes)?)
+        let mut finer = statics.mesh.clone();
+        finer.contact_element *= FINER;
+        finer.contact_element_along *= FINER;
+        Some(zones::remeshed(Statics { mesh: &finer, ..statics }, &geometry, &meshes)?)
     } else {
         None
     };
-    let exchange = Exchange::new(study, &geometry, &meshes, fine.as_ref(), &answers, cases.to_vec());
+    let exchange = Exchange::new(input, &geometry, &meshes, fine.as_ref(), &answers, cases.to_vec());
     Ok(Prepared { geometry, meshes, answers, exchange })
-}
-
-/// The study with a contact between the elements of its meshes, which is what other programs have.
-fn between_elements(study: &Study) -> Study {
-    let mut study = study.clone();
-    study.contact.field = FieldKey::Elements;
-    study
 }
 
 /// Writes a deck of the study's problem into `folder`: its own element and friction, a step for every
@@ -92,22 +87,23 @@ fn between_elements(study: &Study) -> Study {
 /// # Errors
 /// Those of meshing and calibration, sizes that the machine cannot hold, and a folder that cannot be written.
 pub fn write_deck(
-    study: &Study,
+    input: &CrosscheckInput<'_>,
     format: Format,
     folder: &OutputFolder,
     resources: &Resources<'_>,
 ) -> Result<String> {
-    let study = &between_elements(study);
-    let geometry = geometry::geometry(study)?;
-    let (options, work) = (zones::mesh_options(study, &geometry), Work::of(study, true, false));
-    let (meshes, _) = estimate::meshes(study, &geometry, options, &work, resources)?;
-    let curve = answers::faceted(study, &geometry, &meshes, resources.monitor)?;
+    let statics = input.statics();
+    let geometry = geometry::geometry(statics)?;
+    let (options, work) =
+        (zones::mesh_options(statics, &geometry), Work { calibrate: true, ..Work::default() });
+    let (meshes, _) = estimate::meshes(&input.solids(), &geometry, options, &work, resources)?;
+    let curve = answers::faceted(statics, &geometry, &meshes, resources.monitor)?;
     let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
-        study,
+        input,
         geometry: &geometry,
         meshes: &meshes,
-        friction: study.contact.friction,
+        friction: statics.contact.friction,
         lowerings: &lowerings,
     };
     let name = match format {
@@ -120,7 +116,7 @@ pub fn write_deck(
 
 /// Lets CalculiX solve the frictionless problem with the study's element.
 fn calculix_checks(
-    study: &Study,
+    input: &CrosscheckInput<'_>,
     prepared: &Prepared,
     (program, reference_solver): (&str, &str),
     folder: &OutputFolder,
@@ -130,7 +126,7 @@ fn calculix_checks(
     let curve = &prepared.answers.faceted;
     let lowerings: Vec<f64> = curve.points.iter().map(|p| p.displacement).collect();
     let deck = Deck {
-        study,
+        input,
         geometry: &prepared.geometry,
         meshes: &prepared.meshes,
         friction: 0.0,
@@ -206,7 +202,7 @@ impl Solvers {
 /// # Errors
 /// Those of the stages and of the programs.
 pub fn crosscheck(
-    study: &Study,
+    input: &CrosscheckInput<'_>,
     folder: &OutputFolder,
     cases: &[Case],
     solvers: &Solvers,
@@ -214,22 +210,22 @@ pub fn crosscheck(
 ) -> Result<(CrosscheckRecord, Differences)> {
     let begun = begin();
     let monitor = resources.monitor;
-    let prepared = prepare(study, cases, resources)?;
+    let prepared = prepare(input, cases, resources)?;
     prepared.exchange.write(folder)?;
     solvers.python.run(folder.path(), monitor)?;
     let reference = ReferenceResult::read(folder)?;
     let (mut checks, mut timings) =
         compare(&prepared.answers, prepared.meshes.contact_element(), cases, &reference)?;
     if let Some((program, reference_solver)) = &solvers.calculix {
-        let (more, timing) = calculix_checks(study, &prepared, (program, reference_solver), folder, monitor)?;
+        let (more, timing) = calculix_checks(input, &prepared, (program, reference_solver), folder, monitor)?;
         checks.extend(more);
         timings.push(timing);
     }
     let calculix_name = solvers.calculix.as_ref().map(|(_, name)| name.as_str());
     let record = CrosscheckRecord {
-        study: study.name.clone(),
+        study: input.name().into(),
         holds: checks.iter().all(|check| check.holds),
-        input_hash: study.keys.crosscheck.clone(),
+        input_hash: input.key(),
         version: env!("CARGO_PKG_VERSION").into(),
         begun_utc: begun.begun_utc,
         host: begun.host,

@@ -5,20 +5,20 @@ use railspring_profiles::error::Result;
 use crate::engine::list::NewFile;
 use crate::engine::output::{OutputFolder, to_json};
 use crate::engine::stage::{Engine, Made, Stage};
-use crate::engine::store::{Address, Artefact, Kind};
+use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::estimate::Resources;
 use crate::results::crosscheck::exchange::Case;
+use crate::results::crosscheck::input::CrosscheckInput;
 use crate::results::crosscheck::record::CrosscheckRecord;
 use crate::results::crosscheck::{self, Solvers};
 use crate::results::names::{CROSSCHECK, DIFFERENCES};
-use crate::study::Study;
 
 /// Folder of the questions and answers inside the output folder.
 const EXCHANGE_FOLDER: &str = "crosscheck";
 
 /// Questions to reference solvers, and the comparison.
 pub(crate) struct Crosscheck<'a> {
-    pub(crate) study: &'a Study,
+    pub(crate) input: CrosscheckInput<'a>,
     pub(crate) resources: Resources<'a>,
     pub(crate) cases: &'a [Case],
     pub(crate) solvers: &'a Solvers,
@@ -33,28 +33,27 @@ impl Stage for Crosscheck<'_> {
 
     fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
         let cases: Vec<&str> = self.cases.iter().map(|case| case.name()).collect();
-        Ok(Address::of(Kind::Crosscheck, &(&self.study.keys.crosscheck, cases, self.solvers.versions())))
+        Ok(self.input.address(&cases, self.solvers.versions()))
     }
 
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
         let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER))?;
         let (record, differences) =
-            crosscheck::crosscheck(self.study, &folder, self.cases, self.solvers, &self.resources)?;
+            crosscheck::crosscheck(&self.input, &folder, self.cases, self.solvers, &self.resources)?;
         let artefact = Artefact::default().with(CROSSCHECK, to_json(&record));
         Ok(Made::whole(artefact.with(DIFFERENCES, to_json(&differences))))
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<CrosscheckRecord> {
-        artefact.json(CROSSCHECK)
+        let record: CrosscheckRecord = artefact.json(CROSSCHECK)?;
+        Ok(CrosscheckRecord { study: self.input.name().into(), ..record })
     }
 
-    fn files(&self, artefact: &Artefact, _: &CrosscheckRecord, key: &str) -> Vec<NewFile> {
-        let part = |name: &str| {
-            let content = artefact.part(name).unwrap_or_default().to_vec();
-            // seconds, date and host are in it
-            NewFile { reproducible: false, ..NewFile::new(name, content, key) }
-        };
-        vec![part(CROSSCHECK), part(DIFFERENCES)]
+    fn files(&self, artefact: &Artefact, value: &CrosscheckRecord, key: &str) -> Vec<NewFile> {
+        let differences = artefact.part(DIFFERENCES).unwrap_or_default().to_vec();
+        // seconds, date and host are in them
+        let file = |(name, content)| NewFile { reproducible: false, ..NewFile::new(name, content, key) };
+        [(CROSSCHECK, to_json(value)), (DIFFERENCES, differences)].map(file).into()
     }
 
     fn outdates(&self) -> &'static [&'static str] {

@@ -1,6 +1,7 @@
 //! The report: one page with all figures.
 
 pub mod data;
+pub mod input;
 pub mod first_screen;
 pub mod build;
 pub mod stage;

@@ -16,16 +16,17 @@ use crate::results::names::{
     CROSSCHECK, CROSSCHECK_PAGE, DIFFERENCES, FIGURES, REPORT, REPORT_PDF, STIFFNESS,
 };
 use crate::results::page::data::ReportData;
+use crate::results::page::input::PageInput;
 use crate::results::run::figures::{ModelRun, ScenarioRun};
 use crate::results::run::stage::{Other, Run, Runs};
 use crate::results::springs::make::Calibration;
 use crate::results::verdict::record::VerificationRecord;
-use crate::study::Study;
 use crate::verify::Band;
 
 /// The report on all results.
 pub(crate) struct Report<'s, 'a> {
     pub solids: &'s mut Solids<'a>,
+    pub input: PageInput<'s>,
     pub calibration: &'s Calibration,
     /// The laws by contact angle, if the study wants them.
     pub by_angle: Option<&'s StiffnessByAngleRecord>,
@@ -41,11 +42,9 @@ impl<'s> Stage for Report<'s, '_> {
     }
 
     fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
-        let study = self.solids.study;
         let springs =
             [Some(&self.calibration.stiffness.input_hash), self.by_angle.map(|laws| &laws.input_hash)];
-        let inputs = (&self.verdict.input_hash, springs, &study.description, &study.resolved);
-        Ok(Address::of(Kind::Report, &inputs))
+        Ok(Address::of(Kind::Report, &(&self.verdict.input_hash, springs, &self.input)))
     }
 
     fn is_kept(&self) -> bool {
@@ -54,14 +53,14 @@ impl<'s> Stage for Report<'s, '_> {
 
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
         let geometry = self.solids.geometry()?;
-        let study = self.solids.study;
+        let input = &self.input;
         let profiles = geometry::profiles(&geometry);
         let scenarios = self
             .runs
             .iter()
             .map(|(name, runs)| {
-                let scenario = &study.scenarios[name];
-                let limits = &study.limits;
+                let scenario = &input.cases[name];
+                let limits = input.limits;
                 let drawn = |name, run: &'s Run| ModelRun {
                     name,
                     history: &run.history,
@@ -80,7 +79,7 @@ impl<'s> Stage for Report<'s, '_> {
                 }
             })
             .collect();
-        let crosscheck = own_crosscheck(study, engine.folder);
+        let crosscheck = own_crosscheck(input, engine.folder);
         let sections = crosscheck.as_ref().map_or_else(Vec::new, |record| differences(engine.folder, record));
         // The folder may have runs of other load cases.
         let inputs = [STIFFNESS, BY_ANGLE].into_iter().chain(self.verdict.inputs.keys().map(String::as_str));
@@ -90,14 +89,14 @@ impl<'s> Stage for Report<'s, '_> {
         let mut measured = engine.measured.clone();
         measured.stages.retain(|stage| keys.contains(&&stage.key));
         let data = ReportData {
-            name: &study.name,
-            description: &study.description,
-            file: study
+            name: input.name,
+            description: input.description,
+            file: input
                 .source
                 .path()
                 .file_name()
-                .map(|name| (name.to_string_lossy().into_owned(), study.source.hash().to_string())),
-            inputs: &study.resolved,
+                .map(|name| (name.to_string_lossy().into_owned(), input.source.hash().to_string())),
+            inputs: input.keys,
             stiffness: &self.calibration.stiffness,
             load_curve: &self.calibration.load_curve,
             patches: &self.calibration.patches,
@@ -106,7 +105,7 @@ impl<'s> Stage for Report<'s, '_> {
             surfaces: &geometry.surfaces,
             bodies: &geometry.outlines(),
             scenarios,
-            ratio_window: study.limits.ratio_window_s,
+            ratio_window: input.limits.ratio_window_s,
             verdict: self.verdict,
             programs: &programs,
             measured: &measured,
@@ -149,25 +148,25 @@ impl<'s> Stage for Report<'s, '_> {
 /// Those of the geometry, and files that cannot be written.
 pub(crate) fn write_report(engine: &mut Engine<'_>, mut report: Report<'_, '_>) -> Result<()> {
     engine.get(&mut report)?;
-    let (study, folder) = (report.solids.study, engine.folder);
-    let Some(record) = own_crosscheck(study, folder) else { return Ok(()) };
-    crosscheck_page(study, folder, &record, true)
+    let folder = engine.folder;
+    let Some(record) = own_crosscheck(&report.input, folder) else { return Ok(()) };
+    crosscheck_page(&report.input, folder, &record, true)
 }
 
 /// The page of the folder's cross-check where there is no report.
 ///
 /// # Errors
 /// A cross-check that is not there, and a page that cannot be written.
-pub(crate) fn crosscheck_alone(study: &Study, folder: &OutputFolder) -> Result<()> {
+pub(crate) fn crosscheck_alone(input: &PageInput<'_>, folder: &OutputFolder) -> Result<()> {
     let record = folder.read_json(CROSSCHECK, "crosscheck")?;
-    crosscheck_page(study, folder, &record, false)
+    crosscheck_page(input, folder, &record, false)
 }
 
 /// The cross-check of the folder if it is one of this study: `None` if it is of another study
 /// or has another layout.
-fn own_crosscheck(study: &Study, folder: &OutputFolder) -> Option<CrosscheckRecord> {
+fn own_crosscheck(input: &PageInput<'_>, folder: &OutputFolder) -> Option<CrosscheckRecord> {
     let record: CrosscheckRecord = folder.read_json(CROSSCHECK, "crosscheck").ok()?;
-    (record.input_hash == study.keys.crosscheck).then_some(record)
+    (record.input_hash == input.crosscheck).then_some(record)
 }
 
 /// The sections of that very cross-check; none if they are not there.
@@ -180,18 +179,13 @@ fn differences(folder: &OutputFolder, record: &CrosscheckRecord) -> Vec<SectionD
 }
 
 fn crosscheck_page(
-    study: &Study,
+    input: &PageInput<'_>,
     folder: &OutputFolder,
     record: &CrosscheckRecord,
     report: bool,
 ) -> Result<()> {
     let sections = differences(folder, record);
-    let data = PageData {
-        description: &study.description,
-        inputs: &study.resolved,
-        record,
-        sections: &sections,
-        report,
-    };
+    let data =
+        PageData { description: input.description, inputs: input.keys, record, sections: &sections, report };
     folder.write(CROSSCHECK_PAGE, page(&data).as_bytes())
 }

@@ -16,10 +16,12 @@ use railspring_simulate::time::scenario::Scenario;
 use railspring_simulate::time::steps::InnerSteps;
 
 use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::meshes::{Meshes, contact_field, enforcement, formulation};
+use crate::results::bodies::input::SolidRunInput;
+use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::other_solids::{CoarserContact, OtherSolids, path_on};
 use crate::results::bodies::solids::MovingBodies;
-use crate::study::{ContactElementKey, SlidingMatrixKey, Study, StudyScenario, TransientKey};
+use crate::results::run::input::SimpleRunInput;
+use crate::study::{ContactElementKey, SlidingMatrixKey, TransientKey};
 use crate::verify::{ModelChange, Spread, StepChange, Worth, disturbed};
 
 /// The springs and the mass that the simple model runs with.
@@ -52,8 +54,14 @@ enum SimpleModel {
 
 impl SimpleModel {
     /// The model on a rail `beam`, which is corrected to the solid rail.
-    fn new(study: &Study, geometry: &Geometry, beam: &RailBeam, springs: &Springs) -> Result<Self> {
-        let (pair, materials) = (&geometry.pair, study.materials());
+    fn new(
+        input: &SimpleRunInput<'_>,
+        geometry: &Geometry,
+        beam: &RailBeam,
+        springs: &Springs,
+    ) -> Result<Self> {
+        let damped = [&input.rail.material, &input.wheel.material].map(|own| own.damped(input.damping));
+        let (pair, materials) = (&geometry.pair, damped.each_ref());
         let beam = beam.corrected(&springs.beam)?;
         if let Some(element) = &springs.element {
             let model = CondensedModel::of_pair(pair, beam, materials, element.clone());
@@ -65,9 +73,9 @@ impl SimpleModel {
             longitudinal: springs.horizontal,
         };
         let mut model = MovingModel::of_pair(pair, beam, materials, wheel_springs, springs.wheel_mass);
-        model.penalty = study.simulation.contact_penalty;
-        model.node_spacing = study.simulation.rail_node_spacing;
-        model.sliding = match study.simulation.sliding_matrix {
+        model.penalty = input.simulation.contact_penalty;
+        model.node_spacing = input.simulation.rail_node_spacing;
+        model.sliding = match input.simulation.sliding_matrix {
             SlidingMatrixKey::Unsymmetric => SlidingMatrix::Consistent,
             SlidingMatrixKey::Symmetric => SlidingMatrix::Symmetric,
         };
@@ -178,23 +186,22 @@ impl Monitor for Share<'_> {
 /// # Errors
 /// Newton iterations that do not converge.
 pub fn simulate(
-    study: &Study,
+    input: &SimpleRunInput<'_>,
     geometry: &Geometry,
     springs: &Springs,
-    scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<(History, Tried)> {
-    let model = SimpleModel::new(study, geometry, &geometry.beam, springs)?;
+    let model = SimpleModel::new(input, geometry, &geometry.beam, springs)?;
     let progress = Shared { monitor, done: AtomicUsize::new(0) };
     let run = |scenario: &Scenario| model.run(scenario, &progress.share());
     let finer = || {
-        let elements = FINER_BEAM * study.simulation.rail_elements;
-        let beam = geometry.pair.beam(&study.rail.material, study.rail.length, elements)?;
-        Ok::<_, Error>((elements, SimpleModel::new(study, geometry, &beam, springs)?))
+        let elements = FINER_BEAM * input.rail.beam_elements;
+        let beam = geometry.pair.beam(&input.rail.material, input.rail.length, elements)?;
+        Ok::<_, Error>((elements, SimpleModel::new(input, geometry, &beam, springs)?))
     };
     let (elements, finer) = finer()?;
-    let steps = study.simulation.steps(model.element());
-    let scenario = Scenario { inner_steps: steps, ..scenario.scenario.clone() };
+    let steps = input.simulation.steps(model.element());
+    let scenario = Scenario { inner_steps: steps, ..input.case.clone() };
     let inner_steps = model.other_steps(steps);
     let larger = disturbed(&scenario);
     // each run has a thread if there is one
@@ -229,21 +236,21 @@ const MOST_MODES: usize = 4 * START_MODES;
 /// # Errors
 /// Contact iterations that do not converge, and those of `bodies` and `coarser`.
 pub fn simulate_solid(
-    study: &Study,
+    input: &SolidRunInput<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     bodies: &dyn Fn(usize) -> Result<Arc<MovingBodies>>,
     coarser: &(dyn Fn(usize) -> Result<CoarserContact> + Sync),
-    scenario: &StudyScenario,
     monitor: &dyn Monitor,
 ) -> Result<(TransientRun, Tried)> {
     let pair = &geometry.pair;
-    let contact = (enforcement(study), contact_field(study));
-    let scenario = Scenario { inner_steps: study.solid.steps(), ..scenario.scenario.clone() };
-    if study.solid.transient == TransientKey::Full {
+    let contact = input.contact.of_solids();
+    let scenario = Scenario { inner_steps: input.solid.steps(), ..input.case.clone() };
+    if input.solid.transient == TransientKey::Full {
         let meshes = [&meshes.rail, &meshes.wheel];
-        let materials = [&study.rail.materials, &study.wheel.materials];
-        let model = TransientModel::of_pair(pair, meshes, materials, formulation(study), contact);
+        let damped = [&input.rail.materials, &input.wheel.materials].map(|own| own.damped(input.damping));
+        let element = input.element.formulation();
+        let model = TransientModel::of_pair(pair, meshes, damped.each_ref(), element, contact);
         let run = model.run(&scenario, monitor)?;
         let tried = tried(&scenario, &run, "", Vec::new());
         return Ok((run, tried));
@@ -251,8 +258,8 @@ pub fn simulate_solid(
     let larger = disturbed(&scenario);
     let with = |modes, count| {
         let bodies = bodies(modes)?;
-        let path = path_on(study, geometry, meshes.options(), (bodies.both()[0], &scenario, modes))?;
-        let model = TransientModel::reduced(pair, bodies.both(), count, study.damping(), contact);
+        let path = path_on(input, geometry, meshes.options(), (bodies.both()[0], &scenario, modes))?;
+        let model = TransientModel::reduced(pair, bodies.both(), count, input.damping, contact);
         let model = match &path {
             Some(path) => model.along(path),
             None => model,
@@ -272,15 +279,15 @@ pub fn simulate_solid(
         }
         with(modes, ModeCount::Given(modes))
     };
-    let run = match study.solid.modes {
+    let run = match input.solid.modes {
         Some(modes) => with(modes, ModeCount::Given(modes))?,
         None => estimated()?,
     };
     let others = match &run.reduction {
-        Some(reduction) if study.wants_error_band() => {
+        Some(reduction) if input.error_band => {
             let modes = reduction.modes[0].max(reduction.modes[1]);
-            let own = bodies(study.solid.modes.unwrap_or(modes))?;
-            let solid = OtherSolids { study, geometry, scenario: &scenario, modes, monitor };
+            let own = bodies(input.solid.modes.unwrap_or(modes))?;
+            let solid = OtherSolids { input: *input, geometry, scenario: &scenario, modes, monitor };
             solid.runs(&run, (meshes, &own), coarser)?
         }
         _ => Vec::new(),

@@ -1,6 +1,7 @@
 //! The load cases on both models.
 
 pub mod record;
+pub mod input;
 pub mod history_csv;
 pub mod make;
 pub mod springs;

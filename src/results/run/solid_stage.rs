@@ -17,7 +17,8 @@ use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact, Store};
 use crate::results::bodies::estimate::{Budget, Work};
 use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::in_work::{Moving, REACH, Solids, solid_run_address};
+use crate::results::bodies::in_work::{Moving, REACH, Solids};
+use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::other_solids;
 use crate::results::bodies::reach::Reach;
@@ -29,7 +30,7 @@ use crate::results::run::make::{self, Tried};
 use crate::results::run::record::RunRecord;
 use crate::results::run::stage::{Run, SOLID, artefact, files, history_file, run};
 use crate::results::springs::stage::FoundOn;
-use crate::study::{Study, StudyScenario};
+use crate::study::StudyScenario;
 
 /// A load case on the solid model.
 pub(crate) struct SimulateSolid<'s, 'a> {
@@ -49,7 +50,7 @@ impl Stage for SimulateSolid<'_, '_> {
 
     fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
         let reach = self.solids.reach()?;
-        Ok(solid_run_address(self.solids.study, self.name, reach))
+        Ok(self.solids.input.run(self.scenario).address(reach))
     }
 
     fn begun(&self) -> Option<Result<Made>> {
@@ -72,7 +73,12 @@ impl Stage for SimulateSolid<'_, '_> {
     }
 
     fn files(&self, artefact: &Artefact, value: &Run, key: &str) -> Vec<NewFile> {
-        files(SOLID.map(|stem| history_file(self.solids.study, self.name, stem)), artefact, value, key)
+        files(
+            SOLID.map(|stem| history_file(self.solids.input.main_case, self.name, stem)),
+            artefact,
+            value,
+            key,
+        )
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -88,13 +94,13 @@ fn stage_name(case: &str) -> String {
     format!("solid model, {case}")
 }
 
-fn moving_of(study: &Study, pair: Arc<CondensedPair>) -> Moving {
-    (study.modes(), Arc::new(MovingBodies::OfCalibration(pair)))
+fn moving_of(modes: usize, pair: Arc<CondensedPair>) -> Moving {
+    (modes, Arc::new(MovingBodies::OfCalibration(pair)))
 }
 
 /// Runs on the solids, one load case after the other: each goes on with the meshes and the bodies of the one before.
 pub(crate) struct SolidRuns<'a> {
-    study: &'a Study,
+    input: SolidsInput<'a>,
     geometry: Arc<Geometry>,
     source: BodySource<'a>,
     budget: Budget,
@@ -106,7 +112,7 @@ impl<'a> SolidRuns<'a> {
     /// The runs from here on, on meshes made for them, with the bodies of the calibration if they are there.
     fn after(at: &mut Solids<'a>, engine: &mut Engine<'_>) -> Result<Self> {
         let meshes = at.meshes(engine, Solids::solid_work)?;
-        let of_calibration = at.condensed.take().map(|pair| moving_of(at.study, pair));
+        let of_calibration = at.condensed.take().map(|pair| moving_of(at.input.modes, pair));
         let moving = of_calibration.or(at.moving.take());
         Self::with(at, meshes, moving)
     }
@@ -117,13 +123,13 @@ impl<'a> SolidRuns<'a> {
     /// Those of the geometry.
     pub fn beside(at: &mut Solids<'a>, springs: &FoundOn) -> Result<Self> {
         let (meshes, bodies) = springs.bodies();
-        let moving = moving_of(at.study, bodies.clone());
+        let moving = moving_of(at.input.modes, bodies.clone());
         Self::with(at, meshes.clone(), Some(moving))
     }
 
     fn with(at: &mut Solids<'a>, meshes: Meshes, moving: Option<Moving>) -> Result<Self> {
-        let (study, geometry, source) = (at.study, at.geometry()?, at.body_source());
-        Ok(Self { study, geometry, source, budget: at.resources.budget, meshes, moving })
+        let (input, geometry, source) = (at.input, at.geometry()?, at.body_source());
+        Ok(Self { input, geometry, source, budget: at.resources.budget, meshes, moving })
     }
 
     /// A load case.
@@ -131,14 +137,15 @@ impl<'a> SolidRuns<'a> {
     /// # Errors
     /// Those of the bodies and of the run, with the name of the load case.
     fn run(&mut self, name: &str, scenario: &StudyScenario, monitor: &dyn Monitor) -> Result<Made> {
-        let Self { study, geometry, budget, source, meshes, moving: bodies } = self;
+        let Self { input, geometry, budget, source, meshes, moving: bodies } = self;
+        let statics = input.statics;
         let source = source.said_to(monitor);
         let accept = |larger: &Meshes| {
-            budget.check(study, geometry, larger, &Work::of(study, false, true)).map(|_| ())
+            budget.check(input, geometry, larger, &Work::of(input, false, true)).map(|_| ())
         };
         let moving = RefCell::new(bodies.take());
         let run = |meshes: &Meshes| {
-            let solids = solids::solids(study, geometry, meshes);
+            let solids = solids::solids(statics, geometry, meshes);
             let bodies = |modes| {
                 let wanted = [PairBody::RailOnEnds, PairBody::Wheel].map(|body| solids.key(body));
                 let known = moving.take().filter(|(with, bodies): &Moving| {
@@ -152,20 +159,20 @@ impl<'a> SolidRuns<'a> {
                 Ok(bodies)
             };
             let coarser = |modes| {
-                other_solids::coarser_contact(study, geometry, meshes, |coarser| {
+                other_solids::coarser_contact(statics, geometry, meshes, |coarser| {
                     source.moving(
-                        &solids::solids(study, geometry, coarser),
+                        &solids::solids(statics, geometry, coarser),
                         " of coarser contact elements",
                         modes,
                     )
                 })
             };
-            make::simulate_solid(study, geometry, meshes, &bodies, &coarser, scenario, monitor)
+            make::simulate_solid(&input.run(scenario), geometry, meshes, &bodies, &coarser, monitor)
         };
         let reached = |(run, _): &(TransientRun, Tried)| Reached::in_time(run.history.ending);
         let Within { result: (run, tried), refused } =
-            zones::within_zones(study, geometry, meshes, monitor, accept, run, reached)
-                .map_err(|error| study.in_scenario(name, error))?;
+            zones::within_zones(statics, geometry, meshes, monitor, accept, run, reached)
+                .map_err(|error| input.source.in_scenario(name, error))?;
         *bodies = moving.into_inner();
         let record = RunRecord {
             wheel_mass_kg: Some(run.wheel_mass),
@@ -177,7 +184,7 @@ impl<'a> SolidRuns<'a> {
     }
 
     fn reach(&self) -> Reach {
-        Reach::of(self.meshes.options(), self.meshes.refinements(self.study))
+        Reach::of(self.meshes.options(), self.meshes.refinements(self.input.statics.mesh))
     }
 
     /// Where its bodies are kept, and its results.
@@ -187,11 +194,11 @@ impl<'a> SolidRuns<'a> {
 
     /// All load cases of the study up to one that the store has, which the stage takes from there.
     pub fn all(mut self, store: Option<&Store>, begun: &Begun<'a>) {
-        let study = self.study;
-        for (name, scenario) in study.scenarios.iter().filter(|(_, case)| case.solid) {
+        let input = self.input;
+        for (name, scenario) in input.cases.iter().filter(|(_, case)| case.solid) {
             let stage = stage_name(name);
             let watch = Stopwatch::start();
-            let address = store.map(|store| (store, solid_run_address(study, name, self.reach())));
+            let address = store.map(|store| (store, input.run(scenario).address(self.reach())));
             if address.as_ref().is_some_and(|(store, address)| begun.takes && store.has(address)) {
                 return;
             }
@@ -200,7 +207,7 @@ impl<'a> SolidRuns<'a> {
             let made = made.map(|made| {
                 if let Some((store, address)) = address.filter(|_| made.complete) {
                     let say = |text| begun.monitor.notice(&format!("{stage}: {text}"));
-                    store.keep(&address, &stage, &study.name, &made.artefact, &say);
+                    store.keep(&address, &stage, input.name, &made.artefact, &say);
                 }
                 Made { elsewhere: Some(watch.held()), ..made }
             });

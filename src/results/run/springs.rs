@@ -22,11 +22,12 @@ use crate::hash::hash;
 use crate::results::bodies::geometry::Geometry;
 use crate::results::by_angle::element::ElementRecord;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
+use crate::results::run::input::SpringsInput;
 use crate::results::run::make::Springs;
 use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::rounding::with_unit;
-use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, ReferenceKey, Study};
+use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, ReferenceKey};
 
 pub use self::file::{element_of, from_file};
 
@@ -38,12 +39,12 @@ const ACCEPTED: &str = "simulation.law_accepted";
 ///
 /// # Errors
 /// [`InputError`] with key `calibration.reference`.
-pub fn check_reference(study: &Study) -> Result<()> {
-    if study.scenarios.is_empty() || study.simulation.law == LawKey::Published {
+pub fn check_reference(input: &SpringsInput<'_>) -> Result<()> {
+    if input.cases.is_empty() || input.simulation.law == LawKey::Published {
         return Ok(());
     }
-    let reference = study.calibration.reference.name();
-    accepted_reference(study, "calibration.reference", Some(reference)).map(drop)
+    let reference = input.statics.calibration.reference.name();
+    accepted_reference(input, "calibration.reference", Some(reference)).map(drop)
 }
 
 /// The springs that a study has calibrated, or the published law if it says so, with the condensed element of its laws by contact angle if
@@ -52,12 +53,12 @@ pub fn check_reference(study: &Study) -> Result<()> {
 /// # Errors
 /// As [`check_reference`]; and laws without an element.
 pub fn own(
-    study: &Study,
+    input: &SpringsInput<'_>,
     stiffness: &StiffnessRecord,
     laws: Option<&StiffnessByAngleRecord>,
 ) -> Result<SpringsRecord> {
-    let springs = own_springs(study, stiffness)?;
-    if study.element() == ContactElementKey::Published {
+    let springs = own_springs(input, stiffness)?;
+    if input.element == ContactElementKey::Published {
         return Ok(springs);
     }
     let element = laws.and_then(|laws| laws.element.clone()).ok_or_else(|| {
@@ -139,18 +140,18 @@ fn published(horizontal_kn_per_m: f64, wheel_mass_kg: f64, beam: BeamFactors) ->
 
 /// Whether a study runs without a calibration: with the published law, which the published element has, and its own horizontal stiffness. A wheel that
 /// is a mesh from a file has its mass from there, unless every load case gives one.
-pub fn need_no_calibration(study: &Study) -> bool {
-    let simulation = &study.simulation;
-    !study.scenarios.is_empty()
+pub fn need_no_calibration(input: &SpringsInput<'_>) -> bool {
+    let simulation = &input.simulation;
+    !input.cases.is_empty()
         && simulation.law == LawKey::Published
         && simulation.horizontal.is_some()
-        && wheel_is_known(study)
+        && wheel_is_known(input)
 }
 
 /// The springs of a study that [needs no calibration](need_no_calibration).
-pub fn without_calibration(study: &Study, geometry: &Geometry) -> Option<SpringsRecord> {
-    let horizontal = study.simulation.horizontal.filter(|_| need_no_calibration(study))?;
-    let mass = revolved_mass(study, geometry);
+pub fn without_calibration(input: &SpringsInput<'_>, geometry: &Geometry) -> Option<SpringsRecord> {
+    let horizontal = input.simulation.horizontal.filter(|_| need_no_calibration(input))?;
+    let mass = revolved_mass(input, geometry);
     let mut springs = published(horizontal / KILONEWTON_PER_METRE, mass, BeamFactors::default());
     springs.notes.push(
         "nothing is calibrated: the rail beam is not corrected to the solid rail, and the wheel has the mass of a body of revolution"
@@ -160,17 +161,17 @@ pub fn without_calibration(study: &Study, geometry: &Geometry) -> Option<Springs
 }
 
 /// Whether the wheel's mass is known without its mesh, or never used.
-fn wheel_is_known(study: &Study) -> bool {
-    study.wheel.mesh.is_none() || study.scenarios.values().all(|case| case.scenario.wheel_mass.is_some())
+fn wheel_is_known(input: &SpringsInput<'_>) -> bool {
+    input.statics.wheel.mesh.is_none() || input.cases.values().all(|case| case.scenario.wheel_mass.is_some())
 }
 
 /// Mass of the study's wheel as a body of revolution, kg.
-fn revolved_mass(study: &Study, geometry: &Geometry) -> f64 {
-    body_of_revolution(&geometry.pair.wheel, study.wheel.material.density).mass
+fn revolved_mass(input: &SpringsInput<'_>, geometry: &Geometry) -> f64 {
+    body_of_revolution(&geometry.pair.wheel, input.statics.wheel.material.density).mass
 }
 
-fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
-    let horizontal = study.simulation.horizontal.map(|k| k / KILONEWTON_PER_METRE);
+fn own_springs(input: &SpringsInput<'_>, stiffness: &StiffnessRecord) -> Result<SpringsRecord> {
+    let horizontal = input.simulation.horizontal.map(|k| k / KILONEWTON_PER_METRE);
     let horizontal_kn_per_m = horizontal.or(stiffness.horizontal_kn_per_m).ok_or_else(|| {
         InputError::new(
             "simulation.horizontal_kn_per_m",
@@ -179,14 +180,14 @@ fn own_springs(study: &Study, stiffness: &StiffnessRecord) -> Result<SpringsReco
             format!("give it; {}", stiffness.horizontal_missing.as_deref().unwrap_or("or calibrate again")),
         )
     })?;
-    let table = match study.simulation.law {
+    let table = match input.simulation.law {
         LawKey::Published => {
             return Ok(published(horizontal_kn_per_m, stiffness.wheel_mass(), stiffness.beam.factors));
         }
         LawKey::Table => stiffness.table(),
         LawKey::Calibrated => Vec::new(),
     };
-    let note = accepted_reference(study, "calibration.reference", Some(&stiffness.reference))?;
+    let note = accepted_reference(input, "calibration.reference", Some(&stiffness.reference))?;
     let by_table =
         (!table.is_empty()).then(|| format!("the law is the table of {} calibrated tangents", table.len()));
     Ok(SpringsRecord {
@@ -256,7 +257,11 @@ pub fn range_note(springs: &SpringsRecord, history: &History) -> Option<String> 
 }
 
 /// What has to be said about the reference of a law, if the study accepts it.
-fn accepted_reference(study: &Study, key: &str, reference: Option<&str>) -> Result<Option<String>> {
+fn accepted_reference(
+    input: &SpringsInput<'_>,
+    key: &str,
+    reference: Option<&str>,
+) -> Result<Option<String>> {
     const EXPECTED: &str = "\"beam\", because the rail of the simple model is a beam";
     let fault = match reference {
         None => return Ok(Some(format!("{key} is not given: taken as \"beam\""))),
@@ -278,7 +283,7 @@ fn accepted_reference(study: &Study, key: &str, reference: Option<&str>) -> Resu
         }
     };
     let reference = format!("{:?}", reference.unwrap_or_default());
-    if study.simulation.law_accepted.contains(&LawAcceptedKey::AnotherReference) {
+    if input.simulation.law_accepted.contains(&LawAcceptedKey::AnotherReference) {
         return Ok(Some(format!("reference of the law {reference}, accepted by {ACCEPTED}: {fault}")));
     }
     let remedy = format!(

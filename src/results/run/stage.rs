@@ -8,13 +8,14 @@ use railspring_simulate::time::history::{Ending, History};
 use crate::engine::list::NewFile;
 use crate::engine::output::to_json;
 use crate::engine::stage::{Engine, Made, Stage};
-use crate::engine::store::{Address, Artefact, Kind, unreadable};
+use crate::engine::store::{Address, Artefact, unreadable};
 use crate::results::bodies::in_work::Solids;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::names::OF_THE_RUNS;
+use crate::results::run::input::SimpleRunInput;
 use crate::results::run::record::{RUN_NOTE, RunRecord, SpringsRecord};
 use crate::results::run::{history_csv, make, springs};
-use crate::study::{ContactElementKey, Study, StudyScenario};
+use crate::study::{ContactElementKey, StudyScenario};
 use crate::verify::ModelRun;
 
 /// Part of an artefact: the rows as the output folder has them.
@@ -61,6 +62,7 @@ impl Run {
 /// A load case on the simple model.
 pub(crate) struct Simulate<'s, 'a> {
     pub solids: &'s mut Solids<'a>,
+    pub input: SimpleRunInput<'s>,
     pub name: &'s str,
     pub scenario: &'s StudyScenario,
     pub springs: &'s SpringsRecord,
@@ -69,6 +71,7 @@ pub(crate) struct Simulate<'s, 'a> {
 /// The same in the contact element that the study has not chosen, with its springs.
 pub(crate) struct SimulateOther<'s, 'a> {
     pub solids: &'s mut Solids<'a>,
+    pub input: SimpleRunInput<'s>,
     pub name: &'s str,
     pub scenario: &'s StudyScenario,
     pub springs: &'s SpringsRecord,
@@ -96,11 +99,11 @@ impl Stage for Simulate<'_, '_> {
     }
 
     fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
-        Ok(simple_run_address(self.solids.study, self.name, self.springs))
+        Ok(self.input.address(self.springs))
     }
 
     fn make(&mut self, _: &mut Engine<'_>) -> Result<Made> {
-        simple_run(self.solids, self.name, self.scenario, self.springs).map(Made::whole)
+        simple_run(self.solids, &self.input, self.name, self.springs).map(Made::whole)
     }
 
     fn value(&mut self, artefact: &Artefact, _: &str) -> Result<Run> {
@@ -108,7 +111,12 @@ impl Stage for Simulate<'_, '_> {
     }
 
     fn files(&self, artefact: &Artefact, value: &Run, key: &str) -> Vec<NewFile> {
-        files(SIMPLE.map(|stem| history_file(self.solids.study, self.name, stem)), artefact, value, key)
+        files(
+            SIMPLE.map(|stem| history_file(self.solids.input.main_case, self.name, stem)),
+            artefact,
+            value,
+            key,
+        )
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -124,11 +132,11 @@ impl Stage for SimulateOther<'_, '_> {
     }
 
     fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
-        Ok(other_run_address(self.solids.study, self.name, self.springs))
+        Ok(self.input.other_address(self.springs))
     }
 
     fn make(&mut self, _: &mut Engine<'_>) -> Result<Made> {
-        Ok(Made::whole(match simple_run(self.solids, self.name, self.scenario, self.springs) {
+        Ok(Made::whole(match simple_run(self.solids, &self.input, self.name, self.springs) {
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             Err(reason) => Artefact::default().with(FAILURE, reason.to_string()),
             Ok(artefact) => artefact,
@@ -145,7 +153,12 @@ impl Stage for SimulateOther<'_, '_> {
     fn files(&self, artefact: &Artefact, value: &Self::Value, key: &str) -> Vec<NewFile> {
         let names = of_element(springs::element(self.springs));
         let Ok(run) = value else { return Vec::new() };
-        files(names.map(|stem| history_file(self.solids.study, self.name, &stem)), artefact, run, key)
+        files(
+            names.map(|stem| history_file(self.solids.input.main_case, self.name, &stem)),
+            artefact,
+            run,
+            key,
+        )
     }
 
     fn outdates(&self) -> &'static [&'static str] {
@@ -153,31 +166,21 @@ impl Stage for SimulateOther<'_, '_> {
     }
 }
 
-/// Address of a load case on the simple model with some springs.
-pub(crate) fn simple_run_address(study: &Study, case: &str, springs: &SpringsRecord) -> Address {
-    Address::of(Kind::SimpleRun, &study.keys.simple(case, springs))
-}
-
-/// The same in the contact element that the study has not chosen: a failure is kept there, too, and that of the chosen element never.
-pub(crate) fn other_run_address(study: &Study, case: &str, springs: &SpringsRecord) -> Address {
-    Address::of(Kind::SimpleRun, &("other element", study.keys.simple(case, springs)))
-}
-
 /// A load case on the simple model as an artefact.
 fn simple_run(
     at: &mut Solids<'_>,
+    input: &SimpleRunInput<'_>,
     name: &str,
-    scenario: &StudyScenario,
     springs: &SpringsRecord,
 ) -> Result<Artefact> {
     let used = springs::springs(springs)?;
     let geometry = at.geometry()?;
-    let (history, tried) = make::simulate(at.study, &geometry, &used, scenario, at.resources.monitor)
-        .map_err(|error| at.study.in_scenario(name, error))?;
+    let (history, tried) = make::simulate(input, &geometry, &used, at.resources.monitor)
+        .map_err(|error| at.input.source.in_scenario(name, error))?;
     let runs_with = format!("simple model: the {} contact element", springs::element(springs).name());
     let notes = [runs_with].into_iter().chain(springs::range_note(springs, &history)).collect();
     let record = RunRecord {
-        wheel_mass_kg: Some(scenario.scenario.wheel_mass.unwrap_or(used.mass())),
+        wheel_mass_kg: Some(input.case.wheel_mass.unwrap_or(used.mass())),
         ..RunRecord::new(&history, Some(springs), tried.worth, notes)
     };
     Ok(artefact(&history, &record, tried.disturbed.as_ref()))
@@ -190,20 +193,26 @@ fn simple_run(
 pub(crate) fn other_element(
     engine: &mut Engine<'_>,
     solids: &mut Solids<'_>,
-    (name, scenario): (&str, &StudyScenario),
+    (input, name, scenario): (SimpleRunInput<'_>, &str, &StudyScenario),
     springs: &SpringsRecord,
     laws: Option<&StiffnessByAngleRecord>,
 ) -> Result<Other> {
-    let study = solids.study;
     let chosen = springs::element(springs);
     let element = chosen.other();
     let run = match springs::in_other_element(springs, laws) {
-        Ok(springs) => engine.get(&mut SimulateOther { solids, name, scenario, springs: &springs })?,
+        Ok(springs) => engine.get(&mut SimulateOther {
+            solids: &mut *solids,
+            input,
+            name,
+            scenario,
+            springs: &springs,
+        })?,
         Err(reason) => Err(reason),
     };
     // what an earlier command has left of an element that does not run beside this one
     let gone = [Some(chosen), run.is_err().then_some(element)].into_iter().flatten();
-    let gone: Vec<String> = gone.flat_map(of_element).map(|stem| history_file(study, name, &stem)).collect();
+    let gone: Vec<String> =
+        gone.flat_map(of_element).map(|stem| history_file(solids.input.main_case, name, &stem)).collect();
     engine.results.withdraw(&gone, &OF_THE_RUNS)?;
     Ok(Other { element, run })
 }
@@ -247,11 +256,7 @@ pub(crate) fn files([name, other]: [String; 2], artefact: &Artefact, run: &Run, 
     [file(name, ROWS, &run.record)].into_iter().chain(disturbed).collect()
 }
 
-/// Name of a history file: plain for the main scenario, else with the scenario's name.
-pub fn history_file(study: &Study, scenario: &str, stem: &str) -> String {
-    if study.main_scenario.as_deref() == Some(scenario) {
-        format!("{stem}.csv")
-    } else {
-        format!("{stem}-{scenario}.csv")
-    }
+/// Name of a history file: plain for the `main` scenario, else with the scenario's name.
+pub fn history_file(main: Option<&str>, scenario: &str, stem: &str) -> String {
+    if main == Some(scenario) { format!("{stem}.csv") } else { format!("{stem}-{scenario}.csv") }
 }

@@ -19,7 +19,7 @@ use crate::results::bodies::others::{Other, Part, assumptions, others};
 use crate::results::bodies::zones::mesh_options;
 use crate::results::springs::assumed_record::{AssumedRecord, AssumedReference, OtherRecord};
 use crate::results::springs::make::{FoundSprings, contact_conditions};
-use crate::study::Study;
+use crate::study::Statics;
 
 /// Loads under which others are compared, at most.
 const LOADS: usize = 6;
@@ -30,26 +30,26 @@ const LOADS: usize = 6;
 /// # Errors
 /// An interruption.
 pub fn assumed(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     (meshes, bodies): (&Meshes, &CondensedPair),
     found: &FoundSprings,
     condense: impl Fn(&Geometry, &Meshes) -> Result<CondensedPair>,
     monitor: &dyn Monitor,
 ) -> Result<Option<AssumedRecord>> {
-    let (assumed, keys, open) = assumptions(study, geometry);
-    if assumed.is_empty() || !study.wants_error_band() {
+    let (assumed, keys, open) = assumptions(statics, geometry);
+    if assumed.is_empty() || !statics.wants_error_band() {
         return Ok(None);
     }
-    let others = others(study, geometry, open);
-    let reference = Reference::from(study.calibration.reference);
+    let others = others(statics, geometry, open);
+    let reference = Reference::from(statics.calibration.reference);
     let own: &Vec<LoadPoint> = &found.laws.beam.points;
     let step = own.len().div_ceil(LOADS).max(1);
     let loads: Vec<f64> = own.iter().map(|p| p.force).rev().step_by(step).collect();
     let loads: Vec<f64> = loads.into_iter().rev().collect();
-    let preloads = &study.calibration.horizontal_preloads;
+    let preloads = &statics.calibration.horizontal_preloads;
     let preload = &preloads[preloads.len() / 2..preloads.len() / 2 + 1];
-    let contact = contact_conditions(study);
+    let contact = contact_conditions(statics);
     let own_laws = bodies.press(&geometry.pair, contact, &loads, monitor).and_then(|pressed| pressed.laws());
     let own_laws = match or_reason(own_laws)? {
         Ok(laws) => laws,
@@ -75,7 +75,7 @@ pub fn assumed(
             let options = MeshOptions {
                 window_half_length: meshes.options().window_half_length,
                 contact_half_length: meshes.options().contact_half_length,
-                ..mesh_options(study, &other)
+                ..mesh_options(statics, &other)
             };
             // a wheel in another place has the same body, unless it touches where that has no fine elements
             let own = (part == Part::Shift && options == *meshes.options()).then_some(bodies);
@@ -83,7 +83,7 @@ pub fn assumed(
             let bodies = match own {
                 Some(bodies) => bodies,
                 None => {
-                    condensed = condense(&other, &Meshes::with_own(study, &other, None, None, options)?)?;
+                    condensed = condense(&other, &Meshes::with_own(statics, &other, None, None, options)?)?;
                     &condensed
                 }
             };

@@ -15,15 +15,15 @@ use crate::results::springs::band_record::{
     BandPointRecord, ErrorBandRecord, HorizontalBandRecord, ReferenceBandRecord, TargetRecord,
 };
 use crate::results::springs::make::{FoundSprings, contact_conditions};
-use crate::study::Study;
+use crate::study::Statics;
 
 /// Refuses a wanted error of meshes that the program cannot refine.
 ///
 /// # Errors
 /// [`InputError`] with the key.
-pub fn check_target(study: &Study) -> Result<()> {
+pub fn check_target(statics: Statics<'_>) -> Result<()> {
     let (Some(target), Some(file)) =
-        (study.target_error, study.rail.mesh.as_ref().or(study.wheel.mesh.as_ref()))
+        (statics.target_error, statics.rail.mesh.as_ref().or(statics.wheel.mesh.as_ref()))
     else {
         return Ok(());
     };
@@ -42,7 +42,7 @@ pub fn check_target(study: &Study) -> Result<()> {
 /// # Errors
 /// An interruption.
 pub fn error_band(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     bodies: &CondensedPair,
@@ -50,12 +50,12 @@ pub fn error_band(
     coarser: &CoarserBodies,
     monitor: &dyn Monitor,
 ) -> Result<(ErrorBandRecord, Option<HorizontalBandRecord>)> {
-    let (pair, contact) = (&geometry.pair, contact_conditions(study));
+    let (pair, contact) = (&geometry.pair, contact_conditions(statics));
     let solid = Solid::of_calibration(pair, bodies, contact, &found.laws, &geometry.replicates);
     let changed = solid.changed(bodies_of(coarser), monitor)?;
     let band = band_record(&solid.points, changed, meshes.contact_element(), coarser);
     let Some(found) = &found.horizontal else { return Ok((band, None)) };
-    let reference = Reference::from(study.calibration.reference);
+    let reference = Reference::from(statics.calibration.reference);
     let changes = match coarser {
         Ok(Coarser { bodies, .. }) => {
             match horizontal_changes(pair, bodies, contact, reference, &found.points, monitor) {
@@ -146,17 +146,17 @@ fn reference_record(band: &ErrorBand, complete: bool) -> ReferenceBandRecord {
 /// # Errors
 /// An interruption.
 pub fn finer_meshes(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     band: &mut ErrorBandRecord,
     accept: impl Fn(&Meshes) -> Result<()>,
     monitor: &dyn Monitor,
 ) -> Result<Option<Meshes>> {
-    let Some(wanted) = study.target_error else { return Ok(None) };
-    let target = TargetRecord { wanted, refinements: meshes.refinements(study), not_reached: None };
+    let Some(wanted) = statics.target_error else { return Ok(None) };
+    let target = TargetRecord { wanted, refinements: meshes.refinements(statics.mesh), not_reached: None };
     let target = band.target.insert(target);
-    let in_use = study.calibration.reference.name();
+    let in_use = statics.calibration.reference.name();
     let Some(of) = band.references.iter().find(|of| of.reference == in_use) else { return Ok(None) };
     let Some(found) = of.largest() else {
         target.not_reached = Some(format!("no band: {}", band.missing.join("; ")));
@@ -179,7 +179,7 @@ pub fn finer_meshes(
         ));
         return Ok(None);
     }
-    let finer = remeshed_with(study, geometry, meshes, meshes.options().refined(FINER));
+    let finer = remeshed_with(statics, geometry, meshes, meshes.options().refined(FINER));
     match finer.and_then(|finer| accept(&finer).map(|()| finer)) {
         Ok(finer) => {
             monitor.notice(&format!(

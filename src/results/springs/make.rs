@@ -19,9 +19,9 @@ use railspring_profiles::units::{
 };
 use rayon::prelude::*;
 
-use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::mesh_files::named;
-use crate::results::bodies::meshes::{Meshes, contact_field, enforcement};
+use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::record::BodyMeshRecord;
 use crate::results::bodies::solids::{rail_in_use, solids};
 use crate::results::bodies::touch::{HertzRecord, TouchRecord};
@@ -35,7 +35,7 @@ use crate::results::springs::record::{
     SubsurfaceRecord, TableRecord, TangentRecord,
 };
 use crate::rounding::significant;
-use crate::study::{EnforcementKey, MeshFile, Study};
+use crate::study::{EnforcementKey, MeshFile, OutputKeys, Statics};
 use crate::version;
 
 /// One m/N in µm/kN.
@@ -94,8 +94,8 @@ impl Calibration {
 ///
 /// # Errors
 /// [`InputError`] with the key.
-pub fn check_friction(study: &Study) -> Result<()> {
-    if study.contact.friction == 0.0 {
+pub fn check_friction(statics: Statics<'_>) -> Result<()> {
+    if statics.contact.friction == 0.0 {
         return Err(InputError::new(
             "contact.friction",
             "0",
@@ -108,12 +108,9 @@ pub fn check_friction(study: &Study) -> Result<()> {
 }
 
 /// How wheel and rail meet in the calibration of a study.
-pub fn contact_conditions(study: &Study) -> ContactConditions {
-    ContactConditions {
-        friction: study.contact.friction,
-        enforcement: enforcement(study),
-        field: contact_field(study),
-    }
+pub fn contact_conditions(statics: Statics<'_>) -> ContactConditions {
+    let (enforcement, field) = statics.contact.of_solids();
+    ContactConditions { friction: statics.contact.friction, enforcement, field }
 }
 
 /// The pair under the loads of a study: the laws and the horizontal stiffness.
@@ -124,18 +121,18 @@ pub fn contact_conditions(study: &Study) -> ContactConditions {
 /// # Errors
 /// A load that cannot be carried, a rail too short to be a beam, and numerics without an answer.
 pub fn press(
-    study: &Study,
+    statics: Statics<'_>,
     geometry: &Geometry,
     bodies: &CondensedPair,
     monitor: &dyn Monitor,
 ) -> Result<PressedStudy> {
     let pair = &geometry.pair;
     let beam = SeriesBeam::new(pair, bodies, &geometry.beam)?;
-    let contact = contact_conditions(study);
-    let pressed = bodies.press(pair, contact, &study.calibration.loads, monitor)?;
+    let contact = contact_conditions(statics);
+    let pressed = bodies.press(pair, contact, &statics.calibration.loads, monitor)?;
     let laws = pressed.laws()?;
-    let reference = Reference::from(study.calibration.reference);
-    let horizontal = pressed.horizontal(reference, &study.calibration.horizontal_preloads, monitor);
+    let reference = Reference::from(statics.calibration.reference);
+    let horizontal = pressed.horizontal(reference, &statics.calibration.horizontal_preloads, monitor);
     let (horizontal, horizontal_failure) = match horizontal {
         Ok(horizontal) => (Some(horizontal), None),
         Err(Error::Interrupted) => return Err(Error::Interrupted),
@@ -152,7 +149,7 @@ pub fn press(
 /// # Errors
 /// Numerics without an answer.
 pub fn calibrate(
-    study: &Study,
+    (statics, output): (Statics<'_>, &OutputKeys),
     geometry: &Geometry,
     meshes: &Meshes,
     bodies: &CondensedPair,
@@ -161,31 +158,31 @@ pub fn calibrate(
     let pair = &geometry.pair;
     let PressedStudy { beam, states, found: FoundSprings { laws, horizontal }, horizontal_failure, .. } =
         pressed;
-    let pressed = bodies.pressed(pair, contact_conditions(study), states.clone());
-    let reference = Reference::from(study.calibration.reference);
+    let pressed = bodies.pressed(pair, contact_conditions(statics), states.clone());
+    let reference = Reference::from(statics.calibration.reference);
     let in_use = laws.get(reference).expect("the law in use is made");
     let in_series = (reference != Reference::Foot).then_some(beam);
     let states = pressed.states(reference)?;
     let pressed_solids = PressedSolids {
         states,
-        bodies: [(rail_in_use(study), bodies.rail(reference)?), (PairBody::Wheel, &bodies.wheel)],
-        solids: solids(study, geometry, meshes),
+        bodies: [(rail_in_use(statics), bodies.rail(reference)?), (PairBody::Wheel, &bodies.wheel)],
+        solids: solids(statics, geometry, meshes),
         carried: in_series.map_or_else(Matrix2::zeros, |beam| beam.solid),
     };
-    let fields = field_files(&pressed_solids, geometry, meshes, &study.output)?;
+    let fields = field_files(&pressed_solids, geometry, meshes, output)?;
     let stiffness = horizontal.as_ref().map(|h| h.stiffness);
-    let poisson = study.rail.material.poisson;
+    let poisson = statics.rail.material.poisson;
     let below: Vec<Option<Subsurface>> =
         states.par_iter().map(|state: &Pressed| state.subsurface(poisson)).collect();
     let record = StiffnessRecord {
-        study: study.name.clone(),
+        study: String::new(),
         reference: reference.name().into(),
         law: law_record(&in_use.fit),
-        law_end: pressed.ended().map(|reason| load_end(&study.calibration.loads, states.len(), reason)),
+        law_end: pressed.ended().map(|reason| load_end(&statics.calibration.loads, states.len(), reason)),
         horizontal_kn_per_m: stiffness.map(|k| k / KILONEWTON_PER_METRE),
         horizontal: horizontal.as_ref().map(horizontal_record),
         horizontal_end: horizontal.as_ref().and_then(|horizontal| {
-            let preloads = &study.calibration.horizontal_preloads;
+            let preloads = &statics.calibration.horizontal_preloads;
             horizontal.ended.as_ref().map(|reason| load_end(preloads, horizontal.points.len(), reason))
         }),
         horizontal_missing: horizontal_failure.as_ref().map(ToString::to_string),
@@ -196,35 +193,36 @@ pub fn calibrate(
         compliance_split: in_use.points.iter().map(|p| compliance_record(p, in_series)).collect(),
         subsurface: in_use.points.iter().zip(&below).filter_map(subsurface_record).collect(),
         penalty: PenaltyRecord {
-            enforcement: match study.contact.enforcement {
+            enforcement: match statics.contact.enforcement {
                 EnforcementKey::Exact => "exact",
                 EnforcementKey::Penalty => "penalty",
             }
             .into(),
-            penalty_kn_per_m: study.contact.penalty / KILONEWTON_PER_METRE,
-            penetration_over_displacement: (study.contact.enforcement == EnforcementKey::Penalty)
+            penalty_kn_per_m: statics.contact.penalty / KILONEWTON_PER_METRE,
+            penetration_over_displacement: (statics.contact.enforcement == EnforcementKey::Penalty)
                 .then(|| in_use.points.iter().map(|p| p.penalty_error).fold(0.0, f64::max)),
         },
         mesh: vec![
             mesh_record(
                 "rail",
                 &meshes.rail,
-                &study.rail.mesh,
+                &statics.rail.mesh,
                 meshes.contact_elements[0],
                 &bodies.rail_on_ends,
             )?,
             mesh_record(
                 "wheel",
                 &meshes.wheel,
-                &study.wheel.mesh,
+                &statics.wheel.mesh,
                 meshes.contact_elements[1],
                 &bodies.wheel,
             )?,
         ],
         profiles: geometry.profiles.clone(),
         touch: touch_record(geometry, bodies),
-        pair: study.pair(),
-        input_hash: geometry::calibration_address(study).key().into(),
+        pair: statics.pair(),
+        // the stage knows its address
+        input_hash: String::new(),
         version: env!("CARGO_PKG_VERSION").into(),
         commit: version::COMMIT.into(),
         content_blake3: String::new(),
@@ -237,12 +235,13 @@ pub fn calibrate(
         patch_record(pair, &states[index], profile)
     };
     let patches = PatchesRecord {
-        study: study.name.clone(),
+        study: String::new(),
         reference: reference.name().into(),
-        field: study.contact.field.name().into(),
-        friction: study.contact.friction,
+        field: statics.contact.field.name().into(),
+        friction: statics.contact.friction,
         patches: chosen(states.len()).into_iter().map(patch).collect(),
-        input_hash: geometry::calibration_address(study).key().into(),
+        // the stage knows its address
+        input_hash: String::new(),
         version: env!("CARGO_PKG_VERSION").into(),
     };
     let horizontal_failure = horizontal_failure.clone();
@@ -250,8 +249,8 @@ pub fn calibrate(
 }
 
 /// The springs as they were found, before their error bands, in a line.
-pub fn law_so_far(study: &Study, found: &FoundSprings) -> String {
-    let reference = Reference::from(study.calibration.reference);
+pub fn law_so_far(statics: Statics<'_>, found: &FoundSprings) -> String {
+    let reference = Reference::from(statics.calibration.reference);
     let law = found.laws.get(reference).map(|law| law.fit.law);
     let law = law.map_or_else(String::new, |law| {
         let LawConstants { a_kn_per_m, b_kn_per_m, c, f0_kn } = law.into();

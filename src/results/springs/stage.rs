@@ -15,8 +15,9 @@ use crate::engine::seal::Sealed;
 use crate::engine::stage::{Engine, Made, Stage};
 use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::estimate::Work;
-use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::in_work::{REACH, Solids};
+use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::Meshes;
 use crate::results::bodies::solids;
 use crate::results::bodies::source::BodySource;
@@ -28,11 +29,13 @@ use crate::results::springs::band_record::{ErrorBandRecord, HorizontalBandRecord
 use crate::results::springs::make::{self, Calibration, FoundSprings, PressedStudy};
 use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::springs::{assumed, error_band, fields};
-use crate::study::Study;
+use crate::study::Statics;
 
 /// The springs of the study, its load curve, patches and fields.
 pub(crate) struct Calibrate<'s, 'a> {
     pub solids: &'s mut Solids<'a>,
+    /// Whether the study gives the horizontal stiffness, so that it goes on without one that was found.
+    pub has_horizontal: bool,
     /// Springs that were found before.
     pub found: Option<FoundOn>,
 }
@@ -85,7 +88,7 @@ impl Stage for Calibrate<'_, '_> {
     }
 
     fn address(&mut self, _: &Engine<'_>) -> Result<Address> {
-        Ok(geometry::calibration_address(self.solids.study))
+        Ok(self.solids.input.calibration())
     }
 
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
@@ -95,12 +98,12 @@ impl Stage for Calibrate<'_, '_> {
         };
         let at = &mut *self.solids;
         let FoundOn { meshes, condensed, pressed, band, refused, watch } = springs;
-        at.resources.monitor.notice(&make::law_so_far(at.study, pressed.found()));
+        at.resources.monitor.notice(&make::law_so_far(at.input.statics, pressed.found()));
         engine.watch = watch.or(engine.watch.take());
-        let (study, geometry) = (at.study, at.geometry()?);
-        let fields = || make::calibrate(study, &geometry, &meshes, &condensed, &pressed);
+        let (statics, geometry) = (at.input.statics, at.geometry()?);
+        let fields = || make::calibrate((statics, at.input.output), &geometry, &meshes, &condensed, &pressed);
         let band = || match band {
-            None if study.wants_error_band() => {
+            None if statics.wants_error_band() => {
                 error_band(at, &geometry, &meshes, &condensed, &pressed).map(Some)
             }
             band => Ok(band),
@@ -116,7 +119,7 @@ impl Stage for Calibrate<'_, '_> {
         calibration.stiffness.assumed = assumed(at, &geometry, (&meshes, &condensed), pressed.found())?;
         let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
         let reach = at.go_on_with(meshes);
-        at.condensed = (study.wants_by_angle() || study.modes() > 0).then_some(condensed);
+        at.condensed = (at.input.wants_by_angle() || at.input.modes > 0).then_some(condensed);
         let mut artefact = Artefact::default()
             .with(REACH, to_json(&reach))
             .with(STIFFNESS, to_json(&stiffness))
@@ -127,18 +130,18 @@ impl Stage for Calibrate<'_, '_> {
         }
         let complete = horizontal_failure.is_none() && !refused;
         // what the calibration has finished is written; a study with a stiffness goes on with it
-        let failure = horizontal_failure.filter(|_| study.simulation.horizontal.is_none());
+        let failure = horizontal_failure.filter(|_| !self.has_horizontal);
         Ok(Made { complete, failure, ..Made::whole(artefact) })
     }
 
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<Calibration> {
         let at = &mut *self.solids;
         let mut stiffness: StiffnessRecord = artefact.json(STIFFNESS)?;
-        label(&mut stiffness, key, at.study, &*at.geometry()?);
+        label(&mut stiffness, key, &{ at.input }, &*at.geometry()?);
         let stiffness = stiffness.sealed();
         let load_curve = load_curve(LOAD_CURVE, artefact.text(LOAD_CURVE)?)?;
         let mut patches: PatchesRecord = artefact.json(PATCHES)?;
-        patches.study.clone_from(&at.study.name);
+        patches.study = at.input.name.into();
         patches.input_hash = key.into();
         at.go_on_with_reach(artefact)?;
         Ok(Calibration::kept(stiffness, load_curve, patches))
@@ -164,9 +167,8 @@ impl Stage for Calibrate<'_, '_> {
 }
 
 /// Whether the calibration is to be made, as far as the store says.
-pub(crate) fn calibrates(study: &Study, engine: &Engine<'_>) -> bool {
-    let address = geometry::calibration_address(study);
-    engine.fresh || !engine.store.is_some_and(|store| store.has(&address))
+pub(crate) fn calibrates(input: &SolidsInput<'_>, engine: &Engine<'_>) -> bool {
+    engine.fresh || !engine.store.is_some_and(|store| store.has(&input.calibration()))
 }
 
 /// The springs of the study, on meshes with zones as long and elements as fine as they have to be.
@@ -176,14 +178,14 @@ pub(crate) fn calibrates(study: &Study, engine: &Engine<'_>) -> bool {
 pub(crate) fn found_springs(at: &mut Solids<'_>, engine: &mut Engine<'_>) -> Result<FoundOn> {
     let geometry = at.geometry()?;
     let mut meshes = at.meshes(engine, Solids::calibration_work)?;
-    let (study, monitor, budget) = (at.study, at.resources.monitor, at.resources.budget);
-    let (source, modes) = (at.body_source(), study.modes());
+    let (input, monitor, budget) = (at.input, at.resources.monitor, at.resources.budget);
+    let (source, statics) = (at.body_source(), input.statics);
     let accept =
-        |larger: &Meshes| budget.check(study, &geometry, larger, &Work::of(study, true, false)).map(|_| ());
+        |larger: &Meshes| budget.check(&input, &geometry, larger, &Work::of(&input, true, false)).map(|_| ());
     let press = |meshes: &Meshes| {
-        let solids = solids::solids(study, &geometry, meshes);
-        let condensed = source.condensed(&solids, "", modes)?;
-        let pressed = make::press(study, &geometry, &condensed, monitor)?;
+        let solids = solids::solids(statics, &geometry, meshes);
+        let condensed = source.condensed(&solids, "", input.modes)?;
+        let pressed = make::press(statics, &geometry, &condensed, monitor)?;
         Ok((Arc::new(condensed), pressed))
     };
     let reached = |(_, pressed): &Pressed| match pressed.ended() {
@@ -192,12 +194,13 @@ pub(crate) fn found_springs(at: &mut Solids<'_>, engine: &mut Engine<'_>) -> Res
     };
     loop {
         let Within { result: (condensed, pressed), refused } =
-            zones::within_zones(study, &geometry, &mut meshes, monitor, accept, press, reached)
-                .map_err(|error| uncarried(study, error))?;
+            zones::within_zones(statics, &geometry, &mut meshes, monitor, accept, press, reached)
+                .map_err(|error| uncarried(statics, error))?;
         let mut band = None;
-        if study.wants_error_band() && study.target_error.is_some() {
+        if statics.wants_error_band() && statics.target_error.is_some() {
             let (band, _) = band.insert(error_band(at, &geometry, &meshes, &condensed, &pressed)?);
-            if let Some(finer) = error_band::finer_meshes(study, &geometry, &meshes, band, accept, monitor)? {
+            if let Some(finer) = error_band::finer_meshes(statics, &geometry, &meshes, band, accept, monitor)?
+            {
                 meshes = finer;
                 continue;
             }
@@ -214,12 +217,12 @@ fn assumed(
     own: (&Meshes, &CondensedPair),
     found: &FoundSprings,
 ) -> Result<Option<AssumedRecord>> {
-    let (study, monitor) = (at.study, at.resources.monitor);
+    let (statics, monitor) = (at.input.statics, at.resources.monitor);
     let condense = |geometry: &Geometry, meshes: &Meshes| {
         let source = BodySource { foot_held: false, ..at.body_source() };
-        source.condensed(&solids::solids(study, geometry, meshes), " of another pair", 0)
+        source.condensed(&solids::solids(statics, geometry, meshes), " of another pair", 0)
     };
-    assumed::assumed(study, geometry, own, found, condense, monitor)
+    assumed::assumed(statics, geometry, own, found, condense, monitor)
 }
 
 /// The error bands. The bodies of coarser meshes that they need are condensed here, not beside the others: the law comes first.
@@ -232,7 +235,7 @@ fn error_band(
 ) -> Result<Band> {
     let coarser = at.coarser(geometry, meshes)?;
     let monitor = at.resources.monitor;
-    error_band::error_band(at.study, geometry, meshes, bodies, pressed.found(), &coarser, monitor)
+    error_band::error_band(at.input.statics, geometry, meshes, bodies, pressed.found(), &coarser, monitor)
 }
 
 /// The rows of a load curve; `path` is only named in messages.
@@ -251,26 +254,27 @@ pub fn load_curve(path: &str, text: &str) -> Result<Vec<LoadCurveRow>> {
 
 /// Puts in what a calibration carries of the study that asks for it and does not depend on, names of the study and of files, and the key of
 /// its address.
-fn label(stiffness: &mut StiffnessRecord, key: &str, study: &Study, geometry: &Geometry) {
-    stiffness.study.clone_from(&study.name);
+fn label(stiffness: &mut StiffnessRecord, key: &str, input: &SolidsInput<'_>, geometry: &Geometry) {
+    let statics = input.statics;
+    stiffness.study = input.name.into();
     stiffness.input_hash = key.into();
-    stiffness.pair = study.pair();
+    stiffness.pair = statics.pair();
     stiffness.profiles.clone_from(&geometry.profiles);
-    for (mesh, file) in stiffness.mesh.iter_mut().zip([&study.rail.mesh, &study.wheel.mesh]) {
+    for (mesh, file) in stiffness.mesh.iter_mut().zip([&statics.rail.mesh, &statics.wheel.mesh]) {
         mesh.file = file.as_ref().map(|file| file.file.clone());
     }
 }
 
 /// A contact at the end of a contact zone that cannot be made larger, under so small a load that there is no law, means loads too large
 /// for the study; on a profile under the smallest load, a place at which the two profiles have no room for a contact.
-fn uncarried(study: &Study, error: Error) -> Error {
+fn uncarried(statics: Statics<'_>, error: Error) -> Error {
     let Error::Numerics(cause) = &error else { return error };
-    let given = study.rail.mesh.is_some() || study.wheel.mesh.is_some();
+    let given = statics.rail.mesh.is_some() || statics.wheel.mesh.is_some();
     let load = cause.step.map_or_else(|| "the loads".into(), |step| format!("load number {step}"));
     match cause.reason {
         StopReason::EdgeOfCandidates if cause.step.is_none_or(|step| step == 1) => InputError::new(
             InputField::LateralShift,
-            format!("{} mm", study.track.lateral_shift / MILLIMETRE),
+            format!("{} mm", statics.track.lateral_shift / MILLIMETRE),
             "a place at which the contact of the smallest load lies inside both running surfaces",
             if given {
                 "move the wheel, or enlarge the contact surfaces of the mesh files"

@@ -1,4 +1,5 @@
 //! Tests of several results together.
 
+mod inputs;
 mod worn;
 mod zones;

@@ -28,7 +28,7 @@ fn a_short_head_with_a_spike() {
         _ => Some(line.to_owned()),
     });
     measured.content = Arc::from(lines.collect::<Vec<_>>().join("\n").into_bytes());
-    let geometry = geometry(&study).unwrap();
+    let geometry = geometry(study.statics()).unwrap();
     let head = &geometry.surfaces[0];
     assert_eq!((head.body.as_str(), head.standard.as_str(), geometry.surfaces.len()), ("rail", "60E1", 2));
     let largest = head.changed.iter().max_by(|a, b| a.change.total_cmp(&b.change)).unwrap();
@@ -60,7 +60,7 @@ fn a_short_head_with_a_spike() {
 fn the_worn_study_reads_its_profiles() {
     let study = Study::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/studies/worn.toml")).unwrap();
     assert!(study.rail.measured.is_some() && study.wheel.measured.is_some());
-    let geometry = geometry(&study).unwrap();
+    let geometry = geometry(study.statics()).unwrap();
     assert_eq!(geometry.profiles.len(), 2);
     assert!(geometry.profiles.iter().flat_map(|p| &p.findings).all(|f| f.action != "left"));
     // Worn off: the crown's 1.5 mm, of which 8/15 over 68 mm, and a little of the gauge corner.

@@ -47,20 +47,20 @@ fn a_zone_that_the_contact_leaves_is_made_longer() {
     let mut study = flange_contact("");
     study.mesh.wheel_zone.face_depth = 13.5e-3;
     let notes = Notes::default();
-    let geometry = geometry::geometry(&study).unwrap();
-    let options = mesh_options(&study, &geometry);
-    let mut meshes = meshes::meshes(&study, &geometry, options, None, &notes).unwrap();
+    let geometry = geometry::geometry(study.statics()).unwrap();
+    let options = mesh_options(study.statics(), &geometry);
+    let mut meshes = meshes::meshes(study.statics(), &geometry, options, None, &notes).unwrap();
     let press = |meshes: &Meshes| {
-        let solids = solids::solids(&study, &geometry, meshes);
+        let solids = solids::solids(study.statics(), &geometry, meshes);
         let bodies = condense_all(("superelements", &notes), PairBody::of_pair(false), true, |body| {
             solids.condense(body, solids.key(body))
         })?;
         let condensed = CondensedPair::new(bodies)?;
-        make::press(&study, &geometry, &condensed, &notes)
+        make::press(study.statics(), &geometry, &condensed, &notes)
     };
     let Err(Error::Numerics(cause)) = press(&meshes) else { panic!("the contact fits the short zone") };
     assert_eq!(SurfaceEnd::of(cause.reason), Some(SurfaceEnd::ContactZone));
-    within_zones(&study, &geometry, &mut meshes, &notes, |_| Ok(()), press, |_| None).unwrap();
+    within_zones(study.statics(), &geometry, &mut meshes, &notes, |_| Ok(()), press, |_| None).unwrap();
     assert!(meshes.options.wheel_zone.face_depth > 17e-3, "{:?}", meshes.options.wheel_zone);
     let notes = notes.0.into_inner().unwrap();
     assert!(!notes.is_empty() && notes.iter().all(|n| n.contains("meshed again")), "{notes:?}");
@@ -74,9 +74,9 @@ fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
     use nalgebra::Point2;
     use railspring_profiles::error::StopReason;
     let study = flange_contact("window_half_length_mm = 12\n");
-    let geometry = geometry::geometry(&study).unwrap();
-    let options = mesh_options(&study, &geometry);
-    let meshes = meshes::meshes(&study, &geometry, options, None, &Notes::default()).unwrap();
+    let geometry = geometry::geometry(study.statics()).unwrap();
+    let options = mesh_options(study.statics(), &geometry);
+    let meshes = meshes::meshes(study.statics(), &geometry, options, None, &Notes::default()).unwrap();
     let ended = |end| Ending::EndOfSurface { time: 0.0435, end, rail: Point2::new(-0.03, 0.01) };
     let refuse = |_: &Meshes| {
         Err(InputError::new("--memory", "1 GiB", "2 GiB for the larger meshes", "raise it").into())
@@ -88,7 +88,8 @@ fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
             Ok(ended(end))
         };
         let reached = |ending: &Ending| Reached::in_time(*ending);
-        let done = within_zones(&study, &geometry, &mut used, &notes, accept, work, reached).unwrap();
+        let done =
+            within_zones(study.statics(), &geometry, &mut used, &notes, accept, work, reached).unwrap();
         assert_eq!(done.result, ended(end));
         let longer = (used.options != meshes.options).then_some(used.options);
         (done.refused, longer, runs.into_inner().unwrap(), notes.0.into_inner().unwrap())
@@ -119,15 +120,23 @@ fn what_was_done_is_kept_where_no_larger_zone_can_be_had() {
     let fail = |_: &Meshes| -> Result<Ending> { Err(stop.clone().into()) };
     let notes = Notes::default();
     let failed =
-        within_zones(&study, &geometry, &mut meshes.clone(), &notes, refuse, fail, |_| None).map(|_| ());
+        within_zones(study.statics(), &geometry, &mut meshes.clone(), &notes, refuse, fail, |_| None)
+            .map(|_| ());
     assert!(failed.unwrap_err().to_string().starts_with("--memory = 1 GiB"));
 
     // a fine grid that does not settle is not a matter of the zone: nothing is meshed again for it
     let unsettled = |_: &Meshes| -> Result<Ending> {
         Err(NumericsError { reason: StopReason::GridUnsettled, ..stop.clone() }.into())
     };
-    let failed =
-        within_zones(&study, &geometry, &mut meshes.clone(), &notes, |_| Ok(()), unsettled, |_| None);
+    let failed = within_zones(
+        study.statics(),
+        &geometry,
+        &mut meshes.clone(),
+        &notes,
+        |_| Ok(()),
+        unsettled,
+        |_| None,
+    );
     let failed = failed.map(|_| ()).unwrap_err().to_string();
     assert!(failed.contains("does not hold the patch"), "{failed}");
     assert!(notes.0.into_inner().unwrap().is_empty());
@@ -141,7 +150,7 @@ fn the_window_follows_the_patch_unless_the_study_gives_it() {
     let mut study = loads("");
     study.rail.length = 0.555;
     study.calibration.loads = vec![85e3];
-    let geometry = geometry::geometry(&study).unwrap();
+    let geometry = geometry::geometry(study.statics()).unwrap();
     let [along, across] = geometry.pair.relative_radii();
     let hertz = |load| {
         point_contact(load, along, across, study.rail.material.contact_modulus(&study.wheel.material))
@@ -150,14 +159,14 @@ fn the_window_follows_the_patch_unless_the_study_gives_it() {
     let patch = hertz(85e3 / geometry.pair.touch.contact_angle.cos()).semi_axis_x;
     assert!(patch > 1.3 * hertz(85e3).semi_axis_x, "{patch}");
     let notes = Notes::default();
-    check_loads(&study, &geometry, &notes).unwrap();
-    assert!(mesh_options(&study, &geometry).window_half_length > patch);
+    check_loads(study.statics(), &geometry, &notes).unwrap();
+    assert!(mesh_options(study.statics(), &geometry).window_half_length > patch);
     assert!(notes.0.into_inner().unwrap()[0].contains("instead of"));
 
     let mut given = loads("window_half_length_mm = 12\n");
     given.rail.length = 0.555;
     given.calibration.loads = vec![85e3];
-    let refused = check_loads(&given, &geometry, &Notes::default()).unwrap_err().to_string();
+    let refused = check_loads(given.statics(), &geometry, &Notes::default()).unwrap_err().to_string();
     assert!(refused.contains("fits the contact zone of \u{b1}12.0 mm"), "{refused}");
-    assert_eq!(mesh_options(&given, &geometry).window_half_length, 12e-3);
+    assert_eq!(mesh_options(given.statics(), &geometry).window_half_length, 12e-3);
 }

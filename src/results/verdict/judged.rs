@@ -4,14 +4,14 @@ use crate::results::by_angle::record::ShiftRecord;
 use crate::results::by_angle::record::StiffnessByAngleRecord;
 use crate::results::run::stage::Runs;
 use crate::results::springs::record::StiffnessRecord;
+use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::record::{ScenarioVerdict, VerdictOn, VerdictSubject, VerificationRecord};
 use crate::rounding::{significant, with_unit};
-use crate::study::Study;
 use crate::verify::{Line, touches_with_flange};
 
 /// What verdicts are made from besides their lines.
 pub(crate) struct Judging<'a> {
-    pub study: &'a Study,
+    pub input: &'a VerdictInput<'a>,
     pub stiffness: Option<&'a StiffnessRecord>,
     pub by_angle: Option<&'a StiffnessByAngleRecord>,
     pub runs: &'a [(String, Runs)],
@@ -66,7 +66,7 @@ impl Judging<'_> {
     fn loads_of_law(&self) -> Option<String> {
         let stiffness = self.stiffness?;
         let in_use = stiffness.references.iter().find(|found| found.reference == stiffness.reference)?;
-        let limit = self.study.limits.law_max;
+        let limit = self.input.limits.law_max;
         let follows: Vec<bool> = in_use
             .points
             .iter()

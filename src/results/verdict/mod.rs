@@ -1,6 +1,7 @@
 //! The verdict on the simple model and on the springs.
 
 pub mod record;
+pub mod input;
 pub mod tables;
 pub mod reasons;
 pub mod judged;

@@ -9,23 +9,24 @@ use railspring_profiles::units::{KILONEWTON_PER_METRE, MILLIMETRE};
 use crate::engine::list::{Entry, NewFile, Results};
 use crate::engine::output::to_json;
 use crate::engine::stage::{Engine, Made, Stage};
-use crate::engine::store::{Address, Artefact, Kind};
+use crate::engine::store::{Address, Artefact};
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::names::{OF_THE_VERDICT, STIFFNESS, VERIFICATION};
 use crate::results::run::record::{RUN_NOTE, RunRecord};
 use crate::results::run::stage::{Run, Runs, SIMPLE, SOLID, history_file, of_element};
 use crate::results::springs::record::StiffnessRecord;
+use crate::results::verdict::input::VerdictInput;
 use crate::results::verdict::judged::{Judging, hub_deviations, place};
 use crate::results::verdict::record::{
     ElementDifferences, ElementVerdict, ScenarioVerdict, VerdictSubject, VerificationRecord,
 };
-use crate::study::{ContactElementKey, Study};
-use crate::verify::{self, Criterion, Line};
+use crate::study::{ContactElementKey, Wheel};
+use crate::verify::{self, Criterion, Limits, Line};
 use crate::version;
 
 /// The comparison of both models; `stiffness` is that of the study, if one of the simple models ran with it.
 pub(crate) struct Verify<'a> {
-    pub study: &'a Study,
+    pub input: VerdictInput<'a>,
     pub stiffness: Option<&'a StiffnessRecord>,
     /// The laws by contact angle of these springs, if the study wants them.
     pub by_angle: Option<&'a StiffnessByAngleRecord>,
@@ -40,7 +41,7 @@ impl Stage for Verify<'_> {
     }
 
     fn address(&mut self, engine: &Engine<'_>) -> Result<Address> {
-        Ok(verdict_address(self.study, &engine.results, self.stiffness.is_some()))
+        Ok(verdict_address(&self.input, &engine.results, self.stiffness.is_some()))
     }
 
     fn is_kept(&self) -> bool {
@@ -48,12 +49,12 @@ impl Stage for Verify<'_> {
     }
 
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
-        let study = self.study;
+        let input = &self.input;
         let mut scenarios = Vec::new();
         for (name, Runs { simple, other, solid }) in self.runs {
             let compared = |run: &Run| {
                 let solid = solid.as_ref()?;
-                Some(verify::compare(&run.model(), &solid.model(), &study.limits))
+                Some(verify::compare(&run.model(), &solid.model(), input.limits))
             };
             let comparison = compared(simple).transpose()?;
             let own = ElementVerdict {
@@ -98,25 +99,25 @@ impl Stage for Verify<'_> {
         }
         let all_condensed = !self.runs.is_empty() && self.runs.iter().all(|(_, runs)| is_condensed(runs));
         let mut verdict = VerificationRecord {
-            study: study.name.clone(),
+            study: input.name.into(),
             holds: false,
             decides: if all_condensed { VerdictSubject::Element } else { VerdictSubject::Springs },
             verdicts: Vec::new(),
-            changed_limits: study.limits.changed(),
-            calibration: self.stiffness.map_or_else(Vec::new, |record| calibration_lines(study, record)),
+            changed_limits: input.limits.changed(),
+            calibration: self.stiffness.map_or_else(Vec::new, |record| calibration_lines(input, record)),
             statics: self
                 .stiffness
                 .zip(self.by_angle.filter(|laws| laws.element.is_some()))
-                .map_or_else(Vec::new, |(record, laws)| statics_lines(study, record, laws)),
+                .map_or_else(Vec::new, |(record, laws)| statics_lines(input.limits, record, laws)),
             scenarios,
             input_hash: String::new(),
-            inputs: contents(inputs(study, &engine.results, self.stiffness.is_some())),
+            inputs: contents(inputs(input, &engine.results, self.stiffness.is_some())),
             version: env!("CARGO_PKG_VERSION").into(),
             commit: version::COMMIT.into(),
         };
         let holds = verdict.lines().all(|(_, line)| line.holds);
         verdict.holds = holds;
-        let judging = Judging { study, stiffness: self.stiffness, by_angle: self.by_angle, runs: self.runs };
+        let judging = Judging { input, stiffness: self.stiffness, by_angle: self.by_angle, runs: self.runs };
         verdict.verdicts = judging.verdicts(&verdict);
         Ok(Made::whole(Artefact::default().with(VERIFICATION, to_json(&verdict))))
     }
@@ -140,12 +141,16 @@ impl Stage for Verify<'_> {
 }
 
 /// Address of the verdict on the files of the folder; with the springs if one of the load cases ran with those of the study.
-pub(crate) fn verdict_address(study: &Study, results: &Results<'_>, with_stiffness: bool) -> Address {
-    let files: BTreeMap<String, [String; 2]> = inputs(study, results, with_stiffness)
+pub(crate) fn verdict_address(
+    input: &VerdictInput<'_>,
+    results: &Results<'_>,
+    with_stiffness: bool,
+) -> Address {
+    let files: BTreeMap<String, [String; 2]> = inputs(input, results, with_stiffness)
         .into_iter()
         .map(|(name, entry)| (name, [entry.key, entry.blake3.unwrap_or_default()]))
         .collect();
-    Address::of(Kind::Verdict, &(&study.name, &study.limits, files))
+    input.address(&files)
 }
 
 /// The hashes of the contents of files.
@@ -154,10 +159,10 @@ fn contents(files: BTreeMap<String, Entry>) -> BTreeMap<String, String> {
 }
 
 /// What is listed about the files that a verdict is made from.
-fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMap<String, Entry> {
-    let histories = study.scenarios.iter().flat_map(|(name, scenario)| {
+fn inputs(input: &VerdictInput<'_>, results: &Results<'_>, with_stiffness: bool) -> BTreeMap<String, Entry> {
+    let histories = input.cases.iter().flat_map(|(name, scenario)| {
         let files = |stems: [&str; 2]| -> Vec<String> {
-            let [file, disturbed] = stems.map(|stem| history_file(study, name, stem));
+            let [file, disturbed] = stems.map(|stem| history_file(input.main_case, name, stem));
             let entry = results.entry(&file).and_then(|entry| entry.note::<RunRecord>(RUN_NOTE));
             let known = entry.is_some_and(|run| run.spread.is_some());
             [file].into_iter().chain(known.then_some(disturbed)).collect()
@@ -172,17 +177,16 @@ fn inputs(study: &Study, results: &Results<'_>, with_stiffness: bool) -> BTreeMa
     stiffness
         .into_iter()
         .flatten()
-        .filter(|name| name != BY_ANGLE || study.wants_by_angle())
+        .filter(|name| name != BY_ANGLE || input.wants_by_angle)
         .chain(histories)
         .filter_map(|name| results.entry(&name).map(|entry| (name, entry)))
         .collect()
 }
 
 /// The comparison with the published law, which says whose wheel that is; the conical standard wheel is the nearest to it.
-fn published_line(study: &Study, line: Line) -> Line {
+fn published_line(wheel: &Wheel, line: Line) -> Line {
     const CONICAL: &str = "EN13715-1in40";
-    let wheel = &study.wheel;
-    let name = wheel.profile.as_deref().unwrap_or("a body of its own");
+    let name = wheel.name().unwrap_or("a body of its own");
     if name == CONICAL && wheel.measured.is_none() {
         return line;
     }
@@ -208,15 +212,15 @@ fn loads_line(stiffness: &StiffnessRecord) -> Line {
 }
 
 /// Lines of the verdict on the springs themselves.
-fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
+fn calibration_lines(input: &VerdictInput<'_>, stiffness: &StiffnessRecord) -> Vec<Line> {
     /// Load at which the published law is compared, kN.
     const COMPARED_AT_KN: f64 = 85.0;
-    let limits = &study.limits;
+    let limits = input.limits;
     let published = StiffnessLaw::published().tangent(COMPARED_AT_KN * 1e3) / KILONEWTON_PER_METRE;
     let foot = stiffness.references.iter().find(|reference| reference.reference == "foot");
     let against_published = foot.map(|foot| {
         let difference = (foot.law.constants.tangent(COMPARED_AT_KN) / published - 1.0).abs();
-        published_line(study, limits.published_stiffness().line(Some(difference)))
+        published_line(input.wheel, limits.published_stiffness().line(Some(difference)))
     });
     let of_law = stiffness.references.iter().map(|r| r.displacement.max_rel_error).max_by(f64::total_cmp);
     let lines = [
@@ -230,13 +234,16 @@ fn calibration_lines(study: &Study, stiffness: &StiffnessRecord) -> Vec<Line> {
 }
 
 /// Lines of the verdict on the condensed element under static loads: what the load cases do not see.
-pub fn statics_lines(study: &Study, stiffness: &StiffnessRecord, laws: &StiffnessByAngleRecord) -> Vec<Line> {
+pub fn statics_lines(
+    limits: &Limits,
+    stiffness: &StiffnessRecord,
+    laws: &StiffnessByAngleRecord,
+) -> Vec<Line> {
     const DIRECTIONS: [&str; 3] = [
         "Lateral flexibility of the element's hub (yy), largest difference from the solid over shifts and loads",
         "Lateral flexibility of the element's hub under vertical forces (yz), largest difference over shifts and loads",
         "Vertical flexibility of the element's hub (zz), largest difference from the solid over shifts and loads",
     ];
-    let limits = &study.limits;
     let farthest = laws.element.as_ref().and_then(|element| element.displacement);
     let displacement = limits.law_displacement();
     let displacement = Criterion {
@@ -264,6 +271,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::study::Study;
 
     /// Goal: the comparison with the published law says that S1002, and a measured wheel, are other wheels than the published one; beside the
     /// conical standard wheel it says nothing.
@@ -274,7 +282,7 @@ mod tests {
                 "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"{wheel}\"\ntape_diameter_m = 0.858\n"
             );
             let study = Study::parse(Path::new("x.toml"), &text).map_err(|e| e.to_string()).unwrap();
-            published_line(&study, study.limits.published_stiffness().line(Some(0.3))).note
+            published_line(&study.wheel, study.limits.published_stiffness().line(Some(0.3))).note
         };
         let said = note("S1002").unwrap();
         assert!(

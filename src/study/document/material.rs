@@ -43,14 +43,19 @@ impl Default for MaterialKeys {
 }
 
 impl MaterialKeys {
-    /// The material in SI units.
+    /// The material in SI units, without its damping.
     pub fn material(&self) -> Material {
         Material {
             young: self.young_gpa * GIGAPASCAL,
             poisson: self.poisson,
             density: self.density_kg_per_m3,
-            damping: self.damping_ratio / (PI * self.damping_frequency_hz),
+            damping: 0.0,
         }
+    }
+
+    /// Its damping, s ([`Material::damping`]).
+    pub fn damping(&self) -> f64 {
+        self.damping_ratio / (PI * self.damping_frequency_hz)
     }
 }
 

@@ -104,13 +104,13 @@ fn errors_of_the_library_name_the_keys_that_the_study_gives() {
     };
     let refused =
         || InputError::new(InputField::Loads, "900 kN", "less", "widen `window_half_length`, not `x`");
-    let range = parse("").with_keys(refused());
+    let range = parse("").source.with_keys(refused());
     assert_eq!(
         range.to_string(),
         "calibration.load_max_kn = 900 kN: expected less; widen `mesh.window_half_length_mm`, not `x`"
     );
     assert_eq!(
-        parse("[calibration]\nloads_kn = [1, 2, 3, 4]\n").with_keys(refused()).key,
+        parse("[calibration]\nloads_kn = [1, 2, 3, 4]\n").source.with_keys(refused()).key,
         "calibration.loads_kn"
     );
 

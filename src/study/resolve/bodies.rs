@@ -22,7 +22,7 @@ use crate::study::{Rail, RailBody, Source, Wheel};
 
 /// `material` and `element`: those of the study for both bodies.
 pub(super) fn rail(
-    keys: &RailKeys,
+    (keys, beam_elements): (&RailKeys, usize),
     (material, element): (&MaterialKeys, ElementKey),
     source: &Source,
     collector: &mut Collector,
@@ -79,8 +79,9 @@ pub(super) fn rail(
         section: section?,
         measured,
         inclination: inclination?,
-        inclination_given: keys.inclination.is_some(),
+        inclination_given: keys.inclination.is_some() || keys.profile_file.is_none(),
         length: keys.length_m,
+        beam_elements,
         mesh: mesh?,
         material,
         materials: materials?,
@@ -250,7 +251,7 @@ pub(super) fn wheel(
         tape_diameter: keys.tape_diameter_m,
         flange,
         body,
-        body_given: BODY_KEYS.iter().any(|key| source.gives(key)),
+        body_given: keys.profile_file.is_none() || BODY_KEYS.iter().any(|key| source.gives(key)),
         mesh: mesh?,
         material,
         materials: materials?,

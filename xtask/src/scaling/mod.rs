@@ -70,8 +70,8 @@ pub fn sweep(
     each: &mut dyn FnMut(&ScalingRecord) -> Result<()>,
 ) -> Result<ScalingRecord> {
     refuse_mesh_files(study)?;
-    let geometry = geometry::geometry(study)?;
-    let options = zones::mesh_options(study, &geometry);
+    let geometry = geometry::geometry(study.statics())?;
+    let options = zones::mesh_options(study.statics(), &geometry);
     let mut sizes = Sizes::new(study, &geometry, &options)?;
     let wanted = sweep.wanted(sizes.least())?;
     let mut record = ScalingRecord {
@@ -150,8 +150,8 @@ fn size(sizes: &mut Sizes<'_>, wanted: usize, resources: &Resources<'_>) -> Resu
     let Sizes { study, geometry, options, .. } = *sizes;
     let options = options.with_bodies_refined(refined);
     let (meshes, mesh) =
-        parts::timed("mesh", || meshes::meshes(study, geometry, options, interpreter, monitor))?;
-    let solids = solids::solids(study, geometry, &meshes);
+        parts::timed("mesh", || meshes::meshes(study.statics(), geometry, options, interpreter, monitor))?;
+    let solids = solids::solids(study.statics(), geometry, &meshes);
     let modes = study.solid.modes.unwrap_or(START_MODES);
     let ordered = parts::Ordered::both(&solids, modes, monitor)?;
     let resident = Stopwatch::start().read().1.unwrap_or(0.0) * MIB;

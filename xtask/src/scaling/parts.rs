@@ -167,7 +167,7 @@ pub(super) fn contact(
     size: &mut ScalingSize,
     monitor: &dyn Monitor,
 ) -> Result<()> {
-    let conditions = make::contact_conditions(study);
+    let conditions = make::contact_conditions(study.statics());
     let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
     let on_rail = geometry.pair.wheel_on_rail(rail, wheel, conditions);
     one(size, ("one load", "loads"), monitor, |clock| {
@@ -179,7 +179,7 @@ pub(super) fn contact(
     })?;
     let modes = ModeCount::Given(size_of_modes(rail, wheel));
     let contact = (conditions.enforcement, conditions.field);
-    let model = TransientModel::reduced(&geometry.pair, [rail, wheel], modes, study.damping(), contact);
+    let model = TransientModel::reduced(&geometry.pair, [rail, wheel], modes, study.damping, contact);
     let scenario = scenario(study);
     one(size, ("one step", "transient solid model"), monitor, |clock| {
         model.run(&scenario, clock).map(|_| 0.0)

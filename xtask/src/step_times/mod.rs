@@ -180,7 +180,7 @@ fn peers() -> Vec<PeerTime> {
 }
 
 fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Vec<Case>> {
-    let geometry = geometry::geometry(study)?;
+    let geometry = geometry::geometry(study.statics())?;
     let Some(constant) = study.scenarios.get(CONSTANT) else {
         let remedy = "name another study, or none, with --study";
         return Err(InputError::new(
@@ -226,7 +226,8 @@ fn cases(study: &Study, element: Option<&PairElement>, most: usize) -> Result<Ve
 fn models(study: &Study, geometry: &Geometry, beam: &RailBeam, element: Option<&PairElement>) -> Vec<Model> {
     let normal = StiffnessLaw::published().into();
     let springs = WheelSprings { horizontal: HORIZONTAL, normal, longitudinal: HORIZONTAL };
-    let (pair, materials) = (&geometry.pair, study.materials());
+    let damped = study.statics().materials().map(|own| own.damped(study.damping));
+    let (pair, materials) = (&geometry.pair, damped.each_ref());
     let published = MovingModel::of_pair(pair, beam.clone(), materials, springs, WHEEL_MASS);
     let condensed = element.map(|element| {
         let model = CondensedModel::of_pair(pair, beam.clone(), materials, element.clone());

@@ -11,9 +11,10 @@ use crate::python::Purpose;
 use crate::results::bodies::estimate::Work;
 use crate::results::bodies::estimate::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};
 use crate::results::bodies::geometry::Geometry;
+use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{FINER, Meshes};
 use crate::results::bodies::{coarser, others, places, solids};
-use crate::study::{FieldKey, Study, TransientKey};
+use crate::study::{FieldKey, TransientKey};
 
 /// Bytes of Python with NumPy and SciPy.
 const PYTHON: f64 = 300e6;
@@ -106,8 +107,8 @@ pub(crate) struct Beside {
 }
 
 /// Steps of the integration in a time step.
-pub(crate) fn steps_in_each(study: &Study) -> f64 {
-    match study.solid.steps() {
+pub(crate) fn steps_in_each(input: &SolidsInput<'_>) -> f64 {
+    match input.solid.steps() {
         InnerSteps::Equal(count) => count as f64,
         InnerSteps::Adaptive(control) => ADAPTED_STEPS.min(control.most as f64),
     }
@@ -118,8 +119,13 @@ impl Estimate {
     ///
     /// # Errors
     /// Those of counting the equations and the sizes of other meshes.
-    pub(crate) fn of(study: &Study, geometry: &Geometry, meshes: &Meshes, work: &Work) -> Result<Self> {
-        let solids = solids::solids(study, geometry, meshes);
+    pub(crate) fn of(
+        input: &SolidsInput<'_>,
+        geometry: &Geometry,
+        meshes: &Meshes,
+        work: &Work,
+    ) -> Result<Self> {
+        let solids = solids::solids(input.statics, geometry, meshes);
         let count = |body: PairBody| -> Result<FactorSize> { solids.parts(body)?.size() };
         // references factor whole bodies, and so does full order in time
         let whole = |mesh: MeshSize, body: PairBody| -> Result<Body> {
@@ -134,25 +140,25 @@ impl Estimate {
         let mut finer = None;
         let mut beside = Beside::default();
         if work.calibrate {
-            let candidates = Candidates::of(study, geometry, meshes);
-            stages.push(calibration(study, [&rail, &wheel], candidates, base));
-            if study.wants_by_angle() {
-                stages.push(by_angle(study, geometry, meshes, [&rail, &wheel], candidates, base)?);
+            let candidates = Candidates::of(input, geometry, meshes);
+            stages.push(calibration(input, [&rail, &wheel], candidates, base));
+            if input.wants_by_angle() {
+                stages.push(by_angle(input, geometry, meshes, [&rail, &wheel], candidates, base)?);
             }
-            if study.wants_error_band() {
-                stages.push(error_band(study, geometry, meshes, [&rail, &wheel], base)?);
+            if input.statics.wants_error_band() {
+                stages.push(error_band(input, geometry, meshes, [&rail, &wheel], base)?);
             }
-            let ways = ways_held(study);
-            let modes = study.modes() as f64;
+            let ways = ways_held(input);
+            let modes = input.modes as f64;
             beside.condensing =
                 base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
             beside.stages = stages.iter().map(|stage| stage.memory).sum();
-            stages.extend(others(study, geometry, [&rail, &wheel], base));
-            if study.target_error.is_some() && meshes_are_ours(study) {
+            stages.extend(others(input, geometry, [&rail, &wheel], base));
+            if input.statics.target_error.is_some() && meshes_are_ours(input) {
                 let options = meshes.options().refined(FINER);
-                let [finer_rail, finer_wheel] = resized(study, geometry, [&rail, &wheel], &options)?;
+                let [finer_rail, finer_wheel] = resized(input, geometry, [&rail, &wheel], &options)?;
                 let candidates = candidates.times(finer_rail.mesh.contact as f64 / rail.mesh.contact as f64);
-                finer = Some(calibration(study, [&finer_rail, &finer_wheel], candidates, base));
+                finer = Some(calibration(input, [&finer_rail, &finer_wheel], candidates, base));
             }
         }
         if let Some(purpose) = work.reference {
@@ -170,10 +176,10 @@ impl Estimate {
         };
         for (n, (name, steps)) in work.solids.iter().enumerate() {
             let steps = *steps as f64;
-            let within = study.solid.steps();
+            let within = input.solid.steps();
             let other = if within.doubled() == within { 0.0 } else { 1.0 };
-            let compared = steps.min(STEPS_COMPARED * steps_in_each(study));
-            let (memory, seconds) = match study.solid.transient {
+            let compared = steps.min(STEPS_COMPARED * steps_in_each(input));
+            let (memory, seconds) = match input.solid.transient {
                 TransientKey::Full => {
                     let bodies =
                         [whole(rail.mesh, PairBody::RailOnEnds)?, whole(wheel.mesh, PairBody::Wheel)?];
@@ -186,14 +192,14 @@ impl Estimate {
                     )
                 }
                 TransientKey::Reduced => {
-                    let modes = study.modes() as f64;
+                    let modes = input.modes as f64;
                     let condensing = condensing(&wheel, &rail, 0.0, modes);
                     let stepping =
-                        both.map(|body| stepping(&body.size, study.modes(), RUNS)).iter().sum::<f64>();
+                        both.map(|body| stepping(&body.size, input.modes, RUNS)).iter().sum::<f64>();
                     // on two threads: the run and the same with a larger input, the run with longer steps and its first steps with fewer
                     // modes; where there are error bands, its first steps on a finer grid and all longer ones on other contact elements
                     let beside = 0.5 * (other * steps + (1.0 + other) * compared);
-                    let banded = f64::from(study.wants_error_band());
+                    let banded = f64::from(input.statics.wants_error_band());
                     let other_solids = banded * (compared + 0.5 * steps);
                     let contact = (steps + 0.5 * (beside + other_solids)) * SECONDS_STEP;
                     let making = both.map(|body| body.seconds()).iter().sum::<f64>();
@@ -307,8 +313,8 @@ struct Candidates {
 }
 
 impl Candidates {
-    fn of(study: &Study, geometry: &Geometry, meshes: &Meshes) -> Self {
-        let largest = study.calibration.loads.last().copied().unwrap_or(0.0);
+    fn of(input: &SolidsInput<'_>, geometry: &Geometry, meshes: &Meshes) -> Self {
+        let largest = input.statics.calibration.loads.last().copied().unwrap_or(0.0);
         let lowered = FLEXIBILITY * largest;
         let at = |gap| geometry.pair.candidates([&meshes.rail, &meshes.wheel], lowered, gap) as f64;
         Self { first: at(FIRST_GAP), kept: at(KEPT_GAP) }
@@ -331,8 +337,8 @@ fn shares(loads: &[f64]) -> Vec<f64> {
 }
 
 /// Time of `loads`, the rail held in one way, s.
-fn pressing(study: &Study, loads: &[f64], candidates: Candidates) -> f64 {
-    match study.contact.field {
+fn pressing(input: &SolidsInput<'_>, loads: &[f64], candidates: Candidates) -> f64 {
+    match input.statics.contact.field {
         FieldKey::Elements => {
             shares(loads).iter().map(|share| SECONDS_PAIR * (share * candidates.first).powi(2)).sum()
         }
@@ -341,11 +347,16 @@ fn pressing(study: &Study, loads: &[f64], candidates: Candidates) -> f64 {
 }
 
 /// The calibration without its error bands; `base` are the bytes of program and meshes.
-fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates, base: f64) -> StageEstimate {
-    let ways = ways_held(study);
+fn calibration(
+    input: &SolidsInput<'_>,
+    [rail, wheel]: [&Body; 2],
+    candidates: Candidates,
+    base: f64,
+) -> StageEstimate {
+    let ways = ways_held(input);
     let of_states = |share: &f64| Candidates::dense(share * candidates.kept);
-    let states = ways * shares(&study.calibration.loads).iter().map(of_states).sum::<f64>();
-    let modes = study.modes() as f64;
+    let states = ways * shares(&input.statics.calibration.loads).iter().map(of_states).sum::<f64>();
+    let modes = input.modes as f64;
     // one more of the rail is against its section; beside the pressed bodies the inside of one of them at a time
     let pressed = wheel.dense() + (ways + 1.0) * rail.dense() + states;
     let memory = [
@@ -359,13 +370,13 @@ fn calibration(study: &Study, [rail, wheel]: [&Body; 2], candidates: Candidates,
             + wheel.seconds_inside()
             + ways * rail.seconds()
             + rail.seconds_inside()
-            + ways * pressing(study, &study.calibration.loads, candidates),
+            + ways * pressing(input, &input.statics.calibration.loads, candidates),
     }
 }
 
 /// In how many ways the rail is held: with its section, and with its foot where the study wants laws against that.
-fn ways_held(study: &Study) -> f64 {
-    if study.calibration.foot_held { 2.0 } else { 1.0 }
+fn ways_held(input: &SolidsInput<'_>) -> f64 {
+    if input.statics.calibration.foot_held { 2.0 } else { 1.0 }
 }
 
 /// Bytes of the bodies with `modes` modes: the wheel, which is condensed first, or the rail after it and after another of so many bytes.
@@ -375,7 +386,7 @@ fn condensing(wheel: &Body, rail: &Body, other: f64, modes: f64) -> f64 {
 
 /// The laws by contact angle with their error bands.
 fn by_angle(
-    study: &Study,
+    input: &SolidsInput<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     [rail, wheel]: [&Body; 2],
@@ -383,19 +394,19 @@ fn by_angle(
     base: f64,
 ) -> Result<StageEstimate> {
     // each thread presses the wheel in one place, and keeps no state but the last
-    let shifts = places::shifts(study, &geometry.pair).len() as f64;
+    let shifts = places::shifts(input.statics, input.shifts, &geometry.pair).len() as f64;
     let threads = (rayon::current_num_threads() as f64).min(shifts);
     // one more of the rail is against its section
-    let ways = ways_held(study);
+    let ways = ways_held(input);
     let mut kept = wheel.dense() + (ways + 1.0) * rail.dense();
-    let mut of_a_shift = ways * pressing(study, &places::loads_by_angle(study), candidates);
-    if study.wants_error_band() {
+    let mut of_a_shift = ways * pressing(input, &places::loads_by_angle(input.statics), candidates);
+    if input.statics.wants_error_band() {
         let loads = FIXED_LOADS_CHANGED as f64;
-        let (on_grids, of_a_load) = changed(study);
+        let (on_grids, of_a_load) = changed(input);
         of_a_shift += loads * on_grids;
-        if meshes_are_ours(study) {
+        if meshes_are_ours(input) {
             let options = coarser::coarser_options(geometry, meshes.options());
-            let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
+            let [rail, wheel] = resized(input, geometry, [rail, wheel], &options)?;
             kept += wheel.dense() + (ways + 1.0) * rail.dense();
             // on both meshes
             of_a_shift += loads * 2.0 * ways * of_a_load;
@@ -409,40 +420,45 @@ fn by_angle(
 }
 
 /// Time of a load on the halved grid and on the grid itself, and of a load on other meshes, s.
-fn changed(study: &Study) -> (f64, f64) {
-    match study.contact.field {
+fn changed(input: &SolidsInput<'_>) -> (f64, f64) {
+    match input.statics.contact.field {
         FieldKey::Hybrid => (SECONDS_HALVED, SECONDS_FINE),
         FieldKey::Elements => (0.0, SECONDS_STEP),
     }
 }
 
 /// Whether both meshes are the program's, which can make them coarser and finer.
-fn meshes_are_ours(study: &Study) -> bool {
-    study.rail.mesh.is_none() && study.wheel.mesh.is_none()
+fn meshes_are_ours(input: &SolidsInput<'_>) -> bool {
+    input.statics.rail.mesh.is_none() && input.statics.wheel.mesh.is_none()
 }
 
 /// Rail and wheel on the program's meshes with other sizes.
 fn resized(
-    study: &Study,
+    input: &SolidsInput<'_>,
     geometry: &Geometry,
     [rail, wheel]: [&Body; 2],
     options: &MeshOptions,
 ) -> Result<[Body; 2]> {
     let (on_rail, on_wheel) = rayon::join(
-        || rail_size(&geometry.pair.rail, study.rail.length, options),
+        || rail_size(&geometry.pair.rail, input.statics.rail.length, options),
         || wheel_size(&geometry.pair.wheel, options),
     );
     Ok([rail.resized(on_rail?), wheel.resized(on_wheel?)])
 }
 
 /// The pair with others in the place of the bodies and places that are assumed, one after the other, if any are.
-fn others(study: &Study, geometry: &Geometry, [rail, wheel]: [&Body; 2], base: f64) -> Option<StageEstimate> {
-    let [rails, wheels] = others::others_by_body(study, geometry).map(|count| count as f64);
+fn others(
+    input: &SolidsInput<'_>,
+    geometry: &Geometry,
+    [rail, wheel]: [&Body; 2],
+    base: f64,
+) -> Option<StageEstimate> {
+    let [rails, wheels] = others::others_by_body(input.statics, geometry).map(|count| count as f64);
     if rails + wheels == 0.0 {
         return None;
     }
-    let (_, of_a_load) = changed(study);
-    let loads = study.calibration.loads.len().min(LOADS_COARSER) as f64;
+    let (_, of_a_load) = changed(input);
+    let loads = input.statics.calibration.loads.len().min(LOADS_COARSER) as f64;
     let pressed = (rails + wheels) * loads * of_a_load;
     let seconds = rails * rail.seconds() + wheels * wheel.seconds() + pressed;
     let memory = base + rail.dense() + wheel.dense() + condensing(wheel, rail, 0.0, 0.0);
@@ -451,21 +467,21 @@ fn others(study: &Study, geometry: &Geometry, [rail, wheel]: [&Body; 2], base: f
 
 /// The error bands of the laws: the bodies of coarser meshes beside those of the laws, and the loads on both and on the halved grid.
 fn error_band(
-    study: &Study,
+    input: &SolidsInput<'_>,
     geometry: &Geometry,
     meshes: &Meshes,
     [rail, wheel]: [&Body; 2],
     base: f64,
 ) -> Result<StageEstimate> {
-    let ways = ways_held(study);
+    let ways = ways_held(input);
     let kept = (ways + 1.0) * rail.dense() + wheel.dense();
-    let loads = study.calibration.loads.len() as f64;
-    let (on_grids, of_a_load) = changed(study);
+    let loads = input.statics.calibration.loads.len() as f64;
+    let (on_grids, of_a_load) = changed(input);
     let seconds = loads.min(LOADS_HALVED as f64) * on_grids;
     let mut estimate = StageEstimate { stage: "error band".into(), memory: base + kept, seconds };
-    if meshes_are_ours(study) {
+    if meshes_are_ours(input) {
         let options = coarser::coarser_options(geometry, meshes.options());
-        let [rail, wheel] = resized(study, geometry, [rail, wheel], &options)?;
+        let [rail, wheel] = resized(input, geometry, [rail, wheel], &options)?;
         estimate.memory += condensing(&wheel, &rail, (ways - 1.0) * rail.dense(), 0.0);
         estimate.seconds +=
             wheel.seconds() + ways * (rail.seconds() + 2.0 * loads.min(LOADS_COARSER as f64) * of_a_load);

@@ -11,15 +11,16 @@ use serde::de::DeserializeOwned;
 use crate::engine::output::read_text;
 use crate::engine::seal::Sealed;
 use crate::hash::hash;
-use crate::results::bodies::geometry::{self, Geometry};
+use crate::results::bodies::geometry::Geometry;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
+use crate::results::run::input::SpringsInput;
 use crate::results::run::record::{SpringsRecord, SpringsSource};
 use crate::results::run::springs::{
     ACCEPTED, accepted_reference, own, own_springs, revolved_mass, springs, wheel_is_known, with_element,
 };
 use crate::results::springs::law::LawConstants;
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
-use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, PairRecord, Study};
+use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, PairRecord};
 
 /// A law as a person writes it: the constants and units of `stiffness.json`, and what is known about them.
 #[derive(Debug, Deserialize)]
@@ -58,9 +59,9 @@ struct CalibratedConstants {
 /// # Errors
 /// [`InputError`] whose key is the file, with the key in it that is wrong: missing or impossible constants, another pair
 /// or another reference that the study does not accept.
-pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<SpringsRecord> {
+pub fn from_file(input: &SpringsInput<'_>, geometry: &Geometry, path: &Path) -> Result<SpringsRecord> {
     let name = path.display().to_string();
-    if study.simulation.law == LawKey::Published {
+    if input.simulation.law == LawKey::Published {
         return Err(InputError::new(
             "simulation.law",
             "\"published\"",
@@ -87,9 +88,9 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     } else {
         (parsed(&name, &text)?, None)
     };
-    let laws = (study.element() == ContactElementKey::Condensed).then(|| laws_beside(study, path));
+    let laws = (input.element == ContactElementKey::Condensed).then(|| laws_beside(input, path));
     let (laws, without_laws) = match laws {
-        Some(Err(error)) if study.simulation.element.is_some() || broken_beside(path) => return Err(error),
+        Some(Err(error)) if input.simulation.element.is_some() || broken_beside(path) => return Err(error),
         // a law by hand has none beside it, and runs as springs
         Some(Err(_)) => {
             let note = format!("beside {name} lies no {BY_ANGLE} of this pair: the published element runs");
@@ -104,19 +105,19 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
     };
     let without_laws: Vec<String> = without_laws.into_iter().chain(laws.as_ref().and_then(edited)).collect();
     // The study's own calibration under another name is no other law.
-    let own_address = geometry::calibration_address(study);
+    let own_address = input.calibration();
     let is_own = |it: &&StiffnessRecord| it.input_hash == own_address.key() && it.is_as_written();
     if let Some(stiffness) = calibration.as_ref().filter(is_own) {
         let springs = match &laws {
-            Some(laws) => own(study, stiffness, Some(laws))?,
-            None => own_springs(study, stiffness)?,
+            Some(laws) => own(input, stiffness, Some(laws))?,
+            None => own_springs(input, stiffness)?,
         };
         return Ok(SpringsRecord {
             notes: springs.notes.into_iter().chain(without_laws).collect(),
             ..springs
         });
     }
-    if study.simulation.law == LawKey::Table {
+    if input.simulation.law == LawKey::Table {
         return Err(InputError::new(
             "simulation.law",
             "\"table\"",
@@ -126,14 +127,15 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
         .into());
     }
     let mut notes = Vec::new();
-    notes.extend(accepted_reference(study, &format!("{name}: reference"), law.reference.as_deref())?);
-    notes.extend(accepted_pair(study, &name, pair.as_ref())?);
+    notes.extend(accepted_reference(input, &format!("{name}: reference"), law.reference.as_deref())?);
+    notes.extend(accepted_pair(input, &name, pair.as_ref())?);
     if law.range_kn.is_none() {
         notes.push(format!("{name} says no range_kn: whether the run leaves the law's range is unknown"));
     }
-    let of_pair = calibration.filter(|_| pair.as_ref().is_some_and(|pair| pair.hash == study.keys.pair));
+    let of_pair =
+        calibration.filter(|_| pair.as_ref().is_some_and(|pair| pair.hash == input.statics.pair_key()));
     notes.extend(match &of_pair {
-        Some(calibration) => of_other_calibration(study, &name, calibration),
+        Some(calibration) => of_other_calibration(input, &name, calibration),
         None => vec![format!(
             "{name}: the rail beam is not corrected to the solid rail, as `calibrate` does for its own law"
         )],
@@ -148,13 +150,13 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
             f0_kn: given(&name, "f0_kn", law.f0_kn)?,
         },
         table_kn_and_kn_per_m: Vec::new(),
-        horizontal_kn_per_m: match study.simulation.horizontal {
+        horizontal_kn_per_m: match input.simulation.horizontal {
             Some(horizontal) => horizontal / KILONEWTON_PER_METRE,
             None => given(&name, "horizontal_kn_per_m", law.horizontal_kn_per_m)?,
         },
         wheel_mass_kg: match &of_pair {
             Some(calibration) => calibration.wheel_mass(),
-            None => wheel_mass(study, geometry, &name, law.wheel_mass_kg)?,
+            None => wheel_mass(input, geometry, &name, law.wheel_mass_kg)?,
         },
         reference: law.reference,
         range_kn: law.range_kn,
@@ -172,7 +174,7 @@ pub fn from_file(study: &Study, geometry: &Geometry, path: &Path) -> Result<Spri
 }
 
 /// What has to be known about the springs of another calibration of the study's pair, which come with the wheel and the beam that they were made with.
-fn of_other_calibration(study: &Study, name: &str, calibration: &StiffnessRecord) -> Vec<String> {
+fn of_other_calibration(input: &SpringsInput<'_>, name: &str, calibration: &StiffnessRecord) -> Vec<String> {
     let StiffnessRecord { version, commit, beam, .. } = calibration;
     let mut notes = vec![match calibration.is_as_written() {
         true => format!(
@@ -181,10 +183,10 @@ fn of_other_calibration(study: &Study, name: &str, calibration: &StiffnessRecord
         ),
         false => edited(name),
     }];
-    if (beam.length_m - study.rail.length).abs() > 1e-9 {
+    if (beam.length_m - input.statics.rail.length).abs() > 1e-9 {
         notes.push(format!(
             "{name}: the factors of the rail beam are those of a rail of {} m, not of {} m",
-            beam.length_m, study.rail.length
+            beam.length_m, input.statics.rail.length
         ));
     }
     notes
@@ -196,8 +198,8 @@ fn edited(name: &str) -> String {
 }
 
 /// The laws by contact angle beside a law file, of the study's own pair, for its condensed element.
-fn laws_beside(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
-    laws_of(study, &path.with_file_name(BY_ANGLE))
+fn laws_beside(input: &SpringsInput<'_>, path: &Path) -> Result<StiffnessByAngleRecord> {
+    laws_of(input, &path.with_file_name(BY_ANGLE))
 }
 
 /// Whether laws by contact angle lie beside a law file that nothing can run with.
@@ -210,8 +212,8 @@ fn broken_beside(path: &Path) -> bool {
 ///
 /// # Errors
 /// [`InputError`] whose key is the file, if it cannot be read, is of another pair or has no element.
-pub fn element_of(study: &Study, path: &Path) -> Result<PairElement> {
-    let laws = laws_of(study, path)?;
+pub fn element_of(input: &SpringsInput<'_>, path: &Path) -> Result<PairElement> {
+    let laws = laws_of(input, path)?;
     let element = laws.element.as_ref().ok_or_else(|| {
         InputError::new(
             path.display().to_string(),
@@ -223,9 +225,9 @@ pub fn element_of(study: &Study, path: &Path) -> Result<PairElement> {
     Ok(PairElement::from(element))
 }
 
-fn laws_of(study: &Study, path: &Path) -> Result<StiffnessByAngleRecord> {
+fn laws_of(input: &SpringsInput<'_>, path: &Path) -> Result<StiffnessByAngleRecord> {
     let laws = read_laws(path)?;
-    accepted_pair(study, &path.display().to_string(), Some(&laws.pair))?;
+    accepted_pair(input, &path.display().to_string(), Some(&laws.pair))?;
     Ok(laws)
 }
 
@@ -298,10 +300,15 @@ fn check(name: &str, record: &SpringsRecord) -> Result<()> {
 }
 
 /// Mass of the wheel: from the file, or of the study's wheel as a body of revolution.
-fn wheel_mass(study: &Study, geometry: &Geometry, name: &str, written: Option<f64>) -> Result<f64> {
+fn wheel_mass(
+    input: &SpringsInput<'_>,
+    geometry: &Geometry,
+    name: &str,
+    written: Option<f64>,
+) -> Result<f64> {
     match written {
         Some(mass) => Ok(mass),
-        None if wheel_is_known(study) => Ok(revolved_mass(study, geometry)),
+        None if wheel_is_known(input) => Ok(revolved_mass(input, geometry)),
         None => Err(InputError::new(
             format!("{name}: wheel_mass_kg"),
             "(missing)",
@@ -313,15 +320,15 @@ fn wheel_mass(study: &Study, geometry: &Geometry, name: &str, written: Option<f6
 }
 
 /// What has to be said about the pair of a law, if the study accepts it.
-fn accepted_pair(study: &Study, name: &str, pair: Option<&PairRecord>) -> Result<Option<String>> {
+fn accepted_pair(input: &SpringsInput<'_>, name: &str, pair: Option<&PairRecord>) -> Result<Option<String>> {
     let Some(pair) = pair else {
         return Ok(Some(format!("{name} does not say for which pair its law is")));
     };
-    if pair.hash == study.keys.pair {
+    if pair.hash == input.statics.pair_key() {
         return Ok(None);
     }
-    let own = study.pair();
-    if study.simulation.law_accepted.contains(&LawAcceptedKey::AnotherPair) {
+    let own = input.statics.pair();
+    if input.simulation.law_accepted.contains(&LawAcceptedKey::AnotherPair) {
         return Ok(Some(format!("the law is of another pair, accepted by {ACCEPTED}: {}", pair.name)));
     }
     Err(InputError::new(

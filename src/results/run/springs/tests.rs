@@ -11,6 +11,7 @@ use crate::results::by_angle::element::{ElasticWheelRecord, StripRecord};
 use crate::results::by_angle::record::BY_ANGLE;
 use crate::results::samples;
 use crate::results::springs::record::BeamRecord;
+use crate::study::Study;
 
 /// ROUNDOFF: a power and some products of numbers of order one.
 const ROUNDOFF: f64 = 1e-13;
@@ -25,7 +26,7 @@ fn read(study: &Study, text: &str) -> Result<SpringsRecord> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("law.json");
     std::fs::write(&path, text).unwrap();
-    from_file(study, &geometry::geometry(study).unwrap(), &path)
+    from_file(&SpringsInput::of(study), &geometry::geometry(study.statics()).unwrap(), &path)
 }
 
 fn refusal(study: &Study, text: &str) -> String {
@@ -56,16 +57,19 @@ fn the_reference_force_scales_the_power() {
 fn published_springs_need_no_calibration() {
     let published = "[simulation]\nlaw = \"published\"\n";
     let own = study(&format!("{published}horizontal_kn_per_m = 65000\n"));
-    assert!(need_no_calibration(&own));
-    let geometry = geometry::geometry(&own).unwrap();
-    let springs = without_calibration(&own, &geometry).unwrap();
+    assert!(need_no_calibration(&SpringsInput::of(&own)));
+    let geometry = geometry::geometry(own.statics()).unwrap();
+    let springs = without_calibration(&SpringsInput::of(&own), &geometry).unwrap();
     assert_eq!(springs.law, StiffnessLaw::published().into());
     assert!((springs.horizontal_kn_per_m / 65_000.0 - 1.0).abs() < ROUNDOFF);
-    assert_eq!(springs.wheel_mass_kg, revolved_mass(&own, &geometry));
+    assert_eq!(springs.wheel_mass_kg, revolved_mass(&SpringsInput::of(&own), &geometry));
     assert!(springs.notes.iter().any(|note| note.contains("nothing is calibrated")), "{:?}", springs.notes);
     let others = [published, "[simulation]\nhorizontal_kn_per_m = 65000\n"];
     for other in others.map(study) {
-        assert!(!need_no_calibration(&other) && without_calibration(&other, &geometry).is_none());
+        assert!(
+            !need_no_calibration(&SpringsInput::of(&other))
+                && without_calibration(&SpringsInput::of(&other), &geometry).is_none()
+        );
     }
 }
 
@@ -96,12 +100,17 @@ fn the_condensed_element_is_that_beside_the_law() {
         section_misfit: [0.0, 0.1],
     };
     let (default, asking) = (study(""), study("[simulation]\nelement = \"condensed\"\n"));
-    let laws =
-        StiffnessByAngleRecord { element: Some(element()), pair: default.pair(), ..samples::by_angle() };
+    let laws = StiffnessByAngleRecord {
+        element: Some(element()),
+        pair: default.statics().pair(),
+        ..samples::by_angle()
+    };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("law.json");
     std::fs::write(&path, LAW).unwrap();
-    let read = |study: &Study| from_file(study, &geometry::geometry(study).unwrap(), &path);
+    let read = |study: &Study| {
+        from_file(&SpringsInput::of(study), &geometry::geometry(study.statics()).unwrap(), &path)
+    };
     assert_eq!(read(&default).unwrap().element_blake3, None);
     let missing = read(&asking).unwrap_err().to_string();
     assert!(missing.contains(BY_ANGLE), "{missing}");
@@ -153,7 +162,7 @@ fn the_condensed_element_is_that_beside_the_law() {
 fn a_table_has_the_tangents_of_the_calibration() {
     let with = study("[simulation]\nlaw = \"table\"\n");
     let record = samples::stiffness();
-    let normal = springs(&own(&with, &record, None).unwrap()).unwrap().normal;
+    let normal = springs(&own(&SpringsInput::of(&with), &record, None).unwrap()).unwrap().normal;
     let points = &record.references.iter().find(|r| r.reference == record.reference).unwrap().points;
     assert!(points.len() > 4);
     for point in points {
@@ -161,7 +170,7 @@ fn a_table_has_the_tangents_of_the_calibration() {
         assert!((k - 1.0).abs() < ROUNDOFF, "{} kN: {k}", point.force_kn);
     }
     assert!(
-        own(&study("[simulation]\nelement = \"published\"\n"), &record, None)
+        own(&SpringsInput::of(&study("[simulation]\nelement = \"published\"\n")), &record, None)
             .unwrap()
             .table_kn_and_kn_per_m
             .is_empty()
@@ -229,19 +238,19 @@ fn another_reference_and_another_pair_need_the_studys_word() {
         assert!(read(&accepting, &law).unwrap().notes.iter().any(|note| note.contains(reason)));
 
         let keys = format!("[calibration]\nreference = {reference:?}\n");
-        let own = check_reference(&study(&keys)).unwrap_err().to_string();
+        let own = check_reference(&SpringsInput::of(&study(&keys))).unwrap_err().to_string();
         assert!(own.starts_with("calibration.reference = ") && own.contains(reason), "{own}");
         let known = format!("{keys}[simulation]\nlaw_accepted = [\"another-reference\"]\n");
-        check_reference(&study(&known)).unwrap();
+        check_reference(&SpringsInput::of(&study(&known))).unwrap();
         let published = format!("{keys}[simulation]\nlaw = \"published\"\n");
-        check_reference(&study(&published)).unwrap();
+        check_reference(&SpringsInput::of(&study(&published))).unwrap();
     }
     let mut record = samples::stiffness();
     let json = |record: &StiffnessRecord| serde_json::to_string(record).unwrap();
     let text = refusal(&plain, &json(&record));
     assert!(text.contains("pair = 60E1 and S1002") && text.contains("[\"another-pair\"]"), "{text}");
     assert!(read(&accepting, &json(&record)).unwrap().notes[0].contains("another pair"));
-    record.pair = plain.pair();
+    record.pair = plain.statics().pair();
     // one of the same pair with other settings comes with its wheel and its beam
     record.beam.length_m = plain.rail.length;
     let sealed = record.clone().sealed();
@@ -252,9 +261,9 @@ fn another_reference_and_another_pair_need_the_studys_word() {
     let longer = read(&plain, &json(&longer.sealed())).unwrap().notes;
     assert!(longer[1].contains("of a rail of 2 m"), "{longer:?}");
     // The study's own calibration under another name is no other law, unless it was edited.
-    record.input_hash = geometry::calibration_address(&plain).key().into();
+    record.input_hash = SpringsInput::of(&plain).calibration().key().into();
     let sealed = record.clone().sealed();
-    assert_eq!(read(&plain, &json(&sealed)).unwrap(), own(&plain, &sealed, None).unwrap());
+    assert_eq!(read(&plain, &json(&sealed)).unwrap(), own(&SpringsInput::of(&plain), &sealed, None).unwrap());
     let mut edited = sealed;
     edited.law.constants.b_kn_per_m *= 1.001;
     let found = read(&plain, &json(&edited)).unwrap();

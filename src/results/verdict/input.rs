@@ -1,0 +1,49 @@
+//! What a verdict is made from besides the results that it judges.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::engine::store::{Address, Kind};
+use crate::study::{Study, StudyScenario, Wheel};
+use crate::verify::Limits;
+
+/// Limits, and whose they are.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct VerdictInput<'a> {
+    /// Name of the study.
+    pub name: &'a str,
+    /// The limits.
+    pub limits: &'a Limits,
+    /// The wheel, which the published law is not of.
+    #[serde(skip)]
+    pub wheel: &'a Wheel,
+    /// The load cases by name.
+    #[serde(skip)]
+    pub cases: &'a BTreeMap<String, StudyScenario>,
+    /// Name of the load case whose histories have the plain file names.
+    #[serde(skip)]
+    pub main_case: Option<&'a str>,
+    /// Whether there are laws by contact angle.
+    #[serde(skip)]
+    pub wants_by_angle: bool,
+}
+
+impl<'a> VerdictInput<'a> {
+    /// That of a study.
+    pub fn of(study: &'a Study) -> Self {
+        Self {
+            name: &study.name,
+            limits: &study.limits,
+            wheel: &study.wheel,
+            cases: &study.scenarios,
+            main_case: study.main_scenario.as_deref(),
+            wants_by_angle: study.wants_by_angle(),
+        }
+    }
+
+    /// Address of the verdict on files with these keys and contents, which stand for wheel and load cases.
+    pub fn address(&self, files: &BTreeMap<String, [String; 2]>) -> Address {
+        Address::of(Kind::Verdict, &(self, files))
+    }
+}
