@@ -340,7 +340,6 @@ impl Study {
             mesh: &self.mesh,
             target_error: self.target_error,
             window_given: self.source.gives("mesh.window_half_length_mm"),
-            shift_given: self.source.gives("track.lateral_shift_mm"),
             element: self.element,
             contact: self.contact,
             calibration: &self.calibration,

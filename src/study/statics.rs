@@ -32,8 +32,6 @@ pub struct Statics<'a> {
     pub target_error: Option<f64>,
     /// Whether the study gives the length of the contact window; one that it gives is not made longer, though it be as long as the usual one.
     pub window_given: bool,
-    /// Whether the study gives the lateral shift; one that it gives may be wrong, and is refused where it leads out of the contact zone.
-    pub shift_given: bool,
     /// Formulation of the eight-node brick.
     pub element: ElementKey,
     /// Contact between the solids.

@@ -38,8 +38,8 @@ pub fn mesh_options(statics: Statics<'_>, geometry: &Geometry) -> MeshOptions {
     if statics.rail.measured.is_some() || statics.wheel.measured.is_some() {
         options.rail_zone.face_depth += DEEPER;
     }
-    // a shift that is given may be wrong, and is refused where it leads out of the zone
-    if meshes_are_ours(statics) && !statics.shift_given {
+    // another shift than the usual one may be wrong, and is refused where it leads out of the zone
+    if meshes_are_ours(statics) && statics.track.lateral_shift == 0.0 {
         let touches = [geometry.pair.touch.rail_s, geometry.pair.touch.wheel_s];
         for ((zone, curve), s) in zones(geometry, &mut options).into_iter().zip(touches) {
             let y = curve.point(s).x;

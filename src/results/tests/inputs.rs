@@ -38,7 +38,8 @@ impl Keys {
 
     /// That of a load case on the simple model with springs of a mass of the wheel, kg.
     fn simple(&self, case: &str, wheel_mass_kg: f64) -> String {
-        let springs = springs::own(&SpringsInput::of(&study(SHORT)), &samples::stiffness(), None);
+        let published = study(&format!("{SHORT}[simulation]\nelement = \"published\"\n"));
+        let springs = springs::own(&SpringsInput::of(&published), &samples::stiffness(), None);
         let springs = SpringsRecord { wheel_mass_kg, ..springs.unwrap() };
         let input = SimpleRunInput::of(&self.study, &self.study.scenarios[case]);
         input.address(&springs).key().into()
