@@ -1,5 +1,6 @@
 //! The modules stand in the order of the pipeline: a module uses only those above it, in a crate and inside a
 //! module. The file that lists them says the order; every path that starts with `crate::` or `super::` is compared with it.
+//! A parent stands last: what its modules need of it stands in a module of its own.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -67,6 +68,39 @@ impl Tree {
         }
         found
     }
+
+    /// Uses of what the file of a module has by the modules inside it.
+    fn looks_up(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        for (module, file) in &self.files {
+            let text = code(&std::fs::read_to_string(file).unwrap());
+            for used in paths(&without_tests(&text), module) {
+                let known =
+                    (0..=used.len()).rev().find(|&n| self.order.contains_key(&used[..n])).unwrap_or(0);
+                if known < module.len() && module.starts_with(&used[..known]) {
+                    let name = used.get(known).map_or("all of it", String::as_str);
+                    let parent = [vec!["crate".to_string()], used[..known].to_vec()].concat().join("::");
+                    found.push(format!("{}: uses {name} of {parent}", file.display()));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The text up to its tests, and without the lines before them that only tests need.
+fn without_tests(text: &str) -> String {
+    let mut kept = String::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        if line.trim() != "#[cfg(test)]" {
+            kept.push_str(line);
+            kept.push('\n');
+        } else if lines.next().is_some_and(|next| next.starts_with("mod ") && next.ends_with('{')) {
+            break;
+        }
+    }
+    kept
 }
 
 /// The text without comments.
@@ -79,7 +113,8 @@ fn paths(text: &str, module: &Module) -> Vec<Module> {
     let mut found = Vec::new();
     let word = |c: char| c.is_alphanumeric() || c == '_';
     for (at, _) in text.match_indices("crate::").chain(text.match_indices("super::")) {
-        if text[..at].ends_with(|c: char| word(c) || c == ':') {
+        // a visibility, as `pub(in crate::a)`, is no use
+        if text[..at].ends_with(|c: char| word(c) || c == ':') || text[..at].ends_with("(in ") {
             continue;
         }
         let mut rest = &text[at..];
@@ -92,7 +127,8 @@ fn paths(text: &str, module: &Module) -> Vec<Module> {
             rest = after;
         }
         for tail in tails(rest) {
-            found.push([base.clone(), tail].concat());
+            let names = tail.into_iter().filter(|name| name != "self");
+            found.push(base.iter().cloned().chain(names).collect());
         }
     }
     found
@@ -139,6 +175,15 @@ fn modules_use_only_those_above_them() {
     }
 }
 
+#[test]
+fn a_parent_stands_last() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for source in ["profiles/src"] {
+        let found = Tree::read(&root.join(source)).looks_up();
+        assert!(found.is_empty(), "\n{}", found.join("\n"));
+    }
+}
+
 /// Goal: every file of tests is a module of its package's one test program; another would not be compiled.
 #[test]
 fn every_file_of_tests_is_run() {
@@ -166,7 +211,7 @@ fn a_module_that_looks_down_is_found() {
         std::fs::create_dir_all(file.parent().unwrap()).unwrap();
         std::fs::write(file, text).unwrap();
     };
-    write("lib.rs", "pub mod a;\npub mod b;\npub mod c;\nmod d;\n#[cfg(test)]\nmod samples;\n");
+    write("lib.rs", "pub mod a;\npub mod b;\npub mod c;\nmod d;\nmod e;\n#[cfg(test)]\nmod samples;\n");
     write("a.rs", "//! crate::b is only named here\n");
     write("b.rs", "use crate::a::X;\nuse crate::{a::Y, d::{Z}};\n#[cfg(test)]\nuse crate::samples;\n");
     write("c.rs", "use crate::b;\npub mod first;\npub mod second;\n");
@@ -174,9 +219,32 @@ fn a_module_that_looks_down_is_found() {
     write("c/second.rs", "use super::first;\nuse super::super::b;\nuse crate::c::first;\n");
     write("d/mod.rs", "use crate::a;\nmod only;\n");
     write("d/only.rs", "use super::only;\n");
+    write("e/mod.rs", "mod part;\nmod user;\nmod deep;\npub use part::Part;\npub struct Whole;\n");
+    write(
+        "e/part.rs",
+        "pub(in crate::e) struct Part;\n#[cfg(test)]\nmod tests {\n use crate::e::Whole;\n}\n",
+    );
+    write("e/user.rs", "use super::Whole;\nuse super::part::Part;\nuse super::{part, Part};\n");
+    write("e/deep/mod.rs", "mod low;\n");
+    write(
+        "e/deep/low.rs",
+        "use super::super::{self, part};\nuse crate::top;\nuse crate::{a, e::part, e::Part};\n",
+    );
     let mut found = Tree::read(root.path()).breaches();
     found.dedup();
     assert_eq!(found.len(), 2, "{found:?}");
     assert!(found.iter().any(|breach| breach.ends_with("b.rs: b uses d")), "{found:?}");
     assert!(found.iter().any(|breach| breach.ends_with("first.rs: first uses second")), "{found:?}");
+    let found = Tree::read(root.path()).looks_up();
+    let ends = [
+        "deep/low.rs: uses all of it of crate::e",
+        "deep/low.rs: uses top of crate",
+        "deep/low.rs: uses Part of crate::e",
+        "user.rs: uses Whole of crate::e",
+        "user.rs: uses Part of crate::e",
+    ];
+    assert_eq!(found.len(), ends.len(), "{found:?}");
+    for end in ends {
+        assert!(found.iter().any(|breach| breach.ends_with(end)), "{end}: {found:?}");
+    }
 }

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use parry2d_f64::math::Vector;
 use parry2d_f64::shape::Polyline;
 
-use super::PlacedRail;
+use super::placed_rail::PlacedRail;
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::ProfileCurve;

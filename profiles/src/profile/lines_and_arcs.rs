@@ -24,10 +24,10 @@ use std::fmt::Write;
 
 use nalgebra::Point2;
 
-use self::joints::{check_joints, is_closed, join, put_in_order, unfold};
+use self::joints::{STEP, check_joints, is_closed, join, put_in_order, unfold};
 use self::rows::{Settings, columns, read_pieces};
-use super::ProfileKind;
 use super::curve::ProfileCurve;
+use super::kind::ProfileKind;
 use super::rails::RailOutline;
 use super::segment::{Segment, polyline};
 use super::sketch::Sketch;
@@ -36,15 +36,11 @@ use super::table::{at, rows};
 use crate::error::Result;
 use crate::units::MILLIMETRE;
 
-/// Ends further apart than this do not meet, m: ten times the rounding of a drawing in 0.001 mm.
-const LARGEST_GAP: f64 = 0.01 * MILLIMETRE;
-/// Largest part of a circle, degrees: up to here it is certain which way the arc goes round.
-const LARGEST_ARC: f64 = 170.0;
+pub use joints::Joint;
+pub use rows::Overrides;
+
 /// How far the crown of a rail or the tread at the tape circle may lie from z = 0, m.
 const OFF_ORIGIN: f64 = 0.05 * MILLIMETRE;
-/// Largest step of the samples of the curve, m.
-const STEP: f64 = 0.1 * MILLIMETRE;
-
 /// A profile of lines and arcs in the profile frame (y to the field side, z down), m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinesAndArcs {
@@ -58,28 +54,6 @@ pub struct LinesAndArcs {
     pub rest: Vec<Segment>,
     /// The joints at which a gap was closed or that have a corner, in the order of the outline.
     pub joints: Vec<Joint>,
-}
-
-/// Where two segments of a table meet.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Joint {
-    /// Lines of the file of the two segments.
-    pub lines: (usize, usize),
-    /// Where they meet, m.
-    pub point: Point2<f64>,
-    /// Distance of their ends, m; both were moved half of it.
-    pub gap: f64,
-    /// Angle between their directions, rad, positive from y towards z.
-    pub turn: f64,
-}
-
-/// What a caller knows better than the file.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Overrides {
-    /// Length of the unit, m.
-    pub unit: Option<f64>,
-    /// Whether y grows the other way than the file says.
-    pub mirrored: bool,
 }
 
 impl LinesAndArcs {

@@ -4,6 +4,7 @@
 //! rail on its axis; a wheel's is the tape circle, 70 mm from the flange back unless its standard has it elsewhere. Both curves run in the
 //! direction of increasing y. Sources, units and axes: `data/profiles/README.md`.
 
+mod kind;
 mod spline;
 mod curve;
 mod followed;
@@ -20,28 +21,10 @@ pub mod wheels;
 
 pub use curve::ProfileCurve;
 pub(crate) use followed::Followed;
+pub use kind::ProfileKind;
 pub(crate) use segment::{EndlessLine, fillet};
 pub use segment::{Segment, polyline};
 pub use sketch::Sketch;
 pub(crate) use sketch::{OF_THE_FILE, OF_THE_PROFILE};
 pub(crate) use spline::Piece;
 pub(crate) use split::{TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, of_ring, split_rail, split_wheel};
-
-/// What a profile belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ProfileKind {
-    /// A rail.
-    Rail,
-    /// A wheel.
-    Wheel,
-}
-
-impl ProfileKind {
-    /// Name in messages and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rail => "rail",
-            Self::Wheel => "wheel",
-        }
-    }
-}

@@ -6,9 +6,10 @@
 use nalgebra::Point2;
 
 use super::finding::{Action, Finding, FindingKind};
+use super::measured::{MeasuredPoint, push};
+use super::part::Part;
 use super::rows::{Numbers, PassedOver, Row, broken, row};
 use super::text::{DecimalMark, error_at, shown};
-use super::{MeasuredPoint, Part, push};
 use crate::error::Result;
 
 /// Longest step between two parts of one profile, as a part of its extent.

@@ -8,14 +8,18 @@ use std::fmt::Write;
 
 use super::blocks::{Blocks, heads_others};
 use super::finding::{Action, Finding, FindingKind};
+use super::format::ProfileFormat;
+use super::measured::MeasuredPoint;
+use super::part::Part;
+use super::raw::{Convention, Raw};
 use super::rows::{Row, row};
 use super::several::{chosen_pair, pairs, stations};
 use super::text::{
     DecimalMark, begins_like_a_number, column_names, decimal_mark, error_at, fields, lines, number, unit_of,
     without_thousands,
 };
-use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw};
 use crate::error::Result;
+use crate::profile::ProfileKind;
 use crate::units::MILLIMETRE;
 
 /// Lines before the first row that are taken for a heading.

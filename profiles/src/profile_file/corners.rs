@@ -9,8 +9,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::MeasuredPoint;
 use super::finding::{Action, Finding, FindingKind, Findings};
+use super::measured::MeasuredPoint;
 use super::scatter::Scatter;
 use crate::parabola::Parabola;
 use crate::units::MILLIMETRE;

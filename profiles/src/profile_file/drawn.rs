@@ -1,7 +1,10 @@
 //! Lines and arcs as a profile file.
 
 use super::finding::{Action, Finding, FindingKind, Findings};
-use super::{MeasuredPoint, MeasuredProfile, ProfileFormat, ReadOptions, part_field};
+use super::format::ProfileFormat;
+use super::measured::{MeasuredPoint, MeasuredProfile};
+use super::options::ReadOptions;
+use super::part::part_field;
 use crate::error::{InputError, Result};
 use crate::profile::Sketch;
 use crate::profile::lines_and_arcs::{LinesAndArcs, Overrides, parse_drawn};

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use super::MeasuredPoint;
+use super::measured::MeasuredPoint;
 use crate::units::MILLIMETRE;
 
 /// Least depth and least width at half of it of a groove, m.

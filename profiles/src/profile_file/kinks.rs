@@ -4,7 +4,8 @@ use nalgebra::Vector2;
 
 use super::check::{median, turn};
 use super::finding::{Action, Finding, FindingKind, Findings};
-use super::{MeasuredPoint, ProfileKind};
+use super::measured::MeasuredPoint;
+use crate::profile::ProfileKind;
 use crate::units::MILLIMETRE;
 
 /// A gap is this many times the median step ...

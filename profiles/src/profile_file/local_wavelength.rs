@@ -7,7 +7,7 @@
 //! Association 90, 1995) have one. The first pilot has waves of one length, the others those that the one before found. Along the profile the wavelength changes
 //! by half of the way at most, since the spline of a point reaches as far as it is long.
 
-use super::MeasuredPoint;
+use super::measured::MeasuredPoint;
 use super::scatter::Scatter;
 use super::smooth::smooth;
 use super::wavelength::balanced;

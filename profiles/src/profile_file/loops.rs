@@ -2,8 +2,8 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::MeasuredPoint;
 use super::finding::{Action, Finding, FindingKind, Findings};
+use super::measured::MeasuredPoint;
 use super::text::error_at;
 use crate::error::Result;
 use crate::units::MILLIMETRE;

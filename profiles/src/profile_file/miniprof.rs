@@ -7,12 +7,15 @@ use std::fmt::Write;
 
 use super::blocks::{Blocks, heads_others};
 use super::finding::{Action, Finding, FindingKind};
+use super::format::ProfileFormat;
+use super::measured::MeasuredPoint;
+use super::part::Part;
+use super::raw::{Convention, Raw};
 use super::text::{
     begins_like_a_number, column_names, decimal_mark, error_at, lines, number_with_any_mark, unit_of,
 };
-use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw};
 use crate::error::Result;
-use crate::profile::TAPE_CIRCLE_FROM_FLANGE_BACK;
+use crate::profile::{ProfileKind, TAPE_CIRCLE_FROM_FLANGE_BACK};
 use crate::units::MILLIMETRE;
 
 /// Keys of which one is enough to recognise the format.

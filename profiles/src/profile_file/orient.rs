@@ -3,13 +3,17 @@
 use super::blocks::extent;
 use super::check::{remove_duplicates, remove_spikes};
 use super::finding::{Action, Finding, FindingKind, Findings};
+use super::format::ProfileFormat;
 use super::heads::{Groove, groove, open_groove};
+use super::measured::{MeasuredPoint, MeasuredProfile};
+use super::options::ReadOptions;
+use super::raw::{Convention, Raw};
 use super::sentinels::drop_sentinels;
 use super::shape::Shape;
 use super::text::error_at;
-use super::{Convention, MeasuredPoint, MeasuredProfile, ProfileFormat, ProfileKind, Raw, ReadOptions};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
+use crate::profile::ProfileKind;
 use crate::units::{MILLIMETRE, in_millimetres};
 
 /// Extent of a profile, m: from part of a head to a whole wheel.

@@ -7,7 +7,7 @@
 
 use nalgebra::Point2;
 
-use super::MeasuredPoint;
+use super::measured::MeasuredPoint;
 use super::smooth::smooth;
 use crate::error::Result;
 use crate::profile::ProfileCurve;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::MeasuredPoint;
 use super::check::departure;
 use super::finding::{Action, Finding, FindingKind, Findings};
+use super::measured::MeasuredPoint;
 
 /// Distance from the line of the neighbours from which a repeated value is none of the profile, as a part of the
 /// extent and in median steps.

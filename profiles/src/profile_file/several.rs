@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::Part;
 use super::blocks::OTHERS;
 use super::finding::{Action, Finding, FindingKind};
+use super::part::Part;
 use super::text::{error_at, unit_of};
 use crate::error::Result;
 

@@ -1,6 +1,7 @@
 //! What the shape of a profile tells: wheel or rail, which side is up, where the flange is.
 
-use super::{MeasuredPoint, ProfileKind};
+use super::measured::MeasuredPoint;
+use crate::profile::ProfileKind;
 
 /// Part of the width at either end whose largest departure from the middle counts.
 const END: f64 = 0.15;

@@ -11,13 +11,17 @@ use nalgebra::Rotation2;
 
 use super::blocks::drop_strangers;
 use super::finding::{Action, Finding, FindingKind};
+use super::format::ProfileFormat;
+use super::measured::{MeasuredPoint, push};
+use super::part::Part;
+use super::raw::{Convention, Raw};
 use super::rows::{Numbers, PassedOver, Row as Read, broken, row};
 use super::text::{
     DecimalMark, before_comment, begins_like_a_number, decimal_mark, error_at, lines, number_with_any_mark,
     unit_of,
 };
-use super::{Convention, MeasuredPoint, Part, ProfileFormat, ProfileKind, Raw, push};
 use crate::error::Result;
+use crate::profile::ProfileKind;
 use crate::units::MILLIMETRE;
 
 /// Keys whose value is a number.

@@ -7,10 +7,13 @@
 use std::path::{Path, PathBuf};
 
 use super::finding::{Action, Finding, FindingKind};
-use super::text::{DecimalMark, before_comment, decode, error_at, fields, lines, number, shown};
-use super::{LARGEST_FILE, Part, ProfileKind};
+use super::part::Part;
+use super::text::{
+    DecimalMark, LARGEST_FILE, before_comment, decode, error_at, fields, lines, number, shown,
+};
 use crate::error::{InputError, Result};
 use crate::input;
+use crate::profile::ProfileKind;
 
 /// Most slices of a file.
 const MOST_SLICES: usize = 100_000;

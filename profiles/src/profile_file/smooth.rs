@@ -9,7 +9,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::MeasuredPoint;
+use super::measured::MeasuredPoint;
 use crate::error::{InputError, Result};
 use crate::parabola::Parabola;
 use crate::units::MILLIMETRE;

@@ -1,5 +1,7 @@
 //! Readers, checks and repair on small files.
 
+use nalgebra::Point2;
+
 use super::*;
 use crate::error::Error;
 use crate::units::MILLIMETRE;

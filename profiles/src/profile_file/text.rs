@@ -1,8 +1,10 @@
 //! The text of a profile file: encodings, lines, fields and numbers, and errors that name line and column.
 
-use super::LARGEST_FILE;
 use crate::error::{Error, InputError, Result};
 use crate::units::MILLIMETRE;
+
+/// Largest profile file that is read, bytes.
+pub const LARGEST_FILE: u64 = 256 << 20;
 
 /// Most fields of a row.
 const MOST_FIELDS: usize = 16;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Roll, Wheelset, WheelsetPosition};
+use super::wheelset::{Roll, Wheelset, WheelsetPosition};
 use crate::error::{InputError, Result};
 use crate::root::bisection;
 use crate::units::MILLIMETRE;

@@ -11,9 +11,9 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::FILLET_STEP;
 use super::join::trimmed;
 use super::rail::{RailSection, rail_section_on, rail_section_with_head};
+use super::vertices::FILLET_STEP;
 use super::wheel::{WheelSection, wheel_section_on, wheel_section_with_profile};
 use super::wheel_body::WheelBody;
 use crate::error::{InputError, Result};

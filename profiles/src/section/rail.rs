@@ -4,7 +4,7 @@ use nalgebra::Point2;
 
 use super::join::{Joined, join};
 use super::properties::{AreaProperties, area_moments};
-use super::{FILLET_STEP, thinned};
+use super::vertices::{FILLET_STEP, thinned};
 use crate::error::Result;
 use crate::field::InputField;
 use crate::profile::rails::{RailOutline, rail_outline, running_curve};

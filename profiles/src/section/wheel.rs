@@ -6,8 +6,8 @@ use nalgebra::Point2;
 
 use super::join::{Joined, join};
 use super::properties::boundary_integral;
+use super::vertices::{FILLET_STEP, thinned};
 use super::wheel_body::WheelBody;
-use super::{FILLET_STEP, thinned};
 use crate::error::{InputError, Result};
 use crate::field::InputField;
 use crate::profile::wheels::wheel_profile;

@@ -2,12 +2,29 @@
 
 use nalgebra::Point2;
 
-use super::rows::Piece;
-use super::{Joint, LARGEST_ARC, LARGEST_GAP, STEP};
+use super::rows::{LARGEST_ARC, LARGEST_GAP, Piece};
 use crate::error::Result;
+use crate::profile::kind::ProfileKind;
+use crate::profile::segment::{Segment, polyline};
+use crate::profile::sketch::{OF_THE_PROFILE, Sketch};
 use crate::profile::table::at;
-use crate::profile::{OF_THE_PROFILE, ProfileKind, Segment, Sketch, polyline};
 use crate::units::MILLIMETRE;
+
+/// Largest step of the samples of the curve, m.
+pub(super) const STEP: f64 = 0.1 * MILLIMETRE;
+
+/// Where two segments of a table meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joint {
+    /// Lines of the file of the two segments.
+    pub lines: (usize, usize),
+    /// Where they meet, m.
+    pub point: Point2<f64>,
+    /// Distance of their ends, m; both were moved half of it.
+    pub gap: f64,
+    /// Angle between their directions, rad, positive from y towards z.
+    pub turn: f64,
+}
 
 /// The whole from the half y >= 0: what meets the axis at right angles becomes one piece with its mirror image.
 pub(super) fn unfold(name: &str, half: &[Piece]) -> Result<Vec<Piece>> {

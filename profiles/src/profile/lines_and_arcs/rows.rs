@@ -2,12 +2,16 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::{LARGEST_ARC, LARGEST_GAP, Overrides};
 use crate::error::{InputError, Result};
+use crate::profile::kind::ProfileKind;
+use crate::profile::segment::Segment;
 use crate::profile::table::{at, rows};
-use crate::profile::{ProfileKind, Segment};
 use crate::units::MILLIMETRE;
 
+/// Ends further apart than this do not meet, m: ten times the rounding of a drawing in 0.001 mm.
+pub(super) const LARGEST_GAP: f64 = 0.01 * MILLIMETRE;
+/// Largest part of a circle, degrees: up to here it is certain which way the arc goes round.
+pub(super) const LARGEST_ARC: f64 = 170.0;
 /// A shorter line or arc is none, m.
 const SHORTEST: f64 = 1e-3 * MILLIMETRE;
 
@@ -22,6 +26,15 @@ fn separator(heading: &str) -> char {
 
 fn fields(line: &str, separator: char) -> impl Iterator<Item = &str> {
     line.split(separator).map(str::trim)
+}
+
+/// What a caller knows better than the file.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Overrides {
+    /// Length of the unit, m.
+    pub unit: Option<f64>,
+    /// Whether y grows the other way than the file says.
+    pub mirrored: bool,
 }
 
 /// What comments and heading say.

@@ -2,14 +2,14 @@
 
 use nalgebra::Point2;
 
-use super::STEP;
 use super::frame::Frame;
+use super::outline::STEP;
 use super::ring::runs_to_the_field_side;
 use crate::error::Result;
-use crate::profile::{Piece, ProfileCurve, Segment};
+use crate::profile::{Piece, ProfileCurve, ProfileKind, Segment};
 use crate::profile_file::finding::Finding;
 use crate::profile_file::kinks::find_kinks;
-use crate::profile_file::{MeasuredPoint, ProfileKind};
+use crate::profile_file::measured::MeasuredPoint;
 use crate::units::MILLIMETRE;
 
 /// A chord this many times as long as a typical one on the running surface, and at least `LEAST_LONG`, is a straight side.

@@ -3,8 +3,8 @@
 use nalgebra::{Point2, Vector2};
 
 use crate::profile::Segment;
-use crate::profile_file::MeasuredPoint;
 use crate::profile_file::finding::{Action, Finding, FindingKind};
+use crate::profile_file::measured::MeasuredPoint;
 use crate::units::MILLIMETRE;
 
 /// A shift below this is none, m.

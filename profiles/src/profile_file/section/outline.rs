@@ -2,18 +2,23 @@
 
 use nalgebra::Point2;
 
+use super::expected::{at_line, outline_of, said_size, size_of};
 use super::ring::{SAME_POINT, check_ring, extent, without_duplicates};
-use super::{STEP, at_line, outline_of, said_size, size_of};
 use crate::error::{Error, InputError, Result};
 use crate::profile::lines_and_arcs::LinesAndArcs;
-use crate::profile::{OF_THE_FILE, OF_THE_PROFILE, Segment, Sketch, polyline};
+use crate::profile::{OF_THE_FILE, OF_THE_PROFILE, ProfileKind, Segment, Sketch, polyline};
 use crate::profile_file::dxf::ClosedShape;
 use crate::profile_file::finding::{Action, Finding, FindingKind};
-use crate::profile_file::{
-    MeasuredPoint, Part, ProfileFormat, ProfileKind, ReadOptions, columns, drawn, dxf, recognised, text,
-};
+use crate::profile_file::format::ProfileFormat;
+use crate::profile_file::measured::MeasuredPoint;
+use crate::profile_file::options::ReadOptions;
+use crate::profile_file::part::Part;
+use crate::profile_file::recognition::recognised;
+use crate::profile_file::{columns, drawn, dxf, text};
 use crate::units::MILLIMETRE;
 
+/// Step on arcs where an outline is looked at by points, m.
+pub(super) const STEP: f64 = 0.2 * MILLIMETRE;
 /// Longest step that closes an outline of points without being said to be open, m.
 const LONGEST_CLOSURE: f64 = 5.0 * MILLIMETRE;
 /// Fewest points of an outline.

@@ -2,16 +2,17 @@
 
 use nalgebra::Vector2;
 
+use super::closed::ClosedSection;
 use super::divide::{divided, upright};
+use super::expected::at_line;
 use super::frame::Frame;
 use super::outline::{Outline, Shape};
 use super::ring::{bounds, direction, width};
-use super::{ClosedSection, at_line};
 use crate::error::{Error, Result};
 use crate::profile::rails::{RailOutline, running_curve};
-use crate::profile::{ProfileCurve, of_ring, split_rail};
+use crate::profile::{ProfileCurve, ProfileKind, of_ring, split_rail};
 use crate::profile_file::finding::{Action, Finding, FindingKind};
-use crate::profile_file::{MeasuredPoint, ProfileKind};
+use crate::profile_file::measured::MeasuredPoint;
 use crate::units::MILLIMETRE;
 
 /// Parts of the height at the top and at the bottom of which the widths are compared.

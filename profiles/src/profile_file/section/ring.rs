@@ -2,11 +2,11 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::{at_line, outline_of};
+use super::expected::{at_line, outline_of};
 use crate::error::Result;
-use crate::profile::Sketch;
+use crate::profile::{ProfileKind, Sketch};
 use crate::profile_file::loops::first_crossing;
-use crate::profile_file::{MeasuredPoint, ProfileKind};
+use crate::profile_file::measured::MeasuredPoint;
 use crate::units::MILLIMETRE;
 
 /// Points nearer to each other are one, m.

@@ -6,10 +6,12 @@ use nalgebra::Point2;
 use railspring_testing::dxf::{self, Entity};
 
 use super::*;
+use crate::profile::Segment;
 use crate::profile::lines_and_arcs;
 use crate::profile::polyline;
 use crate::profile::rails::rail_outline;
 use crate::section::{RailSection, rail_section, rail_section_on};
+use crate::units::MILLIMETRE;
 
 /// Step of the points on the arcs of the head and of the rest, m; the latter is that of the body's vertices.
 const STEPS: [f64; 2] = [0.2 * MILLIMETRE, 2.0 * MILLIMETRE];

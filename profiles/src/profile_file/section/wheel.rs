@@ -4,16 +4,20 @@ use std::ops::RangeInclusive;
 
 use nalgebra::{Point2, Vector2};
 
+use super::closed::ClosedSection;
 use super::divide::{divided, upright};
+use super::expected::{at_line, outline_of};
 use super::frame::Frame;
 use super::outline::{Outline, Shape};
 use super::ring::{bounds, direction, width};
-use super::{ClosedSection, at_line};
 use crate::error::{Error, Result};
 use crate::field::InputField;
-use crate::profile::{ProfileCurve, Segment, TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, of_ring, split_wheel};
+use crate::profile::{
+    ProfileCurve, ProfileKind, Segment, TAPE_CIRCLE_FROM_FLANGE_BACK, Tape, of_ring, split_wheel,
+};
 use crate::profile_file::finding::{Action, Finding, FindingKind};
-use crate::profile_file::{MeasuredPoint, ProfileFormat, ProfileKind};
+use crate::profile_file::format::ProfileFormat;
+use crate::profile_file::measured::MeasuredPoint;
 use crate::units::{MILLIMETRE, in_millimetres};
 
 /// Depth from either end of the outline at which the widths of hub and flange are compared, m.
@@ -120,7 +124,7 @@ fn surface(
             name,
             at(0).line,
             &format!("a closed outline without a {what}"),
-            super::outline_of(ProfileKind::Wheel),
+            outline_of(ProfileKind::Wheel),
             remedy,
         )
     };
