@@ -5,181 +5,30 @@
 //! integration, `δ(f) = ∫ df/k(f)` from 0. A law is usable when a ≥ 0, b ≥ 0,
 //! a + b > 0 and 0 ≤ c < 1; [`StiffnessLaw::new`] checks that.
 
+mod power;
+mod points;
 mod table;
 mod normal;
 
 pub use normal::NormalLaw;
+pub(crate) use points::LEAST_LOADS;
+pub use power::{REFERENCE_FORCE, StiffnessLaw};
 pub use table::TableLaw;
 
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::brent::BrentOpt;
 use nalgebra::{DMatrix, DVector};
 
-use railspring_profiles::error::{Error, InputError, NumericsError, Result, StopReason};
-use railspring_profiles::quadrature::GAUSS_12;
-
-/// Force to which the power in the law refers, N.
-pub const REFERENCE_FORCE: f64 = 1e3;
-
-/// Fewer loads are no law: it has three constants, and their errors need one load more.
-pub(crate) const LEAST_LOADS: usize = 4;
+use self::points::check_points;
+use self::power::LARGEST_EXPONENT;
+use railspring_profiles::error::{Error, NumericsError, Result, StopReason};
 
 /// Search interval for the exponent. Hertz has 1/3 and conformal contact less;
 /// at c = 1 a law without a constant part has no finite displacement.
 const EXPONENT_RANGE: (f64, f64) = (0.0, LARGEST_EXPONENT);
-const LARGEST_EXPONENT: f64 = 0.95;
 
 /// The search comes as close to a bound of the exponent.
 const BOUND_TOLERANCE: f64 = 1e-6;
-
-/// Relative accuracy of the inverse [`StiffnessLaw::force`].
-const INVERSE_TOLERANCE: f64 = 1e-13;
-
-/// Tangent stiffness against force, `k(f) = a + b·(f/f0)^c` with `f0` = [`REFERENCE_FORCE`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StiffnessLaw {
-    /// Constant part, N/m.
-    pub a: f64,
-    /// Factor of the power part, N/m.
-    pub b: f64,
-    /// Exponent.
-    pub c: f64,
-}
-
-impl StiffnessLaw {
-    /// A law from its three constants, a and b in N/m.
-    ///
-    /// # Errors
-    /// [`InputError`] with key `law` unless a ≥ 0, b ≥ 0, a + b > 0 and 0 ≤ c < 1, all finite.
-    pub fn new(a: f64, b: f64, c: f64) -> Result<Self> {
-        let finite = a.is_finite() && b.is_finite() && c.is_finite();
-        if finite && a >= 0.0 && b >= 0.0 && a + b > 0.0 && (0.0..1.0).contains(&c) {
-            return Ok(Self { a, b, c });
-        }
-        Err(InputError::new(
-            "law",
-            format!("a = {a} N/m, b = {b} N/m, c = {c}"),
-            "a ≥ 0, b ≥ 0, a + b > 0 and 0 ≤ c < 1",
-            "fit the law to stiffness that is positive and does not fall with the force",
-        )
-        .into())
-    }
-
-    /// The constants of the publication for the UIC 60 rail and the SKS-700 wheel (section 2.2).
-    pub const fn published() -> Self {
-        Self { a: 3e7, b: 2.94e8, c: 0.241104 }
-    }
-
-    /// Hertz contact of a sphere of `radius` (m) on a plane, contact modulus `contact_modulus_e_star`
-    /// (N/m²): `k = (6 E*² R)^(1/3) f^(1/3)` (publication, eq. 10, with its material constant made explicit).
-    pub fn hertz(contact_modulus_e_star: f64, radius: f64) -> Self {
-        let b = (6.0 * contact_modulus_e_star.powi(2) * radius * REFERENCE_FORCE).cbrt();
-        Self { a: 0.0, b, c: 1.0 / 3.0 }
-    }
-
-    /// Tangent stiffness, N/m, at `force` (N); a force below zero counts as zero.
-    pub fn tangent(&self, force: f64) -> f64 {
-        self.a + self.b * (force.max(0.0) / REFERENCE_FORCE).powf(self.c)
-    }
-
-    /// Displacement, m, under `force` (N), `∫ df/k` from 0; 0 for a force below zero.
-    ///
-    /// Relative error below 1e-14: closed form for a = 0, otherwise Gauss
-    /// quadrature of an integrand that is analytic in a strip.
-    ///
-    /// ```
-    /// use railspring_calibrate::law::StiffnessLaw;
-    /// let law = StiffnessLaw::published();
-    /// assert!((law.displacement(100e3) - 0.1408e-3).abs() < 0.0001e-3);
-    /// ```
-    pub fn displacement(&self, force: f64) -> f64 {
-        self.moment(force, 0)
-    }
-
-    /// Force, N, at `displacement` (m): the inverse of [`Self::displacement`] to
-    /// 1e-13 relative; 0 for a displacement of zero or below.
-    pub fn force(&self, displacement: f64) -> f64 {
-        // Two lower bounds; the displacement is concave in the force, so that
-        // Newton from below approaches from below and never leaves f > 0.
-        let constant_part = self.a * displacement;
-        let power_part = if self.b > 0.0 {
-            let x = self.b * (1.0 - self.c) * displacement / REFERENCE_FORCE;
-            REFERENCE_FORCE * x.max(0.0).powf(1.0 / (1.0 - self.c))
-        } else {
-            0.0
-        };
-        self.force_from(displacement, constant_part.max(power_part))
-    }
-
-    /// As [`Self::force`], starting the iteration from a `guess` (N) of the force.
-    pub fn force_from(&self, displacement: f64, guess: f64) -> f64 {
-        if displacement.is_nan() {
-            return f64::NAN;
-        }
-        if displacement <= 0.0 {
-            return 0.0;
-        }
-        let mut force = if guess > 0.0 { guess } else { f64::MIN_POSITIVE.max(self.a * displacement) };
-        for _ in 0..100 {
-            let step = self.tangent(force) * (displacement - self.displacement(force));
-            // From above a tangent may undershoot to below zero: halve instead.
-            let next = (force + step).max(0.5 * force);
-            let change = (next - force).abs();
-            force = next;
-            if change <= INVERSE_TOLERANCE * force {
-                break;
-            }
-        }
-        force
-    }
-
-    /// Energy stored at `displacement` (m), J: `∫ f dδ = ∫ f df/k`.
-    pub fn energy(&self, displacement: f64) -> f64 {
-        self.moment(self.force(displacement), 1)
-    }
-
-    /// `∫ f^power df/k(f)` from 0 to `force`, for the powers 0 and 1.
-    ///
-    /// With f = F·exp(-y) the integral becomes F^(p+1) ∫ exp(-(p+1)y)/k dy over
-    /// y > 0, whose nearest pole lies π/c > π off the real axis: 12 Gauss points on
-    /// panels of length 2 leave a relative error below 1e-17 a panel.
-    fn moment(&self, force: f64, power: i32) -> f64 {
-        if force.is_nan() {
-            return f64::NAN;
-        }
-        if force <= 0.0 {
-            return 0.0;
-        }
-        let rate = f64::from(power + 1);
-        let scale = force.powi(power + 1);
-        let stiffness = self.b * (force / REFERENCE_FORCE).powf(self.c);
-        if self.a == 0.0 {
-            return scale / (stiffness * (rate - self.c));
-        }
-        let (panel_weight, panel_power) = ((-PANEL * rate).exp(), (-PANEL * self.c).exp());
-        let points: [(f64, f64); 12] = std::array::from_fn(|i| {
-            let (x, w) = GAUSS_12[i];
-            let y = 0.5 * PANEL * (1.0 + x);
-            (0.5 * PANEL * w * (-rate * y).exp(), stiffness * (-self.c * y).exp())
-        });
-        // What follows a panel is less than a geometric series of its value.
-        let ratio = (-PANEL * (rate - self.c)).exp();
-        let (mut weight, mut decay, mut sum) = (1.0, 1.0, 0.0);
-        for _ in 0..10_000 {
-            let panel: f64 = weight * points.iter().map(|(w, k)| w / (self.a + decay * k)).sum::<f64>();
-            sum += panel;
-            if panel * ratio <= 1e-17 * sum * (1.0 - ratio) {
-                break;
-            }
-            weight *= panel_weight;
-            decay *= panel_power;
-        }
-        scale * sum
-    }
-}
-
-/// Length of a quadrature panel in `ln f`.
-const PANEL: f64 = 2.0;
 
 /// A law fitted to points of tangent stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -215,7 +64,7 @@ pub struct LawFit {
 /// ```
 ///
 /// # Errors
-/// [`InputError`] for lists of different length, fewer than four points, values
+/// [`railspring_profiles::error::InputError`] for lists of different length, fewer than four points, values
 /// that are not positive and finite; [`NumericsError`] if the search fails.
 pub fn fit_law(forces: &[f64], tangent_stiffness: &[f64]) -> Result<LawFit> {
     check_points(forces, tangent_stiffness)?;
@@ -271,39 +120,6 @@ fn best_exponent(points: &Points) -> Result<f64> {
         Some(c) if state.best_cost.is_finite() => Ok(c),
         _ => Err(failure(state.iter as usize, state.best_cost)),
     }
-}
-
-fn check_points(forces: &[f64], stiffness: &[f64]) -> Result<()> {
-    if forces.len() != stiffness.len() {
-        return Err(InputError::new(
-            "law.points",
-            format!("{} forces, {} stiffnesses", forces.len(), stiffness.len()),
-            "one stiffness a force",
-            "give lists of equal length",
-        )
-        .into());
-    }
-    if forces.len() < LEAST_LOADS {
-        return Err(InputError::new(
-            "law.points",
-            forces.len(),
-            "at least 4 points for the three constants and their errors",
-            "calibrate at more loads",
-        )
-        .into());
-    }
-    for (name, values) in [("force", forces), ("stiffness", stiffness)] {
-        if let Some((i, v)) = values.iter().enumerate().find(|(_, v)| !(v.is_finite() && **v > 0.0)) {
-            return Err(InputError::new(
-                format!("law.points[{i}].{name}"),
-                v,
-                "a positive, finite value",
-                "leave out the point or repair the load step it came from",
-            )
-            .into());
-        }
-    }
-    Ok(())
 }
 
 /// Points to fit, and the sums of the fit at a given exponent.

@@ -1,7 +1,7 @@
 //! A contact problem, and the forces and the hub on the way to its solution.
 
-use super::ContactPoint;
 use super::operator::ComplianceOperator;
+use super::point::ContactPoint;
 use faer::Mat;
 use nalgebra::{Unit, Vector2, Vector3};
 

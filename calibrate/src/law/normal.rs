@@ -1,6 +1,7 @@
 //! A normal law of either kind, as a spring takes it.
 
-use super::{StiffnessLaw, TableLaw};
+use super::power::StiffnessLaw;
+use super::table::TableLaw;
 use railspring_profiles::error::Result;
 use railspring_profiles::quadrature::gauss_2_on;
 

@@ -6,7 +6,8 @@
 //! else, and a power law is met exactly. Displacement and energy are integrals of it from no load, as with
 //! [`StiffnessLaw`](super::StiffnessLaw).
 
-use super::{INVERSE_TOLERANCE, LARGEST_EXPONENT, check_points};
+use super::points::check_points;
+use super::power::{INVERSE_TOLERANCE, LARGEST_EXPONENT};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::quadrature::GAUSS_12;
 

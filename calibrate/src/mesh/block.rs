@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::{HexMesh, SurfaceGrid};
+use super::hex_mesh::{HexMesh, SurfaceGrid};
 use railspring_profiles::error::{InputError, Result};
 
 /// Planes of nodes of a block in the world frame.

@@ -2,9 +2,10 @@
 
 use nalgebra::Point2;
 
+use super::hex_mesh::HexMesh;
+use super::options::{ContactZone, MeshOptions};
 use super::section_mesh::{SectionMesh, SectionOutline, SurfacePoint, mesh_section};
 use super::sweep::{extrude, graded, in_window, revolve};
-use super::{ContactZone, HexMesh, MeshOptions};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::placement::PlacedRail;

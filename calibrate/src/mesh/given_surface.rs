@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point2, Point3};
 
-use super::SurfaceGrid;
+use super::hex_mesh::SurfaceGrid;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::profile::ProfileCurve;

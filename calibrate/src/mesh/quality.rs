@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::HexMesh;
+use super::hex_mesh::HexMesh;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::quadrature::GAUSS_2;
 

@@ -10,10 +10,9 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::signed_area;
 use super::sizing::{Polyline, SizeField, thickness};
 use super::smoothing::{Freedom, smooth};
-use super::triangulation::{Cell, fill, pair, smallest_sine};
+use super::triangulation::{Cell, fill, pair, signed_area, smallest_sine};
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::units::MILLIMETRE;

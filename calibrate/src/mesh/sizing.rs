@@ -1,23 +1,6 @@
-//! How large the elements may be: those of a body, and those of a section at each point of it.
+//! How large the elements of a section may be at each point of it.
 
-use super::{LARGEST_RATIO, MeshOptions};
 use nalgebra::{Point2, Vector2};
-
-impl MeshOptions {
-    /// The same contact zone with bodies whose elements are smaller by `factor` (> 1 refines): the largest elements, and what
-    /// elements grow by along the sweep. In the section they grow away from the zone as before.
-    #[must_use]
-    pub fn with_bodies_refined(&self, factor: f64) -> Self {
-        Self {
-            rail_section_element: self.rail_section_element / factor,
-            wheel_section_element: self.wheel_section_element / factor,
-            growth: self.growth.powf(1.0 / factor).min(LARGEST_RATIO),
-            rail_length_element: self.rail_length_element / factor,
-            wheel_arc_element: self.wheel_arc_element / factor,
-            ..self.clone()
-        }
-    }
-}
 
 /// Size of an edge as a function of position: the smallest of all prescribed
 /// sizes, each growing linearly with the distance from where it is prescribed.
@@ -215,35 +198,6 @@ mod tests {
 
     /// Rounding of floating-point arithmetic on lengths of order one.
     const ROUNDOFF: f64 = 1e-12;
-
-    /// Goal: bodies that are refined by two have edges half as long and, over the same distance, twice as many steps of the growth; contact
-    /// zone, window, layers and the growth from the zone stay; by one, nothing changes. Accuracy: ROUNDOFF.
-    #[test]
-    fn refined_bodies_keep_the_contact_zone() {
-        let given = MeshOptions::default();
-        assert_eq!(given.with_bodies_refined(1.0), given);
-        let fine = given.with_bodies_refined(2.0);
-        assert!((fine.growth.powi(2) - given.growth).abs() < ROUNDOFF);
-        for (fine, given) in [
-            (fine.rail_section_element, given.rail_section_element),
-            (fine.wheel_section_element, given.wheel_section_element),
-            (fine.rail_length_element, given.rail_length_element),
-            (fine.wheel_arc_element, given.wheel_arc_element),
-        ] {
-            assert!((2.0 * fine - given).abs() < ROUNDOFF);
-        }
-        assert_eq!(
-            MeshOptions {
-                growth: given.growth,
-                rail_section_element: given.rail_section_element,
-                wheel_section_element: given.wheel_section_element,
-                rail_length_element: given.rail_length_element,
-                wheel_arc_element: given.wheel_arc_element,
-                ..fine
-            },
-            given
-        );
-    }
 
     #[test]
     fn the_size_grows_linearly_from_its_sources() {

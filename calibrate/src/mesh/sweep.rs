@@ -2,8 +2,8 @@
 
 use nalgebra::Point3;
 
+use super::hex_mesh::{HexMesh, SurfaceGrid};
 use super::section_mesh::SectionMesh;
-use super::{HexMesh, SurfaceGrid};
 
 /// How the nodes are numbered: node `j` of the section in layer `l` is `l * section_nodes + j`.
 #[derive(Clone, Copy)]

@@ -3,7 +3,6 @@
 use nalgebra::{Point2, Vector2};
 use spade::{ConstrainedDelaunayTriangulation, Triangulation as _};
 
-use super::signed_area;
 use super::sizing::SizeField;
 use railspring_profiles::error::{InputError, Result};
 
@@ -284,4 +283,10 @@ pub(super) fn smallest_sine(points: &[Point2<f64>], quad: &[usize; 4]) -> f64 {
             next.perp(&previous) / (next.norm() * previous.norm())
         })
         .fold(f64::INFINITY, f64::min)
+}
+
+/// Signed area of the triangle `a`, `b`, `c`: positive when counter-clockwise
+/// with the first coordinate to the right and the second up.
+pub(super) fn signed_area(a: &Point2<f64>, b: &Point2<f64>, c: &Point2<f64>) -> f64 {
+    0.5 * (b - a).perp(&(c - a))
 }

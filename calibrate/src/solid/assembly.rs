@@ -1,8 +1,9 @@
 //! Assembly of stiffness and mass.
 
-use super::brick::{self, corners};
+use super::brick::{self, Formulation, corners};
 use super::columns::{Pattern, UpperMatrix};
-use super::{Formulation, Materials, Numbering, Supports};
+use super::materials::Materials;
+use super::numbering::{Numbering, Supports};
 use crate::mesh::HexMesh;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::{Point3, SMatrix};

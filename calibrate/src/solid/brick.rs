@@ -7,7 +7,7 @@
 //! element for stress analysis", Int. J. Numer. Meth. Eng. 10 (1976), so that
 //! distorted elements pass the patch test.
 
-use super::Material;
+use super::material::Material;
 use crate::mesh::{CORNERS, HexMesh};
 use nalgebra::{Matrix3, Point3, SMatrix, SVector, Vector3};
 use railspring_profiles::quadrature::GAUSS_2;

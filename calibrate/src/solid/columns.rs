@@ -1,6 +1,7 @@
 //! The upper triangle of a body's matrix in compressed columns, filled element by element.
 
-use super::{Numbering, brick};
+use super::brick;
+use super::numbering::Numbering;
 use crate::mesh::HexMesh;
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 

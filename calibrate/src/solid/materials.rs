@@ -1,6 +1,7 @@
 //! The materials of a body, by the groups of its mesh.
 
-use super::{Cut, Material};
+use super::locate::Cut;
+use super::material::Material;
 use crate::mesh::HexMesh;
 use nalgebra::{Point2, Vector3};
 use railspring_profiles::error::{InputError, Result};

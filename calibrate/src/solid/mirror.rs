@@ -5,7 +5,7 @@
 //! antisymmetric one none moves across it (K.-J. Bathe, Finite Element Procedures, 1996, section 4.2.2 on boundary conditions of symmetry).
 //! Two bodies of half the size take half the multiplications of the whole one, and each of their factors two fifths of the memory.
 
-use super::{Numbering, Supports};
+use super::numbering::{Numbering, Supports};
 use crate::mesh::{HexMesh, SurfaceGrid};
 use nalgebra::Point3;
 use std::collections::{HashMap, HashSet};

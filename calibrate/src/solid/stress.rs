@@ -1,7 +1,8 @@
 //! Nodal stresses for pictures: volume-weighted means of the element centres.
 
 use super::brick::{self, corners};
-use super::{Material, Materials};
+use super::material::Material;
+use super::materials::Materials;
 use crate::mesh::HexMesh;
 use nalgebra::{Matrix3, SVector};
 

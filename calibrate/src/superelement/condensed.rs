@@ -1,9 +1,11 @@
 //! What is kept of a factored body: small, owned, and able to travel.
 
-use super::{Modes, SectionMotion};
+use super::factor::Factor;
+use super::factored::Superelement;
+use super::modes::Modes;
+use super::section_motion::SectionMotion;
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::solid::{Formulation, Material, Materials, Numbering, Supports, System};
-use crate::superelement::{Factor, Superelement};
 use blake3::Hasher;
 use faer::Mat;
 use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMatRef};

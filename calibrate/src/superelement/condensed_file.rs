@@ -1,6 +1,8 @@
 //! A condensed body as a file in the safetensors format, which other languages read, too.
 
-use super::{CondensedBody, Modes, SectionMotion};
+use super::condensed::CondensedBody;
+use super::modes::Modes;
+use super::section_motion::SectionMotion;
 use crate::mesh::SurfaceGrid;
 use crate::solid::Material;
 use faer::Mat;

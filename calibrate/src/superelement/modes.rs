@@ -14,8 +14,8 @@
 //! (2004), for the free interface; C.D. Monjaraz-Tec, J. Gross, M. Krack, "A massless boundary component mode synthesis method for elastodynamic
 //! contact problems", Comput. Struct. 260 (2022), for the interface without mass.
 
-use super::Superelement;
 use super::factor::{Factor, dot};
+use super::factored::Superelement;
 use crate::mesh::{HexMesh, SurfaceGrid};
 use crate::solid::{MirrorHalf, NodalMass, Numbering, Symmetry, System, rigid_motion};
 use faer::linalg::matmul::matmul;

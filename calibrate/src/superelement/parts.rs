@@ -1,8 +1,12 @@
 //! A body as its equations are eliminated: whole, or by halves where it is its own mirror image.
 
-use super::condensed::Interior;
-use super::modes::contact_loads;
-use super::{CondensedBody, FactorSize, Modes, SectionMotion, Superelement, times};
+use super::condensed::{CondensedBody, Interior};
+use super::factored::Superelement;
+use super::modes::{Modes, contact_loads};
+use super::products::times;
+use super::section_motion::SectionMotion;
+use super::size::FactorSize;
+use super::step::Step;
 use crate::mesh::HexMesh;
 use crate::solid::{MirrorHalf, Symmetry, System};
 use faer::Mat;
@@ -24,21 +28,6 @@ pub enum Parts<'a> {
         /// Its equations, in the order of [`Symmetry::BOTH`].
         systems: Box<[System<'a>; 2]>,
     },
-}
-
-/// What is done with a body, in turn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
-    /// The matrix is assembled.
-    Assembly,
-    /// It is factored.
-    Factorisation,
-    /// The compliance of the retained equations is found.
-    Condensation,
-    /// The modes are found.
-    Modes,
-    /// The motion of its section is found.
-    Section,
 }
 
 /// What a body is to be condensed to.

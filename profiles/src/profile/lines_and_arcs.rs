@@ -41,6 +41,7 @@ pub use rows::Overrides;
 
 /// How far the crown of a rail or the tread at the tape circle may lie from z = 0, m.
 const OFF_ORIGIN: f64 = 0.05 * MILLIMETRE;
+
 /// A profile of lines and arcs in the profile frame (y to the field side, z down), m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinesAndArcs {

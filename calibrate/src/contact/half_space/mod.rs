@@ -10,7 +10,7 @@ mod means;
 
 pub(super) use means::HatTable;
 
-use super::Compliance;
+use super::compliance::Compliance;
 use super::point::{ContactPoint, Side};
 use crate::solid::Material;
 use faer::Mat;
