@@ -7,8 +7,9 @@
 //! Beyond its nodes a body moves as the places of the step do, with what its nearest node moves beyond them. A turn of the wheel about y or z
 //! has its least gap before or behind the middle of the window.
 
+use super::load_case::hub_motions;
+use super::model::TransientModel;
 use super::run::{Reached, Step};
-use super::{TransientModel, hub_motions};
 use crate::time::history::SurfaceEnd;
 use crate::time::scenario::Scenario;
 use nalgebra::Vector2;

@@ -6,10 +6,10 @@
 //! The profiles are paired where rim and railhead are at the end of the step ([`Places`]); gaps and slips are those of the
 //! displacements of the bodies' own nodes, so that pairing anew makes no slip.
 
-use super::TransientModel;
 use super::at_place::AtPlace;
 use super::body::Interface;
 use super::last_contact::{BeyondNodes, Fine, LastContact, Settled};
+use super::model::TransientModel;
 use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
 use nalgebra::{Point2, Vector2};

@@ -13,6 +13,9 @@ mod along;
 mod path;
 mod loads;
 mod at_place;
+mod model;
+mod transient_run;
+mod load_case;
 mod body;
 mod full;
 mod reduced;
@@ -24,8 +27,10 @@ mod reduction;
 #[cfg(test)]
 mod tests;
 
+pub use model::{ModeCount, SolidBodies, TransientModel};
 pub use path::RailPath;
-pub use reduction::{ModeCount, Reduction, START_MODES};
+pub use reduction::START_MODES;
+pub use transient_run::{OtherRun, Reduction, StepCounts, TransientRun};
 
 use crate::time::history::History;
 use crate::time::newmark::Newmark;
@@ -35,155 +40,14 @@ use crate::time::suspension::Suspension;
 use beyond::Beyond;
 use body::ElasticBody;
 use full::FullBody;
-use nalgebra::{Point2, Point3, Vector2};
-use railspring_calibrate::calibration::{ContactField, Enforcement};
-use railspring_calibrate::contact::Surface;
-use railspring_calibrate::mesh::{HexMesh, SurfaceGrid};
-use railspring_calibrate::pair::Pair;
-use railspring_calibrate::solid::{Formulation, Material, Materials, Supports, System};
-use railspring_calibrate::superelement::{CondensedBody, Modes};
+use load_case::{hub_motions, longest};
+use nalgebra::{Point3, Vector2};
+use railspring_calibrate::solid::{Materials, Supports, System};
 use railspring_profiles::error::{Error, InputError, Result};
 use railspring_profiles::field::InputField;
 use railspring_profiles::monitor::Monitor;
-use railspring_profiles::placement::PlacedRail;
 use railspring_profiles::units::KILONEWTON;
-use reduced::ReducedBody;
 use run::{Observer, Run, ShorterSteps};
-
-/// Everything the transient solid model is made of.
-pub struct TransientModel<'a> {
-    /// Rail and wheel.
-    pub bodies: SolidBodies<'a>,
-    /// Materials at the contact surfaces of rail and wheel, with the damping of both bodies, which is the same.
-    pub materials: [Material; 2],
-    /// The placed rail, for positions in its profile frame.
-    pub placed_rail: &'a PlacedRail,
-    /// The rail's shear centre, world (y, z), m: about it its section turns under the wheel. None: it turns where the contact is.
-    pub rail_axis: Option<Point2<f64>>,
-    /// Contact surface of the rail.
-    pub rail_surface: Surface<'a>,
-    /// Contact surface of the wheel, just touching.
-    pub wheel_surface: Surface<'a>,
-    /// How the contact conditions are enforced.
-    pub enforcement: Enforcement,
-    /// Where the contact lives.
-    pub field: ContactField,
-    /// The rail at all places of the wheel; none: the wheel stays in its middle. Of reduced bodies alone.
-    pub path: Option<&'a RailPath>,
-}
-
-/// Rail and wheel of a transient model: the rail in the world frame with its ends held, the wheel in its body frame with its bore
-/// following the master node at its centre.
-#[derive(Clone, Copy)]
-pub enum SolidBodies<'a> {
-    /// All equations of the meshes, factored for the time step: what reduced bodies are compared with.
-    Full {
-        /// Mesh of the rail.
-        rail: &'a HexMesh,
-        /// Mesh of the wheel.
-        wheel: &'a HexMesh,
-        /// Materials of rail and wheel.
-        materials: [&'a Materials; 2],
-        /// Element of both.
-        formulation: Formulation,
-    },
-    /// Condensed bodies with their modes ([`CondensedBody::modes`]).
-    Reduced {
-        /// The rail between its ends.
-        rail: &'a CondensedBody,
-        /// The wheel against its hub.
-        wheel: &'a CondensedBody,
-        /// How many of their modes are used.
-        modes: ModeCount,
-    },
-}
-
-impl<'a> TransientModel<'a> {
-    /// The solid model of a pair at full order.
-    pub fn of_pair(
-        pair: &'a Pair,
-        [rail, wheel]: [&'a HexMesh; 2],
-        materials: [&'a Materials; 2],
-        formulation: Formulation,
-        contact: (Enforcement, ContactField),
-    ) -> Self {
-        let bodies = SolidBodies::Full { rail, wheel, materials, formulation };
-        let surfaces = [materials[0].at_contact(rail), materials[1].at_contact(wheel)];
-        Self::with(pair, bodies, [&rail.contact, &wheel.contact], surfaces, contact)
-    }
-
-    /// The solid model of a pair with reduced bodies: the rail between its ends and the wheel, both with modes and with a `damping`
-    /// ([`Material::damping`]).
-    pub fn reduced(
-        pair: &'a Pair,
-        [rail, wheel]: [&'a CondensedBody; 2],
-        modes: ModeCount,
-        damping: f64,
-        contact: (Enforcement, ContactField),
-    ) -> Self {
-        let bodies = SolidBodies::Reduced { rail, wheel, modes };
-        let surfaces = [rail, wheel].map(|body| Material { damping, ..body.surface });
-        Self::with(pair, bodies, [&rail.grid, &wheel.grid], surfaces, contact)
-    }
-
-    /// The bodies of a pair with the grids of their contact surfaces.
-    fn with(
-        pair: &'a Pair,
-        bodies: SolidBodies<'a>,
-        [rail, wheel]: [&'a SurfaceGrid; 2],
-        materials: [Material; 2],
-        (enforcement, field): (Enforcement, ContactField),
-    ) -> Self {
-        Self {
-            bodies,
-            materials,
-            placed_rail: &pair.placed,
-            rail_axis: Some(pair.node_line()),
-            rail_surface: pair.rail_surface(rail),
-            wheel_surface: pair.wheel_surface(wheel),
-            enforcement,
-            field,
-            path: None,
-        }
-    }
-
-    /// The same with a wheel that moves along its rail, or stands anywhere on it, and a torsion of that ([`RailPath::is_wanted`]).
-    pub fn along(self, path: &'a RailPath) -> Self {
-        Self { path: Some(path), ..self }
-    }
-}
-
-/// A finished transient run of the solid model.
-pub struct TransientRun {
-    /// The states.
-    pub history: History,
-    /// Mass of the meshed wheel, kg.
-    pub wheel_mass: f64,
-    /// Values stored in the factors of both bodies; none if they are reduced.
-    pub factor_values: usize,
-    /// Largest number of load-carrying contact points in a step.
-    pub most_active: usize,
-    /// Steps of the integration.
-    pub steps: StepCounts,
-    /// The same with steps of the integration that are twice as long, of bodies at full order the first time steps; none where there are no longer ones.
-    pub longer: Option<OtherRun>,
-    /// The other load case of [`TransientModel::run_beside`], if there is one.
-    pub other: Option<OtherRun>,
-    /// The modes of reduced bodies, and what they are worth.
-    pub reduction: Option<Reduction>,
-}
-
-/// A run that another one is compared with, or why it could not be done.
-pub type OtherRun = std::result::Result<History, String>;
-
-/// Steps of the integration of a run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct StepCounts {
-    /// Those that the run is made of.
-    pub taken: usize,
-    /// All that were solved, with those that were taken again because they were too long.
-    pub tried: usize,
-}
 
 impl TransientModel<'_> {
     /// Runs `scenario` from just touching and at rest.
@@ -339,53 +203,6 @@ impl TransientModel<'_> {
             || body(wheel, of_wheel, &on_hub, Some(stiffness)),
         );
         Ok([rail?, wheel?])
-    }
-
-    /// Damping of both bodies, s.
-    fn damping(&self) -> f64 {
-        self.materials[0].damping
-    }
-
-    /// The number of modes that the body with more of them has.
-    fn most_modes(&self) -> usize {
-        let SolidBodies::Reduced { rail, wheel, .. } = self.bodies else { return 0 };
-        let of_rail = self.path.map(RailPath::modes).or(rail.modes.as_ref());
-        [of_rail, wheel.modes.as_ref()].into_iter().flatten().map(Modes::count).max().unwrap_or(0)
-    }
-
-    /// The reduced bodies with the first `count` of their modes, for steps of `scheme`.
-    fn reduced_bodies(
-        &self,
-        scenario: &Scenario,
-        count: usize,
-        scheme: &Newmark,
-    ) -> Result<[ReducedBody<'_>; 2]> {
-        let SolidBodies::Reduced { rail, wheel, .. } = self.bodies else {
-            unreachable!("reduced bodies");
-        };
-        let stiffness = Suspension::new(scenario, scheme).stiffness();
-        Ok([
-            ReducedBody::new(rail, count, self.damping(), scheme, (&[], 0.0), self.path)?,
-            ReducedBody::new(wheel, count, self.damping(), scheme, (hub_motions(scenario), stiffness), None)?,
-        ])
-    }
-}
-
-/// The scheme of the longest steps of a run: average acceleration.
-fn longest(scenario: &Scenario) -> Newmark {
-    let longest = match scenario.inner_steps {
-        InnerSteps::Equal(_) => scenario.shortest_step(),
-        InnerSteps::Adaptive(_) => scenario.time_step,
-    };
-    Newmark::new(longest, 0.0)
-}
-
-/// Free motions of the hub (1 to 5: translations y, z, rotations). A wheel that moves along the rail rolls: it turns about its axle as the rail has it.
-fn hub_motions(scenario: &Scenario) -> &'static [usize] {
-    match scenario.rotations_held {
-        true if scenario.speed != 0.0 => &[1, 2, 4],
-        true => &[1, 2],
-        false => &[1, 2, 3, 4, 5],
     }
 }
 

@@ -1,21 +1,22 @@
 //! How many modes a reduced run has, and what they are worth.
 
 use super::beyond::Beyond;
+use super::load_case::{hub_motions, longest};
+use super::model::{ModeCount, SolidBodies, TransientModel};
 use super::reduced::ReducedBody;
 use super::run::Run;
-use super::{OtherRun, TransientModel, TransientRun, longest};
+use super::transient_run::{OtherRun, Reduction, TransientRun};
 use crate::time::history::{Ending, History, HistoryRow};
 use crate::time::newmark::Newmark;
 use crate::time::scenario::Scenario;
 use crate::time::steps::InnerSteps;
+use crate::time::suspension::Suspension;
 use nalgebra::Vector2;
 use railspring_profiles::error::{NumericsError, Result, StopReason, or_reason};
 use railspring_profiles::monitor::Monitor;
 
 /// Modes of each body to begin with.
 pub const START_MODES: usize = 64;
-/// Change of P and of Q with the modes at most, of the peak.
-const TOLERANCE: f64 = 3e-3;
 /// Time over which the change is measured, s. Load cases whose contact comes and goes diverge later, whatever the models: two of
 /// them that differ by a thousandth in a force are then as far apart as two models.
 const MEASURED_TIME: f64 = 0.06;
@@ -26,33 +27,22 @@ const FEWER_MODES: &str = "fewer modes";
 /// A force is measured against its peak, and against this share of the other one's at least.
 const SMALLEST_PEAK: f64 = 0.05;
 
-/// How many modes of its bodies a reduced run uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ModeCount {
-    /// As many as it takes until P and Q change by less than 0.3 % of their peaks.
-    Estimated,
-    /// So many of each body, or all that it has.
-    Given(usize),
-}
-
-/// The modes of a reduced run, and the change of P and Q that they make: those of a run with fewer modes against its own, over
-/// the first steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reduction {
-    /// Modes of rail and wheel.
-    pub modes: [usize; 2],
-    /// Modes of the run with fewer.
-    pub fewer: [usize; 2],
-    /// Time up to which the runs are compared, s.
-    pub time: f64,
-    /// Largest change of P and of Q, over the peak of each.
-    pub change: [f64; 2],
-}
-
-impl Reduction {
-    /// Whether P and Q change little enough.
-    pub fn suffices(&self) -> bool {
-        self.change.iter().all(|change| *change < TOLERANCE)
+impl TransientModel<'_> {
+    /// The reduced bodies with the first `count` of their modes, for steps of `scheme`.
+    pub(super) fn reduced_bodies(
+        &self,
+        scenario: &Scenario,
+        count: usize,
+        scheme: &Newmark,
+    ) -> Result<[ReducedBody<'_>; 2]> {
+        let SolidBodies::Reduced { rail, wheel, .. } = self.bodies else {
+            unreachable!("reduced bodies");
+        };
+        let stiffness = Suspension::new(scenario, scheme).stiffness();
+        Ok([
+            ReducedBody::new(rail, count, self.damping(), scheme, (&[], 0.0), self.path)?,
+            ReducedBody::new(wheel, count, self.damping(), scheme, (hub_motions(scenario), stiffness), None)?,
+        ])
     }
 }
 

@@ -3,7 +3,9 @@
 use super::body::{BodyLoad, ElasticBody};
 use super::contact::{StepContact, failure};
 use super::last_contact::LastContact;
-use super::{StepCounts, TransientModel, TransientRun, longest};
+use super::load_case::longest;
+use super::model::TransientModel;
+use super::transient_run::{StepCounts, TransientRun};
 use crate::time::energy::{EnergyLedger, PartEnergy};
 use crate::time::history::{ContactMode, ContactState, Ending, History, HistoryRow, SurfaceEnd};
 use crate::time::newmark::{Motion, Newmark};

@@ -30,6 +30,7 @@ mod solve;
 mod model;
 mod departure;
 mod run;
+mod statics;
 
 pub use model::{HubStatics, InitialMotion, MovingModel, MovingRun, RunStatistics, SectionMotion};
 pub use support::RailSupport;

@@ -31,7 +31,7 @@ const MOST_HALVINGS: usize = 5;
 /// Evaluations of the contact that a run may take: at once, and for each time step begun. The published cases take
 /// 20 a step in the mean and 1200 in the worst; a load case that needs a hundred times the mean is not followed by its time step.
 const EVALUATIONS_AT_ONCE: usize = 50_000;
-const EVALUATIONS_A_STEP: usize = 200;
+pub(super) const EVALUATIONS_A_STEP: usize = 200;
 
 /// State between two steps.
 #[derive(Clone)]
@@ -59,19 +59,19 @@ impl State {
 }
 
 /// Everything that stays the same during a run.
-struct Run<'a> {
-    model: &'a MovingModel,
+pub(super) struct Run<'a> {
+    pub(super) model: &'a MovingModel,
     scenario: &'a Scenario,
     dynamics: WheelDynamics<'a>,
     rail: Option<RailDynamics<'a>>,
-    law: ContactLaw,
+    pub(super) law: ContactLaw,
     /// Arc length and rest position of the rail nodes in the rail's profile frame.
-    nodes: Vec<(f64, Point2<f64>)>,
+    pub(super) nodes: Vec<(f64, Point2<f64>)>,
     start_x: f64,
     /// Ends of the rail, m.
     ends: Option<[f64; 2]>,
     outline: Outline,
-    evaluations_left: Cell<usize>,
+    pub(super) evaluations_left: Cell<usize>,
     /// The memory of the last state of the rail but one, for the next.
     spare_rail: Cell<RailState>,
 }
@@ -140,7 +140,7 @@ fn run(model: &MovingModel, scenario: &Scenario, monitor: &dyn Monitor) -> Resul
 }
 
 impl<'a> Run<'a> {
-    fn new(model: &'a MovingModel, scenario: &'a Scenario) -> Result<Self> {
+    pub(super) fn new(model: &'a MovingModel, scenario: &'a Scenario) -> Result<Self> {
         let (rail, ends) = match &model.support {
             RailSupport::Rigid => (None, None),
             RailSupport::Beam { beam, damping, .. } => {
@@ -178,7 +178,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    fn surface(&self) -> ContactSurface<'a> {
+    pub(super) fn surface(&self) -> ContactSurface<'a> {
         let master = self.model.support.reference(&self.model.rail);
         let centre = self.model.tape - Vector2::new(0.0, self.model.wheel_radius);
         let points: Vec<Vector2<f64>> =
@@ -381,7 +381,7 @@ impl<'a> Run<'a> {
         PartEnergy { elastic: springs, ..PartEnergy::default() } + contact
     }
 
-    fn limits(&self, solution: &Solution) -> Vec<f64> {
+    pub(super) fn limits(&self, solution: &Solution) -> Vec<f64> {
         let mut limits = vec![0.0; self.nodes.len()];
         for active in &solution.active {
             limits[active.node] = self.law.friction * active.normal_force;
@@ -453,8 +453,6 @@ fn section_motion(solution: &Solution) -> SectionMotion {
     // Direction 3 is −x.
     SectionMotion { displacement: displacement.into(), rotation: -solution.pose[4] }
 }
-
-mod statics;
 
 #[cfg(test)]
 pub(crate) mod tests;

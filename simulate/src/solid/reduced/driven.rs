@@ -2,7 +2,7 @@
 
 use super::super::at_place::AtPlace;
 use super::super::loads::in_runs;
-use super::ReducedBody;
+use super::prepared::ReducedBody;
 use nalgebra::DVector;
 
 /// Work in a step, J.

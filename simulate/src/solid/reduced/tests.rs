@@ -3,10 +3,11 @@
 use super::super::full::FullBody;
 use super::*;
 use crate::time::linear_part::conformance::Trial;
+use crate::time::newmark::Newmark;
 use nalgebra::Point3;
 use railspring_calibrate::mesh::{BlockOptions, HexMesh, mesh_block};
 use railspring_calibrate::solid::{Formulation, Material, Supports, System};
-use railspring_calibrate::superelement::Superelement;
+use railspring_calibrate::superelement::{CondensedBody, Superelement};
 
 const MASTER: Point3<f64> = Point3::new(0.0, 0.0, 0.05);
 

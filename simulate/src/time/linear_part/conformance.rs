@@ -1,6 +1,6 @@
 //! The rules of [`LinearPart`], measured on an implementation. Tests of every implementation use this.
 
-use super::{LinearPart, LinearStep};
+use super::part::{LinearPart, LinearStep};
 use faer::{Mat, MatRef, Side};
 
 /// Steps of a trial; the first starts from rest, so that the later ones have something carried over.

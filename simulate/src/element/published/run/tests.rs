@@ -27,7 +27,7 @@ pub(crate) fn arc(radius: f64) -> impl Fn(f64) -> f64 {
 }
 
 /// A rigid rail and a wheel that touches it with its profile's origin at the depth `tape_z` below the rail's.
-pub(super) fn rigid(
+pub(in super::super) fn rigid(
     rail: ProfileCurve,
     wheel: ProfileCurve,
     tape_z: f64,
@@ -41,7 +41,7 @@ pub(super) fn rigid(
 }
 
 /// A flat rail and a wheel whose profile is an arc of 0.3 m, touching in its middle.
-pub(super) fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
+pub(in super::super) fn flat(law: StiffnessLaw, mass: f64) -> MovingModel {
     rigid(profile(|_| 0.0, &[]), profile(arc(0.3), &[]), 0.0, law, mass)
 }
 

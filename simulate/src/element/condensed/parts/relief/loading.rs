@@ -1,6 +1,6 @@
 //! The loads of all contacts, and the relief that they and it settle to.
 
-use super::{Bells, Relief, ReliefPlaces, WIDTH, root, root_from};
+use super::places::{Bells, Relief, ReliefPlaces, WIDTH, root, root_from};
 use nalgebra::{Matrix3, Vector3};
 
 /// Newton steps in which loads and relief settle, and what the last one may correct, relative: its square is left.

@@ -5,12 +5,12 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use crate::time::scenario::Scenario;
 use railspring_profiles::error::{NumericsError, Result, StopReason};
 
-use super::super::element::to_plane;
-use super::super::interface::Interface;
-use super::super::model::{HubStatics, MovingModel};
-use super::super::solve::{Solution, StepSystem, Surroundings};
-use super::super::surface::{ContactSurface, Pose};
-use super::{EVALUATIONS_A_STEP, Run};
+use super::element::to_plane;
+use super::interface::Interface;
+use super::model::{HubStatics, MovingModel};
+use super::run::{EVALUATIONS_A_STEP, Run};
+use super::solve::{Solution, StepSystem, Surroundings};
+use super::surface::{ContactSurface, Pose};
 
 /// What a force may miss, relative.
 const SOLVER: f64 = 1e-9;
@@ -122,7 +122,7 @@ fn unreached(force: f64, at: &Solution) -> railspring_profiles::error::Error {
 mod tests {
     use railspring_calibrate::law::StiffnessLaw;
 
-    use super::super::tests::{arc, flat, profile, relative, rigid};
+    use super::super::run::tests::{arc, flat, profile, relative, rigid};
     use super::*;
 
     /// PENALTY: one contact node or more of 1e12 N/m beside springs of 1e9 N/m.
