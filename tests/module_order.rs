@@ -178,7 +178,7 @@ fn modules_use_only_those_above_them() {
 #[test]
 fn a_parent_stands_last() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for source in ["profiles/src", "calibrate/src"] {
+    for source in ["profiles/src", "calibrate/src", "simulate/src"] {
         let found = Tree::read(&root.join(source)).looks_up();
         assert!(found.is_empty(), "\n{}", found.join("\n"));
     }

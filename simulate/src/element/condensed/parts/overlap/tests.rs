@@ -2,6 +2,7 @@
 
 use super::super::strips::tests::{Uniform, at_origin, found, profile};
 use super::*;
+use nalgebra::{Point2, Vector3};
 use railspring_calibrate::pair::Pair;
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::section::{rail_section, wheel_section};

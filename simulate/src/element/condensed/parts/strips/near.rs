@@ -6,7 +6,9 @@
 //! negative, the same is what the strips inside have too little. The relief goes along with the loads by Newton's method, with the derivatives of where the strips were
 //! found.
 
-use super::{Contact, ContactStrips, End, Pressed, Relieved, Strip};
+use super::contact::{Contact, Relieved};
+use super::contact_strips::ContactStrips;
+use super::strip::{End, Pressed, Strip};
 use crate::element::condensed::parts::overlap::Pose;
 use crate::element::condensed::parts::relief::StripLoad;
 use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};

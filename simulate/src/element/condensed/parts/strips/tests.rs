@@ -1,8 +1,10 @@
 //! The strips against their own potential, Hertz's contact and themselves.
 
 use super::*;
+use crate::element::condensed::parts::modulus::StripModulus;
+use crate::element::condensed::parts::overlap::Profiles;
 use crate::element::condensed::parts::relief::Influence;
-use nalgebra::Rotation2;
+use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 use railspring_calibrate::analytic::hertz::{contact_modulus, point_contact};
 use railspring_calibrate::pair::Pair;
 use railspring_profiles::placement::TrackGeometry;
