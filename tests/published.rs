@@ -47,7 +47,7 @@ fn the_studies_are_the_published_examples() {
         let scenario = &study.scenarios[name].scenario;
         same(study.wheel.tape_diameter, &file["wheel_diameter_m"], 1.0);
         same(study.rail.length, &file["rail_length_m"], 1.0);
-        same(study.rail.beam_elements as f64, &file["rail_elements"], 1.0);
+        same(study.simulation.rail_elements as f64, &file["rail_elements"], 1.0);
         same(study.contact.penalty, &file["penalty_kn_per_m"], 1e3);
         same(scenario.friction, &file["friction"], 1.0);
         same(scenario.lateral_suspension.stiffness, &file["horizontal_stiffness_kn_per_m"], 1e3);

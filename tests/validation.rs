@@ -47,8 +47,9 @@ fn now(study: &Study) -> Vec<ToolCurve> {
 /// What is stale in a record, or does not hold; the tool's numbers by its `curves`, if they are there.
 fn stale(record: &CrosscheckRecord, study: &Study, curves: Option<&[ToolCurve]>) -> Vec<String> {
     let mut found = Vec::new();
-    if record.input_hash != CrosscheckInput::of(study).key() {
-        found.push("the study or the program's version has changed".into());
+    let key = CrosscheckInput::of(study).key();
+    if record.input_hash != key {
+        found.push(format!("the study or the program's version has changed; the key is now {key}"));
     }
     if record.reference.package_hash != package_hash() {
         found.push("the reference package has changed".into());

@@ -115,8 +115,6 @@ pub struct Rail {
     pub inclination_given: bool,
     /// Length of the modelled piece, m.
     pub length: f64,
-    /// Number of beam elements of the simple model's rail, whose deflection the calibration takes away.
-    pub beam_elements: usize,
     /// The mesh that takes the place of the tool's own.
     pub mesh: Option<MeshFile>,
     /// Its material, which its section and its beam have, and of a mesh the groups without another.
@@ -276,6 +274,8 @@ pub struct SimulationSettings {
     pub law: LawKey,
     /// Horizontal stiffness, N/m; `None` takes the calibrated one.
     pub horizontal: Option<f64>,
+    /// Number of beam elements of the rail.
+    pub rail_elements: usize,
     /// Penalty stiffness between spline and nodes, N/m.
     pub contact_penalty: f64,
     /// Distance between the rail's surface nodes, m.
@@ -343,6 +343,7 @@ impl Study {
             element: self.element,
             contact: self.contact,
             calibration: &self.calibration,
+            beam_elements: self.simulation.rail_elements,
         }
     }
 

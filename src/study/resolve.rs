@@ -45,8 +45,7 @@ pub(super) fn resolve(
     let mut collector = Collector::new(&source, findings, mistakes);
     collector.take(&["name"], check_name(&document.name));
     let solid = (&document.material, document.mesh.element);
-    let beam_elements = document.simulation.rail_elements;
-    let rail = rail((&document.rail, beam_elements), solid, &source, &mut collector);
+    let rail = rail(&document.rail, solid, &source, &mut collector);
     let wheel = wheel(&document.wheel, solid, &source, &mut collector);
     let calibration = collector.take(&["calibration.*"], calibration(&document.calibration));
     collector.take(&["contact.*"], contact(&document.contact));
@@ -112,6 +111,7 @@ pub(super) fn resolve(
             element: document.simulation.element,
             law: document.simulation.law,
             horizontal: document.simulation.horizontal_kn_per_m.map(|k| k * KILONEWTON_PER_METRE),
+            rail_elements: document.simulation.rail_elements,
             contact_penalty: document.simulation.contact_penalty_kn_per_m * KILONEWTON_PER_METRE,
             rail_node_spacing: document.simulation.rail_node_spacing_mm * MILLIMETRE,
             sliding_matrix: document.simulation.sliding_matrix,

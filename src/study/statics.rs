@@ -38,6 +38,8 @@ pub struct Statics<'a> {
     pub contact: ContactSettings,
     /// Loads and reference of the law.
     pub calibration: &'a CalibrationSettings,
+    /// Number of beam elements of the simple model's rail, whose deflection the calibration takes away.
+    pub beam_elements: usize,
 }
 
 impl Statics<'_> {
@@ -83,7 +85,7 @@ impl Statics<'_> {
             materials.filter_map(Value::as_object_mut).for_each(|material| drop(material.remove("density")));
             body
         };
-        let rail = without(plain(&self.rail), &["length", "beam_elements", "material"]);
+        let rail = without(plain(&self.rail), &["length", "material"]);
         let wheel = without(plain(&self.wheel), &["material"]);
         let elastic = self.materials().map(|material| [material.young, material.poisson]);
         key(&("pair", rail, wheel, elastic, self.track))

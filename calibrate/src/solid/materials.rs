@@ -15,6 +15,7 @@ const SINGLE_LAYER: f64 = 0.49;
 
 /// The materials of a body: one for every group of its mesh ([`HexMesh::groups`]), all with the same damping.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(transparent)]
 pub struct Materials {
     of_group: Vec<Material>,
 }

@@ -71,7 +71,7 @@ impl Geometry {
             }
             other => other,
         })?;
-        let beam = pair.beam(&statics.rail.material, statics.rail.length, statics.rail.beam_elements)?;
+        let beam = pair.beam(&statics.rail.material, statics.rail.length, statics.beam_elements)?;
         let (profiles, surfaces, replicates) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Self { pair, beam, profiles, surfaces, assumed: [None, None], replicates })
     }

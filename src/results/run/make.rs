@@ -195,7 +195,7 @@ pub fn simulate(
     let progress = Shared { monitor, done: AtomicUsize::new(0) };
     let run = |scenario: &Scenario| model.run(scenario, &progress.share());
     let finer = || {
-        let elements = FINER_BEAM * input.rail.beam_elements;
+        let elements = FINER_BEAM * input.simulation.rail_elements;
         let beam = geometry.pair.beam(&input.rail.material, input.rail.length, elements)?;
         Ok::<_, Error>((elements, SimpleModel::new(input, geometry, &beam, springs)?))
     };

@@ -22,7 +22,7 @@ use crate::study::{Rail, RailBody, Source, Wheel};
 
 /// `material` and `element`: those of the study for both bodies.
 pub(super) fn rail(
-    (keys, beam_elements): (&RailKeys, usize),
+    keys: &RailKeys,
     (material, element): (&MaterialKeys, ElementKey),
     source: &Source,
     collector: &mut Collector,
@@ -81,7 +81,6 @@ pub(super) fn rail(
         inclination: inclination?,
         inclination_given: keys.inclination.is_some() || keys.profile_file.is_none(),
         length: keys.length_m,
-        beam_elements,
         mesh: mesh?,
         material,
         materials: materials?,
