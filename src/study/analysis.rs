@@ -1,4 +1,4 @@
-//! What a study computes of its pair, in SI units: contact and laws of the solids, the simple model and the load cases.
+//! What a study computes of its pair, in SI units: contact, laws, the simple model and the load cases.
 
 use railspring_simulate::element::condensed::CondensedModel;
 use railspring_simulate::element::published::MovingModel;
@@ -41,7 +41,7 @@ pub struct CalibrationSettings {
 /// The simple model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulationSettings {
-    /// Which contact element it has, if the study says so: [`super::Study::element`].
+    /// Which contact element it has, if the study says so: [`Study::element`](super::Study::element).
     pub element: Option<ContactElementKey>,
     /// Which normal law drives the published element.
     pub law: LawKey,

@@ -24,7 +24,7 @@ pub struct Study {
     pub rail: Rail,
     /// The wheel.
     pub wheel: Wheel,
-    /// Damping of both bodies, s ([`railspring_calibrate::solid::Material::damping`]): that of their materials here is zero, because statics have none.
+    /// Damping of both bodies, s ([`Material::damping`](railspring_calibrate::solid::Material::damping)): that of their materials here is zero, because statics have none.
     pub damping: f64,
     /// Where the wheel is on the track.
     pub track: Track,

@@ -1,4 +1,4 @@
-//! Rail and wheel of a study in SI units, their place on the track, and the files that they come from.
+//! Rail and wheel of a study in SI units, their place on the track, and their files.
 //!
 //! A file counts by its content and its ending, wherever it lies and whatever it is called.
 

@@ -1,5 +1,5 @@
-//! The springs of the simple model: the study's own, the published ones or those of a file, and in which respects they
-//! may not suit the study.
+//! The springs of the simple model: the study's own, the published ones or those of a file.
+//! It is said in which respects they may not suit the study.
 
 mod accepted;
 mod contact_element;

@@ -11,7 +11,7 @@ use crate::results::run::record::SpringsRecord;
 /// The springs in SI units.
 ///
 /// # Errors
-/// [`railspring_profiles::error::InputError`] with key `law` for constants that are no law.
+/// [`InputError`](railspring_profiles::error::InputError) with key `law` for constants that are no law.
 pub fn springs(record: &SpringsRecord) -> Result<Springs> {
     let table = &record.table_kn_and_kn_per_m;
     let normal = if table.is_empty() {

@@ -18,7 +18,7 @@ use crate::study::{ContactElementKey, LawKey};
 /// its simple model has that.
 ///
 /// # Errors
-/// As [`super::check_reference`]; and laws without an element.
+/// As [`check_reference`](super::check_reference); and laws without an element.
 pub fn own(
     input: &SpringsInput<'_>,
     stiffness: &StiffnessRecord,
