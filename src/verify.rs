@@ -14,6 +14,7 @@
 //! that of the times of separations where there are none, is no line: it is
 //! listed with its reason.
 
+mod series;
 mod line;
 mod limits;
 mod signals;
@@ -28,13 +29,14 @@ mod band;
 mod pointwise;
 mod sampled;
 
-use line::rounded;
+use line::{Check, rounded};
 use pointwise::{PartOfRun, Scope};
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::time::energy::EnergyBalance;
 use railspring_simulate::time::history::{Ending, History, HistoryRow};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use series::peak;
 
 pub use band::Band;
 pub use change::{Change, least_contact};
@@ -76,9 +78,6 @@ pub struct Compared {
     /// Fractions of time in each contact mode.
     pub mode_fractions: Both<ModeFractions>,
 }
-
-/// A check of the verdict: a line, or why the comparison cannot be made.
-type Check = std::result::Result<Line, NotApplicable>;
 
 /// How many of the runs do not reach their last step. There is no key for it: the limit is none.
 const RUNS_TO_END: Criterion = Criterion {
@@ -169,12 +168,6 @@ pub fn compare(simple: &ModelRun<'_>, solid: &ModelRun<'_>, limits: &Limits) -> 
     Ok(Comparison { lines, not_applicable, compared })
 }
 
-/// The number of rows before a time (s).
-fn rows_before(run: &History, time: f64) -> usize {
-    // times are written with twelve digits
-    run.rows.partition_point(|row| row.time < time * (1.0 - 1e-9))
-}
-
 /// The drift of the energy balance, of the models that have one.
 fn energy_check(runs: &Both<&History>, limits: &Limits) -> Check {
     let criterion = limits.energy_drift();
@@ -222,22 +215,6 @@ fn check_times(simple: &History, solid: &History) -> Result<()> {
         "run both models again with the same study",
     )
     .into())
-}
-
-fn column(history: &History, value: impl Fn(&HistoryRow) -> f64) -> Vec<f64> {
-    history.rows.iter().map(value).collect()
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt()
-}
-
-/// Largest magnitude; not a number if any value is not.
-fn peak(values: &[f64]) -> f64 {
-    let finite_or_nan = |largest: f64, v: &f64| {
-        if largest.is_nan() || v.is_nan() { f64::NAN } else { largest.max(v.abs()) }
-    };
-    values.iter().fold(0.0, finite_or_nan)
 }
 
 #[cfg(test)]

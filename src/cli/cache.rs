@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use railspring_profiles::error::Result;
 
 use super::output::say;
-use super::positive;
+use super::work_args::positive;
 use crate::engine::store::{Listed, Prune, Store, default_folder};
 
 /// Entries that were not used for so many days go, if nothing else is said.

@@ -6,7 +6,7 @@ use clap::Args;
 use railspring_profiles::error::InputError;
 use serde_json::json;
 
-use super::Failure;
+use super::failure::Failure;
 use super::pdf_args::PdfArgs;
 use super::results::Results;
 use crate::compare::{Comparison, Side, compare, page};

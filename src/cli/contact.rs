@@ -11,11 +11,11 @@ use railspring_profiles::rigid_contact::{
 };
 use railspring_profiles::units::MILLIMETRE;
 
-use super::output::remark;
+use super::failure::Failure;
+use super::output::{remark, say};
 use super::pair_args::{Given, Named, by_option, named};
 use super::set_args::{SetArgs, setting};
 use super::shapes::write;
-use super::{Failure, say};
 use crate::report::panel::{Panel, stacked};
 use crate::report::plot::{BLUE, DARK, Dash, GREY, RED, Series};
 use crate::results::bodies::geometry::geometry;

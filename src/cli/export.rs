@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use railspring_profiles::error::{Error, InputError};
 
-use super::output::remark;
+use super::failure::Failure;
+use super::output::{remark, say};
 use super::set_args::SetArgs;
-use super::{Failure, say};
 use crate::engine::output::OutputFolder;
 use crate::export::{Condition, ExportFile, ExportRow, Format, SpringsFile, index, of_calibration, rows};
 use crate::results::springs::record::StiffnessRecord;

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use railspring_profiles::error::InputError;
 
+use super::failure::Failure;
 use super::output::{remark, say};
 use super::pair_args::{Given, Named, by_option, named};
 use super::results::Results;
 use super::set_args::SetArgs;
 use super::staged::{Action, RunArgs, done};
-use super::{Failure, WorkArgs};
+use super::work_args::WorkArgs;
 use crate::engine::output::{OutputFolder, TEMPORARY, readable_by_all};
 use crate::hash::key;
 use crate::study::Study;

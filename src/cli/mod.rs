@@ -3,6 +3,8 @@
 mod findings;
 pub mod output;
 pub mod progress;
+mod failure;
+mod work_args;
 mod shapes;
 mod file_args;
 pub mod set_args;
@@ -21,28 +23,28 @@ mod table;
 mod work;
 mod shell;
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use cache::CacheCommand;
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use compare::CompareArgs;
 use export::ExportArgs;
+use failure::exit_code;
 use fit::{FitArgs, NewArgs};
 use output::{complain, say};
 use profile::ProfileCommand;
-use progress::Progress;
-use railspring_profiles::error::{Error, InputError};
+use railspring_profiles::error::Error;
 use results::Results;
 use shell::ManArgs;
 use staged::StudyCommand;
 use table::TableArgs;
 
-use crate::engine::store;
-use crate::results::bodies::estimate::{Budget, Resources};
-use crate::study::{LocatedError, Mistakes, Study, explain, schema};
+use crate::study::{explain, schema};
 use crate::version;
+
+pub use failure::Failure;
+pub use work_args::{positive, take_threads};
 
 /// Exit codes, the same for all commands.
 pub const EXIT_CODES: &str = "Exit codes:
@@ -121,106 +123,9 @@ impl Command {
     }
 }
 
-/// What every command needs to know that solves.
-#[derive(Debug, Args)]
-struct WorkArgs {
-    /// Print errors only
-    #[arg(short, long)]
-    quiet: bool,
-    /// Print the results as one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Number of threads; left out, one for each core. The results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// Python with scikit-fem, meshio and scipy, for mesh files and the cross-check; left out, a virtual environment in
-    /// the cache folder
-    #[arg(long, value_name = "PATH")]
-    python: Option<PathBuf>,
-    /// Refuse what is expected to need more memory, GiB; left out, what the machine has available
-    #[arg(long, value_name = "GIB", value_parser = positive)]
-    memory_limit: Option<f64>,
-    /// Folder of the store, in which results are kept and found again; left out, one in the user's cache folder
-    #[arg(long, value_name = "DIR")]
-    cache: Option<PathBuf>,
-}
-
-impl WorkArgs {
-    fn resources<'a>(&'a self, progress: &'a Progress) -> Resources<'a> {
-        let budget = Budget::new(self.memory_limit);
-        Resources { budget, interpreter: self.python.as_deref(), monitor: progress }
-    }
-
-    fn store(&self) -> PathBuf {
-        self.cache.clone().unwrap_or_else(store::default_folder)
-    }
-}
-
 /// The program's commands with their options and help texts.
 pub fn command() -> clap::Command {
     Cli::command()
-}
-
-/// A positive number, as an option takes it.
-///
-/// # Errors
-/// What is expected, for a text that is none.
-pub fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
-        _ => Err("expected a positive number".into()),
-    }
-}
-
-/// A failure with the place where it stands.
-#[derive(Debug)]
-pub enum Failure {
-    /// Mistakes of a study, each at its line.
-    Study(Mistakes),
-    /// An error of a stage that concerns a key of the study, at its line.
-    Located(LocatedError),
-    /// Any other error.
-    Plain(Error),
-}
-
-impl Failure {
-    /// What is said about it, and the exit code.
-    pub fn said(&self) -> (Vec<String>, u8) {
-        match self {
-            Self::Study(mistakes) => (mistakes.messages(), 2),
-            Self::Located(error) => (vec![error.to_string()], 2),
-            Self::Plain(error) => (vec![error.to_string()], exit_code(error)),
-        }
-    }
-
-    /// An error of a stage, with the keys and the place of the study if it concerns one of them.
-    pub fn of_stage(study: &Study, error: Error) -> Self {
-        match error {
-            Error::Input(input) => match study.source.with_keys(input) {
-                input if study.owns(&input.key) => Self::Located(study.source.locate(input)),
-                input => Self::Plain(input.into()),
-            },
-            other => Self::Plain(other),
-        }
-    }
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Plain(error)
-    }
-}
-
-impl From<InputError> for Failure {
-    fn from(error: InputError) -> Self {
-        Self::Plain(error.into())
-    }
-}
-
-impl From<Mistakes> for Failure {
-    fn from(mistakes: Mistakes) -> Self {
-        Self::Study(mistakes)
-    }
 }
 
 /// Runs the program with the arguments of the process.
@@ -259,16 +164,6 @@ fn answered(answer: &clap::Error) -> ExitCode {
     }
 }
 
-fn exit_code(error: &Error) -> u8 {
-    match error {
-        Error::Input(_) => 2,
-        Error::Numerics(_) => 3,
-        Error::Interrupted => 130,
-        // The error type may grow; an error of an unknown kind is no usable input.
-        _ => 2,
-    }
-}
-
 /// Runs a command; whether all limits hold.
 fn dispatch(command: &Command) -> Result<bool, Failure> {
     let done = |result: Result<(), Error>| result.map(|()| true).map_err(Failure::Plain);
@@ -290,18 +185,7 @@ fn dispatch(command: &Command) -> Result<bool, Failure> {
         Command::Work(args) => done(work::run(args)),
         Command::Profile(command) => profile::run(command),
         Command::Cache(command) => done(cache::run(command)),
-        Command::Completions { shell } => done(shell::completions(*shell)),
-        Command::Man(args) => done(shell::man(args)),
+        Command::Completions { shell } => done(shell::completions(&mut Cli::command(), *shell)),
+        Command::Man(args) => done(shell::man(Cli::command(), args)),
     }
-}
-
-/// Takes as many threads as are wanted, those of the machine by default.
-///
-/// # Errors
-/// [`InputError`] for more threads than the system grants, or if they were taken before.
-pub fn take_threads(threads: Option<u16>) -> Result<(), Error> {
-    let Some(threads) = threads else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global().map_err(|cause| {
-        InputError::new("--threads", cause, "a number of threads that the system grants", "take fewer").into()
-    })
 }

@@ -9,7 +9,7 @@ use railspring_profiles::profile::rails::RAIL_NAMES;
 use railspring_profiles::profile::wheels::WHEEL_NAMES;
 use railspring_profiles::profile_file::{ClosedSection, LARGEST_FILE, ProfileKind, sketch_section};
 
-use super::Failure;
+use super::failure::Failure;
 use super::shapes::unknown_profile;
 use crate::study::{SECTIONS, SectionFile, Setting, Study};
 use crate::template::{Body, Pair};

@@ -19,9 +19,10 @@ use railspring_profiles::section::{
 };
 use railspring_profiles::units::MILLIMETRE;
 
+use super::failure::Failure;
 use super::file_args::FileArgs;
+use super::output::say;
 use super::shapes::write;
-use super::{Failure, say};
 use crate::results::bodies::on_standard::{Seams, on_standard};
 use crate::results::bodies::surface_figure::figure;
 

@@ -13,9 +13,11 @@ use railspring_profiles::profile_placement::{say_nearest, with_nearest_to};
 use railspring_profiles::units::MILLIMETRE;
 
 use super::contact::{ContactArgs, contact};
+use super::failure::Failure;
 use super::file_args::{FileArgs, with_options};
+use super::output::say;
 use super::place::{PlaceArgs, place};
-use super::{Failure, say, shapes};
+use super::shapes;
 
 /// What can be done with a profile.
 #[derive(Debug, Subcommand)]

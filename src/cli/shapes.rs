@@ -17,8 +17,7 @@ use railspring_profiles::section::{rail_section, rail_section_of};
 use railspring_profiles::units::MILLIMETRE;
 
 use super::findings::{Listed, Mark, marked};
-use super::output::remark;
-use super::say;
+use super::output::{remark, say};
 use crate::engine::output::OutputFolder;
 use crate::report::catalogue::{Shape, catalogue};
 use crate::report::panel::{Panel, stacked_with_notes};

@@ -7,7 +7,6 @@ use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 use railspring_profiles::error::{Error, InputError};
 
-use super::command;
 use super::output::{print, say};
 use crate::engine::output::OutputFolder;
 
@@ -19,15 +18,15 @@ pub(super) struct ManArgs {
     output: Option<PathBuf>,
 }
 
-/// Prints what a shell completes commands and options with.
-pub(super) fn completions(shell: Shell) -> Result<(), Error> {
+/// Prints what a shell completes commands and options of the program with.
+pub(super) fn completions(program: &mut clap::Command, shell: Shell) -> Result<(), Error> {
     let mut text = Vec::new();
-    generate(shell, &mut command(), "railspring", &mut text);
+    generate(shell, program, "railspring", &mut text);
     print(&text)
 }
 
-/// Prints the manual page, or writes those of all commands.
-pub(super) fn man(args: &ManArgs) -> Result<(), Error> {
+/// Prints the manual page of the program, or writes those of all commands.
+pub(super) fn man(mut program: clap::Command, args: &ManArgs) -> Result<(), Error> {
     let page = |command: clap::Command| -> Result<(String, Vec<u8>), Error> {
         let man = Man::new(command);
         let mut text = Vec::new();
@@ -36,7 +35,6 @@ pub(super) fn man(args: &ManArgs) -> Result<(), Error> {
         })?;
         Ok((man.get_filename(), text))
     };
-    let mut program = command();
     program.build();
     let Some(path) = &args.output else { return print(&page(program)?.1) };
     let mut open = vec![program];

@@ -7,11 +7,12 @@ use railspring_profiles::error::{Error, InputError};
 use railspring_profiles::monitor::Monitor;
 use serde_json::json;
 
+use super::failure::Failure;
 use super::pdf_args::PdfArgs;
 use super::progress::Progress;
 use super::results::Results;
 use super::set_args::SetArgs;
-use super::{Failure, WorkArgs, take_threads};
+use super::work_args::{WorkArgs, take_threads};
 use crate::engine::output::OutputFolder;
 use crate::engine::store::Store;
 use crate::python::Purpose;

@@ -6,10 +6,11 @@ use clap::{Args, ValueEnum};
 use railspring_profiles::error::{Error, InputError};
 use serde_json::json;
 
+use super::failure::Failure;
 use super::output::remark;
 use super::progress::Progress;
 use super::results::Results;
-use super::{Failure, WorkArgs, take_threads};
+use super::work_args::{WorkArgs, take_threads};
 use crate::cluster::Cluster;
 use crate::engine::output::{OutputFolder, to_json};
 use crate::engine::store::Store;

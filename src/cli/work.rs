@@ -7,7 +7,7 @@ use railspring_profiles::error::{Error, InputError};
 
 use super::output::say;
 use super::progress::Progress;
-use super::{WorkArgs, take_threads};
+use super::work_args::{WorkArgs, take_threads};
 use crate::engine::store::{Store, program};
 use crate::table::Work;
 

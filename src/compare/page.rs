@@ -5,8 +5,9 @@ use railspring_profiles::units::KILONEWTON;
 use railspring_simulate::time::history::HistoryRow;
 use serde_json::{Value, json};
 
-use super::rows::{common_shifts, tangent_at};
-use super::{Comparison, Side};
+use super::comparison::Comparison;
+use super::rows::{LineChange, common_shifts, tangent_at};
+use super::side::Side;
 use crate::report::accessible::inline;
 use crate::report::html;
 use crate::report::number::{WIDTH, number};
@@ -79,7 +80,7 @@ pub fn page(a: &Side, b: &Side, found: &Comparison) -> String {
             json!({ "name": group.name, "caption": group.caption, "unit": common, "rows": rows.collect::<Vec<_>>() })
         })
         .collect();
-    let line = |line: &super::LineChange| {
+    let line = |line: &LineChange| {
         let worse = line.b.as_ref().is_some_and(|b| !b.holds) && line.a.as_ref().is_none_or(|a| a.holds);
         json!({ "subject": line.subject, "meaning": line.meaning, "cells": line.texts(), "worse": worse })
     };

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::Side;
+use super::side::Side;
 use super::solid::{Solid, loads};
 use super::values::{Compared, Value};
 use crate::report::number::number;

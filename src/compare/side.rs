@@ -4,9 +4,9 @@ use std::path::Path;
 
 use railspring_profiles::error::{InputError, Result};
 use railspring_simulate::time::history::History;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::About;
 use crate::engine::list::{Entry, RESULTS, Results};
 use crate::engine::output::{OutputFolder, parse_json, read_text};
 use crate::hash::hash;
@@ -19,6 +19,25 @@ use crate::results::springs::record::{LoadCurveRow, StiffnessRecord};
 use crate::results::springs::stage::load_curve;
 use crate::results::verdict::record::VerificationRecord;
 use crate::study::ResolvedKey;
+
+/// Whose result it is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct About {
+    /// Folder or file, as it was named.
+    pub path: String,
+    /// Name of the study.
+    pub study: String,
+    /// The pair in words.
+    pub pair: String,
+    /// Version of the program, and its commit where that is known.
+    pub program: String,
+    /// Range of the law, kN.
+    pub range_kn: [f64; 2],
+    /// The verdict in a sentence, if there is one.
+    pub verdict: Option<String>,
+    /// Hash of what its springs depend on.
+    pub input_hash: String,
+}
 
 /// What a folder has of a study; what it does not have is left out.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! The solid of a result at any load of its range.
 
-use super::Side;
+use super::side::Side;
 use super::values::Value;
 use crate::results::springs::band_record::BandPointRecord;
 use crate::results::springs::record::{ReferenceRecord, TangentRecord};

@@ -13,51 +13,26 @@ mod deck;
 mod surfaces;
 mod gensys;
 mod contact;
+mod format;
 mod table_rows;
 
 use std::path::Path;
 
-use clap::ValueEnum;
+use format::files;
 use railspring_profiles::error::{InputError, Result};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use spring::Spring;
-use surfaces::Surfaces;
 
 use crate::engine::output::{parse_json, read_json, read_text};
-use crate::results::by_angle::record::{BY_ANGLE, ShiftRecord, StiffnessByAngleRecord};
-use crate::results::crosscheck::deck::Format as DeckFormat;
+use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::springs::record::StiffnessRecord;
 use crate::study::Study;
 use crate::table::TableRecord;
 
+pub use format::Format;
 pub use spring::ExportFile;
 pub use table_rows::{Condition, ExportRow, index, rows};
-
-/// What springs are exported to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Format {
-    /// Columns of displacement and force, in m and N and in mm and kN, for Simpack, VI-Rail and others
-    ForceDisplacement,
-    /// A spring without tension for OpenSees, in Python and Tcl
-    Opensees,
-    /// Coefficient and power of the contact of STEM (UVEC)
-    Stem,
-    /// Coefficient and power of the contact of ROSE
-    Rose,
-    /// Profiles for KPF and stiffness over the contact angle for GENSYS; with --study
-    Gensys,
-    /// Profiles and cases for the half-space program CONTACT; with --study
-    Contact,
-    /// A nonlinear spring as a deck for CalculiX
-    Calculix,
-    /// A nonlinear spring as a deck for Abaqus
-    Abaqus,
-    /// A structure of the law and its points for MATLAB and Octave
-    Matlab,
-    /// The law, its points and those of the solid model as JSON
-    Json,
-}
 
 /// What springs are read from.
 #[derive(Debug)]
@@ -113,30 +88,6 @@ pub fn of_calibration(
     }
     let spring = Spring::of_calibration(&path.display().to_string(), record, reference)?;
     files(&spring, format, study, || Ok(laws_beside(path, record)?.shifts))
-}
-
-/// The files of a format; `by_angle` has the laws by contact angle.
-fn files(
-    spring: &Spring,
-    format: Format,
-    study: Option<&Study>,
-    by_angle: impl FnOnce() -> Result<Vec<ShiftRecord>>,
-) -> Result<Vec<ExportFile>> {
-    Ok(match format {
-        Format::ForceDisplacement => columns::force_displacement(spring),
-        Format::Opensees => opensees::files(spring),
-        Format::Stem => vec![power::stem(spring)],
-        Format::Rose => vec![power::rose(spring)],
-        Format::Gensys => {
-            let surfaces = Surfaces::of(study, "GENSYS")?;
-            gensys::files(spring, &surfaces, &by_angle()?)?
-        }
-        Format::Contact => contact::files(spring, &Surfaces::of(study, "CONTACT")?)?,
-        Format::Calculix => vec![deck::file(spring, DeckFormat::Calculix)],
-        Format::Abaqus => vec![deck::file(spring, DeckFormat::Abaqus)],
-        Format::Matlab => vec![columns::matlab(spring)],
-        Format::Json => vec![columns::as_json(spring)],
-    })
 }
 
 /// The laws by contact angle beside a `stiffness.json`, of the same pair.

@@ -7,8 +7,8 @@ use railspring_calibrate::law::StiffnessLaw;
 use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::units::MILLIMETRE;
 
+use super::format::{Format, files};
 use super::spring::{ExportFile, Spring, no_reference, range};
-use super::{Format, files};
 use crate::results::by_angle::record::FixedLoadRecord;
 use crate::results::by_angle::record::ShiftRecord;
 use crate::results::springs::record::TangentRecord;

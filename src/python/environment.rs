@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use railspring_profiles::error::Result;
+use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::Monitor;
 
+use super::command::{PROBE_LIMITS, answer, isolated};
 use super::package::Package;
-use super::{PROBE_LIMITS, answer, cache_error, isolated};
 use crate::child::Limits;
 
 /// Limits of making the environment and of loading packages over a slow line.
@@ -48,6 +48,15 @@ pub fn cache_folder() -> PathBuf {
         .or_else(|| user("LOCALAPPDATA", &["railspring"]))
         .or_else(|| user("HOME", &[".cache", "railspring"]))
         .unwrap_or_else(|| PathBuf::from(".railspring-cache"))
+}
+
+pub(super) fn cache_error(cache: &Path, cause: &std::io::Error) -> InputError {
+    InputError::new(
+        "cache folder",
+        format!("{} ({cause})", cache.display()),
+        "a folder that can be created and written",
+        "set RAILSPRING_CACHE to another one",
+    )
 }
 
 /// The interpreter of the virtual environment in `cache` with the `packages` of a lock, an absolute path; made if its mark of completion is

@@ -5,6 +5,7 @@
 //! lies in the working folder, beside a study or on `PYTHONPATH`.
 
 mod package;
+mod command;
 mod environment;
 
 use std::io::{BufRead, BufReader};
@@ -13,12 +14,14 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
+use command::{PROBE_LIMITS, answer, isolated};
+use environment::cache_error;
 use package::{CLUSTER, Package, REFERENCE};
 use railspring_profiles::error::{InputError, NumericsError, Result, StopReason};
 use railspring_profiles::monitor::Monitor;
 use tempfile::TempDir;
 
-use crate::child::{self, Ended, Limits, Stop};
+use crate::child::{self, Limits, Stop};
 use crate::study::MeshFile;
 
 pub(crate) use crate::child::messages_of;
@@ -47,8 +50,6 @@ for name in sys.argv[1].split():
 from importlib.metadata import distributions
 print(sys.version, sorted({(str(d.metadata['Name']), str(d.version)) for d in distributions()}))
 ";
-/// Limits of a command that answers at once.
-const PROBE_LIMITS: Limits = Limits { time: Duration::from_secs(120), output: 1 << 20 };
 /// Time for the reader of mesh files to start, for files of any size.
 const READER_START: Duration = Duration::from_secs(60);
 /// Time for every million bytes of a mesh file; meshio takes a tenth of a second for text.
@@ -292,37 +293,6 @@ impl Python {
     }
 }
 
-/// An interpreter that sees neither the working folder nor variables of the user's own Python.
-fn isolated(interpreter: &Path, place: &Path) -> Command {
-    let mut command = Command::new(interpreter);
-    for (name, _) in std::env::vars_os() {
-        if name.to_string_lossy().to_uppercase().starts_with("PYTHON") {
-            command.env_remove(name);
-        }
-    }
-    // -I: no variables, no folder of the script or of the user on the path of modules; -B: no files beside modules;
-    // UTF-8 on every system
-    command.args(["-I", "-B", "-X", "utf8"]).current_dir(place);
-    command
-}
-
-/// Runs a command that the user waits for.
-fn answer(
-    of: &Package,
-    command: &mut Command,
-    limits: &Limits,
-    monitor: &dyn Monitor,
-    stage: &str,
-) -> Result<Ended> {
-    let program = PathBuf::from(command.get_program());
-    child::run(command, limits, &|| monitor.progress(stage, 0, 1)).map_err(|stop| match stop {
-        Stop::Asked(stop) => stop,
-        Stop::Failed(cause) => of.missing(&program, &cause.to_string()).into(),
-        Stop::Time => of.missing(&program, &format!("no result within {} s", limits.time.as_secs())).into(),
-        Stop::Output => of.missing(&program, "it writes without end").into(),
-    })
-}
-
 /// A path that means the same in every working folder; a bare name is one to be looked up.
 fn whole(path: &Path) -> PathBuf {
     let bare = path.parent() == Some(Path::new("")) && !path.exists();
@@ -348,15 +318,6 @@ fn probe(of: &Package, interpreter: &Path, place: &Path, monitor: &dyn Monitor) 
     }
     let cause = last_line(&ended.messages).unwrap_or("it cannot import the packages");
     Err(of.missing(interpreter, cause).into())
-}
-
-fn cache_error(cache: &Path, cause: &std::io::Error) -> InputError {
-    InputError::new(
-        "cache folder",
-        format!("{} ({cause})", cache.display()),
-        "a folder that can be created and written",
-        "set RAILSPRING_CACHE to another one",
-    )
 }
 
 #[cfg(all(test, unix))]

@@ -4,8 +4,8 @@
 use railspring_profiles::units::KILONEWTON;
 use railspring_simulate::time::scenario::{HarmonicForce, Scenario};
 
-use super::Source;
 use super::document::{LawKey, ScenarioKeys, StudyDocument, SuspensionKeys};
+use super::source::Source;
 use crate::rounding::significant;
 
 /// What is said of the load case `name`; `loads` are those of the calibration, N.

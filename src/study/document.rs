@@ -27,6 +27,22 @@ pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
 pub use scenario::{ForceKeys, ScenarioKeys, SuspensionKeys, TorsionKeys};
 pub use solid::{SolidKeys, TransientKey};
 
+/// Sections of the study file, in their order.
+pub const SECTIONS: [&str; 12] = [
+    "rail",
+    "wheel",
+    "track",
+    "material",
+    "mesh",
+    "contact",
+    "calibration",
+    "simulation",
+    "solid",
+    "scenario",
+    "verification",
+    "output",
+];
+
 /// A study: a rail and a wheel, how to calibrate the contact springs between them, and the load cases to verify the springs with.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

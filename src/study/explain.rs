@@ -4,7 +4,7 @@ use railspring_profiles::error::InputError;
 use serde_json::Value;
 
 use super::check::{Checker, join, nearest};
-use super::study_schema;
+use super::schema::study_schema;
 
 /// Stands for the name of a load case in a key.
 const NAME: &str = "NAME";
@@ -220,7 +220,10 @@ mod tests {
         assert!(said("name").contains("it has to be given"), "{}", said("name"));
         assert!(said("horizontal_preloads_kn").contains("default  [20.0, 50.0"));
         let sections = explain(None).unwrap().join("\n");
-        assert!(super::super::SECTIONS.iter().all(|section| sections.contains(section)), "{sections}");
+        assert!(
+            super::super::document::SECTIONS.iter().all(|section| sections.contains(section)),
+            "{sections}"
+        );
     }
 
     /// Goal: a key that no study has gets the nearest one, with its section or without.

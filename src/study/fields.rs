@@ -4,7 +4,7 @@
 use railspring_profiles::error::{Error, InputError};
 use railspring_profiles::field::InputField;
 
-use super::Source;
+use super::source::Source;
 
 /// Stands in a key for the name of the scenario.
 const ANY: &str = ".*.";

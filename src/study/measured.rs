@@ -15,8 +15,8 @@ use super::check::nearest;
 use super::collect::Collector;
 use super::document::ProfileUnitKey;
 use super::fields::translate;
+use super::pair::{MeasuredSurface, SectionFile};
 use super::source::{MISSING, Source};
-use super::{MeasuredSurface, SectionFile};
 
 /// The keys of one body.
 pub(super) struct SurfaceKeys<'a> {

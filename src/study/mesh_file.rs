@@ -9,9 +9,9 @@ use railspring_profiles::error::InputError;
 use railspring_profiles::input;
 use railspring_profiles::units::{GIGAPASCAL, MILLIMETRE};
 
-use super::MeshFile;
 use super::collect::Collector;
 use super::document::{ElementKey, GroupMaterialKeys, MeshUnitKey};
+use super::pair::MeshFile;
 use super::source::MISSING;
 
 /// Largest mesh file that is read, bytes.

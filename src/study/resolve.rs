@@ -14,20 +14,20 @@ use railspring_simulate::time::scenario::{HarmonicForce, Kelvin, Scenario};
 use railspring_simulate::time::steps::InnerSteps;
 use serde_json::Value;
 
+use super::analysis::{CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario};
+use super::case_notes;
 use super::check::{Finding, nearest};
+use super::checked::Study;
 use super::collect::Collector;
 use super::document::{
     CalibrationKeys, ContactElementKey, ContactKeys, EnforcementKey, FieldKey, ForceKeys, Inclination,
-    LawKey, MeshKeys, ReferenceKey, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys, TorsionKeys,
-    TransientKey,
+    LawKey, MeshKeys, ReferenceKey, SECTIONS, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys,
+    TorsionKeys, TransientKey,
 };
 use super::fields::translate;
+use super::pair::Track;
 use super::record::ResolvedKey;
-use super::source::LocatedError;
-use super::{
-    CalibrationSettings, ContactSettings, SECTIONS, SimulationSettings, Source, Study, StudyScenario, Track,
-    case_notes,
-};
+use super::source::{LocatedError, Source};
 
 type Result<T> = std::result::Result<T, InputError>;
 
@@ -407,7 +407,6 @@ fn main_scenario(document: &StudyDocument, source: &Source) -> Result<Option<Str
     }
 }
 
-/// All keys with their values, flattened: the sections in their order, the keys of each by name.
 /// Sizes of the elements.
 fn mesh_options(mesh: &MeshKeys) -> MeshOptions {
     MeshOptions {
@@ -425,6 +424,7 @@ fn mesh_options(mesh: &MeshKeys) -> MeshOptions {
     }
 }
 
+/// All keys with their values, flattened: the sections in their order, the keys of each by name.
 fn resolved_keys(document: &StudyDocument, source: &Source) -> Vec<ResolvedKey> {
     let mut document = document.clone();
     document.rail.inclination.get_or_insert_with(Inclination::usual);

@@ -8,6 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::check::{Checker, accepts_type};
+use super::schema::study_schema;
 use super::source::Lines;
 
 /// A key with the value that it gets in the place of that of the study file.
@@ -79,7 +80,7 @@ impl Setting {
 
     /// The value as TOML for a key of the study's schema; `None` if the key is taken out of the study.
     pub fn toml(&self) -> Option<String> {
-        self.value_in(super::study_schema())
+        self.value_in(study_schema())
     }
 
     fn value_in(&self, schema: &Value) -> Option<String> {

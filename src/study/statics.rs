@@ -1,20 +1,17 @@
 //! What the statics of a pair are made from, in SI units: the input of its laws, whose hash is their key.
-//!
-//! A file counts by its content and its ending, wherever it lies and whatever it is called.
-
-use std::path::Path;
 
 use railspring_calibrate::calibration::{ContactField, Enforcement};
 use railspring_calibrate::mesh::MeshOptions;
 use railspring_calibrate::solid::{Formulation, Material};
 use railspring_profiles::units::MILLIMETRE;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use serde_json::Value;
 
+use super::analysis::{CalibrationSettings, ContactSettings};
 use super::document::{ElementKey, EnforcementKey, FieldKey};
+use super::pair::{MeasuredSurface, Rail, Track, Wheel};
 use super::record::PairRecord;
-use super::{CalibrationSettings, ContactSettings, MeasuredSurface, Rail, SectionFile, Track, Wheel};
-use crate::hash::{hash, key};
+use crate::hash::key;
 use crate::rounding::ratio;
 
 /// Bodies, their places, their meshes, their contact and the loads on them.
@@ -129,33 +126,4 @@ pub fn parts(statics: &Statics<'_>) -> [String; 3] {
         settings.as_object_mut().map(|settings| settings.remove(body));
     }
     [key(statics.wheel), key(statics.rail), key(&settings)]
-}
-
-impl Rail {
-    /// Name of its section: that of the standard, or the file of the study's own as the study names it.
-    pub fn name(&self) -> Option<&str> {
-        name(self.section.as_ref(), self.profile.as_deref())
-    }
-}
-
-impl Wheel {
-    /// Name of its section: that of the standard, or the file of the study's own as the study names it.
-    pub fn name(&self) -> Option<&str> {
-        name(self.section.as_ref(), self.profile.as_deref())
-    }
-}
-
-fn name<'a>(own: Option<&'a SectionFile>, standard: Option<&'a str>) -> Option<&'a str> {
-    own.map(|own| own.file.as_str()).or(standard)
-}
-
-/// A content by its hash.
-pub(super) fn hashed<S: Serializer>(content: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(&hash(content))
-}
-
-/// A file by the ending of its name.
-pub(super) fn ending<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    serializer.serialize_str(&ending)
 }

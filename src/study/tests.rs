@@ -5,6 +5,8 @@ mod materials;
 
 use std::path::Path;
 
+use railspring_profiles::profile_file::Smoothing;
+
 use super::*;
 use crate::hash::key;
 

@@ -1,10 +1,10 @@
 //! How far a run is from itself at each of its times, for the band around it in figures.
 
 use super::change::{FORCES, scales};
-use super::column;
+use super::limits::Limits;
 use super::model_run::ModelRun;
+use super::series::column;
 use super::signals::averaged_ratio;
-use crate::verify::Limits;
 
 /// How far a run is from itself, row by row of its history: other steps and an input that is 0.1 % larger together as the root of their squares, as in the
 /// verdict's lines.

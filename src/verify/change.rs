@@ -6,9 +6,9 @@ use railspring_simulate::time::history::{History, HistoryRow};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::limits::Limits;
+use super::series::{column, peak, rms};
 use super::signals::{Carrying, averaged_forces, averaged_ratio};
-use super::{column, peak, rms};
-use crate::verify::Limits;
 
 /// A force is measured against its peak, and against this share of the other one's at least.
 const SMALLEST_PEAK: f64 = 0.05;

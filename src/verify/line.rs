@@ -156,6 +156,9 @@ pub struct NotApplicable {
     pub reason: String,
 }
 
+/// A check of the verdict: a line, or why the comparison cannot be made.
+pub(super) type Check = Result<Line, NotApplicable>;
+
 /// A time (s) in milliseconds, to the microsecond, as text.
 pub(super) fn milliseconds(time: f64) -> String {
     format!("{} ms", (time * 1e6).round() / 1e3)

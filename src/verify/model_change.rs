@@ -8,7 +8,7 @@ use super::change::{Change, least_contact};
 use super::contact::ContactDifference;
 use super::limits::Limits;
 use super::line::milliseconds;
-use super::rows_before;
+use super::series::rows_before;
 use super::statistics::{NUMBERS, differences};
 
 /// How far a run changes with another grid of its contact, other meshes, or other elements of its beam.

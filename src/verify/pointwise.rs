@@ -10,11 +10,11 @@ use railspring_simulate::time::history::{Ending, History};
 use super::change::{FORCES, least_contact, over, peaks, scales, together};
 use super::contact::ContactDifference;
 use super::limits::Limits;
-use super::line::{Criterion, Line};
+use super::line::{Check, Criterion, Line};
 use super::model_change::RunChange;
 use super::model_run::ModelRun;
+use super::series::{column, peak, rms, rows_before};
 use super::signals::{Carrying, averaged_forces, averaged_ratio};
-use super::{Check, column, peak, rms, rows_before};
 
 /// What is compared, and over what.
 pub(super) struct Scope<'a> {

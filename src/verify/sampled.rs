@@ -6,9 +6,9 @@ use super::change::{least_contact, over, peaks};
 use super::limits::Limits;
 use super::line::{Criterion, Line};
 use super::model_run::ModelRun;
-use super::rows_before;
+use super::series::rows_before;
+use super::signals::separations;
 use super::statistics::{LEAST_BLOCKS, MOST_BLOCKS, NUMBERS, OF_FORCE, chance, numbers, sample, step};
-use crate::verify::separations;
 
 /// The row from which statistics are compared, if there is one: where the solid's motion is not determined any more, and enough is left.
 pub(super) fn begin(simple: &History, solid: &ModelRun, limits: &Limits) -> Option<usize> {

@@ -10,8 +10,8 @@ use railspring_simulate::time::history::{ContactMode, History};
 
 use super::change::{FORCES, least_contact};
 use super::limits::Limits;
-use super::signals::mode;
-use crate::verify::separations;
+use super::series::rms;
+use super::signals::{mode, separations};
 
 /// Fewest blocks that the time is cut into, each as long as the window of the averaged Q/P at least.
 pub(super) const LEAST_BLOCKS: usize = 3;
@@ -56,7 +56,7 @@ pub(super) fn numbers(sample: &[Member], without: Range<usize>, step: f64) -> [f
         let mut forces: Vec<f64> = members().map(|member| member.forces[k]).collect();
         let of = &mut found[OF_FORCE * k..];
         of[0] = forces.iter().sum::<f64>() / count;
-        of[1] = super::rms(&forces);
+        of[1] = rms(&forces);
         forces.sort_by(f64::total_cmp);
         for (n, share) in QUANTILES.into_iter().enumerate() {
             of[2 + n] = quantile(&forces, share);

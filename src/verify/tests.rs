@@ -4,6 +4,7 @@
 use nalgebra::Point2;
 use railspring_simulate::time::history::{ContactMode, ContactState, Ending};
 
+use super::series::rms;
 use super::*;
 
 /// ROUNDOFF: sums of a few hundred terms of order one; values are rounded to six digits.

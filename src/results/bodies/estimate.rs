@@ -4,6 +4,7 @@
 
 mod machine;
 mod condensing;
+mod work;
 mod needs;
 mod table;
 
@@ -14,10 +15,9 @@ use railspring_profiles::error::{InputError, Result};
 use railspring_profiles::monitor::Monitor;
 use railspring_profiles::units::MILLIMETRE;
 
-use crate::python::Purpose;
-use crate::results::bodies::estimate::condensing::{NODE, VALUE};
+use crate::results::bodies::estimate::condensing::{FILL, NODE, VALUE};
 use crate::results::bodies::estimate::machine::available;
-use crate::results::bodies::estimate::needs::{Beside, reference_memory, steps_in_each};
+use crate::results::bodies::estimate::needs::{Beside, reference_memory};
 use crate::results::bodies::geometry::{self, Geometry};
 use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{self, Meshes};
@@ -25,45 +25,14 @@ use crate::results::bodies::zones;
 use crate::study::{Statics, TransientKey};
 
 pub use self::condensing::{CONTACT_OF_STEP, condensing, least_memory, stepping};
+pub use self::machine::GIB;
 pub use self::needs::{Estimate, StageEstimate};
+pub use self::work::Work;
 
-/// Bytes of a gibibyte.
-pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
-/// Values of a factor for every equation to the power of 4/3, for a first look before there is a mesh. Measured: 20.
-const FILL: f64 = 20.0;
 /// Share of them in the factor of one half of a body: half of the equations to the power 4/3.
 const OF_HALVES: f64 = 0.4;
 /// A first look may be wrong by this factor.
 const FIRST_LOOK: f64 = 2.0;
-
-/// What a command is going to do with the solids.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Work {
-    /// Whether it calibrates, or answers the questions of a cross-check, which takes as much.
-    pub calibrate: bool,
-    /// Load cases of the solid model: name and steps of the integration.
-    pub solids: Vec<(String, usize)>,
-    /// The questions to the reference.
-    pub reference: Option<Purpose>,
-}
-
-impl Work {
-    /// What the study asks for: with or without the calibration, with or without its load cases.
-    pub fn of(input: &SolidsInput<'_>, calibrate: bool, solids: bool) -> Self {
-        let cases = input.cases.iter().filter(|(_, case)| solids && case.solid);
-        let solids = cases
-            .map(|(name, case)| {
-                (name.clone(), (case.scenario.steps as f64 * steps_in_each(input)).ceil() as usize)
-            })
-            .collect();
-        Self { calibrate, solids, reference: None }
-    }
-
-    /// The tool's part of a cross-check, and that of the reference.
-    pub fn of_crosscheck(reference: Purpose) -> Self {
-        Self { calibrate: true, reference: Some(reference), ..Self::default() }
-    }
-}
 
 /// How much memory there is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

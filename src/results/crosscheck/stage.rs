@@ -9,8 +9,9 @@ use crate::engine::store::{Address, Artefact};
 use crate::results::bodies::estimate::Resources;
 use crate::results::crosscheck::exchange::Case;
 use crate::results::crosscheck::input::CrosscheckInput;
+use crate::results::crosscheck::make::crosscheck;
 use crate::results::crosscheck::record::CrosscheckRecord;
-use crate::results::crosscheck::{self, Solvers};
+use crate::results::crosscheck::solvers::Solvers;
 use crate::results::names::{CROSSCHECK, DIFFERENCES};
 
 /// Folder of the questions and answers inside the output folder.
@@ -39,7 +40,7 @@ impl Stage for Crosscheck<'_> {
     fn make(&mut self, engine: &mut Engine<'_>) -> Result<Made> {
         let folder = OutputFolder::create(&engine.folder.file(EXCHANGE_FOLDER))?;
         let (record, differences) =
-            crosscheck::crosscheck(&self.input, &folder, self.cases, self.solvers, &self.resources)?;
+            crosscheck(&self.input, &folder, self.cases, self.solvers, &self.resources)?;
         let artefact = Artefact::default().with(CROSSCHECK, to_json(&record));
         Ok(Made::whole(artefact.with(DIFFERENCES, to_json(&differences))))
     }

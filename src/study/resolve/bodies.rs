@@ -18,7 +18,8 @@ use crate::study::document::{
 use crate::study::fields::translate;
 use crate::study::measured::SurfaceKeys;
 use crate::study::mesh_file::MeshFileKeys;
-use crate::study::{Rail, RailBody, Source, Wheel};
+use crate::study::pair::{Rail, RailBody, Wheel};
+use crate::study::source::Source;
 
 /// `material` and `element`: those of the study for both bodies.
 pub(super) fn rail(

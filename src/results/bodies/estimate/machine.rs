@@ -1,5 +1,8 @@
 //! How much memory the machine has left.
 
+/// Bytes of a gibibyte.
+pub const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
+
 /// Bytes that this process can still get; `None` where the system does not say.
 pub(crate) fn available() -> Option<f64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();

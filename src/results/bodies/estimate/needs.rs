@@ -5,11 +5,10 @@ use railspring_calibrate::mesh::{MeshOptions, MeshSize, rail_size, wheel_size};
 use railspring_calibrate::pair::{FIXED_LOADS_CHANGED, LOADS_COARSER, LOADS_HALVED, PairBody};
 use railspring_calibrate::superelement::FactorSize;
 use railspring_profiles::error::Result;
-use railspring_simulate::time::steps::InnerSteps;
 
 use crate::python::Purpose;
-use crate::results::bodies::estimate::Work;
 use crate::results::bodies::estimate::condensing::{ENTRY, MASS, NODE, VALUE, factor, largest, stepping};
+use crate::results::bodies::estimate::work::{Work, steps_in_each};
 use crate::results::bodies::geometry::Geometry;
 use crate::results::bodies::input::SolidsInput;
 use crate::results::bodies::meshes::{FINER, Meshes};
@@ -46,8 +45,6 @@ const SECONDS_STEP: f64 = 0.008;
 const RUNS: usize = 3;
 /// Steps that a reduced run does with fewer modes as well, at the usual time step.
 const STEPS_COMPARED: f64 = 120.0;
-/// Steps of the integration in a time step of a published load case in the mean, where they adapt themselves.
-const ADAPTED_STEPS: f64 = 3.0;
 /// Share of a substitution that one of several at the same time takes.
 const SOLVED_AT_ONCE: f64 = 0.2;
 
@@ -104,14 +101,6 @@ pub(crate) struct Beside {
     pub condensing: f64,
     /// The fields and the error bands of the calibration, its laws by contact angle, and runs on the solids.
     pub stages: f64,
-}
-
-/// Steps of the integration in a time step.
-pub(crate) fn steps_in_each(input: &SolidsInput<'_>) -> f64 {
-    match input.solid.steps() {
-        InnerSteps::Equal(count) => count as f64,
-        InnerSteps::Adaptive(control) => ADAPTED_STEPS.min(control.most as f64),
-    }
 }
 
 impl Estimate {

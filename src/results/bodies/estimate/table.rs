@@ -4,8 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::results::bodies::estimate::GIB;
-use crate::results::bodies::estimate::machine::available;
+use crate::results::bodies::estimate::machine::{GIB, available};
 use crate::results::bodies::estimate::needs::{Estimate, StageEstimate};
 
 impl Estimate {

@@ -9,7 +9,7 @@ use crate::report::number::WIDTH;
 use crate::report::plot::{
     DARK_RED, GREY, LABEL_TEXT, ORANGE, TICK_TEXT, frame, label, nice_range, nice_step, px, stroke, svg, tick,
 };
-use crate::results::crosscheck::page::power_of_ten;
+use crate::results::crosscheck::page::scientific::power_of_ten;
 use crate::results::crosscheck::record::SectionDifference;
 
 /// Largest height of the body, px.

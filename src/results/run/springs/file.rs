@@ -15,9 +15,10 @@ use crate::results::bodies::geometry::Geometry;
 use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
 use crate::results::run::input::SpringsInput;
 use crate::results::run::record::{SpringsRecord, SpringsSource};
-use crate::results::run::springs::{
-    ACCEPTED, accepted_reference, own, own_springs, revolved_mass, springs, wheel_is_known, with_element,
-};
+use crate::results::run::springs::accepted::{ACCEPTED, accepted_reference};
+use crate::results::run::springs::contact_element::with_element;
+use crate::results::run::springs::in_si::springs;
+use crate::results::run::springs::of_study::{own, own_springs, revolved_mass, wheel_is_known};
 use crate::results::springs::law::LawConstants;
 use crate::results::springs::record::{BeamFactors, StiffnessRecord};
 use crate::study::{ContactElementKey, LawAcceptedKey, LawKey, PairRecord};

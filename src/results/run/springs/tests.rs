@@ -2,15 +2,21 @@
 
 use std::path::PathBuf;
 
+use railspring_calibrate::law::StiffnessLaw;
+use railspring_profiles::error::Result;
 use railspring_simulate::time::history::{ContactMode, ContactState, Ending, HistoryRow};
 
+use super::of_study::revolved_mass;
 use super::*;
+use crate::engine::output::to_json;
 use crate::engine::seal::Sealed;
 use crate::results::bodies::geometry;
-use crate::results::by_angle::element::{ElasticWheelRecord, StripRecord};
-use crate::results::by_angle::record::BY_ANGLE;
+use crate::results::by_angle::element::{ElasticWheelRecord, ElementRecord, StripRecord};
+use crate::results::by_angle::record::{BY_ANGLE, StiffnessByAngleRecord};
+use crate::results::run::input::SpringsInput;
+use crate::results::run::record::SpringsSource;
 use crate::results::samples;
-use crate::results::springs::record::BeamRecord;
+use crate::results::springs::record::{BeamRecord, StiffnessRecord};
 use crate::study::Study;
 
 /// ROUNDOFF: a power and some products of numbers of order one.

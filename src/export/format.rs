@@ -1,0 +1,60 @@
+//! The forms that springs are written in, and the files of each.
+
+use clap::ValueEnum;
+use railspring_profiles::error::Result;
+
+use super::spring::{ExportFile, Spring};
+use super::surfaces::Surfaces;
+use super::{columns, contact, deck, gensys, opensees, power};
+use crate::results::by_angle::record::ShiftRecord;
+use crate::results::crosscheck::deck::Format as DeckFormat;
+use crate::study::Study;
+
+/// What springs are exported to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Columns of displacement and force, in m and N and in mm and kN, for Simpack, VI-Rail and others
+    ForceDisplacement,
+    /// A spring without tension for OpenSees, in Python and Tcl
+    Opensees,
+    /// Coefficient and power of the contact of STEM (UVEC)
+    Stem,
+    /// Coefficient and power of the contact of ROSE
+    Rose,
+    /// Profiles for KPF and stiffness over the contact angle for GENSYS; with --study
+    Gensys,
+    /// Profiles and cases for the half-space program CONTACT; with --study
+    Contact,
+    /// A nonlinear spring as a deck for CalculiX
+    Calculix,
+    /// A nonlinear spring as a deck for Abaqus
+    Abaqus,
+    /// A structure of the law and its points for MATLAB and Octave
+    Matlab,
+    /// The law, its points and those of the solid model as JSON
+    Json,
+}
+
+/// The files of a format; `by_angle` has the laws by contact angle.
+pub(super) fn files(
+    spring: &Spring,
+    format: Format,
+    study: Option<&Study>,
+    by_angle: impl FnOnce() -> Result<Vec<ShiftRecord>>,
+) -> Result<Vec<ExportFile>> {
+    Ok(match format {
+        Format::ForceDisplacement => columns::force_displacement(spring),
+        Format::Opensees => opensees::files(spring),
+        Format::Stem => vec![power::stem(spring)],
+        Format::Rose => vec![power::rose(spring)],
+        Format::Gensys => {
+            let surfaces = Surfaces::of(study, "GENSYS")?;
+            gensys::files(spring, &surfaces, &by_angle()?)?
+        }
+        Format::Contact => contact::files(spring, &Surfaces::of(study, "CONTACT")?)?,
+        Format::Calculix => vec![deck::file(spring, DeckFormat::Calculix)],
+        Format::Abaqus => vec![deck::file(spring, DeckFormat::Abaqus)],
+        Format::Matlab => vec![columns::matlab(spring)],
+        Format::Json => vec![columns::as_json(spring)],
+    })
+}

@@ -1,0 +1,115 @@
+//! A checked study in SI units, and what follows from its keys together.
+
+use std::collections::BTreeMap;
+
+use railspring_calibrate::mesh::MeshOptions;
+use railspring_simulate::solid::START_MODES;
+
+use super::analysis::{CalibrationSettings, ContactSettings, SimulationSettings, StudyScenario};
+use super::document::{ContactElementKey, ElementKey, LawKey, OutputKeys, SECTIONS, SolidKeys, TransientKey};
+use super::pair::{Rail, Track, Wheel};
+use super::record::ResolvedKey;
+use super::source::Source;
+use super::statics::Statics;
+use crate::verify::Limits;
+
+/// A checked study, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// Short name; names the output folder.
+    pub name: String,
+    /// What the study is about.
+    pub description: String,
+    /// The rail.
+    pub rail: Rail,
+    /// The wheel.
+    pub wheel: Wheel,
+    /// Damping of both bodies, s ([`Material::damping`](railspring_calibrate::solid::Material::damping)): that of their materials here is zero, because statics have none.
+    pub damping: f64,
+    /// Where the wheel is on the track.
+    pub track: Track,
+    /// The solid meshes.
+    pub mesh: MeshOptions,
+    /// Formulation of the eight-node brick.
+    pub element: ElementKey,
+    /// Wanted error band of the law in use, relative.
+    pub target_error: Option<f64>,
+    /// Contact between the solids.
+    pub contact: ContactSettings,
+    /// Loads and reference of the law.
+    pub calibration: CalibrationSettings,
+    /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
+    pub shifts: Option<Vec<f64>>,
+    /// The simple model.
+    pub simulation: SimulationSettings,
+    /// The solid model in time.
+    pub solid: SolidKeys,
+    /// Load cases by name.
+    pub scenarios: BTreeMap<String, StudyScenario>,
+    /// Name of the load case whose histories have the plain file names.
+    pub main_scenario: Option<String>,
+    /// Limits of the verdict.
+    pub limits: Limits,
+    /// Files for other programs.
+    pub output: OutputKeys,
+    /// All keys with their values, defaults filled in; the keys of each section by name.
+    pub resolved: Vec<ResolvedKey>,
+    /// The file the study came from.
+    pub source: Source,
+}
+
+impl Study {
+    /// What the statics of the pair are made from.
+    pub fn statics(&self) -> Statics<'_> {
+        Statics {
+            rail: &self.rail,
+            wheel: &self.wheel,
+            track: self.track,
+            mesh: &self.mesh,
+            target_error: self.target_error,
+            window_given: self.source.gives("mesh.window_half_length_mm"),
+            element: self.element,
+            contact: self.contact,
+            calibration: &self.calibration,
+            beam_elements: self.simulation.rail_elements,
+        }
+    }
+
+    /// Whether there are to be laws by contact angle.
+    pub fn wants_by_angle(&self) -> bool {
+        self.shifts.as_ref().is_none_or(|shifts| !shifts.is_empty())
+    }
+
+    /// Contact element of the simple model.
+    pub fn element(&self) -> ContactElementKey {
+        let SimulationSettings { element, law, horizontal, .. } = &self.simulation;
+        let of_own_springs = *law == LawKey::Calibrated && horizontal.is_none();
+        element.unwrap_or(match self.wants_by_angle() && of_own_springs {
+            true => ContactElementKey::Condensed,
+            false => ContactElementKey::Published,
+        })
+    }
+
+    /// Whether the condensed element is made: the simple model runs with it, or it stands beside the published one.
+    pub fn wants_condensed(&self) -> bool {
+        self.wants_by_angle() && !self.scenarios.is_empty()
+    }
+
+    /// Modes that the bodies are condensed with: those that reduced runs begin with, and the condensed element has; none where there is
+    /// neither.
+    pub fn modes(&self) -> usize {
+        let reduced = self.solid.transient == TransientKey::Reduced;
+        let runs = self.scenarios.values().any(|case| case.solid);
+        match reduced && runs {
+            true => self.solid.modes.unwrap_or(START_MODES),
+            false if self.wants_condensed() => START_MODES,
+            false => 0,
+        }
+    }
+
+    /// Whether a dotted key belongs to the study file, so that a message can name its line.
+    pub fn owns(&self, key: &str) -> bool {
+        let section = key.split(['.', '[']).next().unwrap_or_default();
+        section == "name" || SECTIONS.contains(&section)
+    }
+}
