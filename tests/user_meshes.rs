@@ -111,6 +111,7 @@ fn has(text: &str, parts: &[&str]) {
 /// meshio and by an own writer of Gmsh's format, they give the same displacements (mm), tangents (kN/m) and masses (kg).
 /// Accuracy: rounding of the coordinates (1e-16) times the condition number of the meshes (1e6), with a margin.
 #[test]
+#[ignore = "a quarter of a minute: cargo long user_meshes"]
 fn the_tools_own_meshes_in_other_formats_give_the_same_numbers() {
     if !railspring_testing::python() {
         return;
@@ -153,6 +154,7 @@ fn the_tools_own_meshes_in_other_formats_give_the_same_numbers() {
 /// Source: the tool's own mesh with elements of 3 mm × 2.5 mm in the contact zone. Goal: a rail that Gmsh has meshed with
 /// its own section, sizes (2.4 mm × 2.2 mm) and layers: hub displacement with the foot held, mm.
 #[test]
+#[ignore = "a quarter of a minute: cargo long user_meshes"]
 fn a_rail_of_gmsh_comes_close_to_the_tools_own() {
     if !railspring_testing::python() {
         return;

@@ -187,6 +187,7 @@ fn a_users_rail_runs_to_a_report() {
 /// with the same load curve (mm, kN/m); a measured profile, worn by 0.5 mm throughout, is joined to the user's wheel, which
 /// touches the rail on it. Accuracy: `SMOOTHING`.
 #[test]
+#[ignore = "a quarter of a minute: cargo long user_sections"]
 fn a_users_rail_and_wheel_run_to_a_report() {
     /// Depth of the wear, mm.
     const WORN: f64 = 0.5;
@@ -256,6 +257,7 @@ fn mass(record: &Value, body: &str) -> f64 {
 /// file; keys of the generic body are refused beside it. Accuracy: lines and arcs `SMOOTHING`; columns, whose web, hub and rim have vertices 2 mm apart as
 /// the standard's have, `SPLINES` for displacements and `A_POINT` for tangents.
 #[test]
+#[ignore = "a quarter of a minute: cargo long user_sections"]
 fn a_wheel_from_a_file_has_the_law_of_its_standard() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();

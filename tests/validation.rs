@@ -218,6 +218,7 @@ fn report_and_page_belong_together() {
 /// Source: the record that was made first, whose date and seconds no second solution would have. Goal: the same question
 /// is answered from the store, in another folder and without the reference solver; a changed study asks again.
 #[test]
+#[ignore = "a quarter of a minute: cargo long validation"]
 fn an_answered_cross_check_is_taken_from_the_store() {
     let made = made();
     let first = std::fs::read(&made.kept).unwrap();
@@ -245,6 +246,7 @@ fn an_answered_cross_check_is_taken_from_the_store() {
 /// Goal: `--keep` writes the record; it is found fresh, its failing limits are reported, and so is each
 /// change of study, reference, tool and verdict, alone.
 #[test]
+#[ignore = "a quarter of a minute: cargo long validation"]
 fn every_kind_of_staleness_is_found() {
     let Made { study, kept, .. } = made();
     let study = Study::read(study).unwrap_or_else(|e| panic!("{e}"));

@@ -193,6 +193,7 @@ fn in_series(inner: f64, young: f64) {
 
 /// Source, goal and accuracy: [`in_series`].
 #[test]
+#[ignore = "a quarter of a minute: cargo long wheel_materials"]
 fn a_ring_of_rubber_is_in_series_with_the_wheel_of_steel() {
     in_series(0.34, 6e6);
 }

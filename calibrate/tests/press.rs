@@ -191,6 +191,7 @@ fn half_space(case: &Case, loads: &[f64]) -> Vec<[f64; 3]> {
 /// Centred it touches crown and gauge corner over 25 mm and is stiffer than the window, which MODEL, not mesh, explains: the
 /// half-space program's local stiffness alone rises from 1.42e6 to 1.77e6 kN/m between the two positions.
 #[test]
+#[ignore = "a quarter of a minute: cargo long press"]
 fn the_foot_stiffness_at_85_kn_is_near_the_published_law() {
     let window = 0.85e9..1.10e9;
     assert!(window.contains(&StiffnessLaw::published().tangent(85e3)));

@@ -125,6 +125,7 @@ fn weights(state: &Pressed, mesh: &HexMesh) -> Vec<f64> {
 /// shortest rail: 1 % over all lengths, a tenth of it from 1 m on. Against the beam's deflection taken from the
 /// whole, 0.555 and 2 m were 29 and 74 % apart.
 #[test]
+#[ignore = "a quarter of a minute: cargo long section_motion"]
 fn the_law_does_not_know_the_length_of_the_rail() {
     const MODEL: f64 = 0.01;
     let lengths = [0.4, 0.555, 1.0, 2.0, 5.0];
@@ -191,6 +192,7 @@ const SHARE_DISCRETISATION: f64 = 0.03;
 /// comes into contact, 1e-4, and points that begin to slip within it (at 40 kN, 0.4 %). With half-spaces of uniform pressure the
 /// slope of the approach was 13 to 28 % above its tangent.
 #[test]
+#[ignore = "a quarter of a minute: cargo long section_motion"]
 fn a_tangent_is_the_slope_of_its_displacement() {
     const SOLVER: f64 = 5e-3;
     let loads: Vec<f64> = [40e3, 60e3, 85e3, 120e3].iter().flat_map(|f| [*f, 1.001 * f]).collect();

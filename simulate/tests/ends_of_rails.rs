@@ -74,6 +74,7 @@ fn model(pair: &Pair, end: &HeldEnd, length: f64, distance: f64) -> Matrix3<f64>
 /// bears, from what a rail of 0.555 m says of its ends. Accuracy: MODEL, 0.06 µm/kN and 4 %: the lines of a contact zone of 57 mm as a section, which misses up to a tenth near an end, and
 /// in the middle of the longer rail the mesh's error in bending, 1 %. As in the middle, the head is 0.3 to 1.9 µm/kN off at 60 mm.
 #[test]
+#[ignore = "a quarter of a minute: cargo long ends_of_rails"]
 fn the_head_near_an_end_is_the_solids() {
     const MODEL: [f64; 2] = [0.06e-9, 0.04];
     let pair = pair();

@@ -40,6 +40,7 @@ fn calibrated(study: &str) -> Value {
 /// Goal: `[wheel.material]` equal to `[material]` changes no byte of springs, laws by contact angle and histories, and the modulus of both bodies doubled by two tables is that
 /// of `[material]` doubled; stores are empty, so that all of it is made.
 #[test]
+#[ignore = "a quarter of a minute: cargo long wheel_materials"]
 fn which_table_gives_a_material_changes_nothing() {
     let same = |one: &[(String, String)], other: &[(String, String)]| {
         let names =
@@ -61,6 +62,7 @@ fn which_table_gives_a_material_changes_nothing() {
 /// thirds. Goal: the approach (m) of `local` of a wheel on a rail a thousand times as stiff, beside two bodies of steel, and the tangent of `touch` (kN/m). Accuracy: MODEL, the
 /// bodies beyond their half-spaces, which turn and curve the surfaces otherwise; ROUNDOFF of powers.
 #[test]
+#[ignore = "a quarter of a minute: cargo long wheel_materials"]
 fn a_stiff_rail_leaves_the_wheel_its_modulus() {
     const MODEL: f64 = 0.01;
     const ROUNDOFF: f64 = 1e-9;
