@@ -1,9 +1,15 @@
 //! What a cross-check is made from.
 
+use railspring_calibrate::mesh::MeshOptions;
+use serde::Serialize;
+
 use crate::engine::store::{Address, Kind};
 use crate::hash::key;
 use crate::results::bodies::input::SolidsInput;
-use crate::study::{CalibrationSettings, FieldKey, Statics, Study};
+use crate::study::{
+    CalibrationSettings, ContactSettings, ElementKey, FieldKey, Rail, ReferenceKey, Statics, Study, Track,
+    Wheel,
+};
 
 /// The statics of a pair with a contact between the elements of its meshes, which is what other programs have; without what they are not asked for.
 #[derive(Debug, Clone)]
@@ -38,13 +44,47 @@ impl<'a> CrosscheckInput<'a> {
         SolidsInput { statics: self.statics(), ..self.solids }
     }
 
-    /// Hash of all that the questions and the tool's answers depend on.
+    /// Hash of all that the questions and the tool's answers depend on. What they do not depend on is no part of it, so that kept answers stay valid.
     pub fn key(&self) -> String {
-        key(&self.statics())
+        key(&self.questions())
+    }
+
+    fn questions(&self) -> Questions<'_> {
+        let Statics { rail, wheel, track, mesh, window_given, element, contact, calibration, .. } =
+            self.statics();
+        let CalibrationSettings { loads, horizontal_preloads, reference, .. } = calibration;
+        Questions {
+            rail,
+            wheel,
+            track,
+            mesh,
+            window_given,
+            element,
+            contact,
+            loads,
+            horizontal_preloads,
+            reference: *reference,
+        }
     }
 
     /// Address of the answers of some programs to some questions.
     pub fn address(&self, cases: &[&str], versions: (String, &str, Option<&str>)) -> Address {
-        Address::of(Kind::Crosscheck, &(self.statics(), cases, versions))
+        Address::of(Kind::Crosscheck, &(self.questions(), cases, versions))
     }
+}
+
+/// What the questions and the tool's answers depend on.
+#[derive(Serialize)]
+struct Questions<'a> {
+    rail: &'a Rail,
+    wheel: &'a Wheel,
+    track: Track,
+    mesh: &'a MeshOptions,
+    window_given: bool,
+    element: ElementKey,
+    contact: ContactSettings,
+    loads: &'a [f64],
+    /// Contact zones are as long as the largest of these loads asks for, too.
+    horizontal_preloads: &'a [f64],
+    reference: ReferenceKey,
 }
