@@ -135,6 +135,7 @@ const CHANGED: &[Changed] = &[
     ("calibration.foot_held", PLAIN, "true"),
     ("calibration.error_band", PLAIN, "true"),
     ("calibration.horizontal_preloads_kn", PLAIN, "[30]"),
+    ("calibration.stiffness_at_kn", PLAIN, "[30, 70]"),
     ("calibration.shifts_mm", PLAIN, "[0, 2]"),
     ("simulation.element", PLAIN, "published"),
     ("simulation.law", PUBLISHED, "published"),

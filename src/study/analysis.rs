@@ -36,6 +36,8 @@ pub struct CalibrationSettings {
     pub error_band: bool,
     /// Preloads of the horizontal stiffness, N, ascending.
     pub horizontal_preloads: Vec<f64>,
+    /// Loads along the contact normal at which the laws by contact angle give displacement and tangent, N, ascending.
+    pub fixed_loads: Vec<f64>,
 }
 
 /// The simple model.

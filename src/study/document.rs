@@ -276,6 +276,10 @@ pub struct CalibrationKeys {
     /// Vertical preloads at which the horizontal stiffness is measured, kN, ascending.
     #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1))]
     pub horizontal_preloads_kn: Vec<f64>,
+    /// Loads along the contact normal at which the laws by contact angle give displacement and tangent of the solid, kN, ascending; those within the
+    /// range of the loads.
+    #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1, max = 50))]
+    pub stiffness_at_kn: Vec<f64>,
     /// Lateral shifts of the wheelset at which the law by contact angle is made, mm, ascending, as `track.lateral_shift_mm`; an empty list
     /// makes none. Left out, they lie on tread, gauge corner and flange of the pair.
     #[schemars(inner(range(min = -100.0, max = 100.0)), length(max = 200))]
@@ -295,6 +299,7 @@ impl Default for CalibrationKeys {
             foot_held: false,
             error_band: true,
             horizontal_preloads_kn: vec![20.0, 50.0, 85.0, 120.0],
+            stiffness_at_kn: vec![20.0, 40.0, 60.0, 80.0, 100.0, 120.0],
             shifts_mm: None,
         }
     }

@@ -225,12 +225,15 @@ fn calibration(keys: &CalibrationKeys) -> Result<CalibrationSettings> {
     check_ascending("calibration.shifts_mm", keys.shifts_mm.as_deref().unwrap_or_default(), "shifts")?;
     let preloads = &keys.horizontal_preloads_kn;
     check_ascending("calibration.horizontal_preloads_kn", preloads, "preloads")?;
+    let fixed = &keys.stiffness_at_kn;
+    check_ascending("calibration.stiffness_at_kn", fixed, "loads")?;
     Ok(CalibrationSettings {
         loads: loads.iter().map(|load| load * KILONEWTON).collect(),
         reference: keys.reference,
         foot_held: keys.foot_held || keys.reference == ReferenceKey::Foot,
         error_band: keys.error_band,
         horizontal_preloads: preloads.iter().map(|load| load * KILONEWTON).collect(),
+        fixed_loads: fixed.iter().map(|load| load * KILONEWTON).collect(),
     })
 }
 

@@ -5,10 +5,7 @@ use railspring_profiles::units::MILLIMETRE;
 
 use crate::study::Statics;
 
-/// Loads along the contact normal at which displacement and stiffness are given, N.
-pub const FIXED_LOADS: [f64; 6] = [20e3, 40e3, 60e3, 80e3, 100e3, 120e3];
-
-/// Loads of the calibration that are put on beside these, at most: with all 24 of them laws, displacements and tangents are the same but
+/// Loads of the calibration that are put on beside the fixed ones, at most: with all 24 of them laws, displacements and tangents are the same but
 /// for a small part of their error bands (docs/laws.md).
 const LOADS_BESIDE: usize = 6;
 
@@ -16,7 +13,7 @@ const LOADS_BESIDE: usize = 6;
 pub fn loads_by_angle(statics: Statics<'_>) -> Vec<f64> {
     let of_calibration = &statics.calibration.loads;
     let some = spread(of_calibration.len(), LOADS_BESIDE).into_iter().map(|load| of_calibration[load]);
-    loads_in_turn(&some.collect::<Vec<f64>>(), &FIXED_LOADS)
+    loads_in_turn(&some.collect::<Vec<f64>>(), &statics.calibration.fixed_loads)
 }
 
 /// World position of the tape circle at a shift of the wheelset, m.

@@ -18,7 +18,7 @@ use railspring_simulate::element::published::{HubStatics, MovingModel, WheelSpri
 
 use crate::results::bodies::coarser::{CoarserBodies, bodies_of};
 use crate::results::bodies::geometry::Geometry;
-use crate::results::bodies::places::{FIXED_LOADS, loads_by_angle, shifts, tape_y};
+use crate::results::bodies::places::{loads_by_angle, shifts, tape_y};
 use crate::results::by_angle::element::{ElementRecord, HubDeviationRecord};
 use crate::results::by_angle::input::ByAngleInput;
 use crate::results::by_angle::record::{
@@ -56,7 +56,7 @@ pub fn by_angle(
         contact: contact_conditions(statics),
         direction: PressDirection::Normal,
         loads: &loads,
-        fixed_loads: &FIXED_LOADS,
+        fixed_loads: &statics.calibration.fixed_loads,
     };
     let places: Vec<f64> = shifts.iter().map(|shift| tape_y(statics, pair, *shift)).collect();
     let laws = law_by_shift(pair, bodies, &settings, &places, monitor)?;
@@ -217,11 +217,13 @@ fn reason(shift_mm: f64, error: Error) -> String {
 
 /// Secant stiffness against the foot between the ends of the range of the publication, over that of its law.
 fn published_secant_ratio(fixed: &[FixedLoad]) -> Option<f64> {
+    /// The range, N.
+    const RANGE: [f64; 2] = [20e3, 120e3];
     let displacement = |load: f64| {
         let mut points = fixed.iter().filter_map(|fixed| fixed.points.foot.as_ref());
         points.find(|point| point.force == load).map(|point| point.displacement)
     };
-    let [from, to] = [FIXED_LOADS[0], FIXED_LOADS[FIXED_LOADS.len() - 1]];
+    let [from, to] = RANGE;
     let published = StiffnessLaw::published();
     Some(
         (published.displacement(to) - published.displacement(from))
