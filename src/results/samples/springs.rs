@@ -225,6 +225,7 @@ pub(crate) fn load_curve() -> Vec<LoadCurveRow> {
             force_kn: p.force_kn,
             displacement_mm: p.displacement_mm,
             law_displacement_mm: 1.01 * p.displacement_mm,
+            solid_secant_kn_per_m: 1e3 * p.force_kn / p.displacement_mm,
             solid_tangent_kn_per_m: p.tangent_kn_per_m,
             law_tangent_kn_per_m: in_use.law.constants.tangent(p.force_kn),
             contact_area_mm2: 6.0 * p.force_kn.powf(2.0 / 3.0),

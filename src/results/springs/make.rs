@@ -379,6 +379,7 @@ fn load_curve_row(
         force_kn: p.force / KILONEWTON,
         displacement_mm: p.displacement / MILLIMETRE,
         law_displacement_mm: fit.law.displacement(p.force) / MILLIMETRE,
+        solid_secant_kn_per_m: p.force / p.displacement / KILONEWTON_PER_METRE,
         solid_tangent_kn_per_m: p.solid_tangent / KILONEWTON_PER_METRE,
         law_tangent_kn_per_m: fit.law.tangent(p.force) / KILONEWTON_PER_METRE,
         contact_area_mm2: p.contact_area / SQUARE_MILLIMETRE,

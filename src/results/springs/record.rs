@@ -375,6 +375,8 @@ pub struct LoadCurveRow {
     pub displacement_mm: f64,
     /// Displacement of the law, integrated from no load, mm.
     pub law_displacement_mm: f64,
+    /// Secant stiffness of the solid, force over displacement, kN/m.
+    pub solid_secant_kn_per_m: f64,
     /// Tangent stiffness of the solid, kN/m.
     pub solid_tangent_kn_per_m: f64,
     /// Tangent stiffness of the law, kN/m.
