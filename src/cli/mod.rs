@@ -74,7 +74,7 @@ enum Command {
     OfStudy(StudyCommand),
     /// Put two results side by side: springs and whether they differ beyond their error bands, laws, verdicts, inputs
     Compare(CompareArgs),
-    /// Write the springs for another program: columns, OpenSees, STEM, ROSE, GENSYS, CONTACT, CalculiX, Abaqus, MATLAB, JSON
+    /// Write the springs for another program: columns, OpenSees, STEM, ROSE, GENSYS, CONTACT, CalculiX, Abaqus, MATLAB, Modelica, JSON
     Export(ExportArgs),
     /// Make the springs of many pairs at many places: wheels on rails, shifts, diameters, and what else is varied. Run again, it makes only
     /// what is missing

@@ -68,6 +68,24 @@ pub(super) fn matlab(spring: &Spring) -> ExportFile {
     ExportFile { name: "wheel_rail_spring.m".into(), text }
 }
 
+/// Force over displacement as a table file of the Modelica Standard Library (`Modelica.Blocks.Tables.CombiTable1Ds`): `#1` in its first line, then an array with its
+/// size. A row before the first touch leaves the spring without tension.
+pub(super) fn modelica(spring: &Spring) -> ExportFile {
+    let points = Points::of(spring);
+    let own = [
+        points.sentence(spring.range[0]),
+        format!("units: m, N; {COMPRESSION}"),
+        "take smoothness = LinearSegments and extrapolation = NoExtrapolation: beyond the last point nothing is known".into(),
+    ];
+    let mut text = String::from("#1\n");
+    text += &commented("#", &spring.heading("Contact spring of a wheel on a rail, Modelica", &own));
+    let _ = writeln!(text, "double spring({},2)", points.points.len() + 1);
+    for [displacement, force] in [[-1.0, 0.0]].iter().chain(&points.points) {
+        let _ = writeln!(text, "{displacement:.9e} {force:.9e}");
+    }
+    ExportFile { name: "wheel_rail_spring_modelica.txt".into(), text }
+}
+
 /// The same as JSON; its first value is the comment.
 pub(super) fn as_json(spring: &Spring) -> ExportFile {
     let points = Points::of(spring);

@@ -31,6 +31,8 @@ pub enum Format {
     Abaqus,
     /// A structure of the law and its points for MATLAB and Octave
     Matlab,
+    /// A table of force over displacement for Modelica (`CombiTable1Ds`)
+    Modelica,
     /// The law, its points and those of the solid model as JSON
     Json,
 }
@@ -55,6 +57,7 @@ pub(super) fn files(
         Format::Calculix => vec![deck::file(spring, DeckFormat::Calculix)],
         Format::Abaqus => vec![deck::file(spring, DeckFormat::Abaqus)],
         Format::Matlab => vec![columns::matlab(spring)],
+        Format::Modelica => vec![columns::modelica(spring)],
         Format::Json => vec![columns::as_json(spring)],
     })
 }

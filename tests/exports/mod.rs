@@ -25,7 +25,7 @@ const LOADS_KN: [f64; 4] = [10.0, 50.0, 85.0, 120.0];
 /// ROUNDOFF: tables have ten digits.
 const DIGITS: f64 = 1e-9;
 
-const FORMATS: [&str; 10] = [
+const FORMATS: [&str; 11] = [
     "force-displacement",
     "opensees",
     "stem",
@@ -35,6 +35,7 @@ const FORMATS: [&str; 10] = [
     "calculix",
     "abaqus",
     "matlab",
+    "modelica",
     "json",
 ];
 
@@ -294,6 +295,24 @@ fn matlab_and_json_have_the_same() {
     }
     let solid = record["references"][0]["points"].as_array().unwrap();
     assert_eq!(json["solid"]["force_n"].as_array().unwrap().len(), solid.len());
+}
+
+/// Source: "Modelica.Blocks.Tables" of the Modelica Standard Library 4: `#1`, comments, type, name and size of an array, its rows. Goal: the table has as many rows
+/// as it says, one without force before the first touch, and the points of the columns after it. Accuracy: the same digits.
+#[test]
+fn modelica_has_the_points() {
+    let (place, _) = springs(None);
+    let columns = rows(&text(&export(&place, "force-displacement", &[]), "force_displacement_si.csv"));
+    let modelica = text(&export(&place, "modelica", &[]), "wheel_rail_spring_modelica.txt");
+    assert!(modelica.starts_with("#1\n# "));
+    let (head, table) = modelica.split_once("\ndouble spring(").unwrap();
+    assert!(head.lines().all(|line| line.starts_with('#')));
+    let (size, table) = table.split_once(",2)\n").unwrap();
+    let number = |word: &str| word.parse::<f64>().unwrap();
+    let table: Vec<[f64; 2]> =
+        table.lines().map(|row| row.split_once(' ').map(|(x, f)| [number(x), number(f)]).unwrap()).collect();
+    assert_eq!((size.parse(), table.len()), (Ok(columns.len() + 1), columns.len() + 1));
+    assert_eq!((table[0], &table[1..]), ([-1.0, 0.0], &columns[..]));
 }
 
 /// Goal: a single file takes the name that it is given, several go to a folder; what cannot be exported is refused with what to do, and
