@@ -157,6 +157,7 @@ fn a_twisted_element_is_found() {
 
 /// Goal: a load step off by 2 % and a nodal force off by 2 % are found; the load step also moves the hub.
 #[test]
+#[ignore = "a quarter of a minute: cargo long reference"]
 fn a_wrong_load_is_found() {
     if !railspring_testing::python() {
         return;

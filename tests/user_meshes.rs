@@ -178,6 +178,7 @@ fn a_rail_of_gmsh_comes_close_to_the_tools_own() {
 
 /// Goal: a whole study, its stages from the files alone, the decks and the cross-check, all with a rail of Gmsh.
 #[test]
+#[ignore = "a quarter of a minute: cargo long user_meshes"]
 fn every_command_takes_a_mesh_file() {
     if !railspring_testing::python() {
         return;
