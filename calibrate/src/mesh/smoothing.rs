@@ -48,10 +48,15 @@ pub(super) fn smooth(
             around[v].push(e);
         }
     }
+    // a node whose search found nothing finds nothing again until one around it moves
+    let mut settled = vec![false; nodes.len()];
     for _ in 0..PASSES {
-        let mut moved = false;
+        let mut any_moved = false;
         for v in 0..nodes.len() {
-            moved |= match freedom[v] {
+            if settled[v] {
+                continue;
+            }
+            let moved = match freedom[v] {
                 Freedom::Fixed => false,
                 Freedom::Free => {
                     const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -85,8 +90,13 @@ pub(super) fn smooth(
                     moved
                 }
             };
+            settled[v] = true;
+            if moved {
+                around[v].iter().flat_map(|&e| quads[e]).for_each(|w| settled[w] = false);
+            }
+            any_moved |= moved;
         }
-        if !moved {
+        if !any_moved {
             break;
         }
     }
@@ -104,7 +114,9 @@ fn search(
 ) -> bool {
     let start = nodes[v];
     let scale = shortest_edge(nodes, quads, around, v);
-    let (mut best, mut worst_corner) = measure(nodes, quads, around);
+    let Some((mut best, mut worst_corner)) = measure(nodes, quads, around, f64::INFINITY) else {
+        return false;
+    };
     let mut step = FIRST_STEP;
     let mut moved = false;
     while step >= LAST_STEP {
@@ -113,16 +125,17 @@ fn search(
             let trial = *offset + step * scale * direction;
             let previous = nodes[v];
             nodes[v] = place(&start, &trial);
-            let (value, corner) = measure(nodes, quads, around);
-            let tolerable = worst_corner <= 0.0 || corner >= worst_corner.min(GOOD_ENOUGH);
-            if value < best * (1.0 - LEAST_GAIN) && tolerable {
-                *offset = trial;
-                best = value;
-                worst_corner = corner;
-                improved = true;
-                moved = true;
-            } else {
-                nodes[v] = previous;
+            let better = measure(nodes, quads, around, best * (1.0 - LEAST_GAIN));
+            let tolerable = |corner: f64| worst_corner <= 0.0 || corner >= worst_corner.min(GOOD_ENOUGH);
+            match better.filter(|(_, corner)| tolerable(*corner)) {
+                Some((value, corner)) => {
+                    *offset = trial;
+                    best = value;
+                    worst_corner = corner;
+                    improved = true;
+                    moved = true;
+                }
+                None => nodes[v] = previous,
             }
         }
         if !improved {
@@ -148,8 +161,8 @@ fn shortest_edge(nodes: &[Point2<f64>], quads: &[[usize; 4]], around: &[usize], 
     shortest
 }
 
-/// The measure to be lowered, summed over the elements around, and the sine of the worst corner.
-fn measure(nodes: &[Point2<f64>], quads: &[[usize; 4]], around: &[usize]) -> (f64, f64) {
+/// The measure to be lowered, summed over the elements around, and the sine of the worst corner; none where the sum, which only grows, is not `below` a value.
+fn measure(nodes: &[Point2<f64>], quads: &[[usize; 4]], around: &[usize], below: f64) -> Option<(f64, f64)> {
     let mut sum = 0.0;
     let mut worst = f64::INFINITY;
     for &e in around {
@@ -167,8 +180,11 @@ fn measure(nodes: &[Point2<f64>], quads: &[[usize; 4]], around: &[usize]) -> (f6
             let shape = if flatness > FLAT { 1.0 / flatness } else { (2.0 - flatness / FLAT) / FLAT };
             sum += shape.powi(4);
         }
+        if sum >= below {
+            return None;
+        }
     }
-    (sum, worst)
+    (sum < below).then_some((sum, worst))
 }
 
 /// Below this value of `2 a×b / (|a|² + |b|²)` a corner counts as flat.
@@ -200,7 +216,7 @@ mod tests {
         let mut freedom = vec![Freedom::Fixed; 9];
         freedom[4] = Freedom::Free;
         smooth(&mut nodes, &quads, &mut freedom, &Polyline::new(&[]));
-        let (_, worst) = measure(&nodes, &quads, &[0, 1, 2, 3]);
+        let (_, worst) = measure(&nodes, &quads, &[0, 1, 2, 3], f64::INFINITY).unwrap();
         assert!(worst > 0.9, "{worst}");
     }
 }
