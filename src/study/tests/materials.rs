@@ -2,6 +2,7 @@
 
 use railspring_calibrate::solid::Material;
 
+use super::super::Study;
 use super::{SHORT, message, parse};
 
 /// Goal: each key of a body's material is that of `[material]` unless the body has its own (Pa, kg/m³); damping (s) is one. Groups of a mesh without keys are tested with
@@ -59,4 +60,24 @@ fn wrong_materials_of_bodies_are_refused() {
         let damping = refused("damping_ratio = 0.03");
         assert!(damping.ends_with("it belongs to `material.damping_ratio`"), "{damping}");
     }
+}
+
+/// Goal: a group of a mesh whose section has no keys has the material of its own body, not that of `[material]` (Pa, kg/m³).
+#[test]
+fn a_group_without_keys_has_the_material_of_its_body() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("wheel.msh"), "1").unwrap();
+    let text = "name = \"x\"\n[rail]\nprofile = \"60E1\"\n[wheel]\nprofile = \"S1002\"\nmesh_file = \"wheel.msh\"\n\
+        contact_surface = \"tread\"\nheld_nodes = \"bore\"\n[wheel.material]\nyoung_gpa = 110\npoisson = 0.26\n\
+        [wheel.materials.tyre]\n[wheel.materials.centre]\nyoung_gpa = 70\npoisson = 0.33\ndensity_kg_per_m3 = 2700\n";
+    let study = Study::parse(&folder.path().join("x.toml"), text).unwrap_or_else(|m| panic!("{m}"));
+    let groups = &study.wheel.mesh.as_ref().unwrap().groups;
+    let of = |name: &str| {
+        let at = groups.iter().position(|group| group == name).unwrap();
+        study.wheel.materials.of_groups()[at]
+    };
+    let own = study.wheel.material;
+    assert_eq!((own.young, own.poisson, own.density), (110e9, 0.26, 7850.0));
+    assert_eq!(of("tyre"), own);
+    assert_eq!(of("centre"), Material { young: 70e9, poisson: 0.33, density: 2700.0, damping: 0.0 });
 }
