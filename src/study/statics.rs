@@ -45,6 +45,11 @@ impl Statics<'_> {
         [&self.rail.material, &self.wheel.material]
     }
 
+    /// Whether both meshes are the program's own.
+    pub fn meshes_are_ours(&self) -> bool {
+        self.rail.mesh.is_none() && self.wheel.mesh.is_none()
+    }
+
     /// Whether the laws get their error bands, for themselves or for the meshes that a wanted one asks for.
     pub fn wants_error_band(&self) -> bool {
         self.calibration.error_band || self.target_error.is_some()

@@ -27,6 +27,8 @@ pub struct SolidsInput<'a> {
     pub output: &'a OutputKeys,
     /// Lateral shifts of the laws by contact angle, m, ascending; `None` leaves them to the program.
     pub shifts: Option<&'a [f64]>,
+    /// Whether there are to be laws by contact angle.
+    pub wants_by_angle: bool,
     /// Modes that the bodies are condensed with.
     pub modes: usize,
     /// The solid model in time.
@@ -48,17 +50,13 @@ impl<'a> SolidsInput<'a> {
             statics: study.statics(),
             output: &study.output,
             shifts: study.shifts.as_deref(),
+            wants_by_angle: study.wants_by_angle(),
             modes: study.modes(),
             solid: &study.solid,
             damping: study.damping,
             cases: &study.scenarios,
             main_case: study.main_scenario.as_deref(),
         }
-    }
-
-    /// Whether there are to be laws by contact angle.
-    pub fn wants_by_angle(&self) -> bool {
-        self.shifts.is_none_or(|shifts| !shifts.is_empty())
     }
 
     /// Says what has to be known of the load cases.

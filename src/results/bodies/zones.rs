@@ -39,7 +39,7 @@ pub fn mesh_options(statics: Statics<'_>, geometry: &Geometry) -> MeshOptions {
         options.rail_zone.face_depth += DEEPER;
     }
     // another shift than the usual one may be wrong, and is refused where it leads out of the zone
-    if meshes_are_ours(statics) && statics.track.lateral_shift == 0.0 {
+    if statics.meshes_are_ours() && statics.track.lateral_shift == 0.0 {
         let touches = [geometry.pair.touch.rail_s, geometry.pair.touch.wheel_s];
         for ((zone, curve), s) in zones(geometry, &mut options).into_iter().zip(touches) {
             let y = curve.point(s).x;
@@ -153,11 +153,7 @@ fn check_touch(statics: Statics<'_>, geometry: &Geometry) -> Result<()> {
 
 /// Whether the study leaves the length of the contact window, and the meshes, to the program.
 fn window_is_ours(statics: Statics<'_>) -> bool {
-    meshes_are_ours(statics) && !statics.window_given
-}
-
-fn meshes_are_ours(statics: Statics<'_>) -> bool {
-    statics.rail.mesh.is_none() && statics.wheel.mesh.is_none()
+    statics.meshes_are_ours() && !statics.window_given
 }
 
 /// Half length of a window that a patch of the half length `patch` does not fill: an element beyond it, and what
@@ -299,7 +295,7 @@ fn larger(
                 longer.min(longest_window(statics, geometry)).max(next.window_half_length);
             next.contact_half_length = contact_half_length(statics, geometry, next.window_half_length);
         }
-        SurfaceEnd::ContactZone if meshes_are_ours(statics) => {
+        SurfaceEnd::ContactZone if statics.meshes_are_ours() => {
             extend_zones(geometry, &mut next, LONGER * f64::from(1 << extensions));
         }
         SurfaceEnd::ContactWindow | SurfaceEnd::ContactZone | SurfaceEnd::RailProfile => return None,

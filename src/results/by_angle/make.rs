@@ -97,7 +97,7 @@ pub fn by_angle(
         element_missing,
         shifts: records,
         pair: statics.pair(),
-        // the pipeline knows with which contact zones
+        // the stage knows with which contact zones
         input_hash: String::new(),
         version: env!("CARGO_PKG_VERSION").into(),
         commit: version::COMMIT.into(),

@@ -119,7 +119,7 @@ impl Stage for Calibrate<'_, '_> {
         calibration.stiffness.assumed = assumed(at, &geometry, (&meshes, &condensed), pressed.found())?;
         let Calibration { stiffness, load_curve, patches, horizontal_failure } = calibration;
         let reach = at.go_on_with(meshes);
-        at.condensed = (at.input.wants_by_angle() || at.input.modes > 0).then_some(condensed);
+        at.condensed = (at.input.wants_by_angle || at.input.modes > 0).then_some(condensed);
         let mut artefact = Artefact::default()
             .with(REACH, to_json(&reach))
             .with(STIFFNESS, to_json(&stiffness))
@@ -137,7 +137,8 @@ impl Stage for Calibrate<'_, '_> {
     fn value(&mut self, artefact: &Artefact, key: &str) -> Result<Calibration> {
         let at = &mut *self.solids;
         let mut stiffness: StiffnessRecord = artefact.json(STIFFNESS)?;
-        label(&mut stiffness, key, &{ at.input }, &*at.geometry()?);
+        let (input, geometry) = (at.input, at.geometry()?);
+        label(&mut stiffness, key, &input, &geometry);
         let stiffness = stiffness.sealed();
         let load_curve = load_curve(LOAD_CURVE, artefact.text(LOAD_CURVE)?)?;
         let mut patches: PatchesRecord = artefact.json(PATCHES)?;

@@ -92,16 +92,6 @@ impl BodyMaterialKeys {
             ..of_both.clone()
         }
     }
-
-    /// The keys that make the material of a `body` out of that `of_both`, which has the same damping: those in which they differ.
-    pub fn between(of_both: &MaterialKeys, body: &MaterialKeys) -> Self {
-        let other = |both: f64, body: f64| (both != body).then_some(body);
-        Self {
-            young_gpa: other(of_both.young_gpa, body.young_gpa),
-            poisson: other(of_both.poisson, body.poisson),
-            density_kg_per_m3: other(of_both.density_kg_per_m3, body.density_kg_per_m3),
-        }
-    }
 }
 
 /// The linear elastic material of a group of a mesh; without keys it is that of its body. The damping is that of `[material]` for all.

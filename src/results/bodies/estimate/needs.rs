@@ -131,7 +131,7 @@ impl Estimate {
         if work.calibrate {
             let candidates = Candidates::of(input, geometry, meshes);
             stages.push(calibration(input, [&rail, &wheel], candidates, base));
-            if input.wants_by_angle() {
+            if input.wants_by_angle {
                 stages.push(by_angle(input, geometry, meshes, [&rail, &wheel], candidates, base)?);
             }
             if input.statics.wants_error_band() {
@@ -143,7 +143,7 @@ impl Estimate {
                 base + wheel.making(modes) + rail.making(modes) + (ways - 1.0) * rail.making(0.0);
             beside.stages = stages.iter().map(|stage| stage.memory).sum();
             stages.extend(others(input, geometry, [&rail, &wheel], base));
-            if input.statics.target_error.is_some() && meshes_are_ours(input) {
+            if input.statics.target_error.is_some() && input.statics.meshes_are_ours() {
                 let options = meshes.options().refined(FINER);
                 let [finer_rail, finer_wheel] = resized(input, geometry, [&rail, &wheel], &options)?;
                 let candidates = candidates.times(finer_rail.mesh.contact as f64 / rail.mesh.contact as f64);
@@ -393,7 +393,7 @@ fn by_angle(
         let loads = FIXED_LOADS_CHANGED as f64;
         let (on_grids, of_a_load) = changed(input);
         of_a_shift += loads * on_grids;
-        if meshes_are_ours(input) {
+        if input.statics.meshes_are_ours() {
             let options = coarser::coarser_options(geometry, meshes.options());
             let [rail, wheel] = resized(input, geometry, [rail, wheel], &options)?;
             kept += wheel.dense() + (ways + 1.0) * rail.dense();
@@ -414,11 +414,6 @@ fn changed(input: &SolidsInput<'_>) -> (f64, f64) {
         FieldKey::Hybrid => (SECONDS_HALVED, SECONDS_FINE),
         FieldKey::Elements => (0.0, SECONDS_STEP),
     }
-}
-
-/// Whether both meshes are the program's, which can make them coarser and finer.
-fn meshes_are_ours(input: &SolidsInput<'_>) -> bool {
-    input.statics.rail.mesh.is_none() && input.statics.wheel.mesh.is_none()
 }
 
 /// Rail and wheel on the program's meshes with other sizes.
@@ -468,7 +463,7 @@ fn error_band(
     let (on_grids, of_a_load) = changed(input);
     let seconds = loads.min(LOADS_HALVED as f64) * on_grids;
     let mut estimate = StageEstimate { stage: "error band".into(), memory: base + kept, seconds };
-    if meshes_are_ours(input) {
+    if input.statics.meshes_are_ours() {
         let options = coarser::coarser_options(geometry, meshes.options());
         let [rail, wheel] = resized(input, geometry, [rail, wheel], &options)?;
         estimate.memory += condensing(&wheel, &rail, (ways - 1.0) * rail.dense(), 0.0);
