@@ -43,9 +43,7 @@ impl Tree {
         for name in &names {
             let inner = [module.clone(), vec![name.clone()]].concat();
             let below = folder.join(name);
-            let own = [folder.join(format!("{name}.rs")), below.join("mod.rs")];
-            let file = own.into_iter().find(|file| file.exists());
-            self.add(inner, file.unwrap_or_else(|| panic!("{name} has no file")), below);
+            self.add(inner, folder.join(format!("{name}.rs")), below);
         }
         self.order.insert(module.clone(), names);
         self.files.push((module, file));
@@ -194,7 +192,7 @@ fn every_file_of_tests_is_run() {
         let suite = std::fs::read_to_string(tests.join("suite.rs")).unwrap();
         for entry in std::fs::read_dir(&tests).unwrap() {
             let path = entry.unwrap().path();
-            let is_module = path.extension().is_some_and(|kind| kind == "rs") || path.join("mod.rs").exists();
+            let is_module = path.extension().is_some_and(|kind| kind == "rs");
             let name = path.file_stem().unwrap().to_str().unwrap();
             let line = format!("mod {name};");
             let listed = name == "suite" || suite.lines().any(|other| other == line);
@@ -217,15 +215,15 @@ fn a_module_that_looks_down_is_found() {
     write("c.rs", "use crate::b;\npub mod first;\npub mod second;\n");
     write("c/first.rs", "use super::{first::X,\n second::{Y, Z}};\n");
     write("c/second.rs", "use super::first;\nuse super::super::b;\nuse crate::c::first;\n");
-    write("d/mod.rs", "use crate::a;\nmod only;\n");
+    write("d.rs", "use crate::a;\nmod only;\n");
     write("d/only.rs", "use super::only;\n#[cfg(all(test, unix))]\nmod tests {\n use super::super::*;\n}\n");
-    write("e/mod.rs", "mod part;\nmod user;\nmod deep;\npub use part::Part;\npub struct Whole;\n");
+    write("e.rs", "mod part;\nmod user;\nmod deep;\npub use part::Part;\npub struct Whole;\n");
     write(
         "e/part.rs",
         "pub(in crate::e) struct Part;\n#[cfg(test)]\nmod tests {\n use crate::e::Whole;\n}\n",
     );
     write("e/user.rs", "use super::Whole;\nuse super::part::Part;\nuse super::{part, Part};\n");
-    write("e/deep/mod.rs", "mod low;\n");
+    write("e/deep.rs", "mod low;\n");
     write(
         "e/deep/low.rs",
         "use super::super::{self, part};\nuse crate::top;\nuse crate::{a, e::part, e::Part};\n",

@@ -44,7 +44,7 @@ fn calibrated() -> &'static Path {
     static MADE: OnceLock<TempDir> = OnceLock::new();
     MADE.get_or_init(|| {
         let root = tempfile::tempdir().unwrap();
-        let coarse = include_str!("../studies/coarse.toml");
+        let coarse = include_str!("studies/coarse.toml");
         let study = coarse.replace("load_max_kn = 85", "load_max_kn = 150");
         let study = study.replace("shifts_mm = []", "shifts_mm = [-4, 0, 2]");
         assert!(study.contains("= 150") && study.contains("= [-4,"));

@@ -248,7 +248,7 @@ mod tests {
 
     use super::*;
 
-    const COARSE: &str = include_str!("../../../tests/studies/coarse.toml");
+    const COARSE: &str = include_str!("../../tests/studies/coarse.toml");
 
     /// Stops when the second size begins.
     struct Stopped;

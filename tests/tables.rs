@@ -12,12 +12,12 @@ impl Place {
     /// With `table` as `table.toml`, over the coarse study with loads of the tables' columns.
     pub fn new(table: &str) -> Self {
         let place = Self(tempfile::tempdir().unwrap());
-        let base = include_str!("../studies/coarse.toml").replace("[mesh]\n", COARSER);
+        let base = include_str!("studies/coarse.toml").replace("[mesh]\n", COARSER);
         let loads = "loads_kn = [5, 20, 40, 60, 85]";
         let base = base.replace("load_min_kn = 5\nload_max_kn = 85\nload_count = 5", loads);
         assert!(base.contains(loads));
         place.write("base.toml", &base);
-        place.write("worn.whl", include_str!("../../data/profiles/worn-s1002.whl"));
+        place.write("worn.whl", include_str!("../data/profiles/worn-s1002.whl"));
         place.write("table.toml", table);
         place
     }
