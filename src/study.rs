@@ -13,7 +13,7 @@ mod collect;
 mod content;
 mod pair;
 mod analysis;
-mod fields;
+mod library_errors;
 mod measured;
 mod mesh_file;
 mod case_notes;
@@ -38,7 +38,7 @@ pub use document::{
     TransientKey, VerticalKey,
 };
 pub use explain::{KeyText, SectionText, explain, sections};
-pub use fields::with_keys;
+pub use library_errors::with_keys;
 pub use pair::{MeasuredSurface, MeshFile, Rail, RailBody, SectionFile, Track, Wheel};
 pub use record::{PairRecord, ResolvedKey};
 pub use schema::schema;

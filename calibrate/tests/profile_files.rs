@@ -249,5 +249,5 @@ fn a_head_elsewhere_is_refused() {
         rail_section_with_head(rail_section("60E1").unwrap(), &prepared(&head).curve, &mut Vec::new())
             .unwrap_err()
             .to_string();
-    assert!(message.contains("rail_head") && message.contains("`rail_aligned`"), "{message}");
+    assert!(message.contains("rail_profile") && message.contains("`rail_aligned`"), "{message}");
 }

@@ -38,7 +38,7 @@ fields! {
     /// Name of the rail's standard section.
     RailName = "rail_name",
     /// The rail's measured head.
-    RailHead = "rail_head",
+    RailProfile = "rail_profile",
     /// The body under a measured head.
     RailBody = "rail_body",
     /// Whether a measured head is placed on the standard section first.

@@ -3,7 +3,8 @@
 //!
 //! The JSON schema is derived from these structures, and the file is checked
 //! against that schema, so that a key, its range and its description are said
-//! once. [`super::Study`] holds the same values in SI units.
+//! once. `x-field` names the field of the libraries that a key sets. [`super::Study`] holds the same values in SI
+//! units.
 
 mod material;
 mod bodies;
@@ -14,13 +15,15 @@ mod solid;
 use std::collections::BTreeMap;
 
 use railspring_calibrate::calibration::Reference;
+use railspring_profiles::field::InputField;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::verify::Limits;
 
 pub use bodies::{
-    Inclination, MeshUnitKey, ProfileUnitKey, RailBodyKey, RailDimensionKeys, RailKeys, WebKey, WheelKeys,
+    Inclination, MeshFileKeys, RailBodyKey, RailDimensionKeys, RailKeys, SurfaceKeys, UnitKey, WebKey,
+    WheelKeys,
 };
 pub use material::{BodyMaterialKeys, GroupMaterialKeys, MaterialKeys};
 pub use output::{OutputKeys, SolidLoadsKey, VerticalKey};
@@ -94,16 +97,16 @@ pub struct StudyDocument {
 #[serde(deny_unknown_fields, default)]
 pub struct TrackKeys {
     /// Track gauge, mm.
-    #[schemars(range(min = 500.0, max = 2000.0))]
+    #[schemars(range(min = 500.0, max = 2000.0), extend("x-field" = InputField::Gauge.name()))]
     pub gauge_mm: f64,
     /// Depth below the top of the rail at which the gauge is measured, mm.
-    #[schemars(range(min = 1.0, max = 30.0))]
+    #[schemars(range(min = 1.0, max = 30.0), extend("x-field" = InputField::GaugeHeight.name()))]
     pub gauge_height_mm: f64,
     /// Distance between the flange backs of the wheelset, mm.
-    #[schemars(range(min = 400.0, max = 2000.0))]
+    #[schemars(range(min = 400.0, max = 2000.0), extend("x-field" = InputField::FlangeBack.name()))]
     pub flange_back_mm: f64,
     /// Lateral shift of the wheelset from the track centre, mm, positive towards the modelled rail.
-    #[schemars(range(min = -100.0, max = 100.0))]
+    #[schemars(range(min = -100.0, max = 100.0), extend("x-field" = InputField::LateralShift.name()))]
     pub lateral_shift_mm: f64,
 }
 
@@ -118,37 +121,37 @@ impl Default for TrackKeys {
 #[serde(deny_unknown_fields, default)]
 pub struct MeshKeys {
     /// Edge of the elements in the contact zone across the track, mm.
-    #[schemars(range(min = 0.2, max = 10.0))]
+    #[schemars(range(min = 0.2, max = 10.0), extend("x-field" = InputField::ContactElement.name()))]
     pub contact_element_mm: f64,
     /// Edge of the elements in the contact zone along the track, mm.
-    #[schemars(range(min = 0.2, max = 10.0))]
+    #[schemars(range(min = 0.2, max = 10.0), extend("x-field" = InputField::ContactElementAlong.name()))]
     pub contact_element_along_mm: f64,
     /// Half length of the contact zone along the track, mm. Left out, the zone is made longer where the contact patch
     /// requires it, and a contact on the fine grid may go on beyond it, on larger elements.
-    #[schemars(range(min = 4.0, max = 60.0))]
+    #[schemars(range(min = 4.0, max = 60.0), extend("x-field" = InputField::WindowHalfLength.name()))]
     pub window_half_length_mm: f64,
     /// Ratio of the lengths of neighbouring elements along the track, outside the contact zone.
-    #[schemars(range(min = 1.05, max = 3.0))]
+    #[schemars(range(min = 1.05, max = 3.0), extend("x-field" = InputField::Growth.name()))]
     pub growth: f64,
     /// Largest element of the rail's section, mm.
-    #[schemars(range(min = 2.0, max = 100.0))]
+    #[schemars(range(min = 2.0, max = 100.0), extend("x-field" = InputField::RailSectionElement.name()))]
     pub rail_section_element_mm: f64,
     /// Largest element of the wheel's section, mm.
-    #[schemars(range(min = 2.0, max = 100.0))]
+    #[schemars(range(min = 2.0, max = 100.0), extend("x-field" = InputField::WheelSectionElement.name()))]
     pub wheel_section_element_mm: f64,
     /// Longest element along the rail, mm.
-    #[schemars(range(min = 2.0, max = 500.0))]
+    #[schemars(range(min = 2.0, max = 500.0), extend("x-field" = InputField::RailLengthElement.name()))]
     pub rail_length_element_mm: f64,
     /// Longest element around the wheel, as arc at the tape circle, mm.
-    #[schemars(range(min = 2.0, max = 500.0))]
+    #[schemars(range(min = 2.0, max = 500.0), extend("x-field" = InputField::WheelArcElement.name()))]
     pub wheel_arc_element_mm: f64,
     /// Number of layers of elements under the contact zone, even; left out, as many as it takes down to 4 mm.
-    #[schemars(range(min = 2, max = 40))]
+    #[schemars(range(min = 2, max = 40), extend("x-field" = InputField::Layers.name()))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers: Option<usize>,
     /// Thickness of the first layer under the contact zone, mm, each further one 1.25 times as thick; left out,
     /// `contact_element_mm`, but 2 mm at most.
-    #[schemars(range(min = 0.1, max = 20.0))]
+    #[schemars(range(min = 0.1, max = 20.0), extend("x-field" = InputField::FirstLayer.name()))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_layer_mm: Option<f64>,
     /// Wanted error band of the law in use, relative, for displacement and tangent: the meshes are refined until it is reached, as far
@@ -196,12 +199,13 @@ pub struct ContactKeys {
     /// Where the contact of the solid model lives, and what is elastic in it, in the calibration and in the runs.
     pub field: FieldKey,
     /// How the surfaces are kept from passing through each other.
+    #[schemars(extend("x-field" = InputField::Enforcement.name()))]
     pub enforcement: EnforcementKey,
     /// Penalty stiffness of a contact point, kN/m; the published value is 1e6.
     #[schemars(range(min = 1e3, max = 1e12))]
     pub penalty_kn_per_m: f64,
     /// Coulomb friction coefficient between wheel and rail.
-    #[schemars(range(min = 0.0, max = 2.0))]
+    #[schemars(range(min = 0.0, max = 2.0), extend("x-field" = InputField::Friction.name()))]
     pub friction: f64,
 }
 
@@ -254,7 +258,7 @@ pub struct CalibrationKeys {
     #[schemars(range(min = 0.01, max = 1000.0))]
     pub load_min_kn: f64,
     /// Largest load, kN.
-    #[schemars(range(min = 0.1, max = 1000.0))]
+    #[schemars(range(min = 0.1, max = 1000.0), extend("x-field" = InputField::Loads.name()))]
     pub load_max_kn: f64,
     /// Number of loads between the smallest and the largest.
     #[schemars(range(min = 4, max = 500))]
@@ -262,7 +266,7 @@ pub struct CalibrationKeys {
     /// How the loads are spaced.
     pub load_spacing: SpacingKey,
     /// The loads one by one, kN, ascending; replaces `load_min_kn`, `load_max_kn` and `load_count`.
-    #[schemars(inner(range(min = 0.01, max = 1000.0)), length(min = 4))]
+    #[schemars(inner(range(min = 0.01, max = 1000.0)), length(min = 4), extend("x-field" = InputField::Loads.name()))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loads_kn: Option<Vec<f64>>,
     /// What the displacement of the law in use is measured against.
@@ -274,7 +278,7 @@ pub struct CalibrationKeys {
     /// grid and with coarser meshes. For the calibration it takes about as long as the laws.
     pub error_band: bool,
     /// Vertical preloads at which the horizontal stiffness is measured, kN, ascending.
-    #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1))]
+    #[schemars(inner(range(min = 0.1, max = 1000.0)), length(min = 1), extend("x-field" = InputField::HorizontalPreloads.name()))]
     pub horizontal_preloads_kn: Vec<f64>,
     /// Loads along the contact normal at which the laws by contact angle give displacement and tangent of the solid, kN, ascending; those within the
     /// range of the loads.
@@ -356,22 +360,22 @@ pub struct SimulationKeys {
     /// Which normal law drives the published element.
     pub law: LawKey,
     /// Horizontal stiffness, kN/m; left out, the calibrated one is used.
-    #[schemars(range(min = 1e3, max = 1e9))]
+    #[schemars(range(min = 1e3, max = 1e9), extend("x-field" = InputField::HorizontalStiffness.name()))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizontal_kn_per_m: Option<f64>,
     /// Number of beam elements of the rail.
-    #[schemars(range(min = 2, max = 10000))]
+    #[schemars(range(min = 2, max = 10000), extend("x-field" = InputField::BeamElements.name()))]
     pub rail_elements: usize,
     /// Penalty stiffness between the wheel's spline and the rail's nodes, kN/m.
-    #[schemars(range(min = 1e4, max = 1e12))]
+    #[schemars(range(min = 1e4, max = 1e12), extend("x-field" = InputField::Penalty.name()))]
     pub contact_penalty_kn_per_m: f64,
     /// Distance between the nodes on the rail's surface that can touch the wheel, mm.
-    #[schemars(range(min = 0.01, max = 5.0))]
+    #[schemars(range(min = 0.01, max = 5.0), extend("x-field" = InputField::NodeSpacing.name()))]
     pub rail_node_spacing_mm: f64,
     /// Matrix of a sliding contact.
     pub sliding_matrix: SlidingMatrixKey,
     /// Number of steps of the integration within each time step of a scenario, all of the same length; 1 is the published element with the published step. Left out, the published element has 16, and the condensed one as many as the contact force and the vibrations of the bodies ask for, up to 64. What half as many change, or twice one, is stated with the run.
-    #[schemars(range(min = 1, max = 1000))]
+    #[schemars(range(min = 1, max = 1000), extend("x-field" = InputField::InnerSteps.name()))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inner_steps: Option<usize>,
     /// In which respects the law may be another's and is used all the same; the terminal and the report say so. Without this, a law of another pair is refused, and one that was not measured against the beam model of the rail.

@@ -7,7 +7,7 @@ use super::check::{Checker, join, nearest};
 use super::schema::study_schema;
 
 /// Stands for the name of a load case in a key.
-const NAME: &str = "NAME";
+pub(super) const NAME: &str = "NAME";
 
 /// The meaning of a key, its values and its default, of a section its keys, and without a key the sections; as lines of text. The last name of a
 /// key is enough where there is only one such key.
@@ -118,17 +118,12 @@ fn last_name(key: &str) -> &str {
 
 /// All keys of a study that take a value, dotted.
 fn all_keys(checker: &Checker<'_>) -> Vec<String> {
-    fn walk<'a>(checker: &Checker<'a>, path: &str, schema: &'a Value, keys: &mut Vec<String>) {
-        let inner = checker.keys(schema);
-        if inner.is_empty() && !path.is_empty() {
-            keys.push(path.into());
-        }
-        for (name, schema) in inner {
-            walk(checker, &join(path, name), schema, keys);
-        }
-    }
     let mut keys = Vec::new();
-    walk(checker, "", checker.root, &mut keys);
+    checker.walk(&mut |key, schema| {
+        if checker.keys(schema).is_empty() {
+            keys.push(key.into());
+        }
+    });
     keys
 }
 
@@ -176,6 +171,23 @@ impl<'a> Checker<'a> {
         let named = schema.get("properties").and_then(Value::as_object).into_iter().flatten();
         let other = schema.get("additionalProperties").filter(|other| other.is_object()).map(|s| (NAME, s));
         named.map(|(name, schema)| (name.as_str(), schema)).chain(other).collect()
+    }
+
+    /// Visits all keys and sections, dotted, with their schemas, in the order of the document.
+    pub(super) fn walk(&self, visit: &mut dyn FnMut(&str, &'a Value)) {
+        fn below<'a>(
+            checker: &Checker<'a>,
+            path: &str,
+            schema: &'a Value,
+            visit: &mut dyn FnMut(&str, &'a Value),
+        ) {
+            for (name, schema) in checker.keys(schema) {
+                let key = join(path, name);
+                visit(&key, schema);
+                below(checker, &key, schema, visit);
+            }
+        }
+        below(self, "", self.root, visit);
     }
 
     /// Whether the section of a dotted key cannot be without it.

@@ -13,32 +13,22 @@ use railspring_profiles::units::MILLIMETRE;
 
 use super::check::nearest;
 use super::collect::Collector;
-use super::document::ProfileUnitKey;
-use super::fields::translate;
+use super::document::{SurfaceKeys, UnitKey};
 use super::pair::{MeasuredSurface, SectionFile};
 use super::source::{MISSING, Source};
 
 /// The keys of one body.
-pub(super) struct SurfaceKeys<'a> {
+pub(super) struct Surface<'a> {
     /// `rail` or `wheel`.
     pub section: &'static str,
     /// The standard profiles.
     pub names: &'static [&'static str],
     /// What the standard profile is, for messages.
     pub meaning: &'static str,
-    pub profile: Option<&'a str>,
-    /// The file of the body's own section.
-    pub own: Option<&'a str>,
-    pub file: Option<&'a str>,
-    pub part: Option<&'a str>,
-    pub standard: Option<&'a str>,
-    pub smoothing_mm: Option<f64>,
-    pub aligned: Option<bool>,
-    pub unit: Option<ProfileUnitKey>,
-    pub mirrored: Option<bool>,
+    pub keys: &'a SurfaceKeys,
 }
 
-impl SurfaceKeys<'_> {
+impl Surface<'_> {
     /// Name of the standard profile, and the measured one if there is one; of a measured one the standard may be left open.
     pub fn resolve(
         &self,
@@ -57,16 +47,16 @@ impl SurfaceKeys<'_> {
         };
         let reads = [key("profile"), key("profile_file"), key("standard")];
         let reads = reads.each_ref().map(String::as_str);
-        let Some(file) = self.file else {
+        let Some(file) = self.keys.profile_file.as_deref() else {
             // Beside a section of its own, that a standard is too much has been said.
-            let standard = self.standard.filter(|_| self.own.is_none());
+            let standard = self.keys.standard.as_deref().filter(|_| self.keys.section_file.is_none());
             let alone = [
                 ("standard", standard.map(|name| format!("{name:?}"))),
-                ("profile_part", self.part.map(|part| format!("{part:?}"))),
-                ("profile_smoothing_mm", self.smoothing_mm.map(|value| value.to_string())),
-                ("profile_aligned", self.aligned.map(|value| value.to_string())),
-                ("profile_unit", self.unit.map(|unit| format!("{:?}", unit.name()))),
-                ("profile_mirrored", self.mirrored.map(|value| value.to_string())),
+                ("profile_part", self.keys.profile_part.as_deref().map(|part| format!("{part:?}"))),
+                ("profile_smoothing_mm", self.keys.profile_smoothing_mm.map(|value| value.to_string())),
+                ("profile_aligned", self.keys.profile_aligned.map(|value| value.to_string())),
+                ("profile_unit", self.keys.profile_unit.map(|unit| format!("{:?}", unit.name()))),
+                ("profile_mirrored", self.keys.profile_mirrored.map(|value| value.to_string())),
             ];
             for (leaf, value) in alone.into_iter().filter_map(|(leaf, value)| Some((leaf, value?))) {
                 let mistake = InputError::new(
@@ -77,16 +67,18 @@ impl SurfaceKeys<'_> {
                 );
                 collector.add(&reads, mistake);
             }
-            if self.own.is_some() {
+            if self.keys.section_file.is_some() {
                 return Some((None, None));
             }
             let name = self
+                .keys
                 .profile
+                .as_deref()
                 .ok_or_else(|| missing("profile", &format!("{}; or give profile_file", self.meaning)));
             let name = collector.take(&reads, name)?;
             return collector.take(&reads, self.known("profile", name)).map(|name| (Some(name), None));
         };
-        if let (Some(name), None) = (self.profile, self.own) {
+        if let (Some(name), None) = (self.keys.profile.as_deref(), self.keys.section_file.as_deref()) {
             let mistake = InputError::new(
                 key("profile"),
                 format!("{name:?}"),
@@ -96,23 +88,28 @@ impl SurfaceKeys<'_> {
             collector.add(&reads, mistake);
         }
         let (path, content) = self.read("profile_file", file, source);
-        let standard = self.standard.filter(|_| self.own.is_none());
+        let standard = self.keys.standard.as_deref().filter(|_| self.keys.section_file.is_none());
         let standard = standard.map(|name| self.known("standard", name)).transpose();
         let standard = standard
             .map_err(|mistake| self.with_nearest(mistake, &path, content.as_deref().unwrap_or_default()));
         let standard = collector.take(&reads, standard)?;
         let content = collector.take(&[&key("profile_file")], content);
-        let chosen = ProfileSource::of(&path, content?, self.part, Some(self.kind())).map_err(|error| {
-            let (leaf, value) = self.part.map_or(("profile_file", file), |part| ("profile_part", part));
-            let (expected, remedy) = match error {
-                Error::Input(error) => {
-                    let error = translate(error, source, None);
-                    (format!("{}; {} = {}", error.expected, error.key, error.value), error.remedy)
-                }
-                other => (other.to_string(), "check the file".into()),
-            };
-            InputError::new(key(leaf), format!("{value:?}"), expected, remedy)
-        });
+        let chosen = ProfileSource::of(&path, content?, self.keys.profile_part.as_deref(), Some(self.kind()))
+            .map_err(|error| {
+                let (leaf, value) = self
+                    .keys
+                    .profile_part
+                    .as_deref()
+                    .map_or(("profile_file", file), |part| ("profile_part", part));
+                let (expected, remedy) = match error {
+                    Error::Input(error) => {
+                        let error = source.with_keys(error);
+                        (format!("{}; {} = {}", error.expected, error.key, error.value), error.remedy)
+                    }
+                    other => (other.to_string(), "check the file".into()),
+                };
+                InputError::new(key(leaf), format!("{value:?}"), expected, remedy)
+            });
         let chosen = collector.take(&[&key("profile_file"), &key("profile_part")], chosen)?;
         let measured = MeasuredSurface {
             file: file.to_owned(),
@@ -120,10 +117,10 @@ impl SurfaceKeys<'_> {
             content: Arc::from(chosen.content),
             part: chosen.part,
             findings: chosen.findings,
-            smoothing: Smoothing::of(self.smoothing_mm.map(|mm| mm * MILLIMETRE)),
-            aligned: self.aligned,
-            unit: self.unit.map(ProfileUnitKey::metres),
-            mirrored: self.mirrored,
+            smoothing: Smoothing::of(self.keys.profile_smoothing_mm.map(|mm| mm * MILLIMETRE)),
+            aligned: self.keys.profile_aligned,
+            unit: self.keys.profile_unit.map(UnitKey::metres),
+            mirrored: self.keys.profile_mirrored,
         };
         Some((standard, Some(measured)))
     }
@@ -137,23 +134,24 @@ impl SurfaceKeys<'_> {
     fn with_nearest(&self, mistake: InputError, path: &Path, content: &[u8]) -> InputError {
         let kind = Some(self.kind());
         let read = || {
-            let chosen = ProfileSource::of(path, content.to_vec(), self.part, kind).ok()?;
+            let chosen =
+                ProfileSource::of(path, content.to_vec(), self.keys.profile_part.as_deref(), kind).ok()?;
             let options = ReadOptions {
                 kind,
-                unit: self.unit.map(ProfileUnitKey::metres),
-                mirror_y: self.mirrored,
+                unit: self.keys.profile_unit.map(UnitKey::metres),
+                mirror_y: self.keys.profile_mirrored,
                 part: chosen.part,
                 ..ReadOptions::default()
             };
             parse(&chosen.path.display().to_string(), &chosen.content, &options).ok()
         };
         let near = read().map_or_else(Vec::new, |profile| {
-            resembled(&profile, kind, PlaceOptions { side_known: self.mirrored.is_some() })
+            resembled(&profile, kind, PlaceOptions { side_known: self.keys.profile_mirrored.is_some() })
         });
         if near.is_empty() {
             return mistake;
         }
-        let file = self.file.unwrap_or_default();
+        let file = self.keys.profile_file.as_deref().unwrap_or_default();
         let remedy = format!("{}; nearest to {file:?} are {}", mistake.remedy, in_words(&near));
         InputError { remedy, ..mistake }
     }
@@ -161,7 +159,9 @@ impl SurfaceKeys<'_> {
     /// The body's own section, which takes the place of a standard one.
     pub fn own_section(&self, file: &str, source: &Source, collector: &mut Collector) -> Option<SectionFile> {
         let key = |leaf: &str| format!("{}.{leaf}", self.section);
-        for (leaf, name) in [("profile", self.profile), ("standard", self.standard)] {
+        for (leaf, name) in
+            [("profile", self.keys.profile.as_deref()), ("standard", self.keys.standard.as_deref())]
+        {
             let Some(name) = name else { continue };
             let mistake = InputError::new(
                 key(leaf),

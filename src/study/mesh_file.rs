@@ -1,6 +1,5 @@
 //! The keys that put a mesh from a file in the place of the tool's own, and its materials.
 
-use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
@@ -10,7 +9,7 @@ use railspring_profiles::input;
 use railspring_profiles::units::{GIGAPASCAL, MILLIMETRE};
 
 use super::collect::Collector;
-use super::document::{ElementKey, GroupMaterialKeys, MeshUnitKey};
+use super::document::{ElementKey, GroupMaterialKeys, MeshFileKeys, UnitKey};
 use super::pair::MeshFile;
 use super::source::MISSING;
 
@@ -21,31 +20,27 @@ const LARGEST: u64 = 16 << 30;
 const LARGEST_POISSON: f64 = 0.49;
 
 /// The keys of one body.
-pub(super) struct MeshFileKeys<'a> {
+pub(super) struct BodyMesh<'a> {
     /// `rail` or `wheel`.
     pub section: &'static str,
     /// What the held nodes are, for messages.
     pub held_meaning: &'static str,
-    pub file: Option<&'a str>,
-    pub unit: Option<MeshUnitKey>,
-    pub contact: Option<&'a str>,
-    pub held: Option<&'a str>,
-    pub materials: &'a BTreeMap<String, GroupMaterialKeys>,
+    pub keys: &'a MeshFileKeys,
 }
 
-impl MeshFileKeys<'_> {
+impl BodyMesh<'_> {
     /// The mesh file, if there is one; `study` is the study's file.
     pub fn resolve(&self, study: &Path, collector: &mut Collector) -> Option<Option<MeshFile>> {
         let section = self.section;
         let key = |leaf: &str| format!("{section}.{leaf}");
-        let Some(file) = self.file else {
+        let Some(file) = self.keys.mesh_file.as_deref() else {
             let alone = [
-                ("mesh_unit", self.unit.map(|unit| format!("{:?}", unit.name()))),
-                ("contact_surface", self.contact.map(|name| format!("{name:?}"))),
-                ("held_nodes", self.held.map(|name| format!("{name:?}"))),
+                ("mesh_unit", self.keys.mesh_unit.map(|unit| format!("{:?}", unit.name()))),
+                ("contact_surface", self.keys.contact_surface.as_deref().map(|name| format!("{name:?}"))),
+                ("held_nodes", self.keys.held_nodes.as_deref().map(|name| format!("{name:?}"))),
             ];
             let groups =
-                self.materials.keys().map(|group| (format!("materials.{group}"), format!("{group:?}")));
+                self.keys.materials.keys().map(|group| (format!("materials.{group}"), format!("{group:?}")));
             for (leaf, value) in groups {
                 let mistake = InputError::new(
                     key(&leaf),
@@ -76,9 +71,16 @@ impl MeshFileKeys<'_> {
                 )
             })
         };
-        let contact = named(self.contact, "contact_surface", "the running surface's name in the mesh file");
+        let contact = named(
+            self.keys.contact_surface.as_deref(),
+            "contact_surface",
+            "the running surface's name in the mesh file",
+        );
         let contact = collector.take(&[&key("contact_surface")], contact);
-        let held = collector.take(&[&key("held_nodes")], named(self.held, "held_nodes", self.held_meaning));
+        let held = collector.take(
+            &[&key("held_nodes")],
+            named(self.keys.held_nodes.as_deref(), "held_nodes", self.held_meaning),
+        );
         let path = study.parent().unwrap_or(Path::new("")).join(file);
         let hash = hash(&path).map_err(|cause| {
             InputError::new(
@@ -89,10 +91,7 @@ impl MeshFileKeys<'_> {
             )
         });
         let hash = collector.take(&[&key("mesh_file")], hash);
-        let unit = match self.unit {
-            None | Some(MeshUnitKey::Millimetre) => MILLIMETRE,
-            Some(MeshUnitKey::Metre) => 1.0,
-        };
+        let unit = self.keys.mesh_unit.map_or(MILLIMETRE, UnitKey::metres);
         Some(Some(MeshFile {
             file: file.to_owned(),
             path,
@@ -100,7 +99,7 @@ impl MeshFileKeys<'_> {
             unit,
             contact: contact?,
             held: held?,
-            groups: self.materials.keys().cloned().collect(),
+            groups: self.keys.materials.keys().cloned().collect(),
         }))
     }
 
@@ -111,18 +110,18 @@ impl MeshFileKeys<'_> {
         element: ElementKey,
         collector: &mut Collector,
     ) -> Option<Materials> {
-        if self.materials.is_empty() {
+        if self.keys.materials.is_empty() {
             return Some((*of_body).into());
         }
         let mut found = Vec::new();
-        for (group, keys) in self.materials {
+        for (group, keys) in &self.keys.materials {
             let here = format!("{}.materials.{group}", self.section);
             let material = group_material(&here, keys, of_body, element);
             let own = format!("{}.material.*", self.section);
             let reads = [&format!("{here}.*"), &own, "material.*", "mesh.element"];
             found.extend(collector.take(&reads, material));
         }
-        (found.len() == self.materials.len()).then(|| found.into())
+        (found.len() == self.keys.materials.len()).then(|| found.into())
     }
 }
 
@@ -163,16 +162,6 @@ fn group_material(
         ));
     }
     Ok(Material { young, poisson, density, damping: of_body.damping })
-}
-
-impl MeshUnitKey {
-    /// Name in the study file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Millimetre => "mm",
-            Self::Metre => "m",
-        }
-    }
 }
 
 impl MeshFile {

@@ -24,7 +24,6 @@ use super::document::{
     LawKey, MeshKeys, ReferenceKey, SECTIONS, ScenarioKeys, SpacingKey, StudyDocument, SuspensionKeys,
     TorsionKeys, TransientKey,
 };
-use super::fields::translate;
 use super::pair::Track;
 use super::record::ResolvedKey;
 use super::source::{LocatedError, Source};
@@ -57,7 +56,7 @@ pub(super) fn resolve(
             collector.add(&[&here, "rail.length_m"], mistake);
         }
         let resolved = scenario(keys, friction);
-        let checked = resolved.scenario.check().map_err(|error| translate(error, &source, Some(name)));
+        let checked = resolved.scenario.check().map_err(|error| source.with_keys_of(name, error));
         collector.take(&[&here, "contact.friction"], checked);
         scenarios.insert(name.clone(), resolved);
     }
@@ -158,7 +157,7 @@ fn off_the_path(
                 continue;
             }
             let checked = RailPath::check(&case.scenario, length, RailPath::reach(length, &options));
-            let checked = checked.map_err(|error| translate(error, source, Some(name)));
+            let checked = checked.map_err(|error| source.with_keys_of(name, error));
             collector.take(&[&here, "rail.length_m"], checked);
         }
     }

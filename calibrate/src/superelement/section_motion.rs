@@ -73,7 +73,7 @@ impl SectionMotion {
         }
         let to_unit = work.try_inverse().ok_or_else(|| {
             InputError::new(
-                InputField::RailHead,
+                InputField::RailProfile,
                 "shear stresses without a resultant",
                 "a section that carries shear and torsion",
                 "check the profile for crossing outlines",

@@ -175,7 +175,7 @@ fn seam(standard: &ProfileCurve, measured: &ProfileCurve, side: Side, field: Inp
 /// What to do about a measured surface that does not lie on the standard one.
 fn remedy(field: InputField) -> String {
     let aligned =
-        if field == InputField::RailHead { InputField::RailAligned } else { InputField::WheelAligned };
+        if field == InputField::RailProfile { InputField::RailAligned } else { InputField::WheelAligned };
     format!(
         "check that the standard is the right one; a profile that is not in its frame, as one that is measured canted, needs \
          `{aligned}` = true"

@@ -123,7 +123,7 @@ fn head_side(base: &ProfileCurve, head: &ProfileCurve, sign: f64) -> HeadSide {
 /// What was done is added to `findings`.
 ///
 /// # Errors
-/// [`crate::error::InputError`] with the field `rail_head` for a head that cannot be joined to such a body.
+/// [`crate::error::InputError`] with the field `rail_profile` for a head that cannot be joined to such a body.
 pub fn rail_section_for_head(
     base: RailSection,
     head: &ProfileCurve,

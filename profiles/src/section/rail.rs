@@ -83,13 +83,13 @@ pub fn rail_section_on(name: &str, running: ProfileCurve, rest: Vec<Segment>) ->
 /// What was done is added to `findings`.
 ///
 /// # Errors
-/// [`crate::error::InputError`] with the field `rail_head` for a head whose ends do not lie near the standard surface.
+/// [`crate::error::InputError`] with the field `rail_profile` for a head whose ends do not lie near the standard surface.
 pub fn rail_section_with_head(
     standard: RailSection,
     head: &ProfileCurve,
     findings: &mut Vec<Finding>,
 ) -> Result<RailSection> {
-    let Joined { curve: running, seams } = join(&standard.running, head, InputField::RailHead, findings)?;
+    let Joined { curve: running, seams } = join(&standard.running, head, InputField::RailProfile, findings)?;
     let moments = area_moments(&running, &standard.body_outline);
     let mut section = RailSection {
         name: format!("measured head on {}", standard.name),

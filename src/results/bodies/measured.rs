@@ -295,7 +295,7 @@ pub(crate) fn unlike(standard: &str) -> Finding {
 /// The keys of a body: its file, and whether that is placed.
 fn fields(kind: ProfileKind) -> (InputField, InputField) {
     match kind {
-        ProfileKind::Rail => (InputField::RailHead, InputField::RailAligned),
+        ProfileKind::Rail => (InputField::RailProfile, InputField::RailAligned),
         ProfileKind::Wheel => (InputField::WheelProfile, InputField::WheelAligned),
     }
 }

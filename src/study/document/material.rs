@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use railspring_calibrate::solid::Material;
+use railspring_profiles::field::InputField;
 use railspring_profiles::units::GIGAPASCAL;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,18 +13,18 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields, default)]
 pub struct MaterialKeys {
     /// Young's modulus, GPa.
-    #[schemars(range(min = 1.0, max = 1000.0))]
+    #[schemars(range(min = 1.0, max = 1000.0), extend("x-field" = InputField::Young.name()))]
     pub young_gpa: f64,
     /// Poisson's ratio.
-    #[schemars(range(min = 0.0, max = 0.49))]
+    #[schemars(range(min = 0.0, max = 0.49), extend("x-field" = InputField::Poisson.name()))]
     pub poisson: f64,
     /// Density, kg/m³.
-    #[schemars(range(min = 100.0, max = 30000.0))]
+    #[schemars(range(min = 100.0, max = 30000.0), extend("x-field" = InputField::Density.name()))]
     pub density_kg_per_m3: f64,
     /// Damping ratio of the steel, proportional to frequency, at `damping_frequency_hz`. The publication
     /// names none; but an undamped rail leaves the wheel at every step of its highest modes, and the motion
     /// then depends on the time step.
-    #[schemars(range(min = 0.0, max = 1.0))]
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-field" = InputField::Damping.name()))]
     pub damping_ratio: f64,
     /// Frequency at which the damping ratio holds, Hz.
     #[schemars(range(min = 1.0, max = 1e6))]

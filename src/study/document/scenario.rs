@@ -1,5 +1,6 @@
 //! The sections `scenario.NAME`.
 
+use railspring_profiles::field::InputField;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,27 +13,27 @@ pub struct ScenarioKeys {
     pub description: String,
     /// Number of time steps after the initial state.
     #[serde(default = "default_steps")]
-    #[schemars(range(min = 1, max = 1000000))]
+    #[schemars(range(min = 1, max = 1000000), extend("x-field" = InputField::Steps.name()))]
     pub steps: usize,
     /// Time step, s; the wheel on the contact spring oscillates at 100 to 300 Hz, which 0.0005 s resolves and 0.01 s no longer.
     #[serde(default = "default_time_step")]
-    #[schemars(range(min = 1e-7, max = 0.01))]
+    #[schemars(range(min = 1e-7, max = 0.01), extend("x-field" = InputField::TimeStep.name()))]
     pub time_step_s: f64,
     /// Gravity on the wheel and the suspended mass, m/s²; 0 leaves it out.
     #[serde(default)]
-    #[schemars(range(min = 0.0, max = 20.0))]
+    #[schemars(range(min = 0.0, max = 20.0), extend("x-field" = InputField::Gravity.name()))]
     pub gravity_m_per_s2: f64,
     /// Coulomb friction coefficient; left out, that of `[contact]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 2.0))]
+    #[schemars(range(min = 0.0, max = 2.0), extend("x-field" = InputField::Friction.name()))]
     pub friction: Option<f64>,
     /// Mass on the vertical spring and damper, t; without one (0) the vertical force acts on the wheel unchanged. Left out, that of the publication, which is said.
     #[serde(default = "default_suspended_mass")]
-    #[schemars(range(min = 0.0, max = 200.0))]
+    #[schemars(range(min = 0.0, max = 200.0), extend("x-field" = InputField::SuspendedMass.name()))]
     pub suspended_mass_t: f64,
     /// Mass of the wheel in the simple model, t; left out, that of the solid wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.001, max = 10.0))]
+    #[schemars(range(min = 0.001, max = 10.0), extend("x-field" = InputField::WheelMass.name()))]
     pub wheel_mass_t: Option<f64>,
     /// Vertical spring and damper between the wheel centre and the suspended mass; left out, those of the publication, 1200 kN/m and 40 kN·s/m.
     #[serde(default = "default_suspension")]
@@ -42,25 +43,29 @@ pub struct ScenarioKeys {
     #[serde(default = "default_suspension")]
     pub lateral_suspension: SuspensionKeys,
     /// Force on the suspended mass, positive down.
+    #[schemars(extend("x-field" = InputField::VerticalForce.name()))]
     pub vertical_force: ForceKeys,
     /// Lateral force, positive towards the field side: it pushes the flange towards the rail.
+    #[schemars(extend("x-field" = InputField::LateralForce.name()))]
     pub lateral_force: ForceKeys,
     /// Torsion about x at the middle of the rail.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-field" = InputField::RailTorsion.name()))]
     pub rail_torsion: Option<TorsionKeys>,
     /// Position of the wheel at t = 0 from the rail's first end, m; left out, midspan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 20.0))]
+    #[schemars(range(min = 0.0, max = 20.0), extend("x-field" = InputField::StartX.name()))]
     pub start_x_m: Option<f64>,
     /// Speed of the wheel along the rail, m/s. A run of the simple model ends where the rail does, and a note says so.
     #[serde(default)]
-    #[schemars(range(min = 0.0, max = 200.0))]
+    #[schemars(range(min = 0.0, max = 200.0), extend("x-field" = InputField::Speed.name()))]
     pub speed_m_per_s: f64,
     /// Whether the rotations of the wheel's master node are held.
     #[serde(default = "default_true")]
     pub rotations_held: bool,
     /// Whether the solid model runs too. A wheel that moves must then stay on the part of the rail that the solids know: as far from both ends as the contact grid is long on either side, and an element more.
     #[serde(default = "default_true")]
+    #[schemars(extend("x-field" = InputField::SolidModel.name()))]
     pub solid: bool,
     /// Times at which the report draws the contact positions on the two profiles, s.
     #[serde(default = "default_snapshots")]
@@ -97,10 +102,10 @@ fn default_snapshots() -> Vec<f64> {
 #[serde(deny_unknown_fields)]
 pub struct SuspensionKeys {
     /// Stiffness, kN/m.
-    #[schemars(range(min = 0.0, max = 1e9))]
+    #[schemars(range(min = 0.0, max = 1e9), extend("x-field" = "{section}.stiffness"))]
     pub stiffness_kn_per_m: f64,
     /// Damping, kN·s/m.
-    #[schemars(range(min = 0.0, max = 1e9))]
+    #[schemars(range(min = 0.0, max = 1e9), extend("x-field" = "{section}.damping"))]
     pub damping_kn_s_per_m: f64,
 }
 

@@ -1,5 +1,6 @@
 //! The section `solid`.
 
+use railspring_profiles::field::InputField;
 use railspring_simulate::time::steps::{InnerSteps, StepControl};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,7 @@ pub struct SolidKeys {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub modes: Option<usize>,
     /// Number of steps of the integration within each time step of a scenario, all of the same length. Left out, bodies at full order have one, and reduced bodies as many as the contact force and the vibrations of the bodies ask for, up to 16. With more than one, what half as many change is stated with the run.
-    #[schemars(range(min = 1, max = 1000))]
+    #[schemars(range(min = 1, max = 1000), extend("x-field" = InputField::InnerSteps.name()))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inner_steps: Option<usize>,
 }

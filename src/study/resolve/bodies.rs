@@ -1,5 +1,6 @@
 //! Rail and wheel of a study from their keys.
 
+use railspring_calibrate::solid::{Material, Materials};
 use railspring_profiles::error::{Error, InputError};
 use railspring_profiles::placement::TrackGeometry;
 use railspring_profiles::profile::rail_catalogue::{
@@ -13,18 +14,49 @@ use railspring_profiles::units::MILLIMETRE;
 use crate::study::check::nearest;
 use crate::study::collect::Collector;
 use crate::study::document::{
-    ElementKey, Inclination, MaterialKeys, RailBodyKey, RailKeys, WebKey, WheelKeys,
+    ElementKey, Inclination, MaterialKeys, MeshFileKeys, RailBodyKey, RailKeys, WebKey, WheelKeys,
 };
-use crate::study::fields::translate;
-use crate::study::measured::SurfaceKeys;
-use crate::study::mesh_file::MeshFileKeys;
-use crate::study::pair::{Rail, RailBody, Wheel};
+use crate::study::measured::Surface;
+use crate::study::mesh_file::BodyMesh;
+use crate::study::pair::{MeasuredSurface, MeshFile, Rail, RailBody, SectionFile, Wheel};
 use crate::study::source::Source;
 
-/// `material` and `element`: those of the study for both bodies.
+/// What rail and wheel have alike.
+struct Parts {
+    section: Option<Option<SectionFile>>,
+    surface: Option<(Option<String>, Option<MeasuredSurface>)>,
+    mesh: Option<Option<MeshFile>>,
+    material: Material,
+    materials: Option<Materials>,
+}
+
+/// `held_meaning`: what the held nodes of a mesh are. `material` and `element`: those of the study for both bodies.
+fn parts(
+    surface: &Surface<'_>,
+    (mesh, held_meaning): (&MeshFileKeys, &'static str),
+    (material, element): (&MaterialKeys, ElementKey),
+    source: &Source,
+    collector: &mut Collector,
+) -> Parts {
+    let section = match &surface.keys.section_file {
+        Some(file) => surface.own_section(file, source, collector).map(Some),
+        None => Some(None),
+    };
+    let material = mesh.material.over(material).material();
+    let mesh = BodyMesh { section: surface.section, held_meaning, keys: mesh };
+    Parts {
+        section,
+        surface: surface.resolve(source, collector),
+        mesh: mesh.resolve(source.path(), collector),
+        material,
+        materials: mesh.materials(&material, element, collector),
+    }
+}
+
+/// `solid`: material and element of the study for both bodies.
 pub(super) fn rail(
     keys: &RailKeys,
-    (material, element): (&MaterialKeys, ElementKey),
+    solid: (&MaterialKeys, ElementKey),
     source: &Source,
     collector: &mut Collector,
 ) -> Option<Rail> {
@@ -41,50 +73,32 @@ pub(super) fn rail(
         }),
     };
     let inclination = collector.take(&["rail.inclination"], inclination);
-    let named = SurfaceKeys {
+    let named = Surface {
         section: "rail",
         names: &RAIL_NAMES,
         meaning: "Name of the standard section",
-        profile: keys.profile.as_deref(),
-        own: keys.section_file.as_deref(),
-        file: keys.profile_file.as_deref(),
-        part: keys.profile_part.as_deref(),
-        standard: keys.standard.as_deref(),
-        smoothing_mm: keys.profile_smoothing_mm,
-        aligned: keys.profile_aligned,
-        unit: keys.profile_unit,
-        mirrored: keys.profile_mirrored,
+        keys: &keys.surface,
     };
-    let section = match &keys.section_file {
-        Some(file) => named.own_section(file, source, collector).map(Some),
-        None => Some(None),
-    };
-    let surface = named.resolve(source, collector);
-    let mesh = MeshFileKeys {
-        section: "rail",
-        held_meaning: "the name in the mesh file of the nodes at the foot",
-        file: keys.mesh_file.as_deref(),
-        unit: keys.mesh_unit,
-        contact: keys.contact_surface.as_deref(),
-        held: keys.held_nodes.as_deref(),
-        materials: &keys.materials,
-    };
-    let material = keys.material.over(material).material();
-    let (mesh, materials) =
-        (mesh.resolve(source.path(), collector), mesh.materials(&material, element, collector));
+    let parts = parts(
+        &named,
+        (&keys.mesh, "the name in the mesh file of the nodes at the foot"),
+        solid,
+        source,
+        collector,
+    );
     let body = collector.take(&["rail.body", "rail.body.*"], rail_body(keys));
-    let (profile, measured) = surface?;
+    let (profile, measured) = parts.surface?;
     Some(Rail {
         profile,
         body: body?,
-        section: section?,
+        section: parts.section?,
         measured,
         inclination: inclination?,
-        inclination_given: keys.inclination.is_some() || keys.profile_file.is_none(),
+        inclination_given: keys.inclination.is_some() || keys.surface.profile_file.is_none(),
         length: keys.length_m,
-        mesh: mesh?,
-        material,
-        materials: materials?,
+        mesh: parts.mesh?,
+        material: parts.material,
+        materials: parts.materials?,
     })
 }
 
@@ -99,14 +113,14 @@ fn rail_body(keys: &RailKeys) -> Result<Option<RailBody>, InputError> {
         RailBodyKey::Dimensions(_) => "dimensions".into(),
     };
     let others = [
-        ("rail.standard", &keys.standard),
-        ("rail.profile", &keys.profile),
-        ("rail.section_file", &keys.section_file),
+        ("rail.standard", &keys.surface.standard),
+        ("rail.profile", &keys.surface.profile),
+        ("rail.section_file", &keys.surface.section_file),
     ];
     if let Some((other, _)) = others.iter().find(|(_, value)| value.is_some()) {
         return refuse(given, format!("either rail.body or {other}"), "both say what body it is: remove one");
     }
-    if keys.profile_file.is_none() {
+    if keys.surface.profile_file.is_none() {
         let remedy = "the key is the body under a measured head: give its file, or remove the key";
         return refuse(given, "rail.profile_file beside it".into(), remedy);
     }
@@ -150,29 +164,23 @@ fn rail_body(keys: &RailKeys) -> Result<Option<RailBody>, InputError> {
 /// As [`rail`].
 pub(super) fn wheel(
     keys: &WheelKeys,
-    (material, element): (&MaterialKeys, ElementKey),
+    solid: (&MaterialKeys, ElementKey),
     source: &Source,
     collector: &mut Collector,
 ) -> Option<Wheel> {
-    let named = SurfaceKeys {
+    let named = Surface {
         section: "wheel",
         names: &WHEEL_NAMES,
         meaning: "Name of the standard running profile",
-        profile: keys.profile.as_deref(),
-        own: keys.section_file.as_deref(),
-        file: keys.profile_file.as_deref(),
-        part: keys.profile_part.as_deref(),
-        standard: keys.standard.as_deref(),
-        smoothing_mm: keys.profile_smoothing_mm,
-        aligned: keys.profile_aligned,
-        unit: keys.profile_unit,
-        mirrored: keys.profile_mirrored,
+        keys: &keys.surface,
     };
-    let section = match &keys.section_file {
-        Some(file) => named.own_section(file, source, collector).map(Some),
-        None => Some(None),
-    };
-    let surface = named.resolve(source, collector);
+    let parts = parts(
+        &named,
+        (&keys.mesh, "the name in the mesh file of the nodes at the bore"),
+        solid,
+        source,
+        collector,
+    );
     let flange = Flange {
         height: keys.flange_height_mm * MILLIMETRE,
         thickness: keys.flange_thickness_mm * MILLIMETRE,
@@ -201,19 +209,7 @@ pub(super) fn wheel(
         web_thickness: keys.web_thickness_mm.map(|mm| mm * MILLIMETRE),
         ..WheelBody::default()
     };
-    let mesh = MeshFileKeys {
-        section: "wheel",
-        held_meaning: "the name in the mesh file of the nodes at the bore",
-        file: keys.mesh_file.as_deref(),
-        unit: keys.mesh_unit,
-        contact: keys.contact_surface.as_deref(),
-        held: keys.held_nodes.as_deref(),
-        materials: &keys.materials,
-    };
-    let material = keys.material.over(material).material();
-    let (mesh, materials) =
-        (mesh.resolve(source.path(), collector), mesh.materials(&material, element, collector));
-    let (profile, measured) = surface?;
+    let (profile, measured) = parts.surface?;
     if keys.body != WebKey::ConicalWeb {
         for key in ["wheel.web_hub_y_mm", "wheel.web_rim_y_mm"].into_iter().filter(|key| source.gives(key)) {
             let value = match key {
@@ -225,16 +221,18 @@ pub(super) fn wheel(
         }
     }
     let standard = profile.as_deref().unwrap_or(ANY_WHEEL);
-    if keys.section_file.is_some() {
+    if keys.surface.section_file.is_some() {
         refuse_beside_section(source, collector);
     } else if let Err(Error::Input(mistake)) = wheel_profile_with_flange(standard, &flange)
         .and_then(|running| wheel_section_on(running, standard, keys.tape_diameter_m, &body))
     {
         // A flange or a body that the standard cannot have.
-        collector.add(&["wheel.*"], translate(mistake, source, None));
+        collector.add(&["wheel.*"], source.with_keys(mistake));
     }
-    let section = section?;
-    if let (Some(mm), None, None) = (keys.tape_circle_mm, &keys.profile_file, &keys.section_file) {
+    let section = parts.section?;
+    if let (Some(mm), None, None) =
+        (keys.tape_circle_mm, &keys.surface.profile_file, &keys.surface.section_file)
+    {
         let mistake = InputError::new(
             "wheel.tape_circle_mm",
             mm,
@@ -251,10 +249,10 @@ pub(super) fn wheel(
         tape_diameter: keys.tape_diameter_m,
         flange,
         body,
-        body_given: keys.profile_file.is_none() || BODY_KEYS.iter().any(|key| source.gives(key)),
-        mesh: mesh?,
-        material,
-        materials: materials?,
+        body_given: keys.surface.profile_file.is_none() || BODY_KEYS.iter().any(|key| source.gives(key)),
+        mesh: parts.mesh?,
+        material: parts.material,
+        materials: parts.materials?,
     })
 }
 

@@ -1,4 +1,4 @@
-//! The table from the library's fields to the keys of the study, walked both ways.
+//! Fields of the libraries and keys of the study, walked both ways.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use railspring_profiles::error::InputError;
 use railspring_profiles::field::InputField;
 use serde_json::Value;
 
-use super::{TABLE, translate};
+use super::setters;
 use crate::study::{SECTIONS, Study, schema};
 
 /// Follows a reference, the optional alternative included.
@@ -16,38 +16,38 @@ fn followed<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
     of(schema).or(option).unwrap_or(schema)
 }
 
-fn in_schema(root: &Value, key: &str) -> bool {
-    let mut at = root;
-    for part in key.split('.') {
-        at = followed(root, at);
-        let next = if part == "*" { at.get("additionalProperties") } else { at["properties"].get(part) };
-        match next {
-            Some(next) => at = next,
-            None => return false,
-        }
-    }
-    true
-}
-
+/// Goal: every field of the libraries is set by a key or by the program, and no key sets a field that is none.
 #[test]
-fn every_field_is_in_the_table_once() {
-    let listed: Vec<InputField> = TABLE.iter().map(|(field, _)| *field).collect();
-    assert_eq!(listed, InputField::ALL);
+fn fields_are_set_by_keys_or_by_the_program() {
+    use InputField::{
+        Dissipation, LayerGrowth, ProfileKind, ProfilePart, ProfileUnit, RailZoneFaceDepth, RailZoneFieldY,
+        SectionGrowth, WheelZoneFaceDepth, WheelZoneFieldY,
+    };
+    let by_the_program = [
+        ProfilePart,
+        ProfileUnit,
+        ProfileKind,
+        LayerGrowth,
+        SectionGrowth,
+        RailZoneFaceDepth,
+        RailZoneFieldY,
+        WheelZoneFaceDepth,
+        WheelZoneFieldY,
+        Dissipation,
+    ];
+    let by_keys = |field: &InputField| setters().iter().any(|setter| setter.field == field.name());
+    let not_by_keys: Vec<InputField> =
+        InputField::ALL.iter().copied().filter(|field| !by_keys(field)).collect();
+    assert_eq!(not_by_keys, by_the_program);
     let mut names: Vec<&str> = InputField::ALL.iter().map(|field| field.name()).collect();
+    let unknown: Vec<&str> =
+        setters().iter().map(|setter| setter.field.as_str()).filter(|field| !names.contains(field)).collect();
+    assert_eq!(unknown, [""; 0]);
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), InputField::ALL.len(), "two fields with one name");
     let sections = names.iter().filter(|name| SECTIONS.contains(name) || **name == "name");
     assert_eq!(sections.count(), 0, "a field that a study could name");
-}
-
-#[test]
-fn every_key_of_the_table_is_in_the_schema() {
-    let schema = schema();
-    let unknown: Vec<&str> =
-        TABLE.iter().flat_map(|(_, keys)| *keys).copied().filter(|key| !in_schema(&schema, key)).collect();
-    assert_eq!(unknown, [""; 0]);
-    assert!(!in_schema(&schema, "track.shift_mm") && !in_schema(&schema, "scenario.*.speed"));
 }
 
 /// Sources that are a library: they name fields, never keys of a study.
@@ -115,7 +115,13 @@ fn errors_of_the_library_name_the_keys_that_the_study_gives() {
     );
 
     let study = parse("[scenario.s]\nlateral_force = {}\nvertical_force = {}\ntime_step_s = 1e-3\n");
-    let of = |field, scenario| translate(InputError::new(field, "v", "e", "r"), &study.source, scenario).key;
+    let of = |field, scenario| {
+        let error = InputError::new(field, "v", "e", "r");
+        match scenario {
+            Some(scenario) => study.source.with_keys_of(scenario, error).key,
+            None => study.source.with_keys(error).key,
+        }
+    };
     assert_eq!(of(InputField::TimeStep, Some("s")), "scenario.s.time_step_s");
     assert_eq!(of(InputField::Friction, Some("s")), "contact.friction", "the load case gives none");
     assert_eq!(of(InputField::TimeStep, None), "time_step", "left for the place that knows the load case");
