@@ -14,28 +14,55 @@ pub enum Cell {
     Text(String),
 }
 
-impl From<f64> for Cell {
-    fn from(value: f64) -> Self {
-        Self::Number(Some(value))
+impl Cell {
+    /// The cell of a row.
+    pub fn of<T, V: CellValue>(row: &T, value: fn(&T) -> V) -> Self {
+        value(row).into()
+    }
+
+    /// The value as a text; a number to the last bit, a whole one without a point.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Number(number) => number.map_or_else(String::new, |number| number.to_string()),
+            Self::Text(text) => text.clone(),
+        }
+    }
+
+    /// The number, if it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => *number,
+            Self::Text(_) => None,
+        }
     }
 }
 
-impl From<Option<f64>> for Cell {
-    fn from(value: Option<f64>) -> Self {
-        Self::Number(value)
-    }
+/// What the cells of a column are made from; a number that is not finite is none.
+pub trait CellValue: Into<Cell> {
+    /// What such a column holds.
+    const HOLDS: Holds;
 }
 
-impl From<&str> for Cell {
-    fn from(value: &str) -> Self {
-        Self::Text(value.into())
-    }
+/// A column's values by their type: what it holds, and the cell of a value.
+macro_rules! values {
+    ($($type:ty: $holds:ident, |$value:ident| $cell:expr;)*) => {$(
+        impl From<$type> for Cell {
+            fn from($value: $type) -> Self {
+                $cell
+            }
+        }
+
+        impl CellValue for $type {
+            const HOLDS: Holds = Holds::$holds;
+        }
+    )*};
 }
 
-impl From<String> for Cell {
-    fn from(value: String) -> Self {
-        Self::Text(value)
-    }
+values! {
+    f64: Number, |value| Some(value).into();
+    Option<f64>: NumberOrNone, |value| Self::Number(value.filter(|value| value.is_finite()));
+    &str: Text, |value| Self::Text(value.into());
+    String: Text, |value| Self::Text(value);
 }
 
 /// What a column holds.
@@ -47,6 +74,13 @@ pub enum Holds {
     NumberOrNone,
     /// A text.
     Text,
+}
+
+impl Holds {
+    /// What the values of a column are.
+    pub fn of<T, V: CellValue>(_: fn(&T) -> V) -> Self {
+        V::HOLDS
+    }
 }
 
 /// A column of rows that are made from a `T`.
@@ -61,6 +95,19 @@ pub struct Column<T> {
     pub value: fn(&T) -> Cell,
 }
 
+/// A table of columns: of each its name with its unit, what it means, and its value in a row of this type.
+macro_rules! columns {
+    ($row:ty: $($name:literal, $text:literal, |$at:ident| $value:expr;)*) => {
+        vec![$($crate::engine::columns::Column {
+            name: $name,
+            holds: $crate::engine::columns::Holds::of(|$at: &$row| $value),
+            text: $text,
+            value: |row| $crate::engine::columns::Cell::of(row, |$at: &$row| $value),
+        }),*]
+    };
+}
+pub(crate) use columns;
+
 /// The CSV file of rows, with the names of the columns first.
 pub fn csv<T>(columns: &[Column<T>], rows: &[T]) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
@@ -70,6 +117,13 @@ pub fn csv<T>(columns: &[Column<T>], rows: &[T]) -> Vec<u8> {
         })
     });
     written.expect("rows of numbers and texts are written to memory");
+    writer.into_inner().expect("memory has room")
+}
+
+/// Rows of texts as CSV; the first has the names of the columns.
+pub fn csv_of_texts<R: IntoIterator<Item: AsRef<[u8]>>>(rows: impl IntoIterator<Item = R>) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.into_iter().try_for_each(|row| writer.write_record(row)).expect("a row goes into memory");
     writer.into_inner().expect("memory has room")
 }
 

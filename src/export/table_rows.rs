@@ -1,6 +1,7 @@
 //! Rows of a `table.json`: which of them are exported, and the spring of each.
 
 use std::collections::BTreeSet;
+use std::iter::once;
 
 use railspring_calibrate::calibration::Reference;
 use railspring_calibrate::law::StiffnessLaw;
@@ -9,6 +10,7 @@ use railspring_profiles::units::MILLIMETRE;
 
 use super::format::{Format, files};
 use super::spring::{ExportFile, Spring, no_reference, range};
+use crate::engine::columns::csv_of_texts;
 use crate::results::by_angle::record::FixedLoadRecord;
 use crate::results::by_angle::record::ShiftRecord;
 use crate::results::springs::record::TangentRecord;
@@ -304,20 +306,15 @@ fn points(at: &ShiftRecord, reference: &str) -> Vec<TangentRecord> {
 /// What has become of the rows, as CSV: one line for each, with its folder and its files, or why it has none.
 pub fn index(entries: &[(ExportRow<'_>, std::result::Result<Vec<String>, String>)]) -> Vec<u8> {
     let columns = entries.first().map(|(row, _)| row.columns()).unwrap_or_default();
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let written = "a row goes into memory";
-    let names = columns.iter().map(String::as_str);
-    writer
-        .write_record(["row", "folder"].into_iter().chain(names).chain(["files", "reason"]))
-        .expect(written);
-    for (row, made) in entries {
+    let names =
+        ["row", "folder"].into_iter().chain(columns.iter().map(String::as_str)).chain(["files", "reason"]);
+    let cells = |(row, made): &(ExportRow<'_>, std::result::Result<Vec<String>, String>)| -> Vec<String> {
         let values = columns.iter().map(|column| row.value(column).unwrap_or_default());
         let (folder, files, reason) = match made {
             Ok(files) => (row.folder(), files.join(" "), String::new()),
             Err(reason) => (String::new(), String::new(), reason.clone()),
         };
-        let cells = [row.number.to_string(), folder].into_iter().chain(values).chain([files, reason]);
-        writer.write_record(cells).expect(written);
-    }
-    writer.into_inner().expect(written)
+        [row.number.to_string(), folder].into_iter().chain(values).chain([files, reason]).collect()
+    };
+    csv_of_texts(once(names.map(str::to_owned).collect()).chain(entries.iter().map(cells)))
 }

@@ -1,11 +1,13 @@
 //! What is different between a table and an earlier one.
 
 use std::collections::BTreeMap;
+use std::iter::once;
 use std::path::Path;
 
 use railspring_profiles::error::{InputError, Result};
 
 use super::rows::{INPUTS, Rows};
+use crate::engine::columns::{Cell, csv_of_texts};
 use crate::engine::output::read_text;
 
 /// A value that is another one now.
@@ -100,7 +102,7 @@ pub fn since(earlier: &Path, now: &Rows) -> Result<Changes> {
     }
     let mut changes = Changes { identity: identity.clone(), ..Changes::default() };
     for row in &now.rows {
-        let row: Vec<String> = row.iter().map(super::rows::Cell::text).collect();
+        let row: Vec<String> = row.iter().map(Cell::text).collect();
         let here = place(&in_new, &row);
         let Some(old) = before.remove(&here) else {
             changes.new.push(here);
@@ -145,25 +147,18 @@ fn relative(old: &str, new: &str) -> Option<f64> {
 impl Changes {
     /// The changes as CSV, a row for each value.
     pub fn csv(&self) -> Vec<u8> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let written = "a row goes into memory";
-        let columns = ["change", "column", "before", "now", "relative_change", "because"];
-        let header = self.identity.iter().map(String::as_str).chain(columns);
-        writer.write_record(header).expect(written);
-        let mut row = |place: &[String], rest: [&str; 6]| {
-            writer.write_record(place.iter().map(String::as_str).chain(rest)).expect(written);
+        let row = |place: &[String], rest: [&str; 6]| -> Vec<String> {
+            place.iter().cloned().chain(rest.map(str::to_owned)).collect()
         };
-        for place in &self.new {
-            row(place, ["new place", "", "", "", "", ""]);
-        }
-        for place in &self.gone {
-            row(place, ["place is gone", "", "", "", "", ""]);
-        }
-        for Changed { place, column, values: [old, new], relative, because } in &self.changed {
-            let relative = relative.map_or_else(String::new, |relative| relative.to_string());
-            row(place, ["value", column, old, new, &relative, because]);
-        }
-        writer.into_inner().expect(written)
+        let header = ["change", "column", "before", "now", "relative_change", "because"];
+        let new = self.new.iter().map(|place| row(place, ["new place", "", "", "", "", ""]));
+        let gone = self.gone.iter().map(|place| row(place, ["place is gone", "", "", "", "", ""]));
+        let changed =
+            self.changed.iter().map(|Changed { place, column, values: [old, new], relative, because }| {
+                let relative = relative.map_or_else(String::new, |relative| relative.to_string());
+                row(place, ["value", column, old, new, &relative, because])
+            });
+        csv_of_texts(once(row(&self.identity, header)).chain(new).chain(gone).chain(changed))
     }
 
     /// The changes in a few lines: how many there are, and the largest.

@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
 
-use super::rows::{Cell, Rows, Status};
+use super::rows::{Rows, Status};
+use crate::engine::columns::Cell;
 use crate::report::accessible::inline;
 use crate::report::html;
 use crate::report::number::{WIDTH, number};

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
+use std::iter::once;
 
 use railspring_profiles::units::MILLIMETRE;
 use serde::{Deserialize, Serialize};
@@ -10,6 +11,7 @@ use serde_json::Value;
 use super::cases::{Case, Table};
 use super::making::PlaceRecord;
 use super::places::Place;
+use crate::engine::columns::{Cell, csv_of_texts};
 use crate::results::by_angle::record::{AngleLawRecord, FixedLoadRecord};
 
 /// Columns that say which place a row is of; the varied keys come after them.
@@ -67,55 +69,6 @@ impl Status {
     }
 }
 
-/// A value of a row.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Cell {
-    /// Nothing.
-    Empty(()),
-    /// A number.
-    Number(f64),
-    /// A text.
-    Text(String),
-}
-
-impl Cell {
-    /// The value as `table.csv` has it: numbers to the last bit.
-    pub fn text(&self) -> String {
-        match self {
-            Self::Empty(()) => String::new(),
-            Self::Number(number) => number.to_string(),
-            Self::Text(text) => text.clone(),
-        }
-    }
-
-    /// The number, if it is one.
-    pub fn number(&self) -> Option<f64> {
-        match self {
-            Self::Number(number) => Some(*number),
-            _ => None,
-        }
-    }
-}
-
-impl From<f64> for Cell {
-    fn from(number: f64) -> Self {
-        if number.is_finite() { Self::Number(number) } else { Self::Empty(()) }
-    }
-}
-
-impl From<Option<f64>> for Cell {
-    fn from(number: Option<f64>) -> Self {
-        number.map_or(Self::Empty(()), Self::from)
-    }
-}
-
-impl From<&str> for Cell {
-    fn from(text: &str) -> Self {
-        Self::Text(text.into())
-    }
-}
-
 impl From<&Value> for Cell {
     fn from(value: &Value) -> Self {
         match value {
@@ -165,13 +118,8 @@ impl Rows {
 
     /// The rows as CSV.
     pub fn csv(&self) -> Vec<u8> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let written = "a row goes into memory";
-        writer.write_record(&self.columns).expect(written);
-        for row in &self.rows {
-            writer.write_record(row.iter().map(Cell::text)).expect(written);
-        }
-        writer.into_inner().expect(written)
+        let rows = self.rows.iter().map(|row| row.iter().map(Cell::text).collect());
+        csv_of_texts(once(self.columns.clone()).chain(rows))
     }
 }
 
@@ -218,7 +166,7 @@ impl Row {
         ];
         IDENTITY.into_iter().zip(values).for_each(|(name, value)| self.put(name, value));
         for key in varied {
-            self.put(key.replace('.', "_"), case.varied.get(*key).map_or(Cell::Empty(()), Cell::from));
+            self.put(key.replace('.', "_"), case.varied.get(*key).map_or(Cell::Number(None), Cell::from));
         }
     }
 
@@ -234,7 +182,7 @@ impl Row {
 
     fn law(&mut self, in_use: Option<&AngleLawRecord>) {
         let law = in_use.map(|entry| entry.law);
-        self.put("reference", in_use.map_or(Cell::Empty(()), |entry| entry.reference.as_str().into()));
+        self.put("reference", in_use.map_or(Cell::Number(None), |entry| entry.reference.as_str().into()));
         self.put("a_kn_per_m", law.map(|law| law.constants.a_kn_per_m));
         self.put("b_kn_per_m", law.map(|law| law.constants.b_kn_per_m));
         self.put("c", law.map(|law| law.constants.c));

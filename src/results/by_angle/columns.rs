@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::record::{
     AngleLawRecord, FixedLoadRecord, FixedReferenceRecord, ShiftRecord, StiffnessByAngleRecord,
 };
-use crate::engine::columns::{Cell, Column, Holds, csv, schema};
+use crate::engine::columns::{Column, columns, csv, schema};
 use crate::results::springs::band_record::BandPointRecord;
 
 /// What a row is of.
@@ -26,208 +26,69 @@ impl<'a> At<'a> {
 
 /// The columns, in their order.
 fn columns<'a>() -> Vec<Column<At<'a>>> {
-    use Holds::{Number, NumberOrNone, Text};
-    let column = |name, holds, text, value| Column { name, holds, text, value };
-    vec![
-        column(
-            "shift_mm",
-            Number,
-            "Lateral shift of the wheelset, mm, as `track.lateral_shift_mm`",
-            |at: &At<'a>| Cell::from(at.shift.shift_mm),
-        ),
-        column(
-            "contact_angle_deg",
-            NumberOrNone,
-            "Contact angle at the first touch, degrees; none where the wheel misses the rail",
-            |at: &At<'a>| Cell::from(at.shift.angle()),
-        ),
-        column(
-            "rail_y_mm",
-            NumberOrNone,
-            "First touch on the rail, rail profile frame, lateral, mm",
-            |at: &At<'a>| Cell::from(at.shift.touch.map(|touch| touch.rail_y_mm)),
-        ),
-        column("rail_z_mm", NumberOrNone, "The same, vertical, mm", |at: &At<'a>| {
-            Cell::from(at.shift.touch.map(|touch| touch.rail_z_mm))
-        }),
-        column(
-            "wheel_y_mm",
-            NumberOrNone,
-            "First touch on the wheel, wheel profile frame, lateral, mm",
-            |at: &At<'a>| Cell::from(at.shift.touch.map(|touch| touch.wheel_y_mm)),
-        ),
-        column("wheel_z_mm", NumberOrNone, "The same, vertical, mm", |at: &At<'a>| {
-            Cell::from(at.shift.touch.map(|touch| touch.wheel_z_mm))
-        }),
-        column(
-            "reference",
-            Text,
-            "What the displacement is measured against: `foot`, `beam` or `local`; empty where there is no law",
-            |at: &At<'a>| Cell::from(at.law.map_or("", |law| &law.reference)),
-        ),
-        column(
-            "force_kn",
-            NumberOrNone,
-            "Load along the contact normal, kN; none where no fixed load lies in the range of the law",
-            |at: &At<'a>| Cell::from(at.load.map(|load| load.force_kn)),
-        ),
-        column("displacement_mm", NumberOrNone, "Displacement of the solid, mm", |at: &At<'a>| {
-            Cell::from(at.point.map(|point| point.displacement_mm))
-        }),
-        column("tangent_kn_per_m", NumberOrNone, "Tangent stiffness of the solid, kN/m", |at: &At<'a>| {
-            Cell::from(at.point.map(|point| point.tangent_kn_per_m))
-        }),
-        column(
-            "displacement_rel_error_band",
-            NumberOrNone,
-            "Half width of the error band of the displacement, relative",
-            |at: &At<'a>| Cell::from(at.band().and_then(|band| band.displacement)),
-        ),
-        column(
-            "tangent_rel_error_band",
-            NumberOrNone,
-            "Half width of the error band of the tangent, relative",
-            |at: &At<'a>| Cell::from(at.band().and_then(|band| band.tangent)),
-        ),
-        column(
-            "grid_displacement_rel_change",
-            NumberOrNone,
-            "Change of the displacement with a contact grid of half the spacing, relative",
-            |at: &At<'a>| Cell::from(at.band().and_then(|band| band.grid_displacement)),
-        ),
-        column("grid_tangent_rel_change", NumberOrNone, "The same of the tangent", |at: &At<'a>| {
-            Cell::from(at.band().and_then(|band| band.grid_tangent))
-        }),
-        column(
-            "mesh_displacement_rel_change",
-            NumberOrNone,
-            "Change of the displacement from the coarser meshes to these, relative",
-            |at: &At<'a>| Cell::from(at.band().and_then(|band| band.mesh_displacement)),
-        ),
-        column("mesh_tangent_rel_change", NumberOrNone, "The same of the tangent", |at: &At<'a>| {
-            Cell::from(at.band().and_then(|band| band.mesh_tangent))
-        }),
-        column(
-            "scatter_displacement_rel_uncertainty",
-            NumberOrNone,
-            "Uncertainty of the displacement by the scatter of measured profiles, relative",
-            |at: &At<'a>| Cell::from(at.band().and_then(|band| band.scatter_displacement)),
-        ),
-        column("scatter_tangent_rel_uncertainty", NumberOrNone, "The same of the tangent", |at: &At<'a>| {
-            Cell::from(at.band().and_then(|band| band.scatter_tangent))
-        }),
-        column(
-            "horizontal_kn_per_m",
-            NumberOrNone,
-            "Lateral stiffness of the sticking wheel against the rail's section, the vertical force constant, kN/m",
-            |at: &At<'a>| Cell::from(at.load.map(|load| load.horizontal_kn_per_m)),
-        ),
-        column(
-            "tangential_kn_per_m",
-            NumberOrNone,
-            "The same across the contact normal, the force along it constant, kN/m",
-            |at: &At<'a>| Cell::from(at.load.map(|load| load.tangential_kn_per_m)),
-        ),
-        column(
-            "lateral_contact_um_per_kn",
-            NumberOrNone,
-            "Part of the lateral compliance that lies in the contact itself, µm/kN",
-            |at: &At<'a>| Cell::from(at.load.and_then(|load| load.lateral_contact_um_per_kn)),
-        ),
-        column("contact_area_mm2", NumberOrNone, "Contact area, mm²", |at: &At<'a>| {
-            Cell::from(at.load.map(|load| load.contact_area_mm2))
-        }),
-        column("max_pressure_mpa", NumberOrNone, "Largest pressure, MPa", |at: &At<'a>| {
-            Cell::from(at.load.map(|load| load.max_pressure_mpa))
-        }),
-        column(
-            "semi_axis_along_mm",
-            NumberOrNone,
-            "Semi-axis of the patch along the track, mm",
-            |at: &At<'a>| Cell::from(at.load.map(|load| load.semi_axis_along_mm)),
-        ),
-        column("semi_axis_across_mm", NumberOrNone, "Semi-axis of the patch across, mm", |at: &At<'a>| {
-            Cell::from(at.load.map(|load| load.semi_axis_across_mm))
-        }),
-        column(
-            "max_von_mises_mpa",
-            NumberOrNone,
-            "Largest von Mises stress below the patch, MPa; none for a contact between elements",
-            |at: &At<'a>| Cell::from(at.load.and_then(|load| load.max_von_mises_mpa)),
-        ),
-        column("von_mises_depth_mm", NumberOrNone, "Its depth, mm", |at: &At<'a>| {
-            Cell::from(at.load.and_then(|load| load.von_mises_depth_mm))
-        }),
-        column(
-            "max_shear_mpa",
-            NumberOrNone,
-            "Largest shear stress below the patch, MPa; none for a contact between elements",
-            |at: &At<'a>| Cell::from(at.load.and_then(|load| load.max_shear_mpa)),
-        ),
-        column("shear_depth_mm", NumberOrNone, "Its depth, mm", |at: &At<'a>| {
-            Cell::from(at.load.and_then(|load| load.shear_depth_mm))
-        }),
-        column(
-            "local_um_per_kn",
-            NumberOrNone,
-            "Part of the tangent compliance in the contact itself, µm/kN",
-            |at: &At<'a>| Cell::from(at.point.map(|point| point.local_um_per_kn)),
-        ),
-        column(
-            "wheel_um_per_kn",
-            NumberOrNone,
-            "Part of the wheel body, µm/kN; none in `local`",
-            |at: &At<'a>| Cell::from(at.point.and_then(|point| point.wheel_um_per_kn)),
-        ),
-        column(
-            "rail_um_per_kn",
-            NumberOrNone,
-            "Part of the rail body, µm/kN; none in `local`",
-            |at: &At<'a>| Cell::from(at.point.and_then(|point| point.rail_um_per_kn)),
-        ),
-        column(
-            "sliding_um_per_kn",
-            NumberOrNone,
-            "Part of the friction of points that slide, µm/kN; none in `local`",
-            |at: &At<'a>| Cell::from(at.point.and_then(|point| point.sliding_um_per_kn)),
-        ),
-        column("law_a_kn_per_m", NumberOrNone, "Constant a of the law, kN/m", |at: &At<'a>| {
-            Cell::from(at.law.map(|law| law.law.constants.a_kn_per_m))
-        }),
-        column("law_b_kn_per_m", NumberOrNone, "Constant b of the law, kN/m", |at: &At<'a>| {
-            Cell::from(at.law.map(|law| law.law.constants.b_kn_per_m))
-        }),
-        column("law_c", NumberOrNone, "Exponent c of the law", |at: &At<'a>| {
-            Cell::from(at.law.map(|law| law.law.constants.c))
-        }),
-        column("law_from_kn", NumberOrNone, "Smallest load of the fit, kN", |at: &At<'a>| {
-            Cell::from(at.law.map(|law| law.law.range_kn[0]))
-        }),
-        column("law_to_kn", NumberOrNone, "Largest load of the fit, kN", |at: &At<'a>| {
-            Cell::from(at.law.map(|law| law.law.range_kn[1]))
-        }),
-        column(
-            "law_max_rel_error",
-            NumberOrNone,
-            "Largest difference of the law from the tangents of the solid, relative",
-            |at: &At<'a>| Cell::from(at.law.map(|law| law.law.max_rel_error)),
-        ),
-        column(
-            "published_secant_ratio",
-            NumberOrNone,
-            "Secant stiffness against the held foot from 20 to 120 kN over that of the published law",
-            |at: &At<'a>| Cell::from(at.shift.published_secant_ratio),
-        ),
-        column("error_band_missing", Text, "Why parts of the error band are missing", |at: &At<'a>| {
-            Cell::from(at.shift.error_band.as_ref().map(|band| band.missing.join("; ")).unwrap_or_default())
-        }),
-        column(
-            "reason",
-            Text,
-            "Why there is no law, or why it ends before the largest load",
-            |at: &At<'a>| Cell::from(at.shift.reason.clone().unwrap_or_default()),
-        ),
-    ]
+    columns! { At<'a>:
+        "shift_mm", "Lateral shift of the wheelset, mm, as `track.lateral_shift_mm`", |at| at.shift.shift_mm;
+        "contact_angle_deg", "Contact angle at the first touch, degrees; none where the wheel misses the rail",
+            |at| at.shift.angle();
+        "rail_y_mm", "First touch on the rail, rail profile frame, lateral, mm", |at| Some(at.shift.touch?.rail_y_mm);
+        "rail_z_mm", "The same, vertical, mm", |at| Some(at.shift.touch?.rail_z_mm);
+        "wheel_y_mm", "First touch on the wheel, wheel profile frame, lateral, mm",
+            |at| Some(at.shift.touch?.wheel_y_mm);
+        "wheel_z_mm", "The same, vertical, mm", |at| Some(at.shift.touch?.wheel_z_mm);
+        "reference", "What the displacement is measured against: `foot`, `beam` or `local`; empty where there is no law",
+            |at| at.law.map_or("", |law| &law.reference);
+        "force_kn", "Load along the contact normal, kN; none where no fixed load lies in the range of the law",
+            |at| Some(at.load?.force_kn);
+        "displacement_mm", "Displacement of the solid, mm", |at| Some(at.point?.displacement_mm);
+        "tangent_kn_per_m", "Tangent stiffness of the solid, kN/m", |at| Some(at.point?.tangent_kn_per_m);
+        "displacement_rel_error_band", "Half width of the error band of the displacement, relative",
+            |at| at.band()?.displacement;
+        "tangent_rel_error_band", "Half width of the error band of the tangent, relative", |at| at.band()?.tangent;
+        "grid_displacement_rel_change", "Change of the displacement with a contact grid of half the spacing, relative",
+            |at| at.band()?.grid_displacement;
+        "grid_tangent_rel_change", "The same of the tangent", |at| at.band()?.grid_tangent;
+        "mesh_displacement_rel_change", "Change of the displacement from the coarser meshes to these, relative",
+            |at| at.band()?.mesh_displacement;
+        "mesh_tangent_rel_change", "The same of the tangent", |at| at.band()?.mesh_tangent;
+        "scatter_displacement_rel_uncertainty", "Uncertainty of the displacement by the scatter of measured profiles, relative",
+            |at| at.band()?.scatter_displacement;
+        "scatter_tangent_rel_uncertainty", "The same of the tangent", |at| at.band()?.scatter_tangent;
+        "horizontal_kn_per_m", "Lateral stiffness of the sticking wheel against the rail's section, the vertical force constant, kN/m",
+            |at| Some(at.load?.horizontal_kn_per_m);
+        "tangential_kn_per_m", "The same across the contact normal, the force along it constant, kN/m",
+            |at| Some(at.load?.tangential_kn_per_m);
+        "lateral_contact_um_per_kn", "Part of the lateral compliance that lies in the contact itself, µm/kN",
+            |at| at.load?.lateral_contact_um_per_kn;
+        "contact_area_mm2", "Contact area, mm²", |at| Some(at.load?.contact_area_mm2);
+        "max_pressure_mpa", "Largest pressure, MPa", |at| Some(at.load?.max_pressure_mpa);
+        "semi_axis_along_mm", "Semi-axis of the patch along the track, mm", |at| Some(at.load?.semi_axis_along_mm);
+        "semi_axis_across_mm", "Semi-axis of the patch across, mm", |at| Some(at.load?.semi_axis_across_mm);
+        "max_von_mises_mpa", "Largest von Mises stress below the patch, MPa; none for a contact between elements",
+            |at| at.load?.max_von_mises_mpa;
+        "von_mises_depth_mm", "Its depth, mm", |at| at.load?.von_mises_depth_mm;
+        "max_shear_mpa", "Largest shear stress below the patch, MPa; none for a contact between elements",
+            |at| at.load?.max_shear_mpa;
+        "shear_depth_mm", "Its depth, mm", |at| at.load?.shear_depth_mm;
+        "local_um_per_kn", "Part of the tangent compliance in the contact itself, µm/kN",
+            |at| Some(at.point?.local_um_per_kn);
+        "wheel_um_per_kn", "Part of the wheel body, µm/kN; none in `local`", |at| at.point?.wheel_um_per_kn;
+        "rail_um_per_kn", "Part of the rail body, µm/kN; none in `local`", |at| at.point?.rail_um_per_kn;
+        "sliding_um_per_kn", "Part of the friction of points that slide, µm/kN; none in `local`",
+            |at| at.point?.sliding_um_per_kn;
+        "law_a_kn_per_m", "Constant a of the law, kN/m", |at| Some(at.law?.law.constants.a_kn_per_m);
+        "law_b_kn_per_m", "Constant b of the law, kN/m", |at| Some(at.law?.law.constants.b_kn_per_m);
+        "law_c", "Exponent c of the law", |at| Some(at.law?.law.constants.c);
+        "law_from_kn", "Smallest load of the fit, kN", |at| Some(at.law?.law.range_kn[0]);
+        "law_to_kn", "Largest load of the fit, kN", |at| Some(at.law?.law.range_kn[1]);
+        "law_max_rel_error", "Largest difference of the law from the tangents of the solid, relative",
+            |at| Some(at.law?.law.max_rel_error);
+        "published_secant_ratio", "Secant stiffness against the held foot from 20 to 120 kN over that of the published law",
+            |at| at.shift.published_secant_ratio;
+        "error_band_missing", "Why parts of the error band are missing",
+            |at| at.shift.error_band.as_ref().map(|band| band.missing.join("; ")).unwrap_or_default();
+        "reason", "Why there is no law, or why it ends before the largest load",
+            |at| at.shift.reason.clone().unwrap_or_default();
+    }
 }
 
 /// The file.
